@@ -1,0 +1,169 @@
+#include <cmath>
+
+#include "numpy.hpp"
+#include "robsim/imaging/frame.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+PlaneMap plane_map_from(py::handle matrix) {
+  const Doubles m = doubles_from(matrix, "matrix", Shape{3, 3}, "a homography, shape (3, 3)");
+  PlaneMap::Matrix values;
+  std::copy_n(m.data(), 9, values.begin());
+  return PlaneMap(values);
+}
+
+std::string repr(const PlaneMap& plane_map) {
+  const PlaneMap::Matrix& m = plane_map.matrix();
+  if (m == PlaneMap().matrix()) return "PlaneMap()";
+  const py::object rows = to_array(m.data(), {3, 3}).attr("tolist")();
+  return "PlaneMap(" + py::repr(rows).cast<std::string>() + ")";
+}
+
+// Maps one point (2,) or many (N, 2).
+template <typename Map>
+py::array_t<double> map_points(py::handle value, const std::string& name, const Map& map) {
+  const std::string expected = "a point (2,) or points (N, 2)";
+  const Doubles points = doubles_from(value, name, std::nullopt, expected);
+  const py::ssize_t dimensions = points.ndim();
+  if (dimensions < 1 || dimensions > 2 || points.shape(dimensions - 1) != 2) {
+    throw py::value_error(name + " must be " + expected + ", got " + describe(value));
+  }
+  py::array_t<double> result(Shape(points.shape(), points.shape() + points.ndim()));
+  const double* from = points.data();
+  double* to = result.mutable_data();
+  for (py::ssize_t i = 0; i < points.size(); i += 2) {
+    const Point p = map(Point{from[i], from[i + 1]});
+    to[i] = p.x;
+    to[i + 1] = p.y;
+  }
+  return result;
+}
+
+}  // namespace
+
+void bind_imaging(py::module_& module) {
+  py::class_<PlaneMap>(module, "PlaneMap", R"(
+Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
+
+Parameters
+----------
+matrix : array (3, 3), optional
+    Homography that takes (u, v, 1) to (x, y, 1) times a number. Default: the identity.
+
+Raises
+------
+ValueError
+    If the matrix is not finite or has no inverse.
+)")
+      .def(py::init<>())
+      .def(py::init(&plane_map_from), py::arg("matrix"))
+      .def_static(
+          "scaled",
+          [](std::pair<int, int> camera, std::pair<double, double> area) {
+            if (camera.first < 1 || camera.second < 1) {
+              throw py::value_error("camera must be (width, height) in px, both above 0");
+            }
+            for (const double size : {area.first, area.second}) {
+              if (!(size > 1e-3 && size < 1e9)) {
+                throw py::value_error("area must be (width, height) in work-area px, both above 0");
+              }
+            }
+            return PlaneMap::scaled(camera.first, camera.second, area.first, area.second);
+          },
+          py::arg("camera"), py::arg("area"), R"(
+Return the map of a camera that sees the whole area.
+
+Parameters
+----------
+camera : tuple of int
+    Width and height of the frame (px).
+area : tuple of float
+    Width and height of the area (work-area px).
+)")
+      .def_property_readonly(
+          "matrix", [](const PlaneMap& self) { return to_array(self.matrix().data(), {3, 3}); },
+          "array (3, 3): the homography from pixels to the work area.")
+      .def(
+          "to_world",
+          [](const PlaneMap& self, const py::object& pixels) {
+            return map_points(pixels, "pixels", [&](const Point& p) { return self.to_world(p); });
+          },
+          py::arg("pixels"), R"(
+Return the places of pixels.
+
+Parameters
+----------
+pixels : array (2,) or (N, 2)
+    Pixels (u, v).
+
+Returns
+-------
+array (2,) or (N, 2)
+    Places (x, y) in work-area px.
+)")
+      .def(
+          "to_pixel",
+          [](const PlaneMap& self, const py::object& places) {
+            return map_points(places, "places", [&](const Point& p) { return self.to_pixel(p); });
+          },
+          py::arg("places"), R"(
+Return the pixels of places.
+
+Parameters
+----------
+places : array (2,) or (N, 2)
+    Places (x, y) in work-area px.
+
+Returns
+-------
+array (2,) or (N, 2)
+    Pixels (u, v).
+)")
+      .def("__repr__", &repr);
+
+  py::class_<Frame>(module, "Frame", R"(
+A camera image with its time: all that the robot half gets to know of the world.
+
+Parameters
+----------
+image : array (H, W, 3) of uint8
+    RGB pixels; they are copied.
+t : float
+    Time (s).
+index : int
+    Number of the frame.
+plane_map : PlaneMap, optional
+    Pixels to work area. Default: the identity.
+)")
+      .def(py::init([](const py::object& image, double t, std::int64_t index,
+                       const PlaneMap& plane_map) {
+             if (!std::isfinite(t)) throw py::value_error("t must be finite (s)");
+             if (index < 0) throw py::value_error("index must be at least 0");
+             return Frame{copy_of(image_view(image, "image")), t, index, plane_map};
+           }),
+           py::arg("image"), py::kw_only(), py::arg("t") = 0.0, py::arg("index") = 0,
+           py::arg("plane_map") = PlaneMap())
+      .def_property_readonly(
+          "image", [](const Frame& self) { return image_array(self.image); },
+          "array (H, W, 3) of uint8: RGB, read-only, never overwritten while you hold it.")
+      .def_readonly("t", &Frame::t, "float: time (s).")
+      .def_readonly("index", &Frame::index, "int: number of the frame.")
+      .def_readonly("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area.")
+      .def(
+          "_repr_png_",
+          [](const Frame& self) -> py::bytes {
+            // The core knows no codecs: the package's own one does it.
+            return py::module_::import("robsim.pictures")
+                .attr("png_bytes")(image_array(self.image));
+          },
+          "Return the image as a PNG file: a frame shows itself in a notebook.")
+      .def("__repr__", [](const Frame& self) {
+        return "<Frame " + std::to_string(self.index) + ": " + std::to_string(self.image.width()) +
+               " x " + std::to_string(self.image.height()) +
+               " px, t = " + py::str(py::float_(self.t)).cast<std::string>() + " s>";
+      });
+}

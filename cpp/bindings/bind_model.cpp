@@ -1,0 +1,211 @@
+#include <pybind11/stl.h>
+
+#include "numpy.hpp"
+#include "robsim/model/robot_model.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+std::pair<double, double> pair_of(const std::array<double, 2>& values) {
+  return {values[0], values[1]};
+}
+
+RobotParameters parameters_from(double mass, double inertia, double linear_friction,
+                                double angular_friction, double wheel_radius, double wheel_base,
+                                const py::object& motor_gain, const py::object& motor_offset,
+                                double dt) {
+  const auto pair = [](const py::object& value, const std::string& name) {
+    const Doubles two =
+        doubles_from(value, name, Shape{2}, "two numbers, for the left and the right motor");
+    return std::array<double, 2>{two.at(0), two.at(1)};
+  };
+  const RobotParameters parameters{mass,
+                                   inertia,
+                                   linear_friction,
+                                   angular_friction,
+                                   wheel_radius,
+                                   wheel_base,
+                                   pair(motor_gain, "motor_gain"),
+                                   pair(motor_offset, "motor_offset"),
+                                   dt};
+  check_parameters(parameters);
+  return parameters;
+}
+
+std::string repr(const RobotParameters& p) {
+  const auto text = [](const auto& value) {
+    return py::repr(py::cast(value)).template cast<std::string>();
+  };
+  return "RobotParameters(mass=" + text(p.mass) + ", inertia=" + text(p.inertia) +
+         ", linear_friction=" + text(p.linear_friction) +
+         ", angular_friction=" + text(p.angular_friction) +
+         ", wheel_radius=" + text(p.wheel_radius) + ", wheel_base=" + text(p.wheel_base) +
+         ", motor_gain=" + text(pair_of(p.motor_gain)) +
+         ", motor_offset=" + text(pair_of(p.motor_offset)) + ", dt=" + text(p.dt) + ")";
+}
+
+// The samples of an unbroken record of N poses: N - 2 regressors and outputs.
+using Arrays = py::typing::Tuple<py::array_t<double>, py::array_t<double>>;
+
+Arrays samples_of(py::handle poses_value, py::handle u_value) {
+  const Doubles poses = doubles_from(poses_value, "poses", Shape{-1, 3}, "poses, shape (N, 3)");
+  const py::ssize_t n = poses.shape(0);
+  const Doubles u = doubles_from(u_value, "u", Shape{n, 2}, "one input a pose, shape (N, 2)");
+  const py::ssize_t count = std::max<py::ssize_t>(n - 2, 0);
+  py::array_t<double> phi({count, py::ssize_t{3}, py::ssize_t{5}});
+  py::array_t<double> y({count, py::ssize_t{3}});
+  const auto pose = [&](py::ssize_t k) {
+    return Pose{poses.at(k, 0), poses.at(k, 1), wrap_angle(poses.at(k, 2))};
+  };
+  for (py::ssize_t k = 2; k < n; ++k) {
+    const Input input{u.at(k - 1, 0), u.at(k - 1, 1)};
+    const Regression sample = regression(pose(k), pose(k - 1), pose(k - 2), input);
+    std::copy_n(sample.phi.data(), 15, phi.mutable_data(k - 2));
+    std::copy_n(sample.y.data(), 3, y.mutable_data(k - 2));
+  }
+  return Arrays(py::make_tuple(phi, y));
+}
+
+void bind_parameters(py::module_& module) {
+  const RobotParameters defaults;
+  py::class_<RobotParameters>(module, "RobotParameters", R"(
+The physical robot; the defaults are those of the original program.
+
+Parameters
+----------
+mass : float
+    Mass m (kg).
+inertia : float
+    Moment of inertia I (kg m^2).
+linear_friction, angular_friction : float
+    Viscous friction Fv (N s/m) and Fw (N m s/rad).
+wheel_radius, wheel_base : float
+    Wheel radius r and distance of the wheels L (m).
+motor_gain : tuple of two floats
+    Torque per voltage alpha of the left and the right motor (N m/V).
+motor_offset : tuple of two floats
+    Torque at 0 V beta of the left and the right motor (N m).
+dt : float
+    Sample time T (s).
+
+Raises
+------
+ValueError
+    If a value is not physical; the sentence says which one and why.
+)")
+      .def(py::init(&parameters_from), py::kw_only(), py::arg("mass") = defaults.mass,
+           py::arg("inertia") = defaults.inertia,
+           py::arg("linear_friction") = defaults.linear_friction,
+           py::arg("angular_friction") = defaults.angular_friction,
+           py::arg("wheel_radius") = defaults.wheel_radius,
+           py::arg("wheel_base") = defaults.wheel_base,
+           py::arg("motor_gain") = pair_of(defaults.motor_gain),
+           py::arg("motor_offset") = pair_of(defaults.motor_offset), py::arg("dt") = defaults.dt)
+      .def_readonly("mass", &RobotParameters::mass)
+      .def_readonly("inertia", &RobotParameters::inertia)
+      .def_readonly("linear_friction", &RobotParameters::linear_friction)
+      .def_readonly("angular_friction", &RobotParameters::angular_friction)
+      .def_readonly("wheel_radius", &RobotParameters::wheel_radius)
+      .def_readonly("wheel_base", &RobotParameters::wheel_base)
+      .def_property_readonly("motor_gain",
+                             [](const RobotParameters& p) { return pair_of(p.motor_gain); })
+      .def_property_readonly("motor_offset",
+                             [](const RobotParameters& p) { return pair_of(p.motor_offset); })
+      .def_readonly("dt", &RobotParameters::dt)
+      .def("__repr__", &repr);
+}
+
+}  // namespace
+
+void bind_model(py::module_& module) {
+  bind_parameters(module);
+
+  py::class_<RobotModel>(module, "RobotModel", R"(
+One-step predictor of a differential-drive robot, linear in its 15 parameters.
+
+Per axis: x(k) = a1 x(k-1) + a2 x(k-2) + (b1 u1(k-1) + b2 u2(k-1) + d1) cos heading(k-1), with sin
+for y and 1 for the heading. Nothing in the equations forbids the robot to slide sideways.
+
+Parameters
+----------
+parameters : RobotParameters, optional
+    The physical robot.
+
+Raises
+------
+ValueError
+    If the predictor would be unstable: a1 must lie between 0 and 2.
+
+Notes
+-----
+Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only
+Robots, IEEE Trans. SMC A 30(4), 2000.
+)")
+      .def(py::init<const RobotParameters&>(), py::arg("parameters") = RobotParameters())
+      .def_static(
+          "from_theta",
+          [](const py::object& theta, double dt) {
+            return RobotModel(axis_matrix_from(theta, "theta"), dt);
+          },
+          py::arg("theta"), py::kw_only(), py::arg("dt") = RobotParameters().dt, R"(
+Return the model with these predictor parameters.
+
+Parameters
+----------
+theta : array (3, 5)
+    Rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
+dt : float
+    Sample time (s).
+)")
+      .def_property_readonly(
+          "theta", [](const RobotModel& self) { return to_array(self.theta()); },
+          "array (3, 5): rows X, Y, P (heading), columns a1, a2, b1, b2, d1.")
+      .def_property_readonly("dt", &RobotModel::dt, "float: sample time (s).")
+      .def(
+          "predict",
+          [](const RobotModel& self, const py::object& last, const py::object& before,
+             const py::object& u) {
+            return to_array(self.predict(pose_from(last, "last"), pose_from(before, "before"),
+                                         input_from(u, "u")));
+          },
+          py::arg("last"), py::arg("before"), py::arg("u"), R"(
+Return the pose of step k.
+
+Parameters
+----------
+last, before : array (3,)
+    Poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
+u : array (2,)
+    Input of step k-1 (V).
+
+Returns
+-------
+array (3,)
+    The pose, its heading in (-pi, pi].
+)")
+      .def("__repr__", [](const RobotModel& self) {
+        return "<RobotModel: dt = " + py::repr(py::float_(self.dt())).cast<std::string>() +
+               " s, theta =\n" + py::str(to_array(self.theta())).cast<std::string>() + ">";
+      });
+
+  module.def("regression_samples", &samples_of, py::arg("poses"), py::arg("u"), R"(
+Return the samples of the robot model's predictor in an unbroken record.
+
+Parameters
+----------
+poses : array (N, 3)
+    Poses of N steps in a row: x, y (work-area px), heading (rad), wrapped or not.
+u : array (N, 2)
+    The inputs given at these steps (V).
+
+Returns
+-------
+phi : array (N - 2, 3, 5)
+    Regressors of steps 2..N-1 for the axes X, Y and P (heading).
+y : array (N - 2, 3)
+    Outputs; y = sum(phi * theta, axis=2) for the true theta.
+)");
+}

@@ -1,0 +1,286 @@
+#include <pybind11/stl.h>
+
+#include "callbacks.hpp"
+#include "numpy.hpp"
+#include "robsim/simulation/simulation.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+// The interpreter as the loop sees it: the GIL, signals, and a progress callback.
+class PythonInterpreter : public Interpreter {
+ public:
+  explicit PythonInterpreter(py::object progress) : progress_(std::move(progress)) {}
+
+  void release() override { state_ = PyEval_SaveThread(); }
+  void acquire() override { PyEval_RestoreThread(state_); }
+
+  void between_steps(std::int64_t done) override {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!progress_.is_none()) progress_(done);
+  }
+
+ private:
+  py::object progress_;
+  PyThreadState* state_ = nullptr;
+};
+
+std::unique_ptr<Simulation> make_simulation(
+    std::pair<int, int> area, const std::string& boundary, double robot_radius,
+    const py::object& start, const VisualNoise& noise, const std::vector<ColorClass>& colors,
+    const Locator& locator, const std::string& identify_from, std::uint64_t controller_seed,
+    std::uint64_t noise_seed) {
+  SimulationOptions options;
+  options.area = {
+      area.first, area.second,
+      choice_from<Boundary>("boundary", boundary,
+                            {{"bounce", Boundary::bounce}, {"unlimited", Boundary::unlimited}})};
+  options.robot_radius = robot_radius;
+  options.start = pose_from(start, "start");
+  options.noise = noise;
+  options.colors = colors;
+  options.locator = locator;
+  options.identify_from = choice_from<IdentifyFrom>("identify_from", identify_from,
+                                                    {{"truth", IdentifyFrom::truth},
+                                                     {"measurement", IdentifyFrom::measurement},
+                                                     {"estimate", IdentifyFrom::estimate}});
+  options.controller_seed = controller_seed;
+  options.noise_seed = noise_seed;
+  auto simulation = std::make_unique<Simulation>(options, Stages());
+  for (const char* slot : {"define_model", "init_parameter_estimator", "control"}) {
+    set_stage(*simulation, slot, py::none());
+  }
+  return simulation;
+}
+
+// Views of the rows recorded by now; they stay what they are while the run goes on.
+using Columns = py::typing::Dict<py::str, py::array_t<double>>;
+
+Columns columns_of(const Simulation& self) {
+  Columns columns;
+  const Trace::Snapshot trace = self.trace().snapshot();
+  const py::ssize_t rows = trace.rows;
+  for (const Trace::Column& column : trace.columns) {
+    const auto width = static_cast<py::ssize_t>(column.width());
+    auto* memory = new Trace::Memory(column.memory());
+    const py::capsule owner(memory, [](void* p) { delete static_cast<Trace::Memory*>(p); });
+    py::array_t<double> view({rows, width}, (*memory)->data(), owner);
+    view.attr("setflags")(py::arg("write") = false);
+    columns[column.name().c_str()] = view;
+  }
+  return columns;
+}
+
+Simulation& source_of(const Step& step, const char* what) {
+  if (step.source) return *step.source;
+  throw std::runtime_error("the " + std::string(what) + " of step " + std::to_string(step.k) +
+                           " was not kept: ask for step." + what + " during the step");
+}
+
+const Frame& frame_of(const Step& step) {
+  return step.frame ? *step.frame : source_of(step, "frame").frame();
+}
+
+const BlobsByColor& blobs_of(const Step& step) {
+  return step.blobs ? *step.blobs : source_of(step, "blobs").blobs();
+}
+
+py::array_t<double> to_array(const Input& u) {
+  const double values[] = {u.u1, u.u2};
+  return bindings::to_array(values, {2});
+}
+
+void bind_records(py::module_& module) {
+  py::class_<Estimate>(module, "Estimate", R"(
+What a state estimator makes of a step.
+
+Parameters
+----------
+pose : array (3,)
+    x, y (work-area px), heading (rad).
+covariance : array (3, 3)
+    Its covariance.
+state : array (n,), optional
+    Any further state, n the same at every step.
+)")
+      .def(py::init([](const py::object& pose, const py::object& covariance,
+                       const py::object& state) {
+             Estimate estimate;
+             estimate.pose = pose_from(pose, "pose");
+             const Doubles P =
+                 doubles_from(covariance, "covariance", Shape{3, 3}, "an array of shape (3, 3)");
+             std::copy_n(P.data(), 9, estimate.covariance.data());
+             if (!state.is_none()) {
+               const Doubles more =
+                   doubles_from(state, "state", Shape{-1}, "an array of shape (n,)");
+               estimate.state.assign(more.data(), more.data() + more.size());
+             }
+             return estimate;
+           }),
+           py::arg("pose"), py::arg("covariance"), py::arg("state") = py::none())
+      .def_property_readonly(
+          "pose", [](const Estimate& self) { return bindings::to_array(self.pose); },
+          "array (3,): x, y (work-area px), heading (rad).")
+      .def_property_readonly(
+          "covariance",
+          [](const Estimate& self) { return bindings::to_array(self.covariance.data(), {3, 3}); },
+          "array (3, 3): covariance of the pose.")
+      .def_property_readonly(
+          "state",
+          [](const Estimate& self) {
+            return bindings::to_array(self.state.data(),
+                                      {static_cast<py::ssize_t>(self.state.size())});
+          },
+          "array (n,): any further state.")
+      .def("__repr__", [](const Estimate& self) {
+        return "<Estimate: pose " + py::str(bindings::to_array(self.pose)).cast<std::string>() +
+               ">";
+      });
+
+  py::class_<Sample>(module, "Sample", R"(
+One sample for the parameter estimator: y = sum(phi * theta, axis=1).
+)")
+      .def_readonly("k", &Sample::k, "int: the step whose output y is.")
+      .def_property_readonly(
+          "phi", [](const Sample& self) { return bindings::to_array(self.regression.phi); },
+          "array (3, 5): regressors of the axes X, Y and P (heading).")
+      .def_property_readonly(
+          "y", [](const Sample& self) { return bindings::to_array(self.regression.y.data(), {3}); },
+          "array (3,): outputs x, y (work-area px) and heading (rad).")
+      .def("__repr__",
+           [](const Sample& self) { return "<Sample of step " + std::to_string(self.k) + ">"; });
+
+  py::class_<WorldState>(module, "WorldState", "What a robot model gets to compute the next pose.")
+      .def_readonly("k", &WorldState::k, "int: number of the step.")
+      .def_readonly("t", &WorldState::t, "float: time (s).")
+      .def_readonly("dt", &WorldState::dt, "float: sample time (s).")
+      .def_property_readonly(
+          "last", [](const WorldState& self) { return bindings::to_array(self.last); },
+          "array (3,): the pose of step k-1: x, y (work-area px), heading (rad).")
+      .def_property_readonly(
+          "before", [](const WorldState& self) { return bindings::to_array(self.before); },
+          "array (3,): the pose of step k-2.")
+      .def_property_readonly(
+          "u", [](const WorldState& self) { return to_array(self.u); },
+          "array (2,): the input of step k-1 (V).")
+      .def_property_readonly(
+          "model", [](const WorldState& self) { return *self.model; },
+          "RobotModel: what define_model returned.")
+      .def("__repr__", [](const WorldState& self) {
+        return "<WorldState of step " + std::to_string(self.k) + ">";
+      });
+}
+
+void bind_step(py::module_& module) {
+  py::class_<Step, std::shared_ptr<Step>>(module, "Step", R"(
+What the robot half may know of a step, read-only. It fills up from stage to stage.
+)")
+      .def_readonly("k", &Step::k, "int: number of the step, from 0.")
+      .def_readonly("t", &Step::t, "float: time (s).")
+      .def_readonly("dt", &Step::dt, "float: sample time (s).")
+      .def_property_readonly(
+          "u", [](const Step& self) { return to_array(self.u); },
+          "array (2,): the last input, that of step k-1 (V).")
+      .def_property_readonly(
+          "frame", [](const Step& self) { return frame_of(self); }, "Frame: what the camera sees.")
+      .def_property_readonly(
+          "blobs", [](const Step& self) { return blobs_of(self); },
+          "dict of str to list of Blob: per colour the blobs in the frame, the largest first.")
+      .def_readonly("measurement", &Step::measurement,
+                    "Measurement or None: where the robot was seen. None before that stage.")
+      .def_readonly("estimate", &Step::estimate,
+                    "Estimate or None: what the state estimator returned.")
+      .def_property_readonly(
+          "parameters",
+          [](const Step& self) -> py::object {
+            if (!self.parameters) return py::none();
+            return bindings::to_array(*self.parameters);
+          },
+          "array (3, 5) or None: the parameters estimated by now.")
+      .def_readonly("sample", &Step::sample,
+                    "Sample or None: the newest complete sample. None at the start, and where a\n"
+                    "bounce or a missing measurement interrupts the record.")
+      .def_property_readonly(
+          "estimator", [](const Step& self) { return to_python(self.estimator); },
+          "The object that init_parameter_estimator made.")
+      .def("__repr__", [](const Step& self) { return "<Step " + std::to_string(self.k) + ">"; });
+}
+
+void bind_controllers(py::module_& module) {
+  py::class_<Controller, std::shared_ptr<Controller>>(module, "Controller", R"(
+A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
+)")
+      .def(
+          "__call__", [](const Controller& self, const Step& step) { return to_array(self(step)); },
+          py::arg("step"), "Return the input of a step: array (2,), V.");
+
+  const Spin spin;
+  py::class_<Spin, Controller, std::shared_ptr<Spin>>(module, "Spin", R"(
+Turns on the spot: (+voltage, -voltage).
+
+Parameters
+----------
+voltage : float
+    Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
+)")
+      .def(py::init<double>(), py::arg("voltage") = spin.voltage())
+      .def_property_readonly("voltage", &Spin::voltage, "float: voltage of the left motor (V).");
+
+  const DriveAround drive;
+  py::class_<DriveAround, Controller, std::shared_ptr<DriveAround>>(module, "DriveAround", R"(
+Drives around: for each motor a random voltage, held for some steps.
+
+Parameters
+----------
+low, high : float
+    The voltages are uniform in [low, high) (V).
+hold : int
+    Steps for which a voltage is held.
+)")
+      .def(py::init<double, double, int>(), py::kw_only(), py::arg("low") = drive.low(),
+           py::arg("high") = drive.high(), py::arg("hold") = drive.hold())
+      .def_property_readonly("low", &DriveAround::low, "float: lowest voltage (V).")
+      .def_property_readonly("high", &DriveAround::high, "float: highest voltage (V).")
+      .def_property_readonly("hold", &DriveAround::hold, "int: steps a voltage is held for.");
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& module) {
+  bind_records(module);
+  bind_step(module);
+  bind_controllers(module);
+
+  py::class_<Simulation>(module, "Simulation", "The loop. Users take robsim.Simulation.")
+      .def(py::init(&make_simulation), py::kw_only(), py::arg("area"), py::arg("boundary"),
+           py::arg("robot_radius"), py::arg("start"), py::arg("noise"), py::arg("colors"),
+           py::arg("locator"), py::arg("identify_from"), py::arg("controller_seed"),
+           py::arg("noise_seed"))
+      .def("set_stage", &set_stage, py::arg("slot"), py::arg("value"),
+           "Put a callable or a native component into a slot; None = the default.")
+      .def("start", &Simulation::start, "Do what comes once, if that has not been done yet.")
+      .def(
+          "run",
+          [](Simulation& self, std::int64_t steps, py::object progress) {
+            if (steps < 0) {
+              throw py::value_error("steps must be at least 0, got " + std::to_string(steps));
+            }
+            PythonInterpreter interpreter(std::move(progress));
+            self.run(steps, interpreter);
+          },
+          py::arg("steps"), py::arg("progress") = py::none(),
+          "Do so many turns of the loop; progress(done) is called every 50 ms or so.")
+      .def("reset", &Simulation::reset, "Go back to the start.")
+      .def("columns", &columns_of, "Return the columns of the trace: name -> array (rows, width).")
+      .def_property_readonly("has_started", &Simulation::has_started)
+      .def_property_readonly("is_running", &Simulation::is_running)
+      .def_property_readonly("model", [](const Simulation& self) { return self.model(); })
+      .def_property_readonly("estimator",
+                             [](const Simulation& self) { return to_python(self.estimator()); })
+      .def_property_readonly("newest", [](const Simulation& self) { return self.newest(); })
+      .def_property_readonly("frame", [](Simulation& self) { return self.frame(); })
+      .def_property_readonly("blobs", [](Simulation& self) { return self.blobs(); });
+}

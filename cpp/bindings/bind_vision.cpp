@@ -1,0 +1,278 @@
+#include <pybind11/stl.h>
+
+#include "numpy.hpp"
+#include "robsim/imaging/frame.hpp"
+#include "robsim/vision/locate.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+using Range = std::pair<int, int>;
+
+ColorClass color_from(const py::str& name, Range y, Range u, Range v) {
+  const ColorClass color{name, {y.first, u.first, v.first}, {y.second, u.second, v.second}};
+  check_color_class(color);
+  return color;
+}
+
+Range range_of(const ColorClass& color, std::size_t channel) {
+  return {color.lower[channel], color.upper[channel]};
+}
+
+std::string repr(const ColorClass& color) {
+  const auto text = [&](std::size_t i) {
+    return py::repr(py::cast(range_of(color, i))).cast<std::string>();
+  };
+  return "ColorClass('" + color.name + "', y=" + text(0) + ", u=" + text(1) + ", v=" + text(2) +
+         ")";
+}
+
+std::string repr(const Blob& blob) {
+  return "<Blob " + blob.color + ": area " + std::to_string(blob.area) + " px, centroid (" +
+         std::to_string(blob.centroid.x) + ", " + std::to_string(blob.centroid.y) + ")>";
+}
+
+ImageView view_of(const py::object& image) {
+  if (py::isinstance<Frame>(image)) return image.cast<const Frame&>().image.view();
+  return image_view(image, "image");
+}
+
+BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors,
+                  std::int64_t minimum_area, int maximum_count) {
+  const ImageView view = view_of(image);
+  BlobFinder finder(colors, {minimum_area, maximum_count});
+  const py::gil_scoped_release native;
+  return finder.find(view);
+}
+
+py::array_t<std::uint8_t> yuv_of(const py::object& image) {
+  const ImageView view = image_view(image, "image");
+  py::array_t<std::uint8_t> result({view.height, view.width, 3});
+  std::uint8_t* to = result.mutable_data();
+  for (int v = 0; v < view.height; ++v) {
+    for (int u = 0; u < view.width; ++u, to += 3) {
+      const Yuv yuv = rgb_to_yuv(view.row(v) + std::ptrdiff_t{3} * u);
+      to[0] = static_cast<std::uint8_t>(yuv.y);
+      to[1] = static_cast<std::uint8_t>(yuv.u);
+      to[2] = static_cast<std::uint8_t>(yuv.v);
+    }
+  }
+  return result;
+}
+
+Locator with_tolerances(Locator locator, double distance_tolerance, double area_tolerance) {
+  locator.distance_tolerance = distance_tolerance;
+  locator.area_tolerance = area_tolerance;
+  check_locator(locator);
+  return locator;
+}
+
+void bind_blobs(py::module_& module) {
+  py::class_<Blob>(module, "Blob", R"(
+A connected component (8 neighbours) of pixels of one colour class, in pixels of its frame.
+)")
+      .def_readonly("color", &Blob::color, "str: name of the colour class.")
+      .def_readonly("area", &Blob::area, "int: number of pixels.")
+      .def_property_readonly(
+          "centroid", [](const Blob& self) { return to_array(self.centroid); },
+          "array (2,): mean (u, v) of its pixels.")
+      .def_property_readonly(
+          "bounding_box",
+          [](const Blob& self) {
+            return std::make_tuple(self.box.left, self.box.top, self.box.right - 1,
+                                   self.box.bottom - 1);
+          },
+          "tuple of int: its outermost pixels (u_min, v_min, u_max, v_max), both ends included.")
+      .def_readonly("at_border", &Blob::at_border,
+                    "bool: it touches the edge of the frame, beyond which it may go on.")
+      .def("__repr__", py::overload_cast<const Blob&>(&repr));
+
+  const BlobOptions defaults;
+  module.def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
+             py::arg("minimum_area") = defaults.minimum_area,
+             py::arg("maximum_count") = defaults.maximum_count, R"(
+Find the blobs of every colour class in one pass over an image.
+
+Parameters
+----------
+image : Frame or array (H, W, 3) of uint8
+    RGB; rows may lie at any distance in memory.
+colors : list of ColorClass
+    The colours to look for; a pixel may belong to several.
+minimum_area : int
+    Smaller blobs are dropped (px).
+maximum_count : int
+    Only so many of the largest blobs of a colour are returned.
+
+Returns
+-------
+dict of str to list of Blob
+    Per colour the blobs, the largest first.
+
+Raises
+------
+TypeError, ValueError
+    For an image of another kind, and for two colours of one name.
+)");
+}
+
+void bind_locate(py::module_& module) {
+  py::class_<Measurement>(module, "Measurement", R"(
+Where a robot was seen. A frame without a robot gives None instead.
+
+Parameters
+----------
+pose : array (3,)
+    x, y (work-area px), heading (rad).
+)")
+      .def(py::init([](const py::object& pose) { return Measurement{pose_from(pose, "pose")}; }),
+           py::arg("pose"))
+      .def_property_readonly(
+          "pose", [](const Measurement& self) { return to_array(self.pose); },
+          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).")
+      .def("__repr__", [](const Measurement& self) {
+        return "Measurement(" + py::repr(to_array(self.pose).attr("tolist")()).cast<std::string>() +
+               ")";
+      });
+
+  const Locator defaults;
+  py::class_<Locator>(module, "Locator", R"(
+Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
+
+The line from blue to red lies across the heading, red on the robot's right. Markers in other
+places: see `from_markers`.
+
+Parameters
+----------
+distance : float
+    Between the centroids of the two markers (work-area px).
+offset : float
+    From the midpoint of the markers forward to the robot's centre (work-area px).
+distance_tolerance : float
+    Greatest deviation of a pair's distance, as a share of the distance.
+area_tolerance : float
+    Greatest factor between a blob's area and the marker's; where the areas are not known, between
+    the two blobs of a pair.
+)")
+      .def(py::init([](double distance, double offset, double distance_tolerance,
+                       double area_tolerance) {
+             return with_tolerances(Locator::across(distance, offset), distance_tolerance,
+                                    area_tolerance);
+           }),
+           py::arg("distance"), py::arg("offset"), py::kw_only(),
+           py::arg("distance_tolerance") = defaults.distance_tolerance,
+           py::arg("area_tolerance") = defaults.area_tolerance)
+      .def_static(
+          "from_markers",
+          [](const py::object& red, const py::object& blue, double distance_tolerance,
+             double area_tolerance) {
+            return with_tolerances(
+                Locator::from_markers(polygon_from(red, "red"), polygon_from(blue, "blue")),
+                distance_tolerance, area_tolerance);
+          },
+          py::arg("red"), py::arg("blue"), py::kw_only(),
+          py::arg("distance_tolerance") = defaults.distance_tolerance,
+          py::arg("area_tolerance") = defaults.area_tolerance, R"(
+Return the locator of a robot with these markers; it knows their areas, too.
+
+Parameters
+----------
+red, blue : array (N, 2)
+    Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
+distance_tolerance, area_tolerance : float
+    As for `Locator`.
+)")
+      .def_property_readonly("distance", &Locator::distance,
+                             "float: between the markers' centroids (work-area px).")
+      .def_property_readonly("offset", &Locator::offset,
+                             "float: from the markers' midpoint forward to the centre (px).")
+      .def_property_readonly(
+          "red", [](const Locator& self) { return to_array(self.red); },
+          "array (2,): the red marker's place, forward and right of the centre (px).")
+      .def_property_readonly(
+          "blue", [](const Locator& self) { return to_array(self.blue); },
+          "array (2,): the blue marker's place, forward and right of the centre (px).")
+      .def_readonly("red_area", &Locator::red_area, "float: px^2, NaN = not known.")
+      .def_readonly("blue_area", &Locator::blue_area, "float: px^2, NaN = not known.")
+      .def_readonly("distance_tolerance", &Locator::distance_tolerance, "float: share.")
+      .def_readonly("area_tolerance", &Locator::area_tolerance, "float: factor.")
+      .def("__repr__", [](const Locator& self) {
+        return "<Locator: markers " + std::to_string(self.distance()) + " px apart, centre " +
+               std::to_string(self.offset()) + " px ahead of their midpoint>";
+      });
+
+  module.def(
+      "locate",
+      [](const BlobsByColor& blobs, const Locator& locator, const PlaneMap& plane_map) {
+        return locate(blobs, locator, plane_map);
+      },
+      py::arg("blobs"), py::arg("locator"), py::arg("plane_map") = PlaneMap(), R"(
+Return the pose of the robot whose markers are among the blobs.
+
+It is that of the red-blue pair whose distance and areas fit. Blobs at the border of the frame are
+not used: they may be cut off.
+
+Parameters
+----------
+blobs : dict of str to list of Blob
+    As from `find_blobs`; "red" and "blue" are looked at.
+locator : Locator
+    Where the robot carries its markers.
+plane_map : PlaneMap, optional
+    Pixels of the blobs' frame to work area. Default: the identity.
+
+Returns
+-------
+Measurement or None
+    None = not seen: no pair fits, or two fit equally well.
+)");
+}
+
+}  // namespace
+
+void bind_vision(py::module_& module) {
+  py::class_<ColorClass>(module, "ColorClass", R"(
+A named colour: a pixel belongs to it when its Y, U and V lie within the ranges.
+
+Parameters
+----------
+name : str
+    Name of the colour.
+y, u, v : tuple of two ints
+    Lower and upper end of the range, both included, within 0..255.
+)")
+      .def(py::init(&color_from), py::arg("name"), py::kw_only(), py::arg("y") = Range(0, 255),
+           py::arg("u") = Range(0, 255), py::arg("v") = Range(0, 255))
+      .def_readonly("name", &ColorClass::name, "str: name of the colour.")
+      .def_property_readonly(
+          "y", [](const ColorClass& self) { return range_of(self, 0); }, "tuple of int: luma.")
+      .def_property_readonly(
+          "u", [](const ColorClass& self) { return range_of(self, 1); },
+          "tuple of int: blue minus luma, 128 = neutral.")
+      .def_property_readonly(
+          "v", [](const ColorClass& self) { return range_of(self, 2); },
+          "tuple of int: red minus luma, 128 = neutral.")
+      .def("__repr__", py::overload_cast<const ColorClass&>(&repr));
+
+  module.def("rgb_to_yuv", &yuv_of, py::arg("image"), R"(
+Return Y, U and V of every pixel, as the colour classes see them.
+
+Full-range BT.601 in coefficients of 7 bits, rounded down: Y = (38 R + 75 G + 15 B)/128,
+U = 128 + (-22 R - 42 G + 64 B)/128, V = 128 + (64 R - 54 G - 10 B)/128.
+
+Parameters
+----------
+image : array (H, W, 3) of uint8
+    RGB.
+
+Returns
+-------
+array (H, W, 3) of uint8
+    Y, U, V.
+)");
+  bind_blobs(module);
+  bind_locate(module);
+}

@@ -1,0 +1,146 @@
+#include <pybind11/stl.h>
+
+#include <cmath>
+
+#include "numpy.hpp"
+#include "robsim/world/renderer.hpp"
+#include "robsim/world/visual_noise.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+Layer layer_from(const std::pair<py::object, py::object>& pictures, const std::string& name) {
+  return {copy_of(image_view(pictures.first, name + "[0]")),
+          copy_of(image_view(pictures.second, name + "[1]"))};
+}
+
+Sprite sprite_from(const py::object& value) {
+  if (!py::isinstance<py::array>(value)) {
+    throw py::type_error("sprite must be a uint8 RGBA array, got " + describe(value));
+  }
+  if (!py::reinterpret_borrow<py::array>(value).dtype().is(py::dtype::of<std::uint8_t>())) {
+    throw py::type_error("sprite must be a uint8 RGBA array, got " + describe(value));
+  }
+  const auto array = py::array_t<std::uint8_t, py::array::c_style>::ensure(value);
+  if (!array || array.ndim() != 3 || array.shape(2) != 4 || array.size() == 0) {
+    throw py::value_error("sprite must be a uint8 RGBA array of shape (H, W, 4), got " +
+                          describe(value));
+  }
+  return premultiplied(array.data(), static_cast<int>(array.shape(1)),
+                       static_cast<int>(array.shape(0)));
+}
+
+Renderer make_renderer(const std::pair<py::object, py::object>& floor,
+                       const std::pair<py::object, py::object>& home, int shadow_left,
+                       double shadow_factor, const py::object& sprite, const py::object& centre,
+                       double unit, double alignment, int phases, std::pair<int, int> area) {
+  if (area.first < 1 || area.second < 1) throw py::value_error("area must be above 0");
+  if (!std::isfinite(alignment)) throw py::value_error("alignment must be finite (rad)");
+  Background background(layer_from(floor, "floor"), layer_from(home, "home"), shadow_left,
+                        shadow_factor);
+  const PlaneMap camera =
+      PlaneMap::scaled(background.width(), background.height(), area.first, area.second);
+  RobotImage robot(sprite_from(sprite), point_from(centre, "centre"), unit, alignment, phases,
+                   camera);
+  return Renderer(std::move(background), std::move(robot), camera);
+}
+
+}  // namespace
+
+void bind_world(py::module_& module) {
+  py::class_<Renderer>(module, "Renderer", R"(
+Draws what the ceiling camera sees, without noise.
+
+Parameters
+----------
+floor, home : tuple of two arrays (H, W, 3) of uint8
+    What repeats around the work area, and the work area itself: each lit and in the shadow, in
+    camera pixels.
+shadow_left : int
+    First column of the view that lies in the shadow (px).
+shadow_factor : float
+    Brightness of the robot in the shadow relative to that in the light.
+sprite : array (h, w, 4) of uint8
+    The robot's picture, RGBA.
+centre : array (2,)
+    The robot's centre in the sprite (sprite px).
+unit : float
+    Work-area px that a sprite pixel stands for.
+alignment : float
+    What turns the sprite clockwise so that the robot faces +x (rad).
+phases : int
+    Number of headings the robot is shown in, at whole pixels; 0 = any heading and place.
+area : tuple of int
+    Width and height of the work area (px).
+)")
+      .def(py::init(&make_renderer), py::kw_only(), py::arg("floor"), py::arg("home"),
+           py::arg("shadow_left"), py::arg("shadow_factor"), py::arg("sprite"), py::arg("centre"),
+           py::arg("unit"), py::arg("alignment"), py::arg("phases"), py::arg("area"))
+      .def(
+          "render",
+          [](Renderer& self, const py::object& pose, std::pair<int, int> pan) {
+            return image_array(self.render(pose_from(pose, "pose"), Pan{pan.first, pan.second}));
+          },
+          py::arg("pose"), py::arg("pan") = std::make_pair(0, 0), R"(
+Return the image of the robot at a pose.
+
+Parameters
+----------
+pose : array (3,)
+    x, y (work-area px), heading (rad).
+pan : tuple of int
+    By how much the view is moved (camera px).
+
+Returns
+-------
+array (H, W, 3) of uint8
+    Read-only; it stays what it is as long as you hold it.
+)");
+
+  py::class_<VisualNoise>(module, "VisualNoise", R"(
+Noise of the camera: independent per pixel and channel, added, rounded, clipped to 0..255.
+
+Parameters
+----------
+kind : str
+    ``"none"``, ``"uniform"`` (within +-2.55 p) or ``"gaussian"`` (sigma = 2.55 p).
+percent : float
+    The level p, at least 0.
+)")
+      .def(py::init([](const std::string& kind, double percent) {
+             return VisualNoise(choice_from<NoiseKind>("kind", kind,
+                                                       {{"none", NoiseKind::none},
+                                                        {"uniform", NoiseKind::uniform},
+                                                        {"gaussian", NoiseKind::gaussian}}),
+                                percent);
+           }),
+           py::arg("kind"), py::arg("percent"))
+      .def(
+          "add",
+          [](const VisualNoise& self, const py::object& image, std::uint64_t seed,
+             std::uint64_t index) {
+            const ImageView clean = image_view(image, "image");
+            if (self.is_off()) return image_array(copy_of(clean));
+            Image noisy(clean.width, clean.height);
+            {
+              const py::gil_scoped_release native;
+              self.add(clean, seed, index, noisy);
+            }
+            return image_array(noisy);
+          },
+          py::arg("image"), py::arg("seed"), py::arg("index") = 0, R"(
+Return a noisy copy of an image.
+
+Parameters
+----------
+image : array (H, W, 3) of uint8
+    RGB.
+seed : int
+    Stream of random numbers, 0 <= seed < 2**64.
+index : int
+    Number of the frame: each has noise of its own.
+)");
+}

@@ -1,0 +1,219 @@
+#include "callbacks.hpp"
+
+#include <functional>
+#include <unordered_map>
+
+namespace robsim::bindings {
+
+namespace {
+
+// File and line of a Python function, or the type of another callable.
+std::string location(const py::object& function) {
+  if (!py::hasattr(function, "__code__")) {
+    return "  in an object of " + py::repr(py::type::of(function)).cast<std::string>();
+  }
+  const py::object code = function.attr("__code__");
+  return "  File \"" + py::str(code.attr("co_filename")).cast<std::string>() + "\", line " +
+         py::str(code.attr("co_firstlineno")).cast<std::string>() + ", in " +
+         py::str(code.attr("co_name")).cast<std::string>();
+}
+
+bool is_off(const py::object& value) {
+  return value.is_none() || (py::isinstance<py::bool_>(value) && !value.cast<bool>());
+}
+
+bool is_default(const py::object& value) {
+  return py::isinstance<py::bool_>(value) && value.cast<bool>();
+}
+
+std::optional<AxisMatrix> optional_parameters(const py::object& result) {
+  if (result.is_none()) return std::nullopt;
+  return axis_matrix_from(result, "the result");
+}
+
+std::optional<Measurement> optional_measurement(const py::object& result) {
+  if (result.is_none()) return std::nullopt;
+  if (py::isinstance<Measurement>(result)) return result.cast<Measurement>();
+  if (PyUnicode_Check(result.ptr()) || !PySequence_Check(result.ptr())) {
+    throw py::type_error("the result must be a Measurement, or None = not seen, got " +
+                         describe(result));
+  }
+  return Measurement{pose_from(result, "the result")};
+}
+
+Estimate estimate_from(const py::object& result) {
+  if (!py::isinstance<Estimate>(result)) {
+    throw py::type_error("the result must be an Estimate(pose, covariance), got " +
+                         describe(result));
+  }
+  return result.cast<Estimate>();
+}
+
+RobotModel model_from(const py::object& result) {
+  if (!py::isinstance<RobotModel>(result)) {
+    throw py::type_error("the result must be a RobotModel, got " + describe(result));
+  }
+  return result.cast<RobotModel>();
+}
+
+std::shared_ptr<ParameterEstimator> estimator_from(const py::object& result) {
+  if (py::isinstance<RecursiveLeastSquares>(result)) {
+    return std::make_shared<RecursiveEstimator>(
+        result.cast<std::shared_ptr<RecursiveLeastSquares>>());
+  }
+  return std::make_shared<ObjectEstimator>(result);
+}
+
+void set_define_model(Stages& stages, const py::object& value) {
+  if (value.is_none()) {
+    stages.define_model = [] { return RobotModel(); };
+    return;
+  }
+  stages.define_model = [callback = Callback("define_model", value)] {
+    const py::object result = callback(-1);
+    return callback.convert(-1, [&] { return model_from(result); });
+  };
+}
+
+void set_init_parameter_estimator(Stages& stages, const py::object& value) {
+  if (value.is_none()) {
+    stages.init_parameter_estimator = [](const RobotModel&) {
+      return std::make_shared<RecursiveEstimator>(std::make_shared<RecursiveLeastSquares>(5, 3));
+    };
+    return;
+  }
+  stages.init_parameter_estimator =
+      [callback = Callback("init_parameter_estimator", value)](const RobotModel& model) {
+        const py::object result = callback(-1, py::cast(model));
+        return callback.convert(-1, [&] { return estimator_from(result); });
+      };
+}
+
+void set_make_renderer(Stages& stages, const py::object& value) {
+  stages.make_renderer = [make = value] { return make().cast<Renderer>(); };
+}
+
+void set_evaluate_model(Stages& stages, const py::object& value) {
+  stages.evaluate_model = {};
+  if (value.is_none()) return;
+  stages.evaluate_model = {[callback = Callback("evaluate_model", value)](const WorldState& world) {
+                             const py::object result = callback(world.k, py::cast(world));
+                             return callback.convert(
+                                 world.k, [&] { return pose_from(result, "the result"); });
+                           },
+                           true};
+}
+
+void set_estimate_parameters(Stages& stages, const py::object& value) {
+  stages.estimate_parameters = {};
+  if (is_off(value)) return;
+  if (is_default(value)) {
+    stages.estimate_parameters.call = [](const StepPointer& step) -> std::optional<AxisMatrix> {
+      if (!step->sample) return std::nullopt;
+      return step->estimator->update(*step->sample);
+    };
+    return;
+  }
+  stages.estimate_parameters = {
+      [callback = Callback("estimate_parameters", value)](const StepPointer& step) {
+        const py::object result = callback(step->k, py::cast(step));
+        return callback.convert(step->k, [&] { return optional_parameters(result); });
+      },
+      true};
+}
+
+void set_measure(Stages& stages, const py::object& value, const Locator& locator) {
+  stages.measure = {};
+  if (is_off(value)) return;
+  if (is_default(value)) {
+    stages.measure.call = [locator](const StepPointer& step) {
+      return locate(*step->blobs, locator, step->frame->plane_map);
+    };
+    return;
+  }
+  stages.measure = {[callback = Callback("measure", value)](const StepPointer& step) {
+                      const py::object result = callback(step->k, py::cast(step));
+                      return callback.convert(step->k,
+                                              [&] { return optional_measurement(result); });
+                    },
+                    true};
+}
+
+void set_estimate_state(Stages& stages, const py::object& value) {
+  stages.estimate_state = {};
+  if (is_off(value)) return;
+  stages.estimate_state = {[callback = Callback("estimate_state", value)](const StepPointer& step) {
+                             const py::object result = callback(step->k, py::cast(step));
+                             return callback.convert(step->k,
+                                                     [&] { return estimate_from(result); });
+                           },
+                           true};
+}
+
+void set_control(Stages& stages, const py::object& value) {
+  if (value.is_none() || py::isinstance<Controller>(value)) {
+    std::shared_ptr<Controller> controller = std::make_shared<Spin>();
+    if (!value.is_none()) controller = value.cast<std::shared_ptr<Controller>>();
+    stages.control = {[controller](const StepPointer& step) { return (*controller)(*step); },
+                      false};
+    return;
+  }
+  stages.control = {[callback = Callback("control", value)](const StepPointer& step) {
+                      const py::object result = callback(step->k, py::cast(step));
+                      return callback.convert(step->k,
+                                              [&] { return input_from(result, "the result"); });
+                    },
+                    true};
+}
+
+}  // namespace
+
+Callback::Callback(std::string slot, py::object function)
+    : slot_(std::move(slot)), function_(std::move(function)) {
+  if (!PyCallable_Check(function_.ptr())) {
+    throw py::type_error(slot_ + " must be callable, got " + describe(function_));
+  }
+}
+
+std::string Callback::place(std::int64_t k) const {
+  return "in the callback " + slot_ + (k < 0 ? " at the start" : " at step " + std::to_string(k));
+}
+
+std::string Callback::blame(std::int64_t k, const std::string& what) const {
+  return place(k) + ": " + what + "\n" + location(function_);
+}
+
+AxisMatrix ObjectEstimator::update(const Sample& sample) {
+  const Callback callback("estimate_parameters, step.estimator.update(phi, y),",
+                          object_.attr("update"));
+  const double* y = sample.regression.y.data();
+  const py::object result = callback(sample.k, to_array(sample.regression.phi), to_array(y, {3}));
+  return callback.convert(sample.k, [&] { return axis_matrix_from(result, "the result"); });
+}
+
+py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator) {
+  if (const auto* object = dynamic_cast<const ObjectEstimator*>(estimator.get())) {
+    return object->object();
+  }
+  if (const auto* native = dynamic_cast<const RecursiveEstimator*>(estimator.get())) {
+    return py::cast(native->filters());
+  }
+  return py::none();
+}
+
+void set_stage(Simulation& simulation, const std::string& slot, const py::object& value) {
+  const Locator locator = simulation.options().locator;
+  const std::unordered_map<std::string, std::function<void(Stages&)>> setters = {
+      {"define_model", [&](Stages& s) { set_define_model(s, value); }},
+      {"init_parameter_estimator", [&](Stages& s) { set_init_parameter_estimator(s, value); }},
+      {"make_renderer", [&](Stages& s) { set_make_renderer(s, value); }},
+      {"evaluate_model", [&](Stages& s) { set_evaluate_model(s, value); }},
+      {"estimate_parameters", [&](Stages& s) { set_estimate_parameters(s, value); }},
+      {"measure", [&](Stages& s) { set_measure(s, value, locator); }},
+      {"estimate_state", [&](Stages& s) { set_estimate_state(s, value); }},
+      {"control", [&](Stages& s) { set_control(s, value); }},
+  };
+  setters.at(slot)(simulation.stages());
+}
+
+}  // namespace robsim::bindings

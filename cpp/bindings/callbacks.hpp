@@ -1,0 +1,70 @@
+// Python callables in the place of stages: their calls, their errors, their results.
+#pragma once
+
+#include "numpy.hpp"
+#include "robsim/simulation/controllers.hpp"
+#include "robsim/simulation/simulation.hpp"
+
+namespace robsim::bindings {
+
+/// A user's callable in a slot. What goes wrong in it reaches the user with the slot, the step
+/// and the place of the callable.
+class Callback {
+ public:
+  /// Throws py::type_error unless the value is callable.
+  Callback(std::string slot, py::object function);
+
+  /// Calls it at step k (-1 = at the start). Its exception passes on with a note.
+  template <typename... Arguments>
+  py::object operator()(std::int64_t k, Arguments&&... arguments) const {
+    try {
+      return function_(std::forward<Arguments>(arguments)...);
+    } catch (py::error_already_set& error) {
+      error.value().attr("add_note")(place(k));
+      throw;
+    }
+  }
+
+  /// Converts a result; an error in that names the callable, too.
+  template <typename Convert>
+  auto convert(std::int64_t k, const Convert& conversion) const {
+    try {
+      return conversion();
+    } catch (const py::type_error& error) {
+      throw py::type_error(blame(k, error.what()));
+    } catch (const py::value_error& error) {
+      throw py::value_error(blame(k, error.what()));
+    }
+  }
+
+  const py::object& function() const { return function_; }
+
+ private:
+  std::string place(std::int64_t k) const;
+  std::string blame(std::int64_t k, const std::string& what) const;
+
+  std::string slot_;
+  py::object function_;
+};
+
+/// A user's own estimator object: what init_parameter_estimator returned.
+class ObjectEstimator : public ParameterEstimator {
+ public:
+  explicit ObjectEstimator(py::object object) : object_(std::move(object)) {}
+
+  AxisMatrix update(const Sample& sample) override;
+  bool is_interpreted() const override { return true; }
+  const py::object& object() const { return object_; }
+
+ private:
+  py::object object_;
+};
+
+/// The estimator as Python sees it.
+py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator);
+
+/// Puts a value into the slot of a name: a callable, a native component, True for the default of
+/// an optional stage, None for what is there without being asked for.
+void set_stage(Simulation& simulation, const std::string& slot, const py::object& value);
+
+}  // namespace robsim::bindings

@@ -1,0 +1,23 @@
+// The table of contents of the extension: one function per room.
+#include <pybind11/pybind11.h>
+
+namespace py = pybind11;
+
+void bind_geometry(py::module_& module);
+void bind_imaging(py::module_& module);
+void bind_model(py::module_& module);
+void bind_world(py::module_& module);
+void bind_vision(py::module_& module);
+void bind_estimation(py::module_& module);
+void bind_simulation(py::module_& module);
+
+PYBIND11_MODULE(_core, module) {
+  module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
+  bind_geometry(module);
+  bind_imaging(module);
+  bind_model(module);
+  bind_world(module);
+  bind_vision(module);
+  bind_estimation(module);
+  bind_simulation(module);
+}

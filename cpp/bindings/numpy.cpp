@@ -1,0 +1,150 @@
+#include "numpy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace robsim::bindings {
+
+namespace {
+
+constexpr py::ssize_t longest_repr = 80;
+
+std::string shape_text(const py::array& array) {
+  std::string text = "(";
+  for (py::ssize_t i = 0; i < array.ndim(); ++i) {
+    text += (i ? ", " : "") + std::to_string(array.shape(i));
+  }
+  return text + (array.ndim() == 1 ? ",)" : ")");
+}
+
+bool fits(const py::array& array, const Shape& shape) {
+  if (array.ndim() != static_cast<py::ssize_t>(shape.size())) return false;
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    if (shape[i] >= 0 && array.shape(static_cast<py::ssize_t>(i)) != shape[i]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string describe(py::handle value) {
+  if (py::isinstance<py::array>(value)) {
+    const auto array = py::reinterpret_borrow<py::array>(value);
+    return "a " + py::str(array.dtype()).cast<std::string>() + " array of shape " +
+           shape_text(array);
+  }
+  const py::str text = py::repr(value);
+  if (py::len(text) <= longest_repr) return text.cast<std::string>();
+  // Cut as text, not as bytes: a letter may have several.
+  return text[py::slice(0, longest_repr, 1)].cast<std::string>() + " ...";
+}
+
+Doubles doubles_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
+                     const std::string& expected) {
+  const auto message = [&] { return name + " must be " + expected + ", got " + describe(value); };
+  if (value.is_none() || py::isinstance<py::str>(value)) throw py::type_error(message());
+  const py::array given = [&] {
+    try {
+      return py::array(py::reinterpret_borrow<py::object>(value));
+    } catch (const py::error_already_set& error) {
+      // Not a Ctrl-C, for example, that comes just here.
+      if (error.matches(PyExc_TypeError) || error.matches(PyExc_ValueError)) {
+        throw py::type_error(message());
+      }
+      throw;
+    }
+  }();
+  // Numbers only: no text, dates, complex numbers, ints beyond all bounds or other objects.
+  if (std::string("biuf").find(given.dtype().kind()) == std::string::npos) {
+    throw py::type_error(message());
+  }
+  if (shape && !fits(given, *shape)) throw py::value_error(message());
+  const Doubles array(given);
+  const double* numbers = array.data();
+  if (!std::all_of(numbers, numbers + array.size(), [](double x) { return std::isfinite(x); })) {
+    throw py::value_error(name + " must be " + expected + ", all finite, got " +
+                          describe(array.attr("tolist")()));
+  }
+  return array;
+}
+
+Pose pose_from(py::handle value, const std::string& name) {
+  const Doubles p = doubles_from(value, name, Shape{3}, "a pose (x, y, heading) in px, px and rad");
+  return {p.at(0), p.at(1), wrap_angle(p.at(2))};
+}
+
+Point point_from(py::handle value, const std::string& name) {
+  const Doubles p = doubles_from(value, name, Shape{2}, "a point (x, y)");
+  return {p.at(0), p.at(1)};
+}
+
+Input input_from(py::handle value, const std::string& name) {
+  const Doubles u = doubles_from(value, name, Shape{2}, "(u1, u2), the two voltages in V");
+  return {u.at(0), u.at(1)};
+}
+
+Polygon polygon_from(py::handle value, const std::string& name) {
+  const Doubles points = doubles_from(value, name, Shape{-1, 2}, "a polygon, shape (N, 2)");
+  Polygon polygon;
+  for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+    polygon.push_back({points.at(i, 0), points.at(i, 1)});
+  }
+  check_polygon(polygon, name);
+  return polygon;
+}
+
+AxisMatrix axis_matrix_from(py::handle value, const std::string& name) {
+  const Doubles m = doubles_from(value, name, Shape{3, 5}, "the 15 parameters, shape (3, 5)");
+  return Eigen::Map<const AxisMatrix>(m.data());
+}
+
+py::array_t<double> to_array(const double* values, const Shape& shape) {
+  py::array_t<double> array(shape, values);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+py::array_t<double> to_array(const Pose& pose) {
+  const double values[] = {pose.x, pose.y, pose.heading};
+  return to_array(values, {3});
+}
+
+py::array_t<double> to_array(const Point& point) {
+  const double values[] = {point.x, point.y};
+  return to_array(values, {2});
+}
+
+py::array_t<double> to_array(const AxisMatrix& matrix) { return to_array(matrix.data(), {3, 5}); }
+
+ImageView image_view(py::handle value, const std::string& name) {
+  const std::string expected = name + " must be a uint8 RGB array of shape (H, W, 3), got ";
+  if (!py::isinstance<py::array>(value)) throw py::type_error(expected + describe(value));
+  const auto array = py::reinterpret_borrow<py::array>(value);
+  if (!array.dtype().is(py::dtype::of<std::uint8_t>())) {
+    throw py::type_error(expected + describe(value));
+  }
+  if (array.ndim() != 3 || array.shape(2) != 3) throw py::value_error(expected + describe(value));
+  if (array.size() == 0) throw py::value_error(expected + "an empty one: " + describe(value));
+  if (std::max(array.shape(0), array.shape(1)) > 65535) {
+    throw py::value_error(name + " must be at most 65535 px wide and high, got " + describe(value));
+  }
+  if (array.strides(2) != 1 || (array.strides(1) != 3 && array.shape(1) > 1)) {
+    throw py::value_error(name + " must have its pixels side by side in memory, got strides " +
+                          py::str(array.attr("strides")).cast<std::string>() +
+                          ": pass numpy.ascontiguousarray(" + name + ")");
+  }
+  return {static_cast<const std::uint8_t*>(array.data()), static_cast<int>(array.shape(1)),
+          static_cast<int>(array.shape(0)), array.strides(0)};
+}
+
+py::array_t<std::uint8_t> image_array(const Image& image) {
+  auto* kept = new Image(image);
+  const py::capsule owner(kept, [](void* p) { delete static_cast<Image*>(p); });
+  const py::ssize_t width = image.width();
+  py::array_t<std::uint8_t> array({py::ssize_t{image.height()}, width, py::ssize_t{3}},
+                                  {3 * width, py::ssize_t{3}, py::ssize_t{1}}, image.row(0), owner);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+}  // namespace robsim::bindings

@@ -1,0 +1,20 @@
+#include "robsim/geometry/pose.hpp"
+
+#include <cmath>
+
+namespace robsim {
+
+namespace {
+constexpr double pi = 3.14159265358979323846;
+}
+
+double wrap_angle(double angle) {
+  const double wrapped = std::remainder(angle, 2 * pi);
+  return wrapped <= -pi ? pi : wrapped;
+}
+
+bool is_finite(const Pose& pose) {
+  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.heading);
+}
+
+}  // namespace robsim

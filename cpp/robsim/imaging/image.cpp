@@ -1,0 +1,46 @@
+#include "robsim/imaging/image.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace robsim {
+
+namespace {
+constexpr std::size_t pooled_images = 4;
+}
+
+PixelBox intersection(const PixelBox& a, const PixelBox& b) {
+  return {std::max(a.left, b.left), std::max(a.top, b.top), std::min(a.right, b.right),
+          std::min(a.bottom, b.bottom)};
+}
+
+Image::Image(int width, int height)
+    : pixels_(new std::uint8_t[std::size_t{3} * static_cast<std::size_t>(width) *
+                               static_cast<std::size_t>(height)]),
+      width_(width),
+      height_(height) {}
+
+ImageView Image::view() const {
+  return {pixels_.get(), width_, height_, std::ptrdiff_t{3} * width_};
+}
+
+Image copy_of(const ImageView& view) {
+  Image image(view.width, view.height);
+  for (int v = 0; v < view.height; ++v) {
+    std::memcpy(image.row(v), view.row(v), std::size_t{3} * static_cast<std::size_t>(view.width));
+  }
+  return image;
+}
+
+Image ImagePool::take(int width, int height) {
+  const auto usable = [&](const Image& image) {
+    return !image.is_shared() && image.width() == width && image.height() == height;
+  };
+  const auto found = std::find_if(images_.begin(), images_.end(), usable);
+  if (found != images_.end()) return *found;
+  if (images_.size() == pooled_images) images_.erase(images_.begin());
+  images_.emplace_back(width, height);
+  return images_.back();
+}
+
+}  // namespace robsim

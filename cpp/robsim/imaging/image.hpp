@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace robsim {
+
+/// Somebody's RGB8 pixels, looked at: 3 bytes a pixel, `stride` bytes from row to row.
+struct ImageView {
+  const std::uint8_t* data = nullptr;
+  int width = 0;
+  int height = 0;
+  std::ptrdiff_t stride = 0;
+
+  const std::uint8_t* row(int v) const { return data + v * stride; }
+};
+
+/// A rectangle of pixels: columns left <= u < right, rows top <= v < bottom.
+struct PixelBox {
+  int left = 0;
+  int top = 0;
+  int right = 0;
+  int bottom = 0;
+
+  bool empty() const { return left >= right || top >= bottom; }
+};
+
+PixelBox intersection(const PixelBox& a, const PixelBox& b);
+
+/// An RGB8 image whose buffer is shared by its copies. The last holder frees it.
+class Image {
+ public:
+  Image() = default;
+  Image(int width, int height);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  bool empty() const { return !pixels_; }
+  PixelBox box() const { return {0, 0, width_, height_}; }
+  const std::uint8_t* row(int v) const { return pixels_.get() + offset(v); }
+  std::uint8_t* row(int v) { return pixels_.get() + offset(v); }
+  ImageView view() const;
+
+  /// True while another Image (a frame that a user kept, say) holds the same buffer.
+  bool is_shared() const { return pixels_.use_count() > 1; }
+
+ private:
+  std::ptrdiff_t offset(int v) const { return std::ptrdiff_t{3} * width_ * v; }
+
+  std::shared_ptr<std::uint8_t[]> pixels_;
+  int width_ = 0;
+  int height_ = 0;
+};
+
+Image copy_of(const ImageView& view);
+
+/// Hands out images of one size, taking back the buffers that nobody holds any more.
+class ImagePool {
+ public:
+  Image take(int width, int height);
+
+ private:
+  std::vector<Image> images_;
+};
+
+}  // namespace robsim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+
+#include "robsim/geometry/pose.hpp"
+
+namespace robsim {
+
+/// Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
+/// A homography; for the simulated camera it is a scaling and a shift.
+class PlaneMap {
+ public:
+  using Matrix = std::array<double, 9>;  // row by row
+
+  /// The identity.
+  PlaneMap();
+
+  /// `to_world` maps (u, v, 1) to (x, y, 1) times a number.
+  /// Throws std::invalid_argument if it is not finite or has no inverse.
+  explicit PlaneMap(const Matrix& to_world);
+
+  /// A camera of width x height pixels that sees an area of area_width x area_height, its top left
+  /// corner moved by `origin` (work-area px).
+  static PlaneMap scaled(int width, int height, double area_width, double area_height,
+                         Point origin = {});
+
+  Point to_world(const Point& pixel) const;
+  Point to_pixel(const Point& place) const;
+
+  /// Work-area px^2 per square pixel of the frame at this pixel.
+  double area_scale(const Point& pixel) const;
+
+  const Matrix& matrix() const { return to_world_; }
+
+ private:
+  Matrix to_world_;
+  Matrix to_pixel_;
+};
+
+}  // namespace robsim

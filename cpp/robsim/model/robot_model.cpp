@@ -1,0 +1,109 @@
+#include "robsim/model/robot_model.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace robsim {
+
+namespace {
+
+AxisMatrix predictor_parameters(const RobotParameters& p) {
+  check_parameters(p);
+  const double T = p.dt;
+  const double r = p.wheel_radius;
+  const auto [alpha1, alpha2] = p.motor_gain;
+  const auto [beta1, beta2] = p.motor_offset;
+  // DX = m/T^2 + Fv/T,  DP = I/T^2 + Fw/T
+  const double DX = p.mass / (T * T) + p.linear_friction / T;
+  const double DP = p.inertia / (T * T) + p.angular_friction / T;
+  // a1X = (2m/T^2 + Fv/T)/DX = 1 + m/(m + Fv T),  a2X = 1 - a1X,  the same for P with I and Fw
+  const double a1X = 1 + p.mass / (p.mass + p.linear_friction * T);
+  const double a1P = 1 + p.inertia / (p.inertia + p.angular_friction * T);
+  // biX = (alpha_i/r)/DX,  d1X = ((beta_1 + beta_2)/r)/DX
+  Eigen::Matrix<double, 1, 5> x;
+  x << a1X, 1 - a1X, alpha1 / r / DX, alpha2 / r / DX, (beta1 + beta2) / r / DX;
+  // b1P = L/(2r) alpha_1/DP,  b2P = -L/(2r) alpha_2/DP,  d1P = L/(2r) (beta_1 - beta_2)/DP
+  const double lever = p.wheel_base / (2 * r);
+  AxisMatrix theta;
+  theta.row(0) = x;
+  theta.row(1) = x;
+  theta.row(2) << a1P, 1 - a1P, lever * alpha1 / DP, -lever * alpha2 / DP,
+      lever * (beta1 - beta2) / DP;
+  if (!theta.allFinite()) {
+    throw std::invalid_argument(
+        "mass, inertia, wheel_radius, wheel_base, motor_gain, motor_offset and dt must give finite "
+        "predictor parameters: one of them is too small or too large");
+  }
+  return theta;
+}
+
+// The poles z of x(k) = a1 x(k-1) + a2 x(k-2): z^2 = a1 z + a2. One lies at 1 in every robot; an
+// estimated predictor may miss that by a little.
+void check_poles(const AxisMatrix& theta) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = theta(axis, 0) / 2;
+    const double square = half * half + theta(axis, 1);
+    const double largest = square < 0 ? std::sqrt(-theta(axis, 1)) : half + std::sqrt(square);
+    if (largest <= 1.1) continue;
+    std::ostringstream message;
+    const char name = "XYP"[axis];
+    message << "a1" << name << " and a2" << name << " must give a stable predictor, got a pole at "
+            << largest << ": in every robot a2" << name << " = 1 - a1" << name;
+    throw std::invalid_argument(message.str());
+  }
+}
+
+void check_stable(const AxisMatrix& theta) {
+  const char* const names[] = {"a1X", "a1Y", "a1P"};
+  const char* const causes[] = {"linear_friction", "linear_friction", "angular_friction"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double a1 = theta(axis, 0);
+    if (a1 > 0 && a1 < 2) continue;
+    std::ostringstream message;
+    message << names[axis] << " must lie between 0 and 2 for a stable predictor, got " << a1
+            << ": enlarge " << causes[axis] << " or dt, or reduce "
+            << (axis == 2 ? "inertia" : "mass");
+    throw std::invalid_argument(message.str());
+  }
+  check_poles(theta);
+}
+
+}  // namespace
+
+AxisMatrix regressors(const Pose& last, const Pose& before, const Input& u) {
+  const double cos = std::cos(last.heading);
+  const double sin = std::sin(last.heading);
+  // theta(k-2) = theta(k-1) - wrap(theta(k-1) - theta(k-2)), theta here the heading
+  const double before_heading = last.heading - wrap_angle(last.heading - before.heading);
+  AxisMatrix phi;
+  phi << last.x, before.x, u.u1 * cos, u.u2 * cos, cos,  //
+      last.y, before.y, u.u1 * sin, u.u2 * sin, sin,     //
+      last.heading, before_heading, u.u1, u.u2, 1;
+  return phi;
+}
+
+Regression regression(const Pose& now, const Pose& last, const Pose& before, const Input& u) {
+  const double heading = last.heading + wrap_angle(now.heading - last.heading);
+  return {regressors(last, before, u), {now.x, now.y, heading}};
+}
+
+RobotModel::RobotModel(const RobotParameters& parameters)
+    : RobotModel(predictor_parameters(parameters), parameters.dt) {}
+
+RobotModel::RobotModel(const AxisMatrix& theta, double dt) : theta_(theta), dt_(dt) {
+  if (!theta.allFinite()) throw std::invalid_argument("theta must be finite, got NaN or inf");
+  if (!(std::isfinite(dt) && dt > 0)) {
+    throw std::invalid_argument("dt must be positive and finite (s), got " + std::to_string(dt));
+  }
+  check_stable(theta);
+}
+
+Pose RobotModel::predict(const Pose& last, const Pose& before, const Input& u) const {
+  // x(k) = a1X x(k-1) + a2X x(k-2) + (b1X u1(k-1) + b2X u2(k-1) + d1X) cos heading(k-1), and so on
+  const Eigen::Vector3d next = regressors(last, before, u).cwiseProduct(theta_).rowwise().sum();
+  return {next[0], next[1], wrap_angle(next[2])};
+}
+
+}  // namespace robsim

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "robsim/geometry/pose.hpp"
+#include "robsim/model/robot_parameters.hpp"
+
+namespace robsim {
+
+/// Voltages of the left and the right motor (V).
+struct Input {
+  double u1 = 0;
+  double u2 = 0;
+};
+
+/// Rows: the axes X, Y and P (heading). Columns: a1, a2, b1, b2, d1 of each axis, or what they
+/// are multiplied with.
+using AxisMatrix = Eigen::Matrix<double, 3, 5, Eigen::RowMajor>;
+
+/// One sample of the predictor: y = (phi * theta) row by row.
+struct Regression {
+  AxisMatrix phi;
+  Eigen::Vector3d y;
+};
+
+/// The regressors of the one-step predictor after `last` (step k-1) and `before` (step k-2).
+/// The heading of `before` is taken within half a turn of that of `last`: no wrapped jump.
+AxisMatrix regressors(const Pose& last, const Pose& before, const Input& u);
+
+/// The sample whose output is `now` (step k). The output heading is within half a turn of `last`.
+Regression regression(const Pose& now, const Pose& last, const Pose& before, const Input& u);
+
+/// One-step predictor of a differential-drive robot, linear in its 15 parameters theta.
+/// Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only
+/// Robots, IEEE Trans. SMC A 30(4), 2000. Nothing in the equations forbids it to slide sideways.
+class RobotModel {
+ public:
+  /// Throws std::invalid_argument for non-physical parameters and for an unstable predictor.
+  explicit RobotModel(const RobotParameters& parameters = {});
+
+  /// The same from the 15 predictor parameters and the sample time (s).
+  RobotModel(const AxisMatrix& theta, double dt);
+
+  const AxisMatrix& theta() const { return theta_; }
+  double dt() const { return dt_; }
+
+  /// The pose of step k from those of steps k-1 and k-2 and the input of step k-1.
+  Pose predict(const Pose& last, const Pose& before, const Input& u) const;
+
+ private:
+  AxisMatrix theta_;
+  double dt_;
+};
+
+}  // namespace robsim

@@ -1,0 +1,31 @@
+#include "robsim/random/counter_random.hpp"
+
+namespace robsim {
+
+namespace {
+
+constexpr std::uint64_t golden = 0x9E3779B97F4A7C15ULL;
+
+std::uint64_t mix(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+  return z ^ (z >> 31);
+}
+
+}  // namespace
+
+std::uint64_t random_bits(std::uint64_t seed, std::uint64_t counter) {
+  // The seed is mixed first: neighbouring seeds must not give shifted copies of one stream.
+  return mix(mix(seed + golden) + (counter + 1) * golden);
+}
+
+double random_uniform(std::uint64_t seed, std::uint64_t counter) {
+  return static_cast<double>(random_bits(seed, counter) >> 11) * 0x1.0p-53;
+}
+
+Xoshiro256::Xoshiro256(std::uint64_t seed, std::uint64_t counter) {
+  const std::uint64_t key = random_bits(seed, counter);
+  for (std::uint64_t i = 0; i < 4; ++i) state_[i] = random_bits(key, i);
+}
+
+}  // namespace robsim

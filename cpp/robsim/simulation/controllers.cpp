@@ -1,0 +1,35 @@
+#include "robsim/simulation/controllers.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "robsim/random/counter_random.hpp"
+
+namespace robsim {
+
+Spin::Spin(double voltage) : voltage_(voltage) {
+  if (!std::isfinite(voltage)) throw std::invalid_argument("voltage must be finite (V)");
+}
+
+Input Spin::operator()(const Step&) const { return {voltage_, -voltage_}; }
+
+DriveAround::DriveAround(double low, double high, int hold) : low_(low), high_(high), hold_(hold) {
+  if (!(std::isfinite(low) && std::isfinite(high) && low <= high)) {
+    throw std::invalid_argument("low must not be above high, both finite (V), got low=" +
+                                std::to_string(low) + " and high=" + std::to_string(high));
+  }
+  if (hold < 1) {
+    throw std::invalid_argument("hold must be at least 1 step, got " + std::to_string(hold));
+  }
+}
+
+Input DriveAround::operator()(const Step& step) const {
+  const auto block = static_cast<std::uint64_t>(step.k / hold_);
+  const auto voltage = [&](std::uint64_t motor) {
+    return low_ + (high_ - low_) * random_uniform(step.controller_seed, 2 * block + motor);
+  };
+  return {voltage(0), voltage(1)};
+}
+
+}  // namespace robsim

@@ -1,0 +1,23 @@
+#include "robsim/simulation/parameter_estimator.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+namespace robsim {
+
+RecursiveEstimator::RecursiveEstimator(std::shared_ptr<RecursiveLeastSquares> filters)
+    : filters_(std::move(filters)) {
+  if (filters_->filters() != 3 || filters_->parameters() != 5) {
+    throw std::invalid_argument(
+        "a parameter estimator of the robot needs filters=3 and parameters=5, got filters=" +
+        std::to_string(filters_->filters()) +
+        " and parameters=" + std::to_string(filters_->parameters()));
+  }
+}
+
+AxisMatrix RecursiveEstimator::update(const Sample& sample) {
+  filters_->update(sample.regression.phi, sample.regression.y);
+  return filters_->theta();
+}
+
+}  // namespace robsim

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "robsim/estimation/recursive_least_squares.hpp"
+#include "robsim/simulation/step.hpp"
+
+namespace robsim {
+
+/// What a simulation identifies its robot with, sample by sample.
+class ParameterEstimator {
+ public:
+  virtual ~ParameterEstimator() = default;
+
+  /// Takes the sample in and returns the parameters estimated by now.
+  virtual AxisMatrix update(const Sample& sample) = 0;
+
+  /// True if it needs the Python interpreter.
+  virtual bool is_interpreted() const { return false; }
+};
+
+/// The default: recursive least squares, one filter for each of the three axes.
+class RecursiveEstimator : public ParameterEstimator {
+ public:
+  explicit RecursiveEstimator(std::shared_ptr<RecursiveLeastSquares> filters);
+
+  AxisMatrix update(const Sample& sample) override;
+  const std::shared_ptr<RecursiveLeastSquares>& filters() const { return filters_; }
+
+ private:
+  std::shared_ptr<RecursiveLeastSquares> filters_;
+};
+
+}  // namespace robsim

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "robsim/simulation/stages.hpp"
+#include "robsim/simulation/trace.hpp"
+#include "robsim/vision/find_blobs.hpp"
+#include "robsim/world/visual_noise.hpp"
+#include "robsim/world/work_area.hpp"
+
+namespace robsim {
+
+struct SimulationOptions {
+  WorkArea area;
+  double robot_radius = 0;  // of the robot's outline around its centre, work-area px
+  Pose start;
+  VisualNoise noise;
+  std::vector<ColorClass> colors;
+  BlobOptions blobs;
+  Locator locator;  // of the default measurement
+  IdentifyFrom identify_from = IdentifyFrom::truth;
+  std::uint64_t controller_seed = 0;
+  std::uint64_t noise_seed = 0;
+};
+
+/// The loop: the world half makes a frame of every step, the robot half answers with an input.
+class Simulation {
+ public:
+  Simulation(SimulationOptions options, Stages stages);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  const SimulationOptions& options() const { return options_; }
+
+  /// The stages, to be changed between two runs. Throws std::runtime_error during a run.
+  Stages& stages();
+
+  /// Does what comes once, at the start, if that has not been done yet.
+  void start();
+
+  /// So many turns of the loop. A stage that throws ends the run; the trace up to the step before
+  /// is kept, and the next run goes on with the stage that threw.
+  /// Throws std::runtime_error when it is already running.
+  void run(std::int64_t steps, Interpreter& interpreter);
+
+  /// Back to the start: the next run begins anew and gives the same again.
+  void reset();
+
+  bool has_started() const { return model_.has_value(); }
+  bool is_running() const { return running_; }
+  std::int64_t next_step() const { return trace_.rows(); }
+  const Trace& trace() const { return trace_; }
+  const RobotModel& model() const { return model_.value(); }
+  const std::shared_ptr<ParameterEstimator>& estimator() const { return estimator_; }
+
+  /// The newest step. Only after the start.
+  const StepPointer& newest() const { return step_; }
+
+  /// The newest frame, and what is in it, drawn and found when first asked for. Only after the
+  /// start. Throws std::runtime_error while another thread runs the simulation.
+  const Frame& frame();
+  const BlobsByColor& blobs();
+
+ private:
+  // What is remembered of a step for the samples of the next ones.
+  struct Past {
+    std::optional<Pose> pose;  // as identify_from says
+    bool bounced = false;
+    Input u;
+  };
+
+  // Where the trace keeps what; null = not recorded.
+  struct Columns {
+    Trace::Column* pose_true = nullptr;
+    Trace::Column* u = nullptr;
+    Trace::Column* bounced = nullptr;
+    Trace::Column* measured = nullptr;
+    Trace::Column* held = nullptr;
+    Trace::Column* parameters = nullptr;
+    Trace::Column* estimated = nullptr;
+    Trace::Column* covariance = nullptr;
+    Trace::Column* view = nullptr;
+    std::vector<Trace::Column*> blobs;  // in the order of the colours' names
+  };
+
+  class Busy;
+  class NativeWork;
+
+  void prepare();
+  void turn();
+  void move_robot();
+  void estimate_parameters();
+  void measure();
+  void estimate_state();
+  void control();
+  void record();
+
+  void begin_step();
+  std::optional<Sample> newest_sample() const;
+  void add_columns();
+  void record_measurement();
+  void record_estimate();
+  bool needs_interpreter() const;
+  void check_thread() const;
+
+  SimulationOptions options_;
+  Stages stages_;
+  BlobFinder finder_;
+
+  // Made at the start.
+  std::optional<RobotModel> model_;
+  std::shared_ptr<ParameterEstimator> estimator_;
+  std::optional<Renderer> renderer_;
+  ImagePool noisy_images_;
+
+  // The world: the last two poses; bounces mirror them together.
+  Pose pose_;
+  Pose last_pose_;
+  bool bounced_ = false;
+  Pan pan_;
+
+  // The robot half.
+  StepPointer step_;
+  Input input_;
+  std::optional<Pose> held_;
+  std::optional<AxisMatrix> parameters_;
+  std::array<Past, 3> past_;  // the newest first
+
+  std::size_t next_stage_ = 0;
+  Trace trace_;
+  Columns columns_;
+  Interpreter* interpreter_ = nullptr;  // while it is held
+  std::atomic<bool> running_{false};
+  std::atomic<std::thread::id> runner_{};
+};
+
+}  // namespace robsim

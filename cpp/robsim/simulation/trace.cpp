@@ -1,0 +1,68 @@
+#include "robsim/simulation/trace.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace robsim {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+Trace::Memory make_memory(std::int64_t rows, std::size_t width) {
+  return std::make_shared<std::vector<double>>(static_cast<std::size_t>(rows) * width, nan);
+}
+
+}  // namespace
+
+Trace::Column& Trace::column(const std::string& name, std::size_t width) {
+  const auto found = std::find_if(columns_.begin(), columns_.end(),
+                                  [&](const Column& c) { return c.name() == name; });
+  if (found != columns_.end()) return *found;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  columns_.emplace_back(name, width);
+  columns_.back().memory_ = make_memory(capacity_, width);
+  return columns_.back();
+}
+
+Trace::Snapshot Trace::snapshot() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return {rows(), {columns_.begin(), columns_.end()}};
+}
+
+void Trace::reserve(std::int64_t rows) {
+  if (rows <= capacity_) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (Column& column : columns_) {
+    Memory larger = make_memory(rows, column.width_);
+    const auto used =
+        static_cast<std::ptrdiff_t>(this->rows()) * static_cast<std::ptrdiff_t>(column.width_);
+    std::copy_n(column.memory_->begin(), used, larger->begin());
+    column.memory_ = std::move(larger);
+  }
+  capacity_ = rows;
+}
+
+double* Trace::writable(Column& column) {
+  if (rows() == capacity_) reserve(std::max<std::int64_t>(64, 2 * capacity_));
+  return column.memory_->data() + static_cast<std::size_t>(rows()) * column.width_;
+}
+
+void Trace::append() {
+  if (rows() == capacity_) reserve(std::max<std::int64_t>(64, 2 * capacity_));
+  rows_.store(rows() + 1, std::memory_order_release);
+}
+
+void Trace::clear() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (Column& column : columns_) {
+    if (column.memory_.use_count() > 1) {
+      column.memory_ = make_memory(capacity_, column.width_);
+    } else {
+      std::fill(column.memory_->begin(), column.memory_->end(), nan);
+    }
+  }
+  rows_.store(0, std::memory_order_release);
+}
+
+}  // namespace robsim

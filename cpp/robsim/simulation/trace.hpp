@@ -1,0 +1,67 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace robsim {
+
+/// The recorded run: named columns of `width` numbers a step, NaN where nothing was recorded.
+/// Rows that are written once do not change: a column that outgrows its memory moves to a new one,
+/// so that a snapshot may be read while another thread goes on recording.
+class Trace {
+ public:
+  using Memory = std::shared_ptr<std::vector<double>>;
+
+  class Column {
+   public:
+    Column(std::string name, std::size_t width) : name_(std::move(name)), width_(width) {}
+
+    const std::string& name() const { return name_; }
+    std::size_t width() const { return width_; }
+    const Memory& memory() const { return memory_; }
+
+   private:
+    friend class Trace;
+    std::string name_;
+    std::size_t width_;
+    Memory memory_;
+  };
+
+  /// The column of this name, made with this width if there is none yet. The reference stays good.
+  Column& column(const std::string& name, std::size_t width);
+
+  /// The columns with the memory they have now, and the rows in it.
+  struct Snapshot {
+    std::int64_t rows;
+    std::vector<Column> columns;
+  };
+  Snapshot snapshot() const;
+
+  std::int64_t rows() const { return rows_.load(std::memory_order_acquire); }
+
+  /// Makes room for so many rows in all, so that appending them allocates nothing.
+  void reserve(std::int64_t rows);
+
+  /// The numbers of the row that is being written, all NaN at first.
+  double* writable(Column& column);
+
+  /// Ends the row that is being written.
+  void append();
+
+  /// Forgets all rows, keeps the memory that nobody else holds.
+  void clear();
+
+ private:
+  mutable std::mutex mutex_;  // of the list of columns and of their memory's place
+  std::deque<Column> columns_;
+  std::int64_t capacity_ = 0;
+  std::atomic<std::int64_t> rows_{0};
+};
+
+}  // namespace robsim

@@ -1,0 +1,149 @@
+#include "robsim/vision/locate.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace robsim {
+
+namespace {
+
+// Two pairs are told apart when their misfits (0 = perfect, 3 = just accepted) differ by this.
+constexpr double clear_lead = 0.1;
+
+struct Marker {
+  Point place;  // work-area px
+  double area;  // work-area px^2
+};
+
+std::vector<Marker> markers(const BlobsByColor& blobs, const char* color, const PlaneMap& map) {
+  std::vector<Marker> result;
+  const auto found = blobs.find(color);
+  if (found == blobs.end()) return result;
+  for (const Blob& blob : found->second) {
+    if (blob.at_border) continue;
+    const double area = static_cast<double>(blob.area) * map.area_scale(blob.centroid);
+    result.push_back({map.to_world(blob.centroid), area});
+  }
+  return result;
+}
+
+// ((distance - expected)/tolerance)^2, 1 at the limit
+double distance_misfit(const Marker& red, const Marker& blue, const Locator& locator) {
+  const double expected = locator.distance();
+  const double distance = std::hypot(red.place.x - blue.place.x, red.place.y - blue.place.y);
+  return std::pow((distance - expected) / (locator.distance_tolerance * expected), 2);
+}
+
+// (log(area/expected) / log(tolerance))^2, 1 at the limit
+double area_misfit(double area, double expected, const Locator& locator) {
+  return std::pow(std::log(area / expected) / std::log(locator.area_tolerance), 2);
+}
+
+std::optional<double> misfit(const Marker& red, const Marker& blue, const Locator& locator) {
+  const double limits[] = {
+      distance_misfit(red, blue, locator),
+      area_misfit(red.area, std::isnan(locator.red_area) ? blue.area : locator.red_area, locator),
+      area_misfit(blue.area, std::isnan(locator.blue_area) ? red.area : locator.blue_area,
+                  locator)};
+  double sum = 0;
+  for (const double value : limits) {
+    if (!(value <= 1)) return std::nullopt;
+    sum += value;
+  }
+  return sum;
+}
+
+// The markers' line gives the heading, their midpoint and the heading give the centre.
+Pose pose_from(const Marker& red, const Marker& blue, const Locator& locator) {
+  const auto direction = [](const Point& from, const Point& to) {
+    return std::atan2(to.y - from.y, to.x - from.x);
+  };
+  const double heading =
+      wrap_angle(direction(blue.place, red.place) - direction(locator.blue, locator.red));
+  // centre = midpoint seen - R(heading) midpoint in the robot's frame
+  const double x = (locator.red.x + locator.blue.x) / 2;
+  const double y = (locator.red.y + locator.blue.y) / 2;
+  const double cos = std::cos(heading);
+  const double sin = std::sin(heading);
+  return {(red.place.x + blue.place.x) / 2 - (x * cos - y * sin),
+          (red.place.y + blue.place.y) / 2 - (x * sin + y * cos), heading};
+}
+
+}  // namespace
+
+Locator Locator::across(double distance, double offset) {
+  if (!(distance > 0)) {
+    throw std::invalid_argument("distance between the markers must be above 0 px, got " +
+                                std::to_string(distance));
+  }
+  Locator locator;
+  locator.red = {-offset, distance / 2};
+  locator.blue = {-offset, -distance / 2};
+  check_locator(locator);
+  return locator;
+}
+
+Locator Locator::from_markers(const Polygon& red, const Polygon& blue) {
+  check_polygon(red, "red");
+  check_polygon(blue, "blue");
+  Locator locator;
+  locator.red = polygon_centroid(red);
+  locator.blue = polygon_centroid(blue);
+  locator.red_area = polygon_area(red);
+  locator.blue_area = polygon_area(blue);
+  check_locator(locator);
+  return locator;
+}
+
+double Locator::distance() const { return std::hypot(red.x - blue.x, red.y - blue.y); }
+
+double Locator::offset() const { return -(red.x + blue.x) / 2; }
+
+void check_locator(const Locator& locator) {
+  if (!std::isfinite(locator.offset()) || !std::isfinite(locator.distance())) {
+    throw std::invalid_argument("distance and offset must be finite (work-area px)");
+  }
+  if (locator.distance() < 1e-3) {
+    throw std::invalid_argument("distance between the markers must be above 0 px, got " +
+                                std::to_string(locator.distance()));
+  }
+  for (const double area : {locator.red_area, locator.blue_area}) {
+    if (!std::isnan(area) && !(std::isfinite(area) && area > 0)) {
+      throw std::invalid_argument("marker area must be positive and finite, or NaN, got " +
+                                  std::to_string(area));
+    }
+  }
+  if (!(locator.distance_tolerance > 0)) {
+    throw std::invalid_argument("distance_tolerance must be above 0, got " +
+                                std::to_string(locator.distance_tolerance));
+  }
+  if (!(locator.area_tolerance > 1)) {
+    throw std::invalid_argument("area_tolerance must be above 1, got " +
+                                std::to_string(locator.area_tolerance));
+  }
+}
+
+std::optional<Measurement> locate(const BlobsByColor& blobs, const Locator& locator,
+                                  const PlaneMap& plane_map) {
+  const std::vector<Marker> blues = markers(blobs, "blue", plane_map);
+  std::optional<Measurement> best;
+  double least = 0;
+  double second = std::numeric_limits<double>::infinity();
+  for (const Marker& red : markers(blobs, "red", plane_map)) {
+    for (const Marker& blue : blues) {
+      const std::optional<double> value = misfit(red, blue, locator);
+      if (!value) continue;
+      if (best && *value >= least) {
+        second = std::min(second, *value);
+        continue;
+      }
+      if (best) second = least;
+      best = Measurement{pose_from(red, blue, locator)};
+      least = *value;
+    }
+  }
+  if (best && second - least < clear_lead) return std::nullopt;
+  return best;
+}
+
+}  // namespace robsim

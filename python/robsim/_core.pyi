@@ -1,0 +1,931 @@
+"""
+The C++ core of robsim. What users need of it is re-exported by robsim.
+"""
+from __future__ import annotations
+import collections.abc
+import numpy
+import numpy.typing
+import typing
+__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'VisualNoise', 'WorldState', 'find_blobs', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
+class PlaneMap:
+    """
+    Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
+    
+    Parameters
+    ----------
+    matrix : array (3, 3), optional
+        Homography that takes (u, v, 1) to (x, y, 1) times a number. Default: the identity.
+    
+    Raises
+    ------
+    ValueError
+        If the matrix is not finite or has no inverse.
+    """
+    @staticmethod
+    def scaled(camera: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], area: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]) -> PlaneMap:
+        """
+        Return the map of a camera that sees the whole area.
+        
+        Parameters
+        ----------
+        camera : tuple of int
+            Width and height of the frame (px).
+        area : tuple of float
+            Width and height of the area (work-area px).
+        """
+    @typing.overload
+    def __init__(self) -> None:
+        ...
+    @typing.overload
+    def __init__(self, matrix: typing.Any) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def to_pixel(self, places: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the pixels of places.
+        
+        Parameters
+        ----------
+        places : array (2,) or (N, 2)
+            Places (x, y) in work-area px.
+        
+        Returns
+        -------
+        array (2,) or (N, 2)
+            Pixels (u, v).
+        """
+    def to_world(self, pixels: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the places of pixels.
+        
+        Parameters
+        ----------
+        pixels : array (2,) or (N, 2)
+            Pixels (u, v).
+        
+        Returns
+        -------
+        array (2,) or (N, 2)
+            Places (x, y) in work-area px.
+        """
+    @property
+    def matrix(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3, 3): the homography from pixels to the work area.
+        """
+class Frame:
+    """
+    A camera image with its time: all that the robot half gets to know of the world.
+    
+    Parameters
+    ----------
+    image : array (H, W, 3) of uint8
+        RGB pixels; they are copied.
+    t : float
+        Time (s).
+    index : int
+        Number of the frame.
+    plane_map : PlaneMap, optional
+        Pixels to work area. Default: the identity.
+    """
+    def __init__(self, image: typing.Any, *, t: typing.SupportsFloat | typing.SupportsIndex = 0.0, index: typing.SupportsInt | typing.SupportsIndex = 0, plane_map: PlaneMap = ...) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def _repr_png_(self) -> bytes:
+        """
+        Return the image as a PNG file: a frame shows itself in a notebook.
+        """
+    @property
+    def image(self) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        array (H, W, 3) of uint8: RGB, read-only, never overwritten while you hold it.
+        """
+    @property
+    def index(self) -> int:
+        """
+        int: number of the frame.
+        """
+    @property
+    def plane_map(self) -> PlaneMap:
+        """
+        PlaneMap: pixels <-> work area.
+        """
+    @property
+    def t(self) -> float:
+        """
+        float: time (s).
+        """
+class RobotParameters:
+    """
+    The physical robot; the defaults are those of the original program.
+    
+    Parameters
+    ----------
+    mass : float
+        Mass m (kg).
+    inertia : float
+        Moment of inertia I (kg m^2).
+    linear_friction, angular_friction : float
+        Viscous friction Fv (N s/m) and Fw (N m s/rad).
+    wheel_radius, wheel_base : float
+        Wheel radius r and distance of the wheels L (m).
+    motor_gain : tuple of two floats
+        Torque per voltage alpha of the left and the right motor (N m/V).
+    motor_offset : tuple of two floats
+        Torque at 0 V beta of the left and the right motor (N m).
+    dt : float
+        Sample time T (s).
+    
+    Raises
+    ------
+    ValueError
+        If a value is not physical; the sentence says which one and why.
+    """
+    def __init__(self, *, mass: typing.SupportsFloat | typing.SupportsIndex = 0.3, inertia: typing.SupportsFloat | typing.SupportsIndex = 0.1, linear_friction: typing.SupportsFloat | typing.SupportsIndex = 0.1, angular_friction: typing.SupportsFloat | typing.SupportsIndex = 0.1, wheel_radius: typing.SupportsFloat | typing.SupportsIndex = 0.03, wheel_base: typing.SupportsFloat | typing.SupportsIndex = 0.11, motor_gain: typing.Any = (0.05, 0.05), motor_offset: typing.Any = (1e-06, 1e-06), dt: typing.SupportsFloat | typing.SupportsIndex = 0.2) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def angular_friction(self) -> float:
+        ...
+    @property
+    def dt(self) -> float:
+        ...
+    @property
+    def inertia(self) -> float:
+        ...
+    @property
+    def linear_friction(self) -> float:
+        ...
+    @property
+    def mass(self) -> float:
+        ...
+    @property
+    def motor_gain(self) -> tuple[float, float]:
+        ...
+    @property
+    def motor_offset(self) -> tuple[float, float]:
+        ...
+    @property
+    def wheel_base(self) -> float:
+        ...
+    @property
+    def wheel_radius(self) -> float:
+        ...
+class RobotModel:
+    """
+    One-step predictor of a differential-drive robot, linear in its 15 parameters.
+    
+    Per axis: x(k) = a1 x(k-1) + a2 x(k-2) + (b1 u1(k-1) + b2 u2(k-1) + d1) cos heading(k-1), with sin
+    for y and 1 for the heading. Nothing in the equations forbids the robot to slide sideways.
+    
+    Parameters
+    ----------
+    parameters : RobotParameters, optional
+        The physical robot.
+    
+    Raises
+    ------
+    ValueError
+        If the predictor would be unstable: a1 must lie between 0 and 2.
+    
+    Notes
+    -----
+    Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only
+    Robots, IEEE Trans. SMC A 30(4), 2000.
+    """
+    @staticmethod
+    def from_theta(theta: typing.Any, *, dt: typing.SupportsFloat | typing.SupportsIndex = 0.2) -> RobotModel:
+        """
+        Return the model with these predictor parameters.
+        
+        Parameters
+        ----------
+        theta : array (3, 5)
+            Rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
+        dt : float
+            Sample time (s).
+        """
+    def __init__(self, parameters: RobotParameters = ...) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def predict(self, last: typing.Any, before: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the pose of step k.
+        
+        Parameters
+        ----------
+        last, before : array (3,)
+            Poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
+        u : array (2,)
+            Input of step k-1 (V).
+        
+        Returns
+        -------
+        array (3,)
+            The pose, its heading in (-pi, pi].
+        """
+    @property
+    def dt(self) -> float:
+        """
+        float: sample time (s).
+        """
+    @property
+    def theta(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3, 5): rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
+        """
+class Renderer:
+    """
+    Draws what the ceiling camera sees, without noise.
+    
+    Parameters
+    ----------
+    floor, home : tuple of two arrays (H, W, 3) of uint8
+        What repeats around the work area, and the work area itself: each lit and in the shadow, in
+        camera pixels.
+    shadow_left : int
+        First column of the view that lies in the shadow (px).
+    shadow_factor : float
+        Brightness of the robot in the shadow relative to that in the light.
+    sprite : array (h, w, 4) of uint8
+        The robot's picture, RGBA.
+    centre : array (2,)
+        The robot's centre in the sprite (sprite px).
+    unit : float
+        Work-area px that a sprite pixel stands for.
+    alignment : float
+        What turns the sprite clockwise so that the robot faces +x (rad).
+    phases : int
+        Number of headings the robot is shown in, at whole pixels; 0 = any heading and place.
+    area : tuple of int
+        Width and height of the work area (px).
+    """
+    def __init__(self, *, floor: tuple[typing.Any, typing.Any], home: tuple[typing.Any, typing.Any], shadow_left: typing.SupportsInt | typing.SupportsIndex, shadow_factor: typing.SupportsFloat | typing.SupportsIndex, sprite: typing.Any, centre: typing.Any, unit: typing.SupportsFloat | typing.SupportsIndex, alignment: typing.SupportsFloat | typing.SupportsIndex, phases: typing.SupportsInt | typing.SupportsIndex, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    def render(self, pose: typing.Any, pan: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 0)) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        Return the image of the robot at a pose.
+        
+        Parameters
+        ----------
+        pose : array (3,)
+            x, y (work-area px), heading (rad).
+        pan : tuple of int
+            By how much the view is moved (camera px).
+        
+        Returns
+        -------
+        array (H, W, 3) of uint8
+            Read-only; it stays what it is as long as you hold it.
+        """
+class VisualNoise:
+    """
+    Noise of the camera: independent per pixel and channel, added, rounded, clipped to 0..255.
+    
+    Parameters
+    ----------
+    kind : str
+        ``"none"``, ``"uniform"`` (within +-2.55 p) or ``"gaussian"`` (sigma = 2.55 p).
+    percent : float
+        The level p, at least 0.
+    """
+    def __init__(self, kind: str, percent: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    def add(self, image: typing.Any, seed: typing.SupportsInt | typing.SupportsIndex, index: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        Return a noisy copy of an image.
+        
+        Parameters
+        ----------
+        image : array (H, W, 3) of uint8
+            RGB.
+        seed : int
+            Stream of random numbers, 0 <= seed < 2**64.
+        index : int
+            Number of the frame: each has noise of its own.
+        """
+class ColorClass:
+    """
+    A named colour: a pixel belongs to it when its Y, U and V lie within the ranges.
+    
+    Parameters
+    ----------
+    name : str
+        Name of the colour.
+    y, u, v : tuple of two ints
+        Lower and upper end of the range, both included, within 0..255.
+    """
+    def __init__(self, name: str, *, y: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), u: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), v: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255)) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        str: name of the colour.
+        """
+    @property
+    def u(self) -> tuple[int, int]:
+        """
+        tuple of int: blue minus luma, 128 = neutral.
+        """
+    @property
+    def v(self) -> tuple[int, int]:
+        """
+        tuple of int: red minus luma, 128 = neutral.
+        """
+    @property
+    def y(self) -> tuple[int, int]:
+        """
+        tuple of int: luma.
+        """
+class Blob:
+    """
+    A connected component (8 neighbours) of pixels of one colour class, in pixels of its frame.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def area(self) -> int:
+        """
+        int: number of pixels.
+        """
+    @property
+    def at_border(self) -> bool:
+        """
+        bool: it touches the edge of the frame, beyond which it may go on.
+        """
+    @property
+    def bounding_box(self) -> tuple[int, int, int, int]:
+        """
+        tuple of int: its outermost pixels (u_min, v_min, u_max, v_max), both ends included.
+        """
+    @property
+    def centroid(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): mean (u, v) of its pixels.
+        """
+    @property
+    def color(self) -> str:
+        """
+        str: name of the colour class.
+        """
+class Measurement:
+    """
+    Where a robot was seen. A frame without a robot gives None instead.
+    
+    Parameters
+    ----------
+    pose : array (3,)
+        x, y (work-area px), heading (rad).
+    """
+    def __init__(self, pose: typing.Any) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def pose(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).
+        """
+class Locator:
+    """
+    Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
+    
+    The line from blue to red lies across the heading, red on the robot's right. Markers in other
+    places: see `from_markers`.
+    
+    Parameters
+    ----------
+    distance : float
+        Between the centroids of the two markers (work-area px).
+    offset : float
+        From the midpoint of the markers forward to the robot's centre (work-area px).
+    distance_tolerance : float
+        Greatest deviation of a pair's distance, as a share of the distance.
+    area_tolerance : float
+        Greatest factor between a blob's area and the marker's; where the areas are not known, between
+        the two blobs of a pair.
+    """
+    @staticmethod
+    def from_markers(red: typing.Any, blue: typing.Any, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.08, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 1.6) -> Locator:
+        """
+        Return the locator of a robot with these markers; it knows their areas, too.
+        
+        Parameters
+        ----------
+        red, blue : array (N, 2)
+            Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
+        distance_tolerance, area_tolerance : float
+            As for `Locator`.
+        """
+    def __init__(self, distance: typing.SupportsFloat | typing.SupportsIndex, offset: typing.SupportsFloat | typing.SupportsIndex, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.08, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 1.6) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def area_tolerance(self) -> float:
+        """
+        float: factor.
+        """
+    @property
+    def blue(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): the blue marker's place, forward and right of the centre (px).
+        """
+    @property
+    def blue_area(self) -> float:
+        """
+        float: px^2, NaN = not known.
+        """
+    @property
+    def distance(self) -> float:
+        """
+        float: between the markers' centroids (work-area px).
+        """
+    @property
+    def distance_tolerance(self) -> float:
+        """
+        float: share.
+        """
+    @property
+    def offset(self) -> float:
+        """
+        float: from the markers' midpoint forward to the centre (px).
+        """
+    @property
+    def red(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): the red marker's place, forward and right of the centre (px).
+        """
+    @property
+    def red_area(self) -> float:
+        """
+        float: px^2, NaN = not known.
+        """
+class RecursiveLeastSquares:
+    """
+    Recursive least squares with forgetting, for one filter or several side by side.
+    
+    Parameters
+    ----------
+    parameters : int
+        Number of parameters of a filter.
+    filters : int
+        Number of filters.
+    forgetting : float
+        Forgetting factor, 0 < forgetting <= 1; 1 forgets nothing.
+    initial_covariance : float
+        P at the start is this times the unit matrix; theta is 0.
+    
+    Raises
+    ------
+    ValueError
+        For values outside these ranges.
+    
+    Notes
+    -----
+    The covariance is kept as P = U D U' (Bierman, Factorization Methods for Discrete Sequential
+    Estimation, 1977, ch. V): no rounding can make it asymmetric or negative.
+    """
+    def __init__(self, parameters: typing.SupportsInt | typing.SupportsIndex, *, filters: typing.SupportsInt | typing.SupportsIndex = 1, forgetting: typing.SupportsFloat | typing.SupportsIndex = 1.0, initial_covariance: typing.SupportsFloat | typing.SupportsIndex = 1000000000.0) -> None:
+        ...
+    def reset(self) -> None:
+        """
+        Go back to the start.
+        """
+    def update(self, phi: typing.Any, y: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Take in one sample of every filter.
+        
+        Parameters
+        ----------
+        phi : array (parameters,), or (filters, parameters) for several filters
+            Regressors.
+        y : float, or array (filters,) for several filters
+            Outputs.
+        
+        Returns
+        -------
+        array, shaped as phi
+            The estimates now.
+        
+        Raises
+        ------
+        TypeError, ValueError
+            For other shapes, NaN or infinity; the filter stays what it was.
+        """
+    @property
+    def P(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (parameters, parameters), for several filters (filters, parameters, parameters):
+        covariance of the estimates in units of the variance of the output noise.
+        """
+    @property
+    def forgetting(self) -> float:
+        """
+        float: forgetting factor.
+        """
+    @property
+    def theta(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array, shaped as phi: the estimates.
+        """
+class LeastSquaresFit:
+    """
+    What `least_squares` found.
+    """
+    @property
+    def condition(self) -> float:
+        """
+        float: condition number of the regressors, scaled to length 1.
+        """
+    @property
+    def rank(self) -> int:
+        """
+        int: number of independent regressors.
+        """
+    @property
+    def residual_rms(self) -> float:
+        """
+        float: root mean square of y - phi theta.
+        """
+    @property
+    def theta(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (n,): the parameters, NaN where the samples say nothing.
+        """
+class Estimate:
+    """
+    What a state estimator makes of a step.
+    
+    Parameters
+    ----------
+    pose : array (3,)
+        x, y (work-area px), heading (rad).
+    covariance : array (3, 3)
+        Its covariance.
+    state : array (n,), optional
+        Any further state, n the same at every step.
+    """
+    def __init__(self, pose: typing.Any, covariance: typing.Any, state: typing.Any = None) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def covariance(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3, 3): covariance of the pose.
+        """
+    @property
+    def pose(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): x, y (work-area px), heading (rad).
+        """
+    @property
+    def state(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (n,): any further state.
+        """
+class Sample:
+    """
+    One sample for the parameter estimator: y = sum(phi * theta, axis=1).
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def k(self) -> int:
+        """
+        int: the step whose output y is.
+        """
+    @property
+    def phi(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3, 5): regressors of the axes X, Y and P (heading).
+        """
+    @property
+    def y(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): outputs x, y (work-area px) and heading (rad).
+        """
+class WorldState:
+    """
+    What a robot model gets to compute the next pose.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def before(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): the pose of step k-2.
+        """
+    @property
+    def dt(self) -> float:
+        """
+        float: sample time (s).
+        """
+    @property
+    def k(self) -> int:
+        """
+        int: number of the step.
+        """
+    @property
+    def last(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): the pose of step k-1: x, y (work-area px), heading (rad).
+        """
+    @property
+    def model(self) -> RobotModel:
+        """
+        RobotModel: what define_model returned.
+        """
+    @property
+    def t(self) -> float:
+        """
+        float: time (s).
+        """
+    @property
+    def u(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): the input of step k-1 (V).
+        """
+class Step:
+    """
+    What the robot half may know of a step, read-only. It fills up from stage to stage.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def blobs(self) -> dict[str, list[Blob]]:
+        """
+        dict of str to list of Blob: per colour the blobs in the frame, the largest first.
+        """
+    @property
+    def dt(self) -> float:
+        """
+        float: sample time (s).
+        """
+    @property
+    def estimate(self) -> Estimate | None:
+        """
+        Estimate or None: what the state estimator returned.
+        """
+    @property
+    def estimator(self) -> typing.Any:
+        """
+        The object that init_parameter_estimator made.
+        """
+    @property
+    def frame(self) -> Frame:
+        """
+        Frame: what the camera sees.
+        """
+    @property
+    def k(self) -> int:
+        """
+        int: number of the step, from 0.
+        """
+    @property
+    def measurement(self) -> Measurement | None:
+        """
+        Measurement or None: where the robot was seen. None before that stage.
+        """
+    @property
+    def parameters(self) -> typing.Any:
+        """
+        array (3, 5) or None: the parameters estimated by now.
+        """
+    @property
+    def sample(self) -> Sample | None:
+        """
+        Sample or None: the newest complete sample. None at the start, and where a
+        bounce or a missing measurement interrupts the record.
+        """
+    @property
+    def t(self) -> float:
+        """
+        float: time (s).
+        """
+    @property
+    def u(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): the last input, that of step k-1 (V).
+        """
+class Controller:
+    """
+    A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
+    """
+    def __call__(self, step: Step) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the input of a step: array (2,), V.
+        """
+class Spin(Controller):
+    """
+    Turns on the spot: (+voltage, -voltage).
+    
+    Parameters
+    ----------
+    voltage : float
+        Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
+    """
+    def __init__(self, voltage: typing.SupportsFloat | typing.SupportsIndex = 0.05) -> None:
+        ...
+    @property
+    def voltage(self) -> float:
+        """
+        float: voltage of the left motor (V).
+        """
+class DriveAround(Controller):
+    """
+    Drives around: for each motor a random voltage, held for some steps.
+    
+    Parameters
+    ----------
+    low, high : float
+        The voltages are uniform in [low, high) (V).
+    hold : int
+        Steps for which a voltage is held.
+    """
+    def __init__(self, *, low: typing.SupportsFloat | typing.SupportsIndex = -0.5, high: typing.SupportsFloat | typing.SupportsIndex = 1.5, hold: typing.SupportsInt | typing.SupportsIndex = 10) -> None:
+        ...
+    @property
+    def high(self) -> float:
+        """
+        float: highest voltage (V).
+        """
+    @property
+    def hold(self) -> int:
+        """
+        int: steps a voltage is held for.
+        """
+    @property
+    def low(self) -> float:
+        """
+        float: lowest voltage (V).
+        """
+class Simulation:
+    """
+    The loop. Users take robsim.Simulation.
+    """
+    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], locator: Locator, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+        """
+        Return the columns of the trace: name -> array (rows, width).
+        """
+    def reset(self) -> None:
+        """
+        Go back to the start.
+        """
+    def run(self, steps: typing.SupportsInt | typing.SupportsIndex, progress: typing.Any = None) -> None:
+        """
+        Do so many turns of the loop; progress(done) is called every 50 ms or so.
+        """
+    def set_stage(self, slot: str, value: typing.Any) -> None:
+        """
+        Put a callable or a native component into a slot; None = the default.
+        """
+    def start(self) -> None:
+        """
+        Do what comes once, if that has not been done yet.
+        """
+    @property
+    def blobs(self) -> dict[str, list[Blob]]:
+        ...
+    @property
+    def estimator(self) -> typing.Any:
+        ...
+    @property
+    def frame(self) -> Frame:
+        ...
+    @property
+    def has_started(self) -> bool:
+        ...
+    @property
+    def is_running(self) -> bool:
+        ...
+    @property
+    def model(self) -> RobotModel:
+        ...
+    @property
+    def newest(self) -> Step:
+        ...
+def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, minimum_area: typing.SupportsInt | typing.SupportsIndex = 12, maximum_count: typing.SupportsInt | typing.SupportsIndex = 64) -> dict[str, list[Blob]]:
+    """
+    Find the blobs of every colour class in one pass over an image.
+    
+    Parameters
+    ----------
+    image : Frame or array (H, W, 3) of uint8
+        RGB; rows may lie at any distance in memory.
+    colors : list of ColorClass
+        The colours to look for; a pixel may belong to several.
+    minimum_area : int
+        Smaller blobs are dropped (px).
+    maximum_count : int
+        Only so many of the largest blobs of a colour are returned.
+    
+    Returns
+    -------
+    dict of str to list of Blob
+        Per colour the blobs, the largest first.
+    
+    Raises
+    ------
+    TypeError, ValueError
+        For an image of another kind, and for two colours of one name.
+    """
+def least_squares(phi: typing.Any, y: typing.Any) -> LeastSquaresFit:
+    """
+    Return the theta that minimises the squares of y - phi theta.
+    
+    Parameters
+    ----------
+    phi : array (N, n)
+        Regressors, one sample a row.
+    y : array (N,)
+        Outputs.
+    
+    Returns
+    -------
+    LeastSquaresFit
+        theta, rank, condition, residual_rms.
+    
+    Notes
+    -----
+    Householder QR with column pivoting (Golub and Van Loan, Matrix Computations, 5.4.2).
+    """
+def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], locator: Locator, plane_map: PlaneMap = ...) -> Measurement | None:
+    """
+    Return the pose of the robot whose markers are among the blobs.
+    
+    It is that of the red-blue pair whose distance and areas fit. Blobs at the border of the frame are
+    not used: they may be cut off.
+    
+    Parameters
+    ----------
+    blobs : dict of str to list of Blob
+        As from `find_blobs`; "red" and "blue" are looked at.
+    locator : Locator
+        Where the robot carries its markers.
+    plane_map : PlaneMap, optional
+        Pixels of the blobs' frame to work area. Default: the identity.
+    
+    Returns
+    -------
+    Measurement or None
+        None = not seen: no pair fits, or two fit equally well.
+    """
+def regression_samples(poses: typing.Any, u: typing.Any) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    """
+    Return the samples of the robot model's predictor in an unbroken record.
+    
+    Parameters
+    ----------
+    poses : array (N, 3)
+        Poses of N steps in a row: x, y (work-area px), heading (rad), wrapped or not.
+    u : array (N, 2)
+        The inputs given at these steps (V).
+    
+    Returns
+    -------
+    phi : array (N - 2, 3, 5)
+        Regressors of steps 2..N-1 for the axes X, Y and P (heading).
+    y : array (N - 2, 3)
+        Outputs; y = sum(phi * theta, axis=2) for the true theta.
+    """
+def rgb_to_yuv(image: typing.Any) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    Return Y, U and V of every pixel, as the colour classes see them.
+    
+    Full-range BT.601 in coefficients of 7 bits, rounded down: Y = (38 R + 75 G + 15 B)/128,
+    U = 128 + (-22 R - 42 G + 64 B)/128, V = 128 + (64 R - 54 G - 10 B)/128.
+    
+    Parameters
+    ----------
+    image : array (H, W, 3) of uint8
+        RGB.
+    
+    Returns
+    -------
+    array (H, W, 3) of uint8
+        Y, U, V.
+    """
+def wrap_angle(angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    Return the angle in (-pi, pi] that differs by full turns.
+    
+    Parameters
+    ----------
+    angle : float or array
+        Angle (rad).
+    
+    Returns
+    -------
+    float or array
+        Wrapped angle (rad), of the same shape.
+    """

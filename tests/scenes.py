@@ -1,0 +1,51 @@
+"""Scenes that several tests look at."""
+
+import numpy as np
+
+import robsim
+from robsim.scene import make_renderer
+
+AREA = (1200, 1200)
+
+
+def renderer(*, camera=AREA, phases=0, adjust_background=robsim.draw_red_square, **options):
+    return make_renderer(
+        robot=options.get("robot", robsim.load_robot()),
+        area=options.get("area", AREA),
+        camera=camera,
+        phases=phases,
+        background=options.get("background"),
+        adjust_background=adjust_background,
+    )
+
+
+def poses_within(rng, count, margin=60):
+    """Poses uniform in x, y and heading, the whole robot in view."""
+    xy = rng.uniform(margin, AREA[0] - 1 - margin, (count, 2))
+    return np.column_stack((xy, rng.uniform(-np.pi, np.pi, count)))
+
+
+def errors_of(draw, poses, *, locator=None, camera=AREA):
+    """Measured minus true poses (N, 3), NaN where the robot is not seen."""
+    locator = robsim.load_robot().locator() if locator is None else locator
+    colors = robsim.load_colors()
+    plane_map = robsim.PlaneMap.scaled(camera, AREA)
+    errors = np.full((len(poses), 3), np.nan)
+    for error, pose in zip(errors, poses, strict=True):
+        seen = robsim.locate(robsim.find_blobs(draw.render(pose), colors), locator, plane_map)
+        if seen is not None:
+            error[:] = seen.pose - pose
+            error[2] = robsim.wrap_angle(error[2])
+    return errors
+
+
+def rms(errors):
+    """Root mean square of the place (px) and of the heading (degrees)."""
+    distance = np.hypot(errors[:, 0], errors[:, 1])
+    heading = np.rad2deg(errors[:, 2])
+    return np.sqrt(np.mean(distance**2)), np.sqrt(np.mean(heading**2))
+
+
+def false_poses(errors):
+    distance = np.hypot(errors[:, 0], errors[:, 1])
+    return (distance > 10) | (np.abs(errors[:, 2]) > np.deg2rad(20))

@@ -1,0 +1,202 @@
+import traceback
+
+import numpy as np
+import pytest
+
+import robsim
+
+STEP_SLOTS = ("evaluate_model", "estimate_parameters", "measure", "estimate_state", "control")
+SMALL = {"camera": (240, 240)}
+GOOD = {
+    "evaluate_model": lambda world: world.last,
+    "estimate_parameters": lambda step: None,
+    "measure": lambda step: None,
+    "estimate_state": lambda step: robsim.Estimate((0, 0, 0), np.eye(3)),
+    "control": lambda step: (0.0, 0.0),
+}
+
+
+def failing_at_5(slot, result):
+    """A simulation whose callback gives a bad result, or raises it, at step 5."""
+
+    def my_callback(step):
+        if step.k < 5:
+            return GOOD[slot](step)
+        if isinstance(result, Exception):
+            raise result
+        return result
+
+    return robsim.Simulation(**{slot: my_callback}, **SMALL), my_callback
+
+
+@pytest.mark.parametrize("slot", STEP_SLOTS)
+def test_an_exception_reaches_the_user_as_it_is_with_a_note(slot):
+    mistake = ZeroDivisionError("my own mistake")
+    sim, _ = failing_at_5(slot, mistake)
+    with pytest.raises(ZeroDivisionError, match="my own mistake") as caught:
+        sim.run(20)
+    assert caught.value is mistake
+    assert f"in the callback {slot} at step 5" in caught.value.__notes__
+    text = "".join(traceback.format_exception(caught.value))
+    assert "test_callbacks.py" in text
+    assert "raise result" in text
+    assert len(sim.trace) == 5
+    assert np.isfinite(sim.trace.pose_true).all()
+
+
+BAD = {
+    "evaluate_model": [None, (1.0, 2.0), (1.0, np.nan, 0.0), "here", object()],
+    "estimate_parameters": [np.zeros(15), np.full((3, 5), np.nan), "none", 1.0],
+    "measure": [(1.0, 2.0), (1.0, np.inf, 0.0), "lost", 3, True],
+    "estimate_state": [None, (0, 0, 0), np.zeros(3)],
+    "control": [None, 1.0, (1.0,), (1.0, 2.0, 3.0), (1.0, np.nan), ("a", "b"), {}],
+}
+
+
+@pytest.mark.parametrize(("slot", "bad"), [(slot, bad) for slot in BAD for bad in BAD[slot]])
+def test_a_bad_result_is_named_with_callback_step_and_expectation(slot, bad):
+    sim, callback = failing_at_5(slot, bad)
+    with pytest.raises((TypeError, ValueError)) as caught:
+        sim.run(20)
+    message = str(caught.value)
+    assert message.startswith(f"in the callback {slot} at step 5: the result must be")
+    assert "got" in message
+    line = callback.__code__.co_firstlineno
+    assert f'test_callbacks.py", line {line}, in my_callback' in message
+    assert len(sim.trace) == 5
+
+
+@pytest.mark.parametrize(
+    ("slot", "bad"),
+    [("define_model", None), ("define_model", 3), ("adjust_background", None),
+     ("adjust_background", np.zeros((5, 5, 3), np.uint8))],
+)  # fmt: skip
+def test_a_bad_result_at_the_start(slot, bad):
+    sim = robsim.Simulation(**{slot: lambda *arguments: bad})
+    with pytest.raises((TypeError, ValueError), match=slot) as caught:
+        sim.run(1)
+    assert "at the start" in "".join(traceback.format_exception(caught.value))
+    assert len(sim.trace) == 0
+
+
+@pytest.mark.parametrize("slot", ["define_model", "init_parameter_estimator", "adjust_background"])
+def test_an_exception_at_the_start_has_a_note_and_the_start_can_be_tried_again(slot):
+    calls = []
+
+    def callback(*arguments):
+        calls.append(slot)
+        if len(calls) == 1:
+            raise OSError("not yet")
+        return {
+            "define_model": robsim.RobotModel,
+            "init_parameter_estimator": lambda: robsim.RecursiveLeastSquares(5, filters=3),
+            "adjust_background": lambda: arguments[0],
+        }[slot]()
+
+    sim = robsim.Simulation(**{slot: callback})
+    with pytest.raises(OSError, match="not yet") as caught:
+        sim.run(1)
+    assert f"in the callback {slot} at the start" in caught.value.__notes__
+    assert len(sim.run(2)) == 2
+
+
+def test_a_run_goes_on_with_the_stage_that_failed_and_does_nothing_twice():
+    calls = []
+
+    def note(slot, result):
+        def callback(step):
+            calls.append((slot, step.k))
+            return result(step)
+
+        return callback
+
+    def fails_once(step):
+        if step.k == 3 and calls.count(("control", 3)) == 1:
+            raise ValueError("once")
+        return (0.3, 0.1)
+
+    options = {"evaluate_model": lambda w: w.model.predict(w.last, w.before, w.u)}
+    sim = robsim.Simulation(
+        estimate_parameters=note("estimate_parameters", lambda step: None),
+        control=note("control", fails_once),
+        **options,
+    )
+    with pytest.raises(ValueError, match="once"):
+        sim.run(6)
+    trace = sim.run(3)
+    assert [k for slot, k in calls if slot == "estimate_parameters"] == [0, 1, 2, 3, 4, 5]
+    assert [k for slot, k in calls if slot == "control"] == [0, 1, 2, 3, 3, 4, 5]
+    undisturbed = robsim.Simulation(control=lambda step: (0.3, 0.1), **options).run(6)
+    np.testing.assert_array_equal(trace.pose_true, undisturbed.pose_true)
+
+
+@pytest.mark.parametrize("slot", [*STEP_SLOTS, "define_model", "adjust_background"])
+def test_what_is_not_callable_is_refused_at_once(slot):
+    with pytest.raises(TypeError, match=f"{slot} must be callable, got 3"):
+        robsim.Simulation(**{slot: 3})
+
+
+def test_a_callback_without_argument_says_so():
+    sim = robsim.Simulation(control=lambda: (0, 0))
+    with pytest.raises(TypeError, match="positional argument") as caught:
+        sim.run(1)
+    assert "in the callback control at step 0" in caught.value.__notes__
+
+
+def test_an_estimator_object_of_ones_own():
+    class Mine:
+        def __init__(self):
+            self.samples = []
+
+        def update(self, phi, y):
+            self.samples.append((phi, y))
+            return np.full((3, 5), len(self.samples))
+
+    sim = robsim.Simulation(init_parameter_estimator=lambda model: Mine())
+    trace = sim.run(6)
+    np.testing.assert_array_equal(trace.parameters[:, 0, 0], [np.nan, np.nan, 1, 2, 3, 4])
+    assert sim.estimator.samples[0][0].shape == (3, 5)
+    assert sim.newest.estimator is sim.estimator
+
+
+def test_an_estimator_object_that_returns_nonsense():
+    class Wrong:
+        def update(self, phi, y):
+            return phi[0]
+
+    sim = robsim.Simulation(init_parameter_estimator=lambda model: Wrong())
+    with pytest.raises(ValueError, match=r"step.estimator.update.*shape \(3, 5\)"):
+        sim.run(6)
+    assert len(sim.trace) == 2
+
+
+def test_filters_of_the_wrong_size_are_refused_at_the_start():
+    sim = robsim.Simulation(init_parameter_estimator=lambda model: robsim.RecursiveLeastSquares(4))
+    with pytest.raises(ValueError, match="filters=3 and parameters=5"):
+        sim.run(1)
+
+
+def test_further_state_of_another_size_is_an_error():
+    sim = robsim.Simulation(
+        estimate_state=lambda step: robsim.Estimate((0, 0, 0), np.eye(3), np.zeros(2 + step.k // 3))
+    )
+    with pytest.raises(ValueError, match=r"estimate_state at step 3: state must have 2 numbers"):
+        sim.run(5)
+    assert len(sim.trace) == 3
+
+
+def test_the_robot_half_cannot_reach_the_truth():
+    step = robsim.Simulation(measure=True, estimate_parameters=True, **SMALL).step()
+    names = {name for name in dir(step) if not name.startswith("_")}
+    assert names == {"k", "t", "dt", "u", "frame", "blobs", "measurement", "estimate",
+                     "parameters", "sample", "estimator"}  # fmt: skip
+    for name in names:
+        with pytest.raises(AttributeError):
+            setattr(step, name, None)
+
+
+def test_inputs_that_throw_the_robot_out_of_the_world():
+    sim = robsim.Simulation(control=lambda step: (1e308, 1e308))
+    with pytest.raises((RuntimeError, ValueError), match="beyond all bounds"):
+        sim.run(10)
+    assert np.isfinite(sim.trace.pose_true).all()

@@ -1,0 +1,143 @@
+import numpy as np
+import pytest
+
+import robsim
+from scenes import AREA, errors_of, false_poses, poses_within, renderer, rms
+
+
+def blob_image(*squares, size=(200, 200)):
+    """An image of squares: (colour, u, v, side)."""
+    image = np.full((*size, 3), 100, np.uint8)
+    for color, u, v, side in squares:
+        image[v : v + side, u : u + side] = {"red": (220, 30, 30), "blue": (30, 60, 220)}[color]
+    return image
+
+
+def located(image, locator, **options):
+    return robsim.locate(robsim.find_blobs(image, robsim.load_colors()), locator, **options)
+
+
+def test_the_pose_of_a_hand_made_pair():
+    # Blue above red: the line from blue to red points down, so that the robot faces right; the
+    # centre lies 14 px ahead of the midpoint.
+    image = blob_image(("blue", 90, 60, 21), ("red", 90, 100, 21))
+    x, y, heading = located(image, robsim.Locator(40, 14)).pose
+    assert (x, y) == pytest.approx((100 + 14, 90))
+    assert heading == pytest.approx(0)
+
+
+def test_a_quarter_turn_to_the_right_is_plus_90_degrees():
+    image = blob_image(("red", 60, 90, 21), ("blue", 100, 90, 21))
+    x, y, heading = located(image, robsim.Locator(40, 14)).pose
+    assert (x, y) == pytest.approx((90, 100 + 14))
+    assert heading == pytest.approx(np.pi / 2)
+
+
+def test_the_plane_map_takes_the_pose_to_the_work_area():
+    image = blob_image(("blue", 90, 60, 21), ("red", 90, 100, 21))
+    plane_map = robsim.PlaneMap.scaled((200, 200), (500, 500))
+    x, y, heading = located(image, robsim.Locator(100, 35), plane_map=plane_map).pose
+    assert (x, y) == pytest.approx(np.add(plane_map.to_world((100, 90)), (35, 0)))
+    assert heading == pytest.approx(0)
+
+
+@pytest.mark.parametrize(
+    "squares",
+    [
+        [],
+        [("red", 90, 100, 21)],
+        [("blue", 90, 60, 21), ("red", 90, 110, 21)],  # too far apart
+        [("blue", 90, 60, 21), ("red", 80, 90, 41)],  # too large
+        [("blue", 90, 0, 21), ("red", 90, 40, 21)],  # perhaps cut off by the border
+        [("blue", 90, 60, 21), ("red", 90, 100, 21), ("red", 90, 20, 21)],  # two fit as well
+    ],
+)
+def test_not_seen(squares):
+    assert located(blob_image(*squares), robsim.Locator(40, 14)) is None
+
+
+def test_markers_in_any_place_give_the_pose(rng):
+    red, blue = np.add(rng.uniform(-30, 30, (2, 2)), [[40, 0], [-40, 0]])
+    corners = 8 * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
+    locator = robsim.Locator.from_markers(red + corners, blue + corners)
+    heading, centre = 0.7, np.array([101.0, 93.0])
+    turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+    places = [np.rint(centre + turn @ place - 8).astype(int) for place in (red, blue)]
+    image = blob_image(("red", *places[0], 17), ("blue", *places[1], 17))
+    pose = located(image, locator).pose
+    np.testing.assert_allclose(pose[:2], centre, atol=1.0)
+    assert pose[2] == pytest.approx(heading, abs=0.02)
+
+
+def test_continuous_rotation_a_thousand_poses_in_light_shadow_and_at_its_edge(rng):
+    errors = errors_of(renderer(), poses_within(rng, 1000))
+    # Where the robot covers the red square in part, not to see it would be right, too.
+    assert np.isfinite(errors).all()
+    place, heading = rms(errors)
+    assert place < 0.10
+    assert heading < 0.15
+
+
+def test_parked_exactly_along_an_axis():
+    shifts = np.arange(0, 1, 0.25)
+    poses = [
+        (600 + dx, 700 + dy, heading)
+        for dx in shifts
+        for dy in shifts
+        for heading in (0.0, np.pi / 2, np.pi, -np.pi / 2)
+    ]
+    errors = errors_of(renderer(), np.array(poses))
+    assert np.hypot(errors[:, 0], errors[:, 1]).max() < 0.4
+
+
+def test_a_smaller_camera(rng):
+    errors = errors_of(renderer(camera=(480, 480)), poses_within(rng, 100), camera=(480, 480))
+    place, heading = rms(errors)
+    assert place < 0.3
+    assert heading < 0.5
+
+
+def test_a_wrong_offset_oscillates_around_the_true_centre():
+    headings = np.deg2rad(np.arange(0, 360, 10))
+    poses = np.column_stack((np.full((36, 2), 400.0), headings))
+    errors = errors_of(renderer(), poses, locator=robsim.Locator(43, 15))
+    expected = np.column_stack((np.cos(headings), np.sin(headings)))
+    np.testing.assert_allclose(errors[:, :2], expected, atol=0.15)
+
+
+def test_no_false_pose_near_the_red_square(rng):
+    poses = np.column_stack(
+        (rng.uniform(500, 700, 400), rng.uniform(60, 200, 400), rng.uniform(-np.pi, np.pi, 400))
+    )
+    errors = errors_of(renderer(), poses)
+    assert not false_poses(errors).any()
+    assert np.isfinite(errors[:, 0]).mean() > 0.9
+    # The test can fail: by the distance alone the square makes a false pair, or an ambiguous one.
+    by_distance = robsim.Locator(43, 14, area_tolerance=1e9)
+    worse = errors_of(renderer(), poses, locator=by_distance)
+    assert np.isfinite(worse[:, 0]).sum() < np.isfinite(errors[:, 0]).sum()
+
+
+def test_no_false_pose_of_a_robot_half_out_of_the_view(rng):
+    along = rng.uniform(0, 1200, 200)
+    across = rng.uniform(-40, 40, 200)
+    side = rng.integers(4, size=200)
+    x = np.choose(side, [along, along, across, 1199 - across])
+    y = np.choose(side, [across, 1199 - across, along, along])
+    errors = errors_of(renderer(), np.column_stack((x, y, rng.uniform(-np.pi, np.pi, 200))))
+    assert not false_poses(errors).any()
+    assert 0.02 < np.isfinite(errors[:, 0]).mean() < 0.9
+
+
+def test_no_false_pose_among_discs_as_red_and_as_large_as_the_marker(rng):
+    places = rng.uniform(50, 1150, (40, 2))
+    v, u = np.mgrid[: AREA[1], : AREA[0]]
+
+    def scatter(background):
+        for x, y in places:
+            background[(u - x) ** 2 + (v - y) ** 2 < 13**2] = (199, 37, 41)
+        return background
+
+    errors = errors_of(renderer(adjust_background=scatter), poses_within(rng, 300))
+    assert not false_poses(errors).any()
+    assert np.isfinite(errors[:, 0]).mean() > 0.7

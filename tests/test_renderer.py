@@ -1,0 +1,132 @@
+import numpy as np
+import pytest
+
+import robsim
+from scenes import renderer
+
+CENTRE = (600.0, 600.0, 0.0)
+
+
+def test_an_image_that_is_held_is_never_overwritten():
+    draw = renderer()
+    held, copies = [], []
+    for k in range(6):
+        held.append(draw.render((300.0 + 20 * k, 400.0, 0.1 * k)))
+        copies.append(held[-1].copy())
+    for image, copy in zip(held, copies, strict=True):
+        np.testing.assert_array_equal(image, copy)
+        with pytest.raises(ValueError, match="read-only"):
+            image[0, 0, 0] = 0
+
+
+def test_a_buffer_that_nobody_holds_is_used_again():
+    draw = renderer()
+    addresses = {draw.render((300.0 + k, 400.0, 0.0)).ctypes.data for k in range(20)}
+    assert len(addresses) == 1
+
+
+@pytest.mark.parametrize("phases", [0, 36])
+@pytest.mark.parametrize("camera", [(1200, 1200), (480, 480), (640, 400)])
+def test_restoring_leaves_no_trace_of_the_robot(phases, camera, rng):
+    draw, fresh = renderer(phases=phases, camera=camera), renderer(phases=phases, camera=camera)
+    for _ in range(10):
+        draw.render((*rng.uniform(-100, 1300, 2), rng.uniform(-3, 3)))
+    pose = (700.0, 300.0, 1.0)
+    np.testing.assert_array_equal(draw.render(pose), fresh.render(pose))
+
+
+def test_one_asymmetric_frame_pins_down_axes_and_directions():
+    # At heading 0 the robot faces right, its red marker lies to its right: below the blue one.
+    blobs = robsim.find_blobs(renderer().render((300.0, 800.0, 0.0)), robsim.load_colors())
+    red = next(blob for blob in blobs["red"] if blob.area < 1000)
+    np.testing.assert_allclose(red.centroid, (300 - 14, 800 + 21.5), atol=0.15)
+    np.testing.assert_allclose(blobs["blue"][0].centroid, (300 - 14, 800 - 21.5), atol=0.15)
+    # A quarter turn to the right (clockwise): it faces down, red lies to the left of blue.
+    blobs = robsim.find_blobs(renderer().render((300.0, 800.0, np.pi / 2)), robsim.load_colors())
+    red = next(blob for blob in blobs["red"] if blob.area < 1000)
+    np.testing.assert_allclose(red.centroid, (300 - 21.5, 800 - 14), atol=0.15)
+    np.testing.assert_allclose(blobs["blue"][0].centroid, (300 + 21.5, 800 - 14), atol=0.15)
+
+
+def test_phases_show_the_nearest_heading_at_the_nearest_pixel():
+    draw = renderer(phases=36)
+    shown = draw.render((600.0, 600.0, np.deg2rad(40)))
+    for pose in [(600.4, 599.6, np.deg2rad(44.9)), (599.6, 600.4, np.deg2rad(35.1 - 360))]:
+        np.testing.assert_array_equal(draw.render(pose), shown)
+    for pose in [(600.6, 600.0, np.deg2rad(40)), (600.0, 600.0, np.deg2rad(45.1))]:
+        assert (draw.render(pose) != shown).any()
+
+
+def test_a_phase_looks_like_the_continuous_picture_of_its_heading():
+    for heading in np.deg2rad([0, 70, 180, -130]):
+        a = renderer(phases=36).render((600.0, 600.0, heading)).astype(int)
+        b = renderer().render((600.0, 600.0, heading)).astype(int)
+        assert np.abs(a - b).max() <= 1
+
+
+def test_half_a_pixel_is_the_mean_of_two_places():
+    draw = renderer()
+    left, middle, right = (
+        draw.render((300.0 + dx, 800.0, 0.3)).astype(float) for dx in (0.0, 0.5, 1.0)
+    )
+    robot = np.s_[760:840, 260:340]
+    assert np.abs(left - right)[robot].max() > 50
+    assert np.abs((left + right) / 2 - middle)[robot].mean() < 3
+
+
+def test_the_shadow_falls_on_the_robot_too():
+    plain = np.full((1200, 1200, 3), 200, np.uint8)
+    draw = renderer(background=plain, adjust_background=lambda background: background)
+    lit, dark = (draw.render((x, 600.0, 0.7)).astype(float) for x in (400.0, 1000.0))
+    np.testing.assert_array_equal(lit[0, 0], 200)
+    np.testing.assert_array_equal(dark[0, 1199], 160)
+    robot = lit[540:660, 340:460], dark[540:660, 940:1060]
+    assert np.abs(robot[1] - 0.8 * robot[0]).max() <= 1.0
+
+
+def test_the_shadow_has_its_edge_at_two_thirds():
+    plain = np.full((1200, 1200, 3), 200, np.uint8)
+    image = renderer(background=plain, adjust_background=lambda b: b).render((100.0, 100.0, 0.0))
+    np.testing.assert_array_equal(image[600, :, 0], [200] * 800 + [160] * 400)
+
+
+def test_far_away_robots_are_not_drawn():
+    draw = renderer(adjust_background=lambda background: background)
+    empty = draw.render((-5000.0, 1e12, 0.0)).copy()
+    np.testing.assert_array_equal(draw.render((1e300, -1e300, 1.0)), empty)
+    assert (draw.render(CENTRE) != empty).any()
+
+
+def test_the_moved_view_shows_the_floor_again_but_the_square_once():
+    draw = renderer()
+    away = (5000.0, 5000.0, 0.0)
+    home = draw.render(away).copy()
+    right = draw.render(away, pan=(1200, 0)).copy()
+    red = robsim.ColorClass("red", v=(164, 255))
+    assert robsim.find_blobs(home, [red])["red"]
+    assert not robsim.find_blobs(right, [red])["red"]
+    differs = (home != right).any(axis=2)
+    assert differs.sum() == robsim.find_blobs(home, [red])["red"][0].area
+    # Moved by less than a view: the same world, at other pixels; the shadow stays with the view.
+    moved = draw.render(away, pan=(100, -30))
+    np.testing.assert_array_equal(moved[30:, :700], home[:-30, 100:800])
+    np.testing.assert_array_equal(moved[30:, 800:1100], home[:-30, 900:1200])
+    lit, dark = home[:-30, 750:800].astype(float), moved[30:, 650:700].astype(float)
+    np.testing.assert_array_equal(lit, dark)
+
+
+def test_what_was_drawn_in_the_light_is_darker_in_the_shadow_and_the_other_way_round():
+    def adjust(background):
+        background[100:200, 300:400] = (10, 200, 100)
+        background[100:200, 1000:1100] = (10, 160, 80)
+        return background
+
+    draw = renderer(adjust_background=adjust)
+    away = (5000.0, 5000.0, 0.0)
+    home = draw.render(away).copy()
+    np.testing.assert_array_equal(home[150, 350], (10, 200, 100))
+    np.testing.assert_array_equal(home[150, 1050], (10, 160, 80))
+    moved = draw.render(away, pan=(-600, 0)).copy()
+    np.testing.assert_array_equal(moved[150, 950], (8, 160, 80))
+    moved = draw.render(away, pan=(600, 0))
+    np.testing.assert_array_equal(moved[150, 450], (12, 200, 100))

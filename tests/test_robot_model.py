@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+
+import robsim
+
+# The column "true value" of the manual's table, as printed there.
+PRINTED = {
+    "a1X": "1.9375", "a2X": "-0.9375", "b1X": "0.20833", "b2X": "0.20833", "d1X": "8.3333e-06",
+    "a1Y": "1.9375", "a2Y": "-0.9375", "b1Y": "0.20833", "b2Y": "0.20833", "d1Y": "8.3333e-06",
+    "a1P": "1.8333", "a2P": "-0.83333", "b1P": "0.030556", "b2P": "-0.030556", "d1P": "0",
+}  # fmt: skip
+
+
+def test_the_fifteen_true_values_of_the_manual():
+    theta = robsim.RobotModel().theta
+    values = dict(zip(robsim.PARAMETER_NAMES, theta.ravel(), strict=True))
+    assert {name: f"{value:.5g}" for name, value in values.items()} == PRINTED
+
+
+def test_parameters_follow_the_physical_formulas():
+    m, inertia, fv, fw, r, base, dt = 0.7, 0.2, 0.3, 0.4, 0.05, 0.2, 0.1
+    alpha, beta = (0.04, 0.06), (1e-3, -2e-3)
+    theta = robsim.RobotModel(
+        robsim.RobotParameters(
+            mass=m,
+            inertia=inertia,
+            linear_friction=fv,
+            angular_friction=fw,
+            wheel_radius=r,
+            wheel_base=base,
+            motor_gain=alpha,
+            motor_offset=beta,
+            dt=dt,
+        )
+    ).theta
+    dx, dp = m / dt**2 + fv / dt, inertia / dt**2 + fw / dt
+    lever = base / (2 * r)
+    x = [(2 * m / dt**2 + fv / dt) / dx, -m / dt**2 / dx, alpha[0] / r / dx, alpha[1] / r / dx,
+         sum(beta) / r / dx]  # fmt: skip
+    p = [(2 * inertia / dt**2 + fw / dt) / dp, -inertia / dt**2 / dp, lever * alpha[0] / dp,
+         -lever * alpha[1] / dp, lever * (beta[0] - beta[1]) / dp]  # fmt: skip
+    np.testing.assert_allclose(theta, [x, x, p], rtol=1e-13)
+
+
+def test_a_faster_left_wheel_turns_the_robot_to_the_right():
+    # y points down, so that a right turn (clockwise in the picture) makes the heading grow.
+    start = (600.0, 600.0, 0.0)
+    x, y, heading = robsim.RobotModel().predict(start, start, (1.0, 0.0))
+    assert heading > 0
+    assert x > 600
+    assert y == 600
+
+
+def test_prediction_is_the_sum_of_regressors_times_theta(rng):
+    model = robsim.RobotModel()
+    poses = rng.uniform(-1, 1, (3, 3)) * (600, 600, 3)
+    u = rng.uniform(-1, 1, (3, 2))
+    phi, y = robsim.regression_samples(poses, u)
+    predicted = model.predict(poses[1], poses[0], u[1])
+    expected = (phi[0] * model.theta).sum(axis=1)
+    np.testing.assert_allclose(predicted[:2], expected[:2], rtol=1e-13)
+    assert predicted[2] == pytest.approx(robsim.wrap_angle(expected[2]), abs=1e-12)
+    np.testing.assert_allclose(y[0, :2], poses[2, :2])
+
+
+def test_samples_never_see_a_wrapped_jump():
+    heading = robsim.wrap_angle(np.linspace(0, 40, 200))
+    poses = np.column_stack((np.zeros((200, 2)), heading))
+    phi, y = robsim.regression_samples(poses, np.zeros((200, 2)))
+    steps = np.column_stack((phi[:, 2, 0] - phi[:, 2, 1], y[:, 2] - phi[:, 2, 0]))
+    np.testing.assert_allclose(steps, 40 / 199, rtol=1e-9)
+
+
+def test_spin_turns_by_105_hundredths_of_a_degree_a_step():
+    trace = robsim.Simulation().run(200)
+    turned = np.rad2deg(robsim.wrap_angle(np.diff(trace.pose_true[100:, 2])))
+    np.testing.assert_allclose(turned, 1.05, atol=0.001)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"linear_friction": 0.0}, "a1X must lie between 0 and 2.*linear_friction"),
+        ({"angular_friction": 0.0}, "a1P must lie between 0 and 2.*angular_friction"),
+        ({"mass": 1e20}, "a1X must lie between 0 and 2.*mass"),
+    ],
+)
+def test_an_unstable_predictor_is_refused(parameters, message):
+    with pytest.raises(ValueError, match=message):
+        robsim.RobotModel(robsim.RobotParameters(**parameters))
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("a1", [0.0, 2.0, -0.5, 2.5])
+def test_unstable_predictor_parameters_are_refused(axis, a1):
+    theta = robsim.RobotModel().theta.copy()
+    theta[axis, 0] = a1
+    with pytest.raises(ValueError, match=f"a1{'XYP'[axis]} must lie between 0 and 2"):
+        robsim.RobotModel.from_theta(theta)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("mass", 0.0), ("mass", -1.0), ("inertia", 0.0), ("inertia", np.nan),
+        ("linear_friction", -0.1), ("angular_friction", -0.1), ("wheel_radius", 0.0),
+        ("wheel_base", -0.1), ("dt", 0.0), ("dt", np.inf), ("motor_gain", (np.nan, 1.0)),
+        ("motor_offset", (0.0, np.inf)),
+    ],
+)  # fmt: skip
+def test_a_parameter_that_is_not_physical_is_refused(name, value):
+    with pytest.raises(ValueError, match=name):
+        robsim.RobotParameters(**{name: value})

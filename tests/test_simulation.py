@@ -1,0 +1,484 @@
+import itertools
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import robsim
+
+SMALL = {"camera": (240, 240)}
+
+
+def measure_at(pose):
+    return lambda step: robsim.Measurement(pose)
+
+
+def test_five_lines_show_a_picture():
+    sim = robsim.Simulation(measure=True, seed=1)
+    trace = sim.run(30)
+    assert len(trace) == 30
+    assert trace.valid.all()
+    assert sim.frame.image.shape == (1200, 1200, 3)
+    assert sim.frame._repr_png_().startswith(b"\x89PNG")
+
+
+def test_spin_with_36_phases_gives_a_saw_tooth():
+    trace = robsim.Simulation(measure=True).run(345)
+    assert trace.valid.all()
+    error = np.rad2deg(trace.error[:, 2])
+    assert np.abs(error).max() < 5.3
+    assert 2.7 < np.sqrt(np.mean(error**2)) < 3.0
+    # It falls by the turn of a step, and jumps by the 10 degrees between two phases.
+    changes = np.diff(error)
+    turn = np.rad2deg(robsim.wrap_angle(np.diff(trace.pose_true[:, 2])))
+    jumps = changes > 5
+    np.testing.assert_allclose(changes[~jumps], -turn[~jumps], atol=0.25)
+    np.testing.assert_allclose(changes[jumps], 10 - turn[jumps], atol=0.6)
+    assert jumps.sum() == round(np.rad2deg(np.unwrap(trace.pose_true[:, 2])[-1]) / 10)
+
+
+def test_spin_with_continuous_rotation_has_no_saw_tooth():
+    trace = robsim.Simulation(measure=True, rotation="continuous").run(100)
+    assert trace.tracking().rms_heading_deg < 0.15
+
+
+class Recorder:
+    """Callbacks for every slot that note their calls."""
+
+    def __init__(self):
+        self.calls = []
+
+    def define_model(self):
+        self.calls.append("define_model")
+        return robsim.RobotModel()
+
+    def init_parameter_estimator(self, model):
+        assert isinstance(model, robsim.RobotModel)
+        self.calls.append("init_parameter_estimator")
+        return robsim.RecursiveLeastSquares(5, filters=3)
+
+    def adjust_background(self, background):
+        assert background.shape == (1200, 1200, 3)
+        self.calls.append("adjust_background")
+        return background
+
+    def evaluate_model(self, world):
+        self.calls.append(("evaluate_model", world.k))
+        return world.model.predict(world.last, world.before, world.u)
+
+    def estimate_parameters(self, step):
+        self.calls.append(("estimate_parameters", step.k))
+
+    def measure(self, step):
+        self.calls.append(("measure", step.k))
+        assert step.estimate is None
+        return robsim.Measurement((1.0, 2.0, 3.0))
+
+    def estimate_state(self, step):
+        self.calls.append(("estimate_state", step.k))
+        return robsim.Estimate((4.0, 5.0, 6.0), np.eye(3))
+
+    def control(self, step):
+        self.calls.append(("control", step.k))
+        return (0.1, 0.2)
+
+
+ONCE = ("define_model", "init_parameter_estimator", "adjust_background")
+OPTIONAL = ("estimate_parameters", "measure", "estimate_state")
+
+
+@pytest.mark.parametrize("on", list(itertools.product([False, True], repeat=3)))
+@pytest.mark.parametrize("way", ["keyword", "decorator"])
+def test_every_combination_of_stages_is_called_in_the_order_of_the_manual(on, way):
+    recorder = Recorder()
+    optional = [slot for slot, is_on in zip(OPTIONAL, on, strict=True) if is_on]
+    slots = [*ONCE, "evaluate_model", *optional, "control"]
+    callbacks = {slot: getattr(recorder, slot) for slot in slots}
+    if way == "keyword":
+        off = {slot: False for slot in OPTIONAL if slot not in slots}
+        sim = robsim.Simulation(**callbacks, **off, **SMALL)
+    else:
+        sim = robsim.Simulation(**SMALL)
+        for slot, callback in callbacks.items():
+            assert getattr(sim, slot)(callback) == callback
+        if "estimate_parameters" not in optional:
+            sim.estimate_parameters = False
+    trace = sim.run(3)
+    each = ["evaluate_model", *optional, "control"]
+    assert recorder.calls == [*ONCE, *((slot, k) for k in range(3) for slot in each)]
+    assert np.isfinite(trace.measured).all() == ("measure" in optional)
+    assert np.isfinite(trace.estimated).all() == ("estimate_state" in optional)
+    np.testing.assert_array_equal(trace.u, [[0.1, 0.2]] * 3)
+
+
+def test_optional_stages_are_off_unless_given():
+    trace = robsim.Simulation().run(5)
+    for values in (trace.measured, trace.estimated, trace.parameters):
+        assert np.isnan(values).all()
+    assert not trace.valid.any()
+
+
+def test_an_estimator_that_is_given_is_used():
+    sim = robsim.Simulation(
+        init_parameter_estimator=lambda model: robsim.RecursiveLeastSquares(5, filters=3)
+    )
+    assert np.isfinite(sim.run(5).parameters[-1]).all()
+
+
+def test_the_input_of_a_step_moves_the_robot_in_the_next():
+    seen = []
+
+    def control(step):
+        seen.append(step.u.tolist())
+        return (step.k + 1.0, 0.0)
+
+    worlds = []
+
+    def evaluate_model(world):
+        worlds.append((world.k, world.u.tolist()))
+        return world.model.predict(world.last, world.before, world.u)
+
+    robsim.Simulation(control=control, evaluate_model=evaluate_model).run(4)
+    assert seen == [[0, 0], [1, 0], [2, 0], [3, 0]]
+    assert worlds == [(0, [0, 0]), (1, [1, 0]), (2, [2, 0]), (3, [3, 0])]
+
+
+def samples_of(sim, steps):
+    samples = []
+
+    @sim.estimate_parameters
+    def keep(step):
+        samples.append(step.sample)
+
+    return samples, sim.run(steps)
+
+
+def test_from_truth_the_sample_of_a_step_is_there_in_that_step():
+    samples, trace = samples_of(robsim.Simulation(control=robsim.DriveAround(), seed=3), 20)
+    assert samples[:2] == [None, None]
+    phi, y = robsim.regression_samples(trace.pose_true, trace.u)
+    for k in range(2, 20):
+        assert samples[k].k == k
+        np.testing.assert_array_equal(samples[k].phi, phi[k - 2])
+        np.testing.assert_array_equal(samples[k].y, y[k - 2])
+
+
+@pytest.mark.parametrize("source", ["measurement", "estimate"])
+def test_from_measurement_or_estimate_it_is_that_of_the_step_before(source):
+    def pose(k):
+        return (10.0 * k, 3.0 * k * k, 0.4 * k)
+
+    sim = robsim.Simulation(
+        control=robsim.DriveAround(),
+        seed=3,
+        identify_from=source,
+        measure=lambda step: robsim.Measurement(pose(step.k)),
+        estimate_state=lambda step: robsim.Estimate(pose(step.k), np.eye(3)),
+        **SMALL,
+    )
+    samples, trace = samples_of(sim, 20)
+    assert samples[:3] == [None, None, None]
+    phi, y = robsim.regression_samples([pose(k) for k in range(20)], trace.u)
+    for k in range(3, 20):
+        assert samples[k].k == k - 1
+        np.testing.assert_allclose(samples[k].phi, phi[k - 3])
+        np.testing.assert_allclose(samples[k].y, y[k - 3])
+
+
+def test_a_sample_that_spans_a_missing_measurement_or_a_bounce_is_none():
+    sim = robsim.Simulation(
+        identify_from="measurement",
+        measure=lambda step: None if step.k == 6 else robsim.Measurement((1.0, 2.0, 3.0)),
+        **SMALL,
+    )
+    samples, _ = samples_of(sim, 12)
+    missing = [k for k, sample in enumerate(samples) if sample is None]
+    assert missing == [0, 1, 2, 7, 8, 9]
+
+    drive = robsim.Simulation(start=(1100.0, 600.0, 0.0), control=lambda step: (1.0, 1.0))
+    samples, trace = samples_of(drive, 60)
+    (bounce,) = np.nonzero(trace.bounced)[0]
+    missing = [k for k, sample in enumerate(samples) if sample is None]
+    assert missing == [0, 1, bounce, bounce + 1]
+
+
+def test_the_held_pose_is_the_last_valid_one():
+    sim = robsim.Simulation(
+        measure=lambda step: robsim.Measurement((step.k, 0.0, 0.0)) if step.k % 3 == 1 else None,
+        **SMALL,
+    )
+    trace = sim.run(8)
+    np.testing.assert_array_equal(trace.valid, [k % 3 == 1 for k in range(8)])
+    np.testing.assert_array_equal(trace.held[:, 0], [np.nan, 1, 1, 1, 4, 4, 4, 7])
+    np.testing.assert_array_equal(np.isnan(trace.measured[:, 0]), ~trace.valid)
+
+
+def test_the_trace_has_the_two_biggest_blobs_of_each_colour():
+    trace = robsim.Simulation(measure=True, start=(300.0, 700.0, 0.0)).run(1)
+    square, marker = trace.blobs["red"][0]
+    np.testing.assert_allclose(square, (572 + 27.5, 64 + 27.5), atol=0.01)
+    np.testing.assert_allclose(marker, (300 - 14, 700 + 21.5), atol=0.2)
+    np.testing.assert_allclose(trace.blobs["blue"][0, 0], (300 - 14, 700 - 21.5), atol=0.2)
+    assert np.isnan(trace.blobs["blue"][0, 1]).all()
+
+
+def test_further_state_of_the_estimator_is_recorded():
+    sim = robsim.Simulation(
+        estimate_state=lambda step: robsim.Estimate((0, 0, 0), np.eye(3), [step.k, -step.k])
+    )
+    np.testing.assert_array_equal(sim.run(3).state, [[0, 0], [1, -1], [2, -2]])
+
+
+def test_a_frame_that_is_kept_stays_what_it_was():
+    kept = []
+
+    def control(step):
+        kept.append((step.frame, step.frame.image, step.frame.image.copy(), step))
+        return (0.5, 0.2)
+
+    robsim.Simulation(measure=True, control=control, noise="uniform", noise_percent=5).run(8)
+    for k, (frame, image, copy, step) in enumerate(kept):
+        np.testing.assert_array_equal(image, copy)
+        np.testing.assert_array_equal(frame.image, copy)
+        assert (frame.index, step.k, step.frame.index) == (k, k, k)
+        assert not image.flags.writeable
+    assert any((a[2] != b[2]).any() for a, b in itertools.pairwise(kept))
+
+
+def test_a_step_that_was_kept_tells_what_it_has_forgotten():
+    sim = robsim.Simulation()
+    old = sim.step()
+    sim.step()
+    with pytest.raises(RuntimeError, match="frame of step 0 was not kept"):
+        _ = old.frame
+
+
+def test_noise_does_not_change_the_path():
+    options = {"measure": True, "control": robsim.DriveAround(), "seed": 5, **SMALL}
+    quiet = robsim.Simulation(**options)
+    noisy = robsim.Simulation(noise="gaussian", noise_percent=40, **options)
+    np.testing.assert_array_equal(quiet.run(50).pose_true, noisy.run(50).pose_true)
+    assert (quiet.frame.image != noisy.frame.image).any()
+
+
+def test_reset_gives_the_same_run_again():
+    sim = robsim.Simulation(control=robsim.DriveAround(), seed=5, estimate_parameters=True)
+    first = sim.run(100)
+    sim.reset()
+    assert len(sim.trace) == 0
+    again = sim.run(100)
+    np.testing.assert_array_equal(first.pose_true, again.pose_true)
+    np.testing.assert_array_equal(first.parameters, again.parameters)
+
+
+def test_single_steps_are_turns_of_the_same_loop():
+    options = {"control": robsim.DriveAround(), "seed": 5, "measure": True, **SMALL}
+    whole, single = robsim.Simulation(**options), robsim.Simulation(**options)
+    trace = whole.run(10)
+    steps = [single.step() for _ in range(10)]
+    assert [step.k for step in steps] == list(range(10))
+    np.testing.assert_array_equal(trace.pose_true, single.trace.pose_true)
+    np.testing.assert_array_equal(steps[-1].measurement.pose, trace.measured[-1])
+
+
+def test_a_trace_in_hand_does_not_change_while_the_run_goes_on():
+    sim = robsim.Simulation(control=robsim.DriveAround(), seed=5)
+    early = sim.run(10)
+    copy = early.pose_true.copy()
+    sim.run(5000)
+    assert len(early) == 10
+    np.testing.assert_array_equal(early.pose_true, copy)
+    with pytest.raises(ValueError, match="read-only"):
+        early.pose_true[0, 0] = 0
+
+
+def test_a_stage_can_be_switched_on_between_two_runs():
+    sim = robsim.Simulation(**SMALL)
+    sim.run(3)
+    sim.measure = True
+    np.testing.assert_array_equal(sim.run(2).valid, [False, False, False, True, True])
+    sim.measure = None
+    np.testing.assert_array_equal(sim.run(1).valid, [False, False, False, True, True, False])
+
+
+def test_once_callbacks_are_refused_after_the_start():
+    sim = robsim.Simulation(**SMALL)
+    sim.run(1)
+    with pytest.raises(RuntimeError, match=r"define_model comes once.*reset"):
+        sim.define_model = robsim.RobotModel
+
+
+SAME_BYTES = """
+import hashlib, robsim
+sim = robsim.Simulation(seed=7, measure=True, estimate_parameters=True, noise="gaussian",
+                        noise_percent=20, control=robsim.DriveAround(), rotation="continuous",
+                        start="random")
+digest = hashlib.sha256()
+for _ in range(5):
+    digest.update(sim.step().frame.image.tobytes())
+for name, values in sim._core.columns().items():
+    digest.update(name.encode() + values.tobytes())
+print(digest.hexdigest())
+"""
+
+
+def test_the_same_seed_gives_the_same_bytes_in_two_processes():
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", SAME_BYTES], capture_output=True, text=True, check=True
+        )
+        for _ in range(2)
+    ]
+    assert runs[0].stdout == runs[1].stdout
+    assert len(runs[0].stdout.strip()) == 64
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: 11,
+        lambda: np.random.SeedSequence(11),
+        lambda: np.random.SeedSequence([1, 2, 3]).spawn(2)[1],
+        lambda: np.random.default_rng(11),
+        lambda: None,
+    ],
+)
+def test_the_seed_in_the_trace_gives_the_run_again(make):
+    trace = robsim.Simulation(seed=make(), control=robsim.DriveAround()).run(30)
+    again = robsim.Simulation(
+        seed=np.random.SeedSequence(**trace.info.seed), control=robsim.DriveAround()
+    ).run(30)
+    np.testing.assert_array_equal(trace.pose_true, again.pose_true)
+
+
+def test_different_seeds_drive_differently():
+    ends = [
+        robsim.Simulation(seed=s, control=robsim.DriveAround()).run(30).pose_true[-1].tolist()
+        for s in range(5)
+    ]
+    assert len({tuple(end) for end in ends}) == 5
+
+
+def test_global_random_state_is_not_touched():
+    before = np.random.get_state()[1].copy()  # noqa: NPY002
+    robsim.Simulation(seed=1, control=robsim.DriveAround(), start="random", measure=True).run(3)
+    np.testing.assert_array_equal(np.random.get_state()[1], before)  # noqa: NPY002
+
+
+def test_drive_around_is_uniform_and_held():
+    trace = robsim.Simulation(seed=2, control=robsim.DriveAround(), boundary="unlimited").run(4000)
+    blocks = trace.u.reshape(400, 10, 2)
+    assert (blocks == blocks[:, :1]).all()
+    voltages = blocks[:, 0]
+    assert voltages.min() >= -0.5
+    assert voltages.max() < 1.5
+    np.testing.assert_allclose(voltages.mean(axis=0), 0.5, atol=5 * 2 / np.sqrt(12 * 400))
+    np.testing.assert_allclose(voltages.std(axis=0), 2 / np.sqrt(12), rtol=0.1)
+    assert abs(np.corrcoef(voltages.T)[0, 1]) < 0.25
+
+
+def test_a_ready_controller_can_be_called_from_a_callback():
+    drive = robsim.DriveAround()
+    native = robsim.Simulation(seed=2, control=drive).run(50)
+    called = robsim.Simulation(seed=2, control=lambda step: drive(step)).run(50)
+    np.testing.assert_array_equal(native.u, called.u)
+
+
+def counted_while(sim, steps):
+    """How often another thread counts while the simulation runs."""
+    counts, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counts[0] += 1
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    try:
+        time.sleep(0.05)
+        counts[0] = 0
+        sim.run(steps)
+        return counts[0]
+    finally:
+        stop.set()
+        thread.join()
+
+
+def test_a_run_without_python_callbacks_holds_no_gil():
+    sim = robsim.Simulation(measure=True, estimate_parameters=True)
+    sim.run(1)
+    assert counted_while(sim, 100) > 10_000
+
+
+def test_a_native_run_of_many_short_steps_holds_no_gil():
+    sim = robsim.Simulation(control=robsim.DriveAround(), estimate_parameters=True)
+    sim.run(1)
+    assert counted_while(sim, 200_000) > 10_000
+
+
+def test_run_inside_a_callback_is_an_error():
+    sim = robsim.Simulation()
+
+    @sim.control
+    def control(step):
+        sim.run(1)
+        return (0, 0)
+
+    with pytest.raises(RuntimeError, match="already running"):
+        sim.run(1)
+
+
+def test_two_threads_cannot_run_one_simulation():
+    entered, leave, errors = threading.Event(), threading.Event(), []
+
+    def control(step):
+        entered.set()
+        leave.wait(10)
+        return (0, 0)
+
+    sim = robsim.Simulation(control=control)
+    thread = threading.Thread(target=lambda: sim.run(1))
+    thread.start()
+    assert entered.wait(10)
+    for forbidden in (lambda: sim.run(1), sim.reset, lambda: setattr(sim, "measure", True),
+                      lambda: sim.frame):  # fmt: skip
+        try:
+            forbidden()
+        except RuntimeError as error:
+            errors.append(str(error))
+    leave.set()
+    thread.join()
+    assert len(errors) == 4
+    assert len(sim.run(1)) == 2
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no POSIX signals")
+@pytest.mark.parametrize("control", [None, lambda step: (0.1, 0.1)])
+def test_ctrl_c_stops_a_run_with_its_trace_kept(control):
+    sim = robsim.Simulation(control=control, estimate_parameters=True)
+    sim.run(1)
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        sim.run(5_000_000)
+    timer.join()
+    done = len(sim.trace)
+    assert 0 < done < 5_000_000
+    assert np.isfinite(sim.trace.pose_true).all()
+    assert len(sim.run(10)) == done + 10
+
+
+def test_progress_shows_a_bar(capsys):
+    robsim.Simulation(measure=True, **SMALL).run(20, progress=True)
+    assert "20/20" in capsys.readouterr().err
+
+
+def test_identifying_from_a_stage_that_is_off_is_an_error():
+    sim = robsim.Simulation(identify_from="measurement", estimate_parameters=True)
+    with pytest.raises(ValueError, match="needs the stage measure"):
+        sim.run(1)

@@ -1,0 +1,82 @@
+import math
+
+import numpy as np
+import pytest
+
+import robsim
+
+
+def added(kind, percent, value=128, seed=1, index=0, shape=(400, 401, 3)):
+    clean = np.full(shape, value, np.uint8)
+    noisy = robsim.VisualNoise(kind, percent).add(clean, seed, index)
+    assert (clean == value).all()
+    return noisy.astype(int) - value
+
+
+def gaussian_share(k, sigma):
+    """Probability that Gaussian noise rounds to k."""
+    cdf = [0.5 * math.erfc(-(k + d) / (sigma * math.sqrt(2))) for d in (-0.5, 0.5)]
+    return cdf[1] - cdf[0]
+
+
+@pytest.mark.parametrize("kind", ["uniform", "gaussian"])
+def test_each_step_comes_as_often_as_theory_says(kind):
+    noise = added(kind, 5)
+    scale = 2.55 * 5
+    for k in range(-12, 13):
+        theory = gaussian_share(k, scale) if kind == "gaussian" else 1 / (2 * scale)
+        deviation = math.sqrt(theory / noise.size)
+        assert (noise == k).mean() == pytest.approx(theory, abs=5 * deviation)
+
+
+def test_gaussian_tails_and_uniform_limits():
+    sigma = 2.55 * 5
+    beyond = (np.abs(added("gaussian", 5)) > 3 * sigma).mean()
+    theory = 2 * sum(gaussian_share(k, sigma) for k in range(39, 120))
+    assert beyond == pytest.approx(theory, rel=0.1)
+    assert np.abs(added("uniform", 5)).max() == 13
+
+
+def test_clipped_shares_at_40_percent():
+    noisy = added("gaussian", 40, value=200) + 200
+    sigma = 102.0
+    white = 0.5 * math.erfc((255 - 0.5 - 200) / (sigma * math.sqrt(2)))
+    black = 0.5 * math.erfc((200 - 0.5) / (sigma * math.sqrt(2)))
+    assert (noisy == 255).mean() == pytest.approx(white, abs=0.003)
+    assert (noisy == 0).mean() == pytest.approx(black, abs=0.003)
+
+
+@pytest.mark.parametrize("kind", ["uniform", "gaussian"])
+def test_pixels_channels_frames_and_seeds_are_independent(kind):
+    noise = added(kind, 10).astype(float)
+    pairs = {
+        "columns": (noise[:, 1:], noise[:, :-1]),
+        "rows": (noise[1:], noise[:-1]),
+        "channels": (noise[..., 0], noise[..., 1]),
+        "frames": (noise, added(kind, 10, index=1)),
+        "seeds": (noise, added(kind, 10, seed=2)),
+    }
+    for name, (a, b) in pairs.items():
+        correlation = np.corrcoef(a.ravel(), b.ravel())[0, 1]
+        assert abs(correlation) < 5 / math.sqrt(a.size), name
+
+
+def test_the_same_seed_and_index_give_the_same_bytes():
+    np.testing.assert_array_equal(added("gaussian", 40), added("gaussian", 40))
+    assert (added("gaussian", 40) != added("gaussian", 40, index=1)).any()
+
+
+@pytest.mark.parametrize(("kind", "percent"), [("none", 40), ("uniform", 0), ("gaussian", 0)])
+def test_no_noise_changes_nothing(kind, percent):
+    assert (added(kind, percent) == 0).all()
+
+
+@pytest.mark.parametrize("percent", [-1, math.nan, math.inf])
+def test_a_level_that_is_none_is_refused(percent):
+    with pytest.raises(ValueError, match=r"\bpercent\b"):
+        robsim.VisualNoise("uniform", percent)
+
+
+def test_an_unknown_kind_is_refused():
+    with pytest.raises(ValueError, match="'none', 'uniform', 'gaussian', got 'salt'"):
+        robsim.VisualNoise("salt", 1)
