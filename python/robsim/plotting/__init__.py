@@ -1,0 +1,12 @@
+"""Figures of a run: traces, parameters, the batch estimate, a frame.
+
+The colours mean the same in all of them, see `robsim.plotting.style`. Places are in work-area
+pixels with the y axis downwards, as the camera sees the area; angles are in degrees.
+"""
+
+from robsim.plotting.batch import plot_batch
+from robsim.plotting.frame import plot_frame
+from robsim.plotting.parameters import plot_parameters
+from robsim.plotting.traces import plot_traces
+
+__all__ = ["plot_batch", "plot_frame", "plot_parameters", "plot_traces"]

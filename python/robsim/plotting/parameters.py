@@ -1,0 +1,87 @@
+"""The figure of the online estimate."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from robsim.plotting import style
+from robsim.trace import Floats, Trace
+
+
+@style.applied
+def plot_parameters(trace: Trace, *, axes: Any = None) -> Figure:
+    """Draw the history of the 15 online parameter estimates beside their true values.
+
+    The true value is a dotted line that ends in a cross. The limits of each panel hold it and
+    the later half of the run; what the estimate did before may lie outside.
+
+    Parameters
+    ----------
+    trace : Trace
+        A run with ``estimate_parameters=True``.
+    axes : array_like (5, 3) of matplotlib.axes.Axes, optional
+        Where to draw: rows a1, a2, b1, b2, d1, columns X, Y, P (heading). Default: a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure of the axes; a new one has 9 x 7 inches.
+
+    Raises
+    ------
+    ValueError
+        If the trace has no parameter estimates, or `axes` is not of shape (5, 3).
+    """
+    if not np.isfinite(trace.parameters).any():
+        raise ValueError(
+            "the trace has no parameter estimates: run the simulation with estimate_parameters=True"
+        )
+    if axes is None:
+        figure = style.NotebookFigure(figsize=(9, 7))
+        figure.suptitle(f"Online parameter estimation from {trace.info.identify_from}")
+        axes = figure.subplots(5, 3, sharex=True)
+    axes = np.asarray(axes, dtype=object)
+    if axes.shape != (5, 3):
+        raise ValueError(f"axes: expected an array of 5 x 3 axes, got the shape {axes.shape}")
+    for i, true in enumerate(np.ravel(trace.info.theta_true)):
+        axis, parameter = divmod(i, 5)
+        panel = axes[parameter, axis]
+        style.show_steps(panel, trace)
+        panel.set_ylabel(style.PARAMETER_LABELS[i])
+        _draw_parameter(panel, trace.k, trace.parameters[:, axis, parameter], float(true))
+    for panel, name in zip(axes[0], ("X", "Y", "P (heading)"), strict=True):
+        panel.text(0.5, 1.24, name, transform=panel.transAxes, ha="center", size=9.5, weight="bold")
+    for panel in axes[:-1].flat:
+        panel.set_xlabel("")
+    style.rasterize_long_lines(axes.flat)
+    first: Axes = axes[0, 0]
+    return first.figure.figure
+
+
+def _draw_parameter(axes: Axes, k: NDArray[np.int64], history: Floats, true: float) -> None:
+    axes.plot(k, history, color=style.ESTIMATED, linewidth=1.1)
+    axes.axhline(true, color=style.TRUE, linewidth=1.0, linestyle=":")
+    axes.plot(
+        k[-1:], [true], "x", color=style.TRUE, markersize=7, markeredgewidth=1.8, clip_on=False
+    )
+    axes.set_ylim(_limits(history, true))
+    axes.locator_params(axis="y", nbins=4)
+    axes.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
+    last = f"{history[-1]:.5g}" if np.isfinite(history[-1]) else "none"
+    axes.set_title(f"true {true:.5g}, last {last}", loc="right", fontsize=7.5, pad=3)
+
+
+def _limits(history: Floats, true: float) -> tuple[float, float]:
+    """Return limits that hold the true value and the later half of the history."""
+    later = history[len(history) // 2 :]
+    later = later[np.isfinite(later)]
+    low, high = np.quantile(later, (0.02, 0.98)) if len(later) else (true, true)
+    low, high = min(float(low), true), max(float(high), true)
+    # Not so close that rounding errors would look like an estimate that wanders.
+    margin = max(0.25 * (high - low), 0.02 * abs(true), 1e-6)
+    return low - margin, high + margin

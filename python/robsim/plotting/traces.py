@@ -1,0 +1,203 @@
+"""The figure of the poses and their errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.markers import CARETDOWN, CARETUP
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from robsim.plotting import style
+from robsim.trace import Floats, Trace, longest_run
+
+
+@style.applied
+def plot_traces(trace: Trace, *, show_blobs: bool = False) -> Figure:
+    """Draw poses, measurement errors with their histograms, and the path.
+
+    The histograms are made from the longest unbroken record of valid measurements, whose steps
+    have a shaded background. The bell curve is the normal distribution of the record's mean and
+    standard deviation. Errors far outside the others stand as triangles at the edge.
+
+    Parameters
+    ----------
+    trace : Trace
+        The recorded run. If it was not tracked, only the poses and the path are drawn.
+    show_blobs : bool
+        Draw the centroids of the two biggest blobs per colour, too.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        10 x 8 inches; 10 x 4.6 if the run was not tracked.
+    """
+    tracked = bool(np.isfinite(trace.held).any())
+    rows: list[list[Any]] = [["x", "plan"], ["y", "plan"], ["heading", "plan"]]
+    if tracked:
+        rows += [["dx", "dx bins"], ["dy", "dy bins"], ["dheading", "dheading bins"]]
+    figure = style.NotebookFigure(figsize=(10, 8 if tracked else 4.6))
+    axes = figure.subplot_mosaic(rows, width_ratios=(1.7, 1))
+    left, right = ([axes[name] for name in column] for column in zip(*rows, strict=True))
+    for panel in left[:-1]:
+        panel.sharex(left[-1])
+        panel.tick_params(labelbottom=False)
+    style.show_steps(left[-1], trace)
+    _draw_all_poses(left[:3], trace, show_blobs)
+    _draw_plan(axes["plan"], trace)
+    if tracked:
+        _draw_errors(left[3:], right[3:], trace)
+    style.rasterize_long_lines(figure.axes)
+    figure.align_ylabels(left)
+    figure.suptitle(str(trace.tracking()) if tracked else _untracked_title(trace))
+    figure.legend(
+        *left[0].get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=8,
+        markerscale=8 / style.dot_size(len(trace)),
+    )
+    return figure
+
+
+def _untracked_title(trace: Trace) -> str:
+    reason = "the robot was never seen" if "x_measured" in trace.names else "not tracked"
+    return f"{len(trace)} steps of {trace.info.dt:g} s, {reason}"
+
+
+def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> None:
+    k, size = trace.k, style.dot_size(len(trace))
+    held = np.where(trace.valid[:, np.newaxis], np.nan, trace.held)
+    dots = {"linestyle": "none", "marker": ".", "markersize": size}
+    _draw_poses(panels, k, trace.pose_true, color=style.TRUE, linewidth=3.0, label="true")
+    if show_blobs:
+        _draw_blobs(panels[:2], trace)
+    _draw_poses(panels, k, trace.measured, color=style.MEASURED, label="measured", **dots)
+    _draw_poses(panels, k, trace.estimated, color=style.ESTIMATED, linewidth=0.8, label="estimated")
+    _draw_poses(panels, k, held, color=style.HELD, label="not seen: last pose held", **dots)
+    for panel, label in zip(panels, ("x (px)", "y (px)", "heading (deg)"), strict=True):
+        panel.set_ylabel(label)
+    panels[2].set(ylim=(0, 360), yticks=(0, 90, 180, 270, 360))
+
+
+def _draw_poses(panels: Sequence[Axes], k: NDArray[np.int64], poses: Floats, **look: Any) -> None:
+    """Draw x, y and the heading over the steps, if there is a pose at all."""
+    if not np.isfinite(poses).any():
+        return
+    panels[0].plot(k, poses[:, 0], **look)
+    panels[1].plot(k, poses[:, 1], **look)
+    degrees = np.rad2deg(poses[:, 2]) % 360.0
+    # No line from 360 down to 0 degrees.
+    wraps = np.flatnonzero(np.abs(np.diff(degrees)) > 180.0) + 1
+    panels[2].plot(
+        np.insert(k.astype(float), wraps, np.nan), np.insert(degrees, wraps, np.nan), **look
+    )
+
+
+def _draw_blobs(panels: Sequence[Axes], trace: Trace) -> None:
+    for color, centroids in trace.blobs.items():
+        for axis, panel in enumerate(panels):
+            panel.plot(
+                np.repeat(trace.k, 2),
+                centroids[:, :, axis].ravel(),
+                ".",
+                color=style.drawn_color(color),
+                markersize=0.6 * style.dot_size(len(trace)),
+                label=f"{color} blobs",
+            )
+
+
+def _draw_plan(axes: Axes, trace: Trace) -> None:
+    path = trace.pose_true[:, :2]
+    style.draw_path(axes, path, trace.measured[:, :2])
+    axes.plot(
+        *path[:1].T,
+        "o",
+        color=style.TRUE,
+        markersize=9,
+        markerfacecolor="none",
+        markeredgewidth=1.6,
+        path_effects=style.haloed(1.6),
+    )
+    axes.set(xlabel="x (px)", ylabel="y (px)", title="path (circle: start)")
+    if trace.info.boundary == "unlimited":
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.invert_yaxis()
+    else:
+        width, height = trace.info.area
+        axes.set_aspect("equal")
+        axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
+        axes.spines[["top", "right"]].set_visible(True)
+
+
+def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trace) -> None:
+    errors = trace.error * (1.0, 1.0, np.rad2deg(1.0))
+    record = longest_run(trace.valid)
+    for axis, (name, unit) in enumerate((("dx", "px"), ("dy", "px"), ("d heading", "deg"))):
+        _draw_error(panels[axis], trace.k, errors[:, axis], record)
+        panels[axis].set_ylabel(f"{name} ({unit})")
+        histograms[axis].sharey(panels[axis])
+        _draw_histogram(histograms[axis], errors[record, axis], unit)
+    k = trace.k[record]
+    histograms[0].set_title(
+        f"errors of steps {k[0]}..{k[-1]}, n = {len(k)}" if len(k) else "no valid measurement"
+    )
+    histograms[-1].set_xlabel("steps per bin")
+
+
+def _draw_error(panel: Axes, k: NDArray[np.int64], errors: Floats, record: slice) -> None:
+    low, high = _usual_limits(errors[np.isfinite(errors)])
+    first, last = k[0] + record.start - 0.5, k[0] + record.stop - 0.5
+    panel.axvspan(first, last, color=style.RECORD, linewidth=0, zorder=0)
+    panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
+    size = 0.8 * style.dot_size(len(k))
+    panel.plot(k, errors, color=style.MEASURED, linewidth=0.6, marker=".", markersize=size)
+    above, below = errors > high, errors < low
+    for beyond, edge, marker in ((above, high, CARETUP), (below, low, CARETDOWN)):
+        edges = np.where(beyond, edge, np.nan)
+        panel.plot(k, edges, linestyle="none", marker=marker, color=style.HELD)
+    if count := np.count_nonzero(above | below):
+        panel.text(
+            0.01, 0.95, f"{count} beyond", transform=panel.transAxes, va="top", bbox=style.BOX
+        )
+    panel.set_ylim(low, high)
+
+
+def _usual_limits(values: Floats) -> tuple[float, float]:
+    """Return limits that hold all values but those far outside the middle 90 %."""
+    if not len(values):
+        return -1.0, 1.0
+    low, high = np.quantile(values, (0.05, 0.95))
+    reach = 3.0 * (high - low)
+    usual = values[(values >= low - reach) & (values <= high + reach)]
+    low, high = float(usual.min()), float(usual.max())
+    # Not so close that rounding errors would look like errors of the measurement.
+    margin = max(0.3 * (high - low), 1e-3 * abs(low), 1e-3)
+    return low - margin, high + margin
+
+
+def _draw_histogram(axes: Axes, errors: Floats, unit: str) -> None:
+    axes.tick_params(labelleft=False)
+    axes.xaxis.set_major_locator(MaxNLocator(4, integer=True, min_n_ticks=1))
+    if not len(errors):
+        return
+    low, high = axes.get_ylim()
+    # Rice's rule, 2 n^(1/3), over the 5/8 of the panel's height where the errors are. An odd
+    # number, so that errors around the middle share a bin.
+    bins = 2 * int(np.clip(1.6 * len(errors) ** (1 / 3), 5, 32)) + 1
+    axes.hist(
+        errors, bins, range=(low, high), orientation="horizontal", color=style.MEASURED, alpha=0.55
+    )
+    mean, sd, width = float(errors.mean()), float(errors.std()), (high - low) / bins
+    # A curve much narrower than a bin would only be a spike.
+    if sd > 0.1 * width:
+        places = np.linspace(low, high, 400)
+        density = np.exp(-0.5 * ((places - mean) / sd) ** 2) / (sd * math.sqrt(2.0 * math.pi))
+        axes.plot(len(errors) * width * density, places, color=style.FITTED, linewidth=1.0)
+    axes.margins(x=0.12)
+    text = f"mean {mean:.3f}, sd {sd:.3f} {unit}"
+    axes.text(0.99, 0.98, text, transform=axes.transAxes, ha="right", va="top")

@@ -1,0 +1,630 @@
+"""The figures: what stands where, on hand-made traces."""
+
+import subprocess
+import sys
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.colors import same_color, to_rgba
+from matplotlib.figure import Figure
+
+import robsim
+from robsim.plotting import plot_batch, plot_frame, plot_parameters, plot_traces, style
+from robsim.trace import RunInfo, Trace, longest_run
+
+THETA_TRUE = (
+    (1.9375, -0.9375, 0.20833, 0.20833, 8.3333e-06),
+    (1.9375, -0.9375, 0.20833, 0.20833, 8.3333e-06),
+    (1.8333, -0.83333, 0.030556, -0.030556, 0.0),
+)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _no_pyplot():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "matplotlib.pyplot", None)
+        yield
+
+
+def make_trace(
+    steps=60, *, seen=None, tracked=True, noise=0.3, boundary="bounce", first_step=0, more=None
+):
+    """A robot that turns on a circle by 10 degrees a step, seen where `seen` says so."""
+    rng = np.random.default_rng(7)
+    heading = np.deg2rad(10.0) * np.arange(steps) + 0.05
+    wrapped = (heading + np.pi) % (2 * np.pi) - np.pi
+    true = np.column_stack(
+        (600 + 200 * np.cos(heading), 500 + 200 * np.sin(heading), wrapped)
+    ).reshape(steps, 3)
+    groups = {"pose_true": true, "u": np.zeros((steps, 2)), "bounced": np.zeros(steps)}
+    if tracked:
+        seen = np.ones(steps, dtype=bool) if seen is None else np.asarray(seen)
+        error = noise * rng.standard_normal((steps, 3)) * (1.0, 1.0, 0.01)
+        measured = np.where(seen[:, None], true + error, np.nan)
+        held = measured.copy()
+        for k in range(1, steps):
+            if not seen[k]:
+                held[k] = held[k - 1]
+        groups |= {"measured": measured, "held": held}
+    info = RunInfo(dt=0.2, theta_true=THETA_TRUE, boundary=boundary)
+    return Trace(groups | (more or {}), info, first_step=first_step)
+
+
+def render(figure, *, layout=True):
+    """Draw everything: a warning on the way is an error. Without the layout it is much faster."""
+    assert isinstance(figure, Figure)
+    if not layout:
+        figure.set_layout_engine("none")
+    figure.draw_without_rendering()
+    return figure
+
+
+def changed(trace, group, change):
+    """The trace with one group of its columns changed in place."""
+    groups = {name: values.copy() for name, values in trace._groups.items()}
+    change(groups[group])
+    return Trace(groups, trace.info)
+
+
+def plan(figure):
+    return next(axes for axes in figure.axes if axes.get_xlabel() == "x (px)")
+
+
+def panel(figure, label):
+    panels = [axes for axes in figure.axes if axes is not plan(figure)]
+    return next(axes for axes in panels if axes.get_ylabel() == label)
+
+
+def histograms(figure):
+    """The axes of the histograms: those without a label at their y axis."""
+    return [axes for axes in figure.axes if not axes.get_ylabel()]
+
+
+def lines(axes, color):
+    """The lines of a colour that show something."""
+    found = [line for line in axes.get_lines() if same_color(line.get_color(), color)]
+    return [line for line in found if len(points(line))]
+
+
+def points(line):
+    places = line.get_xydata()
+    return places[np.isfinite(places).all(axis=1)]
+
+
+# traces
+
+
+def make_blobs():
+    """One blob in all 60 steps, a second one in step 5."""
+    blobs = np.full((60, 4), np.nan)
+    blobs[:, 0], blobs[:, 1] = 100, 200
+    blobs[5, 2:] = 300, 400
+    return {"blobs_red": blobs, "blobs_my_color": blobs}
+
+
+@pytest.fixture(scope="module")
+def usual():
+    """A trace and its figure."""
+    trace = make_trace(more=make_blobs())
+    return trace, render(plot_traces(trace))
+
+
+@pytest.fixture(scope="module")
+def rich():
+    """A trace with everything in it, the robot not seen or taken for another, and its figure."""
+    seen = np.ones(60, dtype=bool)
+    seen[[0, 1, 20, 21, 40]] = False
+    trace = make_trace(seen=seen, more={"estimated": np.ones((60, 3)), **make_blobs()})
+
+    def lose(measured):
+        measured[30, 0] += 400
+        measured[31, 0] -= 300
+
+    trace = changed(trace, "measured", lose)
+    return trace, render(plot_traces(trace, show_blobs=True), layout=False)
+
+
+@pytest.fixture(scope="module")
+def long():
+    trace = make_trace(6000)
+    return trace, plot_traces(trace)
+
+
+def test_traces_have_six_panels_a_plan_and_three_histograms(usual):
+    _, figure = usual
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    for label in ("x (px)", "heading (deg)", "dx (px)", "dy (px)", "d heading (deg)"):
+        assert labels.count(label) == 1
+    assert labels.count("y (px)") == 2  # over the steps, and of the plan
+    assert labels.count("") == 3
+    assert tuple(figure.get_size_inches()) == (10, 8)
+    assert figure.get_dpi() == 110
+    assert figure.get_suptitle().startswith("tracking: 60 steps, 60 valid")
+
+
+def test_true_and_measured_values_are_where_they_belong(usual):
+    trace, figure = usual
+    axes = panel(figure, "x (px)")
+    (true,) = lines(axes, style.TRUE)
+    np.testing.assert_array_equal(true.get_ydata(), trace.pose_true[:, 0])
+    (measured,) = lines(axes, style.MEASURED)
+    np.testing.assert_array_equal(measured.get_xdata(), trace.k)
+    np.testing.assert_array_equal(measured.get_ydata(), trace.measured[:, 0])
+    assert len(axes.get_lines()) == 2
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["true", "measured"]
+
+
+def test_what_was_not_seen_is_black_where_it_was_last_seen(rich):
+    trace, figure = rich
+    (held,) = lines(panel(figure, "x (px)"), style.HELD)
+    np.testing.assert_array_equal(points(held)[:, 0], [20, 21, 40])
+    np.testing.assert_array_equal(points(held)[:, 1], trace.measured[[19, 19, 39], 0])
+    (measured,) = lines(panel(figure, "heading (deg)"), style.MEASURED)
+    np.testing.assert_array_equal(points(measured)[:, 0], np.flatnonzero(trace.valid))
+
+
+def test_heading_is_in_degrees_from_0_to_360_and_its_line_breaks_at_the_wrap(usual):
+    axes = panel(usual[1], "heading (deg)")
+    (true,) = lines(axes, style.TRUE)
+    values = np.asarray(true.get_ydata())
+    assert np.isnan(values).sum() == 1  # 60 steps of 10 degrees: a full turn and a bit
+    assert np.nanmin(values) >= 0
+    assert np.nanmax(values) <= 360
+    assert np.nanmax(np.abs(np.diff(values))) < 11
+    assert axes.get_ylim() == (0, 360)
+
+
+def test_estimated_poses_are_blue(rich):
+    trace, figure = rich
+    (line,) = lines(panel(figure, "x (px)"), style.ESTIMATED)
+    np.testing.assert_array_equal(line.get_ydata(), trace.estimated[:, 0])
+
+
+def test_blobs_are_drawn_only_when_asked_for_in_x_and_y(rich, usual):
+    _, figure = rich
+    (dots,) = lines(panel(figure, "x (px)"), "red")
+    values = np.asarray(dots.get_ydata())
+    assert np.count_nonzero(values == 100) == 60
+    assert dots.get_xdata()[values == 300] == [5]
+    (dots,) = lines(panel(figure, "y (px)"), "red")
+    assert np.count_nonzero(np.asarray(dots.get_ydata()) == 200) == 60
+    assert lines(panel(figure, "x (px)"), style.GUIDE)  # no colour of that name
+    assert not lines(panel(figure, "heading (deg)"), "red")
+    assert not lines(panel(usual[1], "x (px)"), "red")
+
+
+def test_errors_are_measured_minus_true(usual):
+    trace, figure = usual
+    (dx,) = lines(panel(figure, "dx (px)"), style.MEASURED)
+    np.testing.assert_array_equal(dx.get_ydata(), trace.error[:, 0])
+    (turn,) = lines(panel(figure, "d heading (deg)"), style.MEASURED)
+    np.testing.assert_allclose(turn.get_ydata(), np.rad2deg(trace.error[:, 2]))
+
+
+def test_histograms_are_made_from_the_longest_valid_record():
+    seen = np.ones(300, dtype=bool)
+    seen[[50, 250]] = False
+    trace = make_trace(300, seen=seen, first_step=1000)
+    figure = plot_traces(trace)
+    record = longest_run(trace.valid)
+    assert histograms(figure)[0].get_title() == "errors of steps 1051..1249, n = 199"
+    for axis, axes in enumerate(histograms(figure)):
+        bars = [bar for bar in axes.patches if bar.get_width() > 0]
+        assert sum(bar.get_width() for bar in bars) == 199
+        error = trace.error[record, axis] * (np.rad2deg(1.0) if axis == 2 else 1.0)
+        height = bars[0].get_height()
+        bottom, top = bars[0].get_y(), bars[-1].get_y() + height
+        assert bottom <= error.min() < bottom + height
+        assert top - height <= error.max() <= top
+
+
+def test_the_bell_curve_has_the_area_of_the_histogram_and_its_numbers_are_printed(long):
+    trace, figure = long
+    axes = histograms(figure)[0]
+    (curve,) = lines(axes, style.FITTED)
+    height, place = np.asarray(curve.get_xdata()), np.asarray(curve.get_ydata())
+    bar = axes.patches[0].get_height()
+    assert np.sum(height[:-1] * np.diff(place)) == pytest.approx(6000 * bar, rel=0.01)
+    error = trace.error[:, 0]
+    assert place[np.argmax(height)] == pytest.approx(error.mean(), abs=0.02)
+    (text,) = axes.texts
+    assert text.get_text() == f"mean {error.mean():.3f}, sd {error.std():.3f} px"
+
+
+def test_long_runs_are_drawn_as_images_in_vector_files(long, usual):
+    for (_, figure), expected in ((long, True), (usual, False)):
+        for label in ("x (px)", "heading (deg)"):
+            drawn = panel(figure, label).get_lines()
+            assert [bool(line.get_rasterized()) for line in drawn] == [expected] * 2
+
+
+def test_a_false_pose_does_not_hide_the_others(rich):
+    axes = panel(rich[1], "dx (px)")
+    low, high = axes.get_ylim()
+    assert -3 < low < -0.5
+    assert 0.5 < high < 3
+    above, below = lines(axes, style.HELD)
+    assert points(above).tolist() == [[30, high]]
+    assert points(below).tolist() == [[31, low]]
+    assert [text.get_text() for text in axes.texts] == ["2 beyond"]
+
+
+def test_plan_has_the_y_axis_downwards_and_equal_scales(usual):
+    trace, figure = usual
+    axes = plan(figure)
+    assert axes.get_xlim() == (-0.5, 1199.5)
+    assert axes.get_ylim() == (1199.5, -0.5)
+    assert axes.get_aspect() == 1
+    path, start = lines(axes, style.TRUE)
+    np.testing.assert_array_equal(path.get_xydata(), trace.pose_true[:, :2])
+    np.testing.assert_array_equal(start.get_xydata(), trace.pose_true[:1, :2])
+    (measured,) = lines(axes, style.MEASURED)
+    np.testing.assert_array_equal(measured.get_xydata(), trace.measured[:, :2])
+
+
+def test_plan_of_an_unlimited_area_follows_the_path():
+    trace = make_trace(boundary="unlimited", tracked=False)
+    trace = changed(trace, "pose_true", lambda poses: np.add(poses, (5000, 0, 0), out=poses))
+    axes = plan(plot_traces(trace))
+    assert axes.yaxis_inverted()
+    assert axes.get_xlim()[0] < 5400
+    assert axes.get_xlim()[1] > 5800
+
+
+def test_without_tracking_there_are_the_upper_rows_only():
+    figure = render(plot_traces(make_trace(tracked=False)))
+    assert len(figure.axes) == 4
+    assert figure.get_suptitle() == "60 steps of 0.2 s, not tracked"
+    figure = plot_traces(make_trace(seen=np.zeros(60, dtype=bool)))
+    assert figure.get_suptitle() == "60 steps of 0.2 s, the robot was never seen"
+
+
+@pytest.mark.parametrize(
+    ("steps", "boundary", "tracked"),
+    [(0, "bounce", True), (1, "unlimited", True), (2, "bounce", False)],
+)
+def test_short_traces(steps, boundary, tracked):
+    trace = make_trace(steps, boundary=boundary, tracked=tracked)
+    figure = render(plot_traces(trace, show_blobs=True), layout=False)
+    assert panel(figure, "x (px)").get_xlim() == (-0.5, max(steps, 1) - 0.5)
+
+
+def test_one_valid_step_and_none():
+    seen = np.zeros(20, dtype=bool)
+    seen[4] = True
+    trace = make_trace(20, seen=seen)
+    first = histograms(plot_traces(trace))[0]
+    assert first.get_title() == "errors of steps 4..4, n = 1"
+    assert not lines(first, style.FITTED)
+    figure = render(plot_traces(trace[5:]), layout=False)  # held, but not seen
+    assert histograms(figure)[0].get_title() == "no valid measurement"
+
+
+def test_rounding_errors_do_not_look_like_errors():
+    figure = plot_traces(make_trace(noise=1e-13))
+    low, high = panel(figure, "dx (px)").get_ylim()
+    assert low < -1e-4 < 1e-4 < high
+    assert max(bar.get_width() for bar in histograms(figure)[1].patches) == 60
+
+
+def test_a_constant_error_far_from_zero():
+    trace = make_trace(noise=0.0)
+    trace = changed(trace, "measured", lambda poses: np.add(poses, (14, 0, 0), out=poses))
+    figure = plot_traces(trace)
+    low, high = panel(figure, "dx (px)").get_ylim()
+    assert low < 14 < high
+    low, high = panel(figure, "dy (px)").get_ylim()
+    assert low < 0 < high
+    texts = [axes.texts[0].get_text() for axes in histograms(figure)]
+    assert texts == [
+        "mean 14.000, sd 0.000 px",
+        "mean 0.000, sd 0.000 px",
+        "mean 0.000, sd 0.000 deg",
+    ]
+
+
+# all figures
+
+
+def test_figures_show_themselves_in_a_notebook(usual):
+    assert plot_frame(make_frame())._repr_png_().startswith(b"\x89PNG")
+    for figure in (usual[1], plot_batch(make_report())):
+        assert isinstance(figure, style.NotebookFigure)
+
+
+def test_the_users_settings_stay():
+    before = matplotlib.rcParams.copy()
+    plot_traces(make_trace(3, tracked=False))
+    plot_parameters(make_parameters(1))
+    plot_batch(make_report())
+    plot_frame(make_frame())
+    assert matplotlib.rcParams.copy() == before
+
+
+def test_importing_the_figures_does_not_import_pyplot():
+    code = "import sys, robsim.plotting; sys.exit('matplotlib.pyplot' in sys.modules)"
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
+
+
+def test_the_colours_of_the_poses_differ():
+    colors = (style.TRUE, style.MEASURED, style.HELD, style.ESTIMATED, style.BATCH)
+    assert len({to_rgba(color) for color in colors}) == 5
+
+
+# parameters
+
+
+def make_parameters(steps=400):
+    """Estimates that jump at the start and then converge, but d1Y to a wrong value."""
+    rng = np.random.default_rng(11)
+    decay = np.exp(-np.arange(steps) / 10.0)[:, None, None]
+    parameters = np.array(THETA_TRUE) + 1e3 * decay * rng.standard_normal((steps, 3, 5))
+    parameters[:, 1, 4] = 31.9
+    return make_trace(steps, more={"parameters": parameters.reshape(steps, 15)})
+
+
+@pytest.fixture(scope="module")
+def estimated():
+    """A trace with online estimates and its figure."""
+    trace = make_parameters()
+    return trace, render(plot_parameters(trace))
+
+
+def test_parameters_have_a_panel_each_with_the_true_value_as_a_cross(estimated):
+    trace, figure = estimated
+    assert figure.get_suptitle() == "Online parameter estimation from truth"
+    assert tuple(figure.get_size_inches()) == (9, 7)
+    assert figure.get_dpi() == 110
+    assert [axes.get_ylabel() for axes in figure.axes[:3]] == ["a1X", "a1Y", "a1P"]
+    assert figure.axes[-1].get_ylabel() == "d1P (rad)"
+    for number, axes in enumerate(figure.axes):
+        row, column = divmod(number, 3)
+        (history,) = lines(axes, style.ESTIMATED)
+        np.testing.assert_array_equal(history.get_ydata(), trace.parameters[:, column, row])
+        (cross,) = [line for line in lines(axes, style.TRUE) if line.get_marker() == "x"]
+        assert cross.get_xydata().tolist() == [[399, THETA_TRUE[column][row]]]
+        assert axes.get_xlabel() == ("step k (of 0.2 s)" if row == 4 else "")
+
+
+def test_a_transient_does_not_hide_the_convergence(estimated):
+    low, high = estimated[1].axes[0].get_ylim()
+    assert 1.8 < low < 1.9375 < high < 2.1
+
+
+def test_an_estimate_far_off_is_in_the_picture_with_the_truth(estimated):
+    axes = estimated[1].axes[13]
+    low, high = axes.get_ylim()
+    assert low < 8e-6 < 31.9 < high
+    assert axes.get_title(loc="right") == "true 8.3333e-06, last 31.9"
+
+
+def test_parameters_draw_in_given_axes():
+    nested = Figure()
+    axes = nested.subfigures(1, 2)[1].subplots(5, 3)
+    assert plot_parameters(make_parameters(50), axes=axes) is nested
+    assert len(nested.axes) == 15
+    assert lines(axes[4, 2], style.ESTIMATED)
+    with pytest.raises(ValueError, match=r"axes: expected .* 5 x 3 axes, got the shape \(2, 3\)"):
+        plot_parameters(make_parameters(50), axes=axes[:2])
+
+
+def test_parameters_that_were_not_estimated():
+    message = (
+        "the trace has no parameter estimates: run the simulation with estimate_parameters=True"
+    )
+    for trace in (make_trace(), make_trace(0), make_parameters(0)):
+        with pytest.raises(ValueError, match=message):
+            plot_parameters(trace)
+
+
+def test_parameters_estimated_for_a_part_of_the_run():
+    def forget(parameters):
+        parameters[:30] = np.nan
+        parameters[:, 10:] = np.nan
+
+    trace = changed(make_parameters(40), "parameters", forget)
+    figure = plot_parameters(trace)
+    assert figure.axes[2].get_title(loc="right") == "true 1.8333, last none"
+
+
+# batch
+
+NOTHING = np.full((3, 5), np.nan)
+
+
+def make_report(*, batch=None, online=NOTHING):
+    theta_true = np.array(THETA_TRUE)
+    return robsim.BatchEstimate(
+        theta_true=theta_true,
+        batch=theta_true * (1 + 1e-12) if batch is None else batch,
+        online=online,
+        identify_from="truth",
+        start=120,
+        stop=800,
+        rank=np.full(3, 5),
+        condition=np.ones(3),
+        residual_rms=np.zeros(3),
+    )
+
+
+def drawn(axes, color):
+    """Row and deviation of the markers of a colour."""
+    return {
+        round(float(y), 1): float(x)
+        for line in lines(axes, color)
+        if line.get_marker() != "None"
+        for x, y in points(line)
+    }
+
+
+def test_batch_shows_the_relative_deviation_and_of_d1_the_absolute_one():
+    online = np.array(THETA_TRUE) * 1.1
+    online[1, 4] = 31.9
+    (axes,) = plot_batch(make_report(online=online)).axes
+    assert axes.get_xscale() == "log"
+    batch, off = drawn(axes, style.BATCH), drawn(axes, style.ESTIMATED)
+    assert len(batch) == len(off) == 15
+    assert batch[0.0] == pytest.approx(1e-12, rel=1e-3)
+    assert off[3.0] == pytest.approx(0.1)
+    assert off[9.6] == pytest.approx(31.9)
+    low, high = axes.get_xlim()
+    assert batch[14 + 1.2] == low  # exact: it points to the left edge
+    assert high > 31.9
+    assert axes.yaxis_inverted()
+    hollow = [line for line in axes.get_lines() if line.get_markerfacecolor() == "white"]
+    assert sorted(len(points(line)) for line in hollow) == [2, 2]  # d1P is exact
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["batch", "online"]
+
+
+def test_batch_prints_the_values():
+    online = NOTHING.copy()
+    online[1, 4] = 31.9
+    report = make_report(online=online)
+    (axes,) = plot_batch(report).axes
+    printed = [text.get_text() for text in axes.texts]
+    assert printed.count("8.3333e-06") == 4  # true and batch, X and Y
+    assert printed.count("31.9") == 1
+    assert printed.count("not determined") == 14
+    assert axes.get_title(loc="left") == report.title
+
+
+def test_an_exact_value_points_to_the_left_edge():
+    (axes,) = plot_batch(make_report(batch=np.array(THETA_TRUE))).axes
+    assert len(drawn(axes, style.BATCH)) == 15
+    assert set(drawn(axes, style.BATCH).values()) == {axes.get_xlim()[0]}
+
+
+def test_batch_without_online_and_without_anything():
+    (axes,) = render(plot_batch(make_report(batch=NOTHING))).axes
+    assert axes.get_position().x0 < 0.1
+    assert axes.get_position().y0 < 0.1
+    assert axes.get_xlim()[0] == pytest.approx(1e-4)
+    assert not drawn(axes, style.BATCH)
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["batch"]
+    assert "online" not in [text.get_text() for text in axes.texts]
+
+
+def test_batch_draws_in_given_axes():
+    given = Figure().add_subplot()
+    assert plot_batch(make_report(), ax=given) is given.figure
+    assert len(drawn(given, style.BATCH)) == 15
+
+
+# frame
+
+AT_AN_ANGLE = robsim.PlaneMap([[2.0, 0.3, 10.0], [0.1, 2.2, -5.0], [1e-3, 2e-3, 1.0]])
+
+
+def make_frame(plane_map=None, *, marker=None):
+    """A camera with a pixel for 20 x 20 of the work area; a red marker of 3 x 3 pixels."""
+    image = np.full((40, 60, 3), 200, dtype=np.uint8)
+    if marker is not None:
+        u, v = marker
+        image[v - 1 : v + 2, u - 1 : u + 2] = (255, 0, 0)
+    plane_map = plane_map or robsim.PlaneMap.scaled((60, 40), (1200, 800))
+    return robsim.Frame(image, t=2.4, index=12, plane_map=plane_map)
+
+
+def blobs_of(frame):
+    return robsim.find_blobs(frame, robsim.load_colors(), minimum_area=1)
+
+
+def test_frame_is_in_work_area_pixels_with_y_downwards():
+    axes = plot_frame(make_frame())
+    render(axes.figure)
+    assert axes.get_xlim() == (-0.5, 1199.5)
+    assert axes.get_ylim() == (799.5, -0.5)
+    (image,) = axes.images
+    assert tuple(image.get_extent()) == (-0.5, 1199.5, 799.5, -0.5)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (px)", "y (px)")
+    assert axes.get_title(loc="left") == "frame 12, t = 2.40 s"
+    assert tuple(axes.figure.get_size_inches()) == (7, 7)
+    assert axes.figure.get_dpi() == 110
+
+
+def test_blobs_have_a_box_around_their_pixels_and_a_cross():
+    frame = make_frame(marker=(30, 10))
+    axes = plot_frame(frame, blobs=blobs_of(frame))
+    (box,) = axes.patches
+    assert same_color(box.get_edgecolor(), "red")
+    corners = box.get_xy()[:4]
+    # Columns 29..31, rows 9..11, each 20 work-area pixels wide.
+    np.testing.assert_allclose(corners.min(axis=0), (29 * 20 - 0.5, 9 * 20 - 0.5))
+    np.testing.assert_allclose(corners.max(axis=0), (32 * 20 - 0.5, 12 * 20 - 0.5))
+    (cross,) = lines(axes, "red")
+    np.testing.assert_allclose(cross.get_xydata(), [[30.5 * 20 - 0.5, 10.5 * 20 - 0.5]])
+
+
+def test_heading_line_goes_right_and_down_at_30_degrees():
+    measurement = robsim.Measurement((600.0, 400.0, np.deg2rad(30)))
+    axes = plot_frame(make_frame(), measurement=measurement)
+    line = lines(axes, style.MEASURED)[0]
+    start, end = line.get_xydata()
+    np.testing.assert_allclose(start, (600, 400))
+    np.testing.assert_allclose(end - start, 80 * np.array((np.cos(np.pi / 6), 0.5)))
+    on_screen = axes.transData.transform([start, end])
+    assert on_screen[1, 0] > on_screen[0, 0]
+    assert on_screen[1, 1] < on_screen[0, 1]  # pixels of the screen count upwards
+
+
+def test_outline_stands_at_the_measured_pose():
+    measurement = robsim.Measurement((600.0, 400.0, np.pi / 2))
+    outline = [(50, 0), (0, 30), (0, -30)]
+    axes = plot_frame(make_frame(), measurement=measurement, outline=outline)
+    (polygon,) = axes.patches
+    assert same_color(polygon.get_edgecolor(), style.MEASURED)
+    # Heading down: forward is +y, the robot's right is -x.
+    np.testing.assert_allclose(
+        polygon.get_xy(), [(600, 450), (570, 400), (630, 400), (600, 450)], atol=1e-9
+    )
+    with pytest.raises(ValueError, match=r"outline: expected the shape \(N, 2\), got \(3,\)"):
+        plot_frame(make_frame(), measurement=measurement, outline=[1, 2, 3])
+
+
+def test_not_seen_is_said_when_blobs_are_shown_without_a_pose():
+    def notes(axes):
+        return [text.get_text() for text in axes.texts]
+
+    assert notes(plot_frame(make_frame(), blobs={"red": []})) == ["not seen"]
+    assert notes(plot_frame(make_frame())) == []
+    seen = robsim.Measurement((600, 400, 0))
+    assert notes(plot_frame(make_frame(), blobs={"red": []}, measurement=seen)) == []
+
+
+def test_path_up_to_a_step():
+    trace = make_trace(60)[10:]
+    axes = plot_frame(make_frame(), trace=trace, step=30)
+    render(axes.figure)
+    (path,) = lines(axes, style.TRUE)
+    np.testing.assert_array_equal(path.get_xydata(), trace.pose_true[:21, :2])
+    (path,) = lines(plot_frame(make_frame(), trace=trace), style.TRUE)
+    assert len(path.get_xydata()) == 50
+    assert axes.get_xlim() == (-0.5, 1199.5)
+    for step in (9, 60):
+        with pytest.raises(ValueError, match=f"step: expected a step of .*10..59.* got {step}"):
+            plot_frame(make_frame(), trace=trace, step=step)
+    with pytest.raises(ValueError, match="step: expected a trace with it, got step = 3"):
+        plot_frame(make_frame(), step=3)
+
+
+def test_a_camera_at_an_angle_is_shown_in_its_own_pixels():
+    frame = make_frame(AT_AN_ANGLE, marker=(30, 10))
+    measurement = robsim.Measurement((*AT_AN_ANGLE.to_world((20, 10)), 0.0))
+    # Never seen: there is no measured place to map.
+    trace = make_trace(seen=np.zeros(60, dtype=bool))
+    axes = plot_frame(frame, blobs=blobs_of(frame), measurement=measurement, trace=trace)
+    render(axes.figure)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("u (pixels)", "v (pixels)")
+    assert axes.get_ylim() == (39.5, -0.5)
+    np.testing.assert_allclose(axes.patches[0].get_xy().max(axis=0), (31.5, 11.5))
+    np.testing.assert_allclose(lines(axes, style.MEASURED)[0].get_xydata()[0], (20, 10))
+    (path,) = lines(axes, style.TRUE)
+    np.testing.assert_allclose(path.get_xydata(), AT_AN_ANGLE.to_pixel(trace.pose_true[:, :2]))
+
+
+def test_frame_draws_in_given_axes():
+    given = Figure().add_subplot()
+    assert plot_frame(make_frame(), ax=given) is given
+    assert given.images
