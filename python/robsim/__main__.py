@@ -1,0 +1,5 @@
+"""``python -m robsim`` is the command ``robsim``."""
+
+from robsim.cli import main
+
+main()

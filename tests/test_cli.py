@@ -1,0 +1,107 @@
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import robsim
+
+FILES = ["camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"]
+
+
+def cli(*arguments, cwd=None):
+    command = [sys.executable, "-m", "robsim", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=100)
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("demo")
+    run = cli("demo", "--json", "--out", "made/here", "--seed", "3", cwd=folder)
+    assert run.returncode == 0, run.stderr
+    return folder / "made/here", run
+
+
+def test_the_demo_writes_its_figures_and_its_trace(demo):
+    folder, _ = demo
+    assert sorted(file.name for file in folder.iterdir()) == sorted(FILES)
+    for name in FILES[:4]:
+        with Image.open(folder / name) as picture:
+            assert min(picture.size) > 500
+    trace = robsim.Trace.load(folder / "trace.npz")
+    assert len(trace) == 1000
+    assert trace.info.boundary == "unlimited"
+
+
+def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
+    folder, run = demo
+    numbers = json.loads(run.stdout)
+    assert set(numbers) == {"parameters", "tracking"}
+    assert list(numbers["parameters"]) == list(robsim.PARAMETER_NAMES)
+    for name, values in numbers["parameters"].items():
+        assert set(values) == {"true", "batch", "online"}
+        limits = (1e-9, 1e-6) if name.startswith("d1") else (1e-6, 1e-4)
+        scale = 1 if name.startswith("d1") else abs(values["true"])
+        assert abs(values["batch"] - values["true"]) < limits[0] * scale
+        assert abs(values["online"] - values["true"]) < limits[1] * scale
+    trace = robsim.Trace.load(folder / "trace.npz")
+    error = trace.error[trace.valid]
+    tracking = numbers["tracking"]
+    assert set(tracking) == {"steps", "valid", "false", "rms_xy", "rms_heading_deg"}
+    assert (tracking["steps"], tracking["valid"], tracking["false"]) == (1000, trace.valid.sum(), 0)
+    assert tracking["valid"] > 990
+    assert tracking["rms_xy"] == pytest.approx(np.sqrt((error[:, :2] ** 2).sum(axis=1).mean()))
+    assert tracking["rms_xy"] < 0.6
+    assert 2.7 < tracking["rms_heading_deg"] < 3.1
+
+
+def test_the_demo_first_spins_then_drives(demo):
+    u = robsim.Trace.load(demo[0] / "trace.npz").u
+    assert (u[:200] == (0.05, -0.05)).all()
+    assert (u[200:].max(), u[200:].min()) != (0.05, -0.05)
+
+
+def test_the_demo_shows_progress_and_prints_the_table(tmp_path):
+    run = cli("demo", "--out", str(tmp_path), "--steps", "230")
+    assert run.returncode == 0
+    assert "200/200" in run.stderr
+    assert "Batch estimate from truth" in run.stdout
+    assert "tracking: 230 steps" in run.stdout
+    assert f"written to {tmp_path}" in run.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("demo", "--steps", "20"), "steps must be above"),
+        (("demo", "--seed", "-1"), "seed must be at least 0"),
+        (("demo", "--steps", "many"), "Invalid value for '--steps'"),
+        (("dance",), "No such command 'dance'"),
+    ],
+)
+def test_a_wrong_call_says_what_is_wrong(arguments, message, tmp_path):
+    run = cli(*arguments, cwd=tmp_path)
+    assert run.returncode == 2
+    assert message in run.stderr.replace("\n", " ")
+    assert "Traceback" not in run.stderr
+
+
+def test_an_out_folder_that_is_a_file(tmp_path):
+    (tmp_path / "file").write_text("mine")
+    run = cli("demo", "--out", "file", cwd=tmp_path)
+    assert run.returncode == 2
+    assert "error:" in run.stderr
+    assert "Traceback" not in run.stderr
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_help_and_version():
+    text = cli("--help").stdout
+    assert "demo" in text
+    assert "--version" in text
+    text = cli("demo", "--help").stdout
+    for option in ("--out", "--steps", "--seed", "--json"):
+        assert option in text
+    assert cli("--version").stdout == f"robsim {robsim.__version__}\n"
