@@ -147,7 +147,10 @@ void Simulation::turn() {
   constexpr Stage stages[] = {&Simulation::move_robot, &Simulation::estimate_parameters,
                               &Simulation::measure,    &Simulation::estimate_state,
                               &Simulation::control,    &Simulation::record};
-  for (; next_stage_ < std::size(stages); ++next_stage_) (this->*stages[next_stage_])();
+  for (; next_stage_ < std::size(stages); ++next_stage_) {
+    const Stage stage = stages[next_stage_];
+    (this->*stage)();
+  }
   next_stage_ = 0;
 }
 
