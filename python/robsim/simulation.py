@@ -383,9 +383,13 @@ def _choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
 
 def _start_within(start: ArrayLike, area: tuple[int, int] | None) -> ArrayLike:
     """Return a start pose after a look at its place; the core looks at the rest."""
-    if np.shape(start) != (3,) or np.asarray(start).dtype.kind not in "iuf":
+    try:
+        numbers = np.asarray(start)
+    except ValueError:
         return start
-    x, y, _ = np.asarray(start, dtype=float)
+    if numbers.shape != (3,) or numbers.dtype.kind not in "iuf":
+        return start
+    x, y, _ = numbers.astype(float)
     if area and not (0 <= x <= area[0] - 1 and 0 <= y <= area[1] - 1):
         raise ValueError(
             f"start must lie within the area of {area[0]} x {area[1]} px, got {start!r}"

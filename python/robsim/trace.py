@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -57,6 +58,7 @@ _FIXED_GROUPS: dict[str, dict[str, str]] = {
     "parameters": dict.fromkeys(PARAMETER_NAMES, ""),
     "view": {"x_view": "px", "y_view": "px"},
 }
+_SHAPES = {"covariance": (3, 3), "parameters": (3, 5), "state": ()}
 _REQUIRED = ("pose_true", "u", "bounced")
 
 
@@ -72,11 +74,22 @@ def _fields(group: str, width: int) -> dict[str, str]:
     return _FIXED_GROUPS[group]
 
 
-def _rows_of(name: str, values: ArrayLike) -> Floats:
+def _numbers(name: str, values: Any) -> Floats:
+    """Return real numbers as float64."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise ValueError(f"{name} must be an array of numbers, got {values!r}") from None
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"{name} must be numbers, got {array.dtype} of shape {array.shape}")
+    return array.astype(np.float64, copy=False)
+
+
+def _rows_of(name: str, values: Any) -> Floats:
     """Return a read-only array (N, width) of a group's numbers, which may come as (N, 3, 5)."""
-    array = np.asarray(values, dtype=np.float64)
-    if array.ndim < 1:
-        raise ValueError(f"{name} must have a row for each step, got a single number")
+    array = _numbers(name, values)
+    if array.ndim < 1 or (array.ndim > 2 and array.shape[1:] != _SHAPES.get(name, (2, 2))):
+        raise ValueError(f"{name} must have a row for each step, got shape {array.shape}")
     rows = array.reshape(len(array), math.prod(array.shape[1:])).view()
     rows.setflags(write=False)
     if rows.shape[1] != len(_fields(name, rows.shape[1])):
@@ -107,7 +120,7 @@ class RunInfo:
     """
 
     dt: float
-    theta_true: tuple[tuple[float, ...], ...]
+    theta_true: ArrayLike
     seed: Mapping[str, Any] = field(default_factory=dict)
     identify_from: str = "truth"
     area: tuple[int, int] = (1200, 1200)
@@ -115,14 +128,16 @@ class RunInfo:
     robot: str = ""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.dt, (int, float)) or not 0 < self.dt < 1e9:
+        if isinstance(self.dt, bool) or not isinstance(self.dt, (int, float)) or not 0 < self.dt < 1e9:
             raise ValueError(f"dt must be a positive number (s), got {self.dt!r}")
-        theta = np.array(self.theta_true)
-        if theta.dtype != np.float64 or theta.shape != (3, 5) or not np.isfinite(theta).all():
+        theta = _numbers("theta_true", self.theta_true)
+        if theta.shape != (3, 5) or not np.isfinite(theta).all():
             raise ValueError(f"theta_true must be 3 x 5 finite numbers, got {self.theta_true!r}")
+        object.__setattr__(self, "theta_true", tuple(map(tuple, theta.tolist())))
         if not isinstance(self.seed, Mapping):
             raise ValueError(f"seed must have entropy and spawn_key, got {self.seed!r}")
-        if len(self.area) != 2 or not all(type(size) is int and size > 0 for size in self.area):
+        area = self.area if isinstance(self.area, tuple) else ()
+        if len(area) != 2 or not all(type(size) is int and size > 0 for size in area):
             raise ValueError(f"area must be (width, height), two ints, got {self.area!r}")
         for name in ("identify_from", "boundary", "robot"):
             if not isinstance(getattr(self, name), str):
@@ -217,6 +232,8 @@ class Trace:
     def __init__(
         self, groups: Mapping[str, ArrayLike], info: RunInfo, *, first_step: int = 0
     ) -> None:
+        if type(first_step) is not int or not 0 <= first_step < 2**62:
+            raise ValueError(f"first_step must be an int of at least 0, got {first_step!r}")
         self.info = info
         self._first_step = first_step
         self._groups = {name: _rows_of(name, values) for name, values in groups.items()}
@@ -435,10 +452,9 @@ class Trace:
             "first_step": self._first_step,
             **asdict(self.info),
         }
+        text = np.array(json.dumps(info))
         with Path(path).open("wb") as file:
-            np.savez_compressed(
-                file, allow_pickle=False, info=np.array(json.dumps(info)), **self._groups
-            )
+            np.savez_compressed(file, allow_pickle=False, info=text, **self._groups)
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Trace:
@@ -489,6 +505,8 @@ _BROKEN = (
     OverflowError,
     zipfile.BadZipFile,
     zlib.error,
+    SyntaxError,
+    tokenize.TokenError,
 )
 
 
@@ -499,14 +517,11 @@ def _from_members(members: Mapping[str, NDArray[Any]]) -> Trace:
     if info.pop("format") != FORMAT:
         raise ValueError(f"its format is not {FORMAT!r}")
     first_step = info.pop("first_step")
-    if type(first_step) is not int or not 0 <= first_step < 2**62:
-        raise ValueError(f"first_step must be an int of at least 0, got {first_step!r}")
     groups = {name: values for name, values in members.items() if name != "info"}
     if sorted(info.pop("groups")) != sorted(groups):
-        raise ValueError("it has not the groups that it had")
+        raise ValueError(f"it has not the groups that it had, but {', '.join(groups)}")
     for name, values in groups.items():
         if values.dtype != np.float64 or values.ndim != 2:
             raise ValueError(f"{name} is {values.dtype} of shape {values.shape}")
-    info["theta_true"] = tuple(map(tuple, info["theta_true"]))
     info["area"] = tuple(info["area"])
     return Trace(groups, RunInfo(**info), first_step=first_step)

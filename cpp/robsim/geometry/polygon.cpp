@@ -9,12 +9,9 @@ namespace {
 
 double cross(const Point& a, const Point& b) { return a.x * b.y - b.x * a.y; }
 
-double signed_area(const Polygon& polygon) {
-  double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    twice += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
-  }
-  return twice / 2;
+// Relative to the first corner: the products stay small and exact far from the origin.
+Point relative(const Polygon& polygon, std::size_t i) {
+  return {polygon[i].x - polygon[0].x, polygon[i].y - polygon[0].y};
 }
 
 }  // namespace
@@ -35,21 +32,25 @@ void check_polygon(const Polygon& polygon, const std::string& name) {
   }
 }
 
-double polygon_area(const Polygon& polygon) { return std::abs(signed_area(polygon)); }
+double polygon_area(const Polygon& polygon) {
+  double twice = 0;
+  for (std::size_t i = 0; i + 1 < polygon.size(); ++i) {
+    twice += cross(relative(polygon, i), relative(polygon, i + 1));
+  }
+  return std::abs(twice / 2);
+}
 
 Point polygon_centroid(const Polygon& polygon) {
-  // Relative to the first corner: the products stay small and exact far from the origin.
-  const Point origin = polygon.front();
   double twice_area = 0;
   Point moment;
   for (std::size_t i = 0; i + 1 < polygon.size(); ++i) {
-    const Point a{polygon[i].x - origin.x, polygon[i].y - origin.y};
-    const Point b{polygon[i + 1].x - origin.x, polygon[i + 1].y - origin.y};
+    const Point a = relative(polygon, i);
+    const Point b = relative(polygon, i + 1);
     twice_area += cross(a, b);
     moment.x += (a.x + b.x) * cross(a, b);
     moment.y += (a.y + b.y) * cross(a, b);
   }
-  return {origin.x + moment.x / (3 * twice_area), origin.y + moment.y / (3 * twice_area)};
+  return {polygon[0].x + moment.x / (3 * twice_area), polygon[0].y + moment.y / (3 * twice_area)};
 }
 
 }  // namespace robsim

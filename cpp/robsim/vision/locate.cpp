@@ -104,7 +104,7 @@ void check_locator(const Locator& locator) {
     throw std::invalid_argument("distance and offset must be finite (work-area px)");
   }
   if (locator.distance() < 1e-3) {
-    throw std::invalid_argument("distance between the markers must be above 0 px, got " +
+    throw std::invalid_argument("distance between the markers must be at least 0.001 px, got " +
                                 std::to_string(locator.distance()));
   }
   for (const double area : {locator.red_area, locator.blue_area}) {

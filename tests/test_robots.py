@@ -1,0 +1,391 @@
+import re
+import zlib
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+from robsim import Locator, RobotDefinition, Simulation, load_robot, robot_names
+from robsim.robots import as_robot
+
+PICTURE = np.zeros((10, 20, 4), np.uint8)
+SQUARE = [[0, 0], [9, 0], [9, 9], [0, 9]]
+RED = [[14, 6], [17, 6], [17, 9], [14, 9]]
+BLUE = [[2, 6], [5, 6], [5, 9], [2, 9]]
+
+GOOD = {
+    "name": "'toy'",
+    "image": "'robot.png'",
+    "size": "40.0",
+    "alignment": "90",
+    "centre": "[9.5, 4.5]",
+    "outline": str(SQUARE),
+    "red": str(RED),
+    "blue": str(BLUE),
+}
+
+
+def definition(**changed):
+    values = {"name": "toy", "image": PICTURE, "size": 40.0, "alignment": 0.0}
+    values |= {"outline": SQUARE, "red": RED, "blue": BLUE}
+    return RobotDefinition(**(values | changed))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Write a robot's folder; what is None is left out."""
+
+    def write(text=None, **changed):
+        Image.fromarray(PICTURE).save(tmp_path / "robot.png")
+        values = {key: v for key, v in (GOOD | changed).items() if v is not None}
+        lines = "\n".join(f"{key} = {value}" for key, value in values.items())
+        content = lines if text is None else text
+        toml = tmp_path / "robot.toml"
+        toml.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return tmp_path
+
+    return write
+
+
+def inside(polygon, points):
+    """Even-odd rule."""
+    x, y = np.asarray(points).T
+    count = np.zeros(len(points), int)
+    for (ax, ay), (bx, by) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        crosses = (ay > y) != (by > y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            count += crosses & (x < ax + (y - ay) * (bx - ax) / (by - ay))
+    return count % 2 == 1
+
+
+# --- the robot that ships with robsim
+
+
+def test_the_lab_robot_ships():
+    assert "lab" in robot_names()
+    robot = load_robot()
+    assert robot.name == "lab"
+    assert robot.image.dtype == np.uint8
+    assert robot.image.shape[2] == 4
+    assert repr(robot).startswith("RobotDefinition(name='lab'")
+
+
+def test_the_lab_robot_has_the_geometry_of_the_manual():
+    robot = load_robot("lab")
+    locator = robot.locator()
+    assert locator.distance == pytest.approx(43, abs=1e-3)
+    assert locator.offset == pytest.approx(14, abs=1e-3)
+    np.testing.assert_allclose(locator.red, [-14, 21.5], atol=1e-3)
+    np.testing.assert_allclose(locator.blue, [-14, -21.5], atol=1e-3)
+    assert locator.red_area == pytest.approx(locator.blue_area, rel=1e-6)
+    assert 40 < robot.radius < 60
+
+
+@pytest.mark.parametrize("marker", ["red", "blue"])
+def test_the_markers_lie_within_the_outline(marker):
+    robot = load_robot()
+    assert inside(robot.outline, getattr(robot, marker)).all()
+
+
+@pytest.mark.parametrize("marker", ["red", "blue"])
+def test_the_picture_shows_the_marker_where_the_polygon_is(marker):
+    robot = load_robot()
+    u, v = getattr(robot, marker).mean(axis=0).round().astype(int)
+    red, green, blue, alpha = robot.image[v, u].astype(int)
+    assert alpha == 255
+    strong, weak = (red, blue) if marker == "red" else (blue, red)
+    assert strong > 1.5 * weak
+    assert strong > 1.5 * green
+
+
+# --- geometry by hand: unit = 40/20 = 2 px, centre (9.5, 4.5)
+
+
+@pytest.mark.parametrize(
+    ("alignment", "point", "forward", "right"),
+    [
+        # the picture shows it facing right: right in the picture is forward, down is right
+        (0, (12.5, 4.5), 6, 0),
+        (0, (9.5, 8.5), 0, 8),
+        (0, (10.5, 6.5), 2, 4),
+        # facing up: up in the picture is forward, right is right
+        (90, (9.5, 1.5), 6, 0),
+        (90, (13.5, 4.5), 0, 8),
+        (90, (11.5, 3.5), 2, 4),
+        # facing left
+        (180, (6.5, 4.5), 6, 0),
+        (180, (9.5, 0.5), 0, 8),
+        # facing down
+        (-90, (9.5, 7.5), 6, 0),
+        (-90, (5.5, 4.5), 0, 8),
+    ],
+)
+def test_to_robot_frame(alignment, point, forward, right):
+    robot = definition(alignment=alignment)
+    np.testing.assert_allclose(robot.to_robot_frame([point]), [[forward, right]], atol=1e-12)
+
+
+def test_centre_and_unit():
+    robot = definition()
+    np.testing.assert_array_equal(robot.centre, [9.5, 4.5])
+    assert robot.unit == 2
+    np.testing.assert_array_equal(robot.to_robot_frame([[9.5, 4.5]]), [[0, 0]])
+    moved = definition(centre=[0, 0])
+    np.testing.assert_array_equal(moved.to_robot_frame([[1, 2]]), [[2, 4]])
+
+
+@pytest.mark.parametrize("alignment", [0, 30, 90])
+def test_radius_is_the_farthest_corner(alignment):
+    # (0, 0) from (9.5, 4.5), times 2 px
+    robot = definition(alignment=alignment)
+    assert robot.radius == pytest.approx(2 * np.hypot(9.5, 4.5))
+
+
+def test_the_locator_of_the_toy():
+    # alignment 90: markers at (15.5, 7.5) and (3.5, 7.5), 3 picture pixels square
+    locator = definition(alignment=90).locator()
+    np.testing.assert_allclose(locator.red, [-6, 12])
+    np.testing.assert_allclose(locator.blue, [-6, -12])
+    assert (locator.distance, locator.offset) == pytest.approx((24, 6))
+    assert (locator.red_area, locator.blue_area) == pytest.approx((36, 36))
+
+
+SIDE = st.floats(2, 40)
+PLACE = st.tuples(st.floats(-200, 200), st.floats(-200, 200))
+
+
+def star(corners, place):
+    """A polygon without crossings around the place, counted from the angle 0."""
+    angles = 2 * np.pi * np.arange(len(corners)) / len(corners)
+    rays = np.column_stack((np.cos(angles), np.sin(angles)))
+    return np.array(place) + np.array(corners)[:, None] * rays
+
+
+def triangles(polygon, around):
+    """Centroid and area, as the sum of the triangles around a place inside."""
+    a, b = polygon - around, np.roll(polygon, -1, axis=0) - around
+    areas = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+    return around + (areas[:, None] * (a + b) / 3).sum(axis=0) / areas.sum(), areas.sum()
+
+
+@settings(max_examples=150)
+@given(
+    red=st.lists(SIDE, min_size=3, max_size=8),
+    blue=st.lists(SIDE, min_size=3, max_size=8),
+    place=PLACE,
+    apart=st.floats(100, 300),
+    clockwise=st.booleans(),
+)
+def test_the_locator_of_random_markers(red, blue, place, apart, clockwise):
+    red_place = np.array(place)
+    blue_place = red_place - (0, apart)
+    markers = {"red": star(red, red_place), "blue": star(blue, blue_place)}
+    red_centroid, red_area = triangles(markers["red"], red_place)
+    blue_centroid, blue_area = triangles(markers["blue"], blue_place)
+    if clockwise:
+        markers = {name: polygon[::-1] for name, polygon in markers.items()}
+    locator = Locator.from_markers(**markers)
+    np.testing.assert_allclose(locator.red, red_centroid, atol=1e-8)
+    np.testing.assert_allclose(locator.blue, blue_centroid, atol=1e-8)
+    assert locator.distance == pytest.approx(np.linalg.norm(red_centroid - blue_centroid))
+    assert locator.red_area == pytest.approx(red_area)
+    assert locator.blue_area == pytest.approx(blue_area)
+    assert locator.offset == pytest.approx(-(red_centroid + blue_centroid)[0] / 2, abs=1e-8)
+
+
+@settings(max_examples=60)
+@given(alignment=st.floats(-360, 360), size=st.floats(1, 500))
+def test_alignment_turns_and_size_scales(alignment, size):
+    # distances in picture pixels stay what they are, times the unit
+    robot = definition(alignment=alignment, size=size)
+    points = robot.to_robot_frame([[9.5, 4.5], [12.5, 8.5]])
+    assert np.linalg.norm(points[1] - points[0]) == pytest.approx(5 * size / 20)
+    turn = np.arctan2(points[1, 1], points[1, 0]) - np.arctan2(4, 3)
+    assert np.exp(1j * turn) == pytest.approx(np.exp(1j * np.deg2rad(alignment)))
+
+
+# --- folders
+
+
+def test_a_written_robot_is_loaded_back(folder):
+    robot = load_robot(folder())
+    assert (robot.name, robot.size, robot.alignment) == ("toy", 40.0, 90)
+    np.testing.assert_array_equal(robot.image, PICTURE)
+    np.testing.assert_array_equal(robot.centre, [9.5, 4.5])
+    for name, polygon in (("outline", SQUARE), ("red", RED), ("blue", BLUE)):
+        np.testing.assert_array_equal(getattr(robot, name), polygon)
+    assert load_robot(str(folder())).name == "toy"
+    np.testing.assert_array_equal(load_robot(folder(centre=None)).centre, [9.5, 4.5])
+
+
+def test_an_opaque_or_grey_picture_will_do(folder):
+    path = folder()
+    Image.fromarray(np.full((10, 20), 7, np.uint8)).save(path / "robot.png")
+    np.testing.assert_array_equal(load_robot(path).image[0, 0], [7, 7, 7, 255])
+
+
+def test_a_simulation_takes_the_folder(folder):
+    sim = Simulation(robot=folder(), area=(200, 100))
+    assert sim.robot.name == "toy"
+    assert sim.locator.distance == pytest.approx(24)
+
+
+def refuses(path, key):
+    """The error names the file and, as a whole word, the key."""
+    with pytest.raises(ValueError, match=re.escape(str(path / "robot.toml"))) as caught:
+        load_robot(path)
+    message = str(caught.value).replace(str(path), "")
+    assert re.search(rf"\b{key}\b", message), message
+
+
+@pytest.mark.parametrize("key", [key for key in GOOD if key != "centre"])
+def test_a_missing_key(folder, key):
+    refuses(folder(**{key: None}), f"{key} is missing")
+
+
+@pytest.mark.parametrize("key", ["colour", "Size", "center"])
+def test_an_unknown_key(folder, key):
+    refuses(folder(**{key: "1"}), f"{key} is not known")
+
+
+NO_POLYGONS = [
+    *("1", "true", "'abc'", "2020-01-01", "{a = 1, b = 2, c = 3}", "[]"),
+    "[[1, 2], [3, 4]]",
+    "[[1, 2], [2, 3], [3, 4]]",
+    "[[1, 2], [3, 4], [5]]",
+    "[[1, 2, 3], [3, 4, 5], [5, 7, 8]]",
+    "[[nan, 2], [3, 4], [5, 0]]",
+    "[[inf, 2], [3, 4], [5, 0]]",
+    "[['a', 'b'], ['c', 'd'], ['e', 'f']]",
+    "[['1', '6'], ['3', '6'], ['3', '8']]",
+]
+
+
+@pytest.mark.parametrize("key", ["outline", "red", "blue"])
+@pytest.mark.parametrize("value", NO_POLYGONS)
+def test_broken_polygons(folder, key, value):
+    refuses(folder(**{key: value}), key)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        *((key, value) for key in ("name", "image") for value in ("1", "true", "[]", "['a']")),
+        *(("size", v) for v in ("0", "-1", "0.0", "nan", "inf", "-inf", "1e400")),
+        *(("size", v) for v in ("'40'", "true", "[40]", "2020-01-01", "1" + "0" * 400)),
+        *(("alignment", v) for v in ("nan", "inf", "'up'", "false", "[90]", "1" + "0" * 400)),
+        *(("centre", v) for v in ("1", "[1]", "[1, 2, 3]", "[nan, 1]", "['a', 'b']", "[[1, 2]]")),
+        *(("centre", v) for v in ("'ab'", "{x = 1, y = 2}", "[]", "['1', '2']", "[true, false]")),
+    ],
+)
+def test_mistyped_values(folder, key, value):
+    refuses(folder(**{key: value}), key)
+
+
+def test_markers_in_one_place(folder):
+    refuses(folder(red=str(BLUE)), "markers")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", "[name]\na = 1", "name = ", "\0", b"\xff\xfe", "name = 'a'\nname = 'b'"),
+        "red = " + "[" * 10_000,
+    ],
+    ids=lambda text: repr(text[:20]),
+)
+def test_broken_toml_names_the_file(folder, text):
+    refuses(folder(text=text), "")
+
+
+@pytest.mark.parametrize("name", ["no.png", "", "..", "robot.toml", "/"])
+def test_an_image_that_is_none(folder, name):
+    path = folder(image=f"'{name}'")
+    with pytest.raises(ValueError, match=re.escape(str(path / "robot.toml"))):
+        load_robot(path)
+
+
+def png(width, height):
+    """The bytes of a PNG file that claims to be so large."""
+    header = b"IHDR" + width.to_bytes(4, "big") + height.to_bytes(4, "big") + b"\x08\6\0\0\0"
+    parts = [header, b"IDAT" + zlib.compress(b"\0" * 100), b"IEND"]
+    chunks = [
+        (len(part) - 4).to_bytes(4, "big") + part + zlib.crc32(part).to_bytes(4, "big")
+        for part in parts
+    ]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
+
+
+BROKEN_PICTURES = {
+    "empty": b"",
+    "text": b"hello",
+    "signature": b"\x89PNG\r\n\x1a\n",
+    "cut": png(20, 10)[:60],
+    "short": png(200, 100),
+    "size 0": png(0, 0),
+    "bomb": png(60_000, 60_000),
+}
+
+
+@pytest.mark.parametrize("content", BROKEN_PICTURES.values(), ids=BROKEN_PICTURES)
+def test_a_broken_picture_names_both_files(folder, content):
+    path = folder()
+    (path / "robot.png").write_bytes(content)
+    refuses(path, "robot.png")
+
+
+@pytest.mark.parametrize("robot", ["no such robot", "", "..", "/", "\0", "lab/robot.toml"])
+def test_an_unknown_robot(robot):
+    with pytest.raises(ValueError, match=r"there are .*lab"):
+        load_robot(robot)
+
+
+# --- definitions in Python
+
+
+def test_as_robot():
+    robot = definition()
+    assert as_robot(robot) is robot
+    assert as_robot("lab").name == "lab"
+    for wrong in (None, 5, b"lab", ["lab"]):
+        with pytest.raises(TypeError, match="robot must be"):
+            as_robot(wrong)
+
+
+def test_a_definition_is_frozen():
+    with pytest.raises(AttributeError):
+        definition().size = 5
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("image", v) for v in (None, "a.png", PICTURE[0], PICTURE[..., :3], PICTURE[:0])),
+        *(("image", v) for v in (PICTURE.astype(float), PICTURE.astype(bool), [[[1, 2, 3, 4]]])),
+        ("name", None),
+        *(("size", v) for v in (0, -1, np.nan, np.inf, "40", None, True, [1], np.ones(2), 1j)),
+        *(("alignment", v) for v in (np.nan, -np.inf, "up", None, [1])),
+        *(("centre", v) for v in (5, "ab", (1,), (1, 2, 3), (np.nan, 1), [[1, 2]])),
+        *(("red", v) for v in (None, 5, "abc", [], SQUARE[:2], np.zeros((3, 3)), {1: 2})),
+        *(("red", v) for v in ([[1, 2], [2, 3], [3, 4]], [["1", "6"], ["3", "6"], ["3", "8"]])),
+        *(("blue", v) for v in (np.full((3, 2), np.nan), [[1, 2], [3]], [["a", "b"]] * 3)),
+        *(("outline", v) for v in (None, SQUARE[:2], np.zeros((2, 2)), SQUARE[0])),
+    ],
+    ids=lambda value: f"{value!r}"[:30].replace("\n", ""),
+)
+def test_a_wrong_value_is_named(name, value):
+    with pytest.raises((TypeError, ValueError), match=rf"^{name} must "):
+        definition(**{name: value})
+
+
+def test_a_misspelt_value():
+    with pytest.raises(TypeError, match="sizee"):
+        definition(sizee=1)
+
+
+@pytest.mark.parametrize("points", [[1, 2], None, [1, 2, 3], "ab", np.zeros((2, 3)), [[1, np.nan]]])
+def test_to_robot_frame_refuses_other_shapes(points):
+    with pytest.raises(ValueError, match="points must be"):
+        definition().to_robot_frame(points)

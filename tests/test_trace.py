@@ -1,0 +1,641 @@
+import csv
+import json
+import re
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from robsim.trace import PARAMETER_NAMES, RunInfo, Trace, longest_run
+
+NAN = np.nan
+DT = 0.2
+THETA = tuple(tuple(float(5 * row + column) for column in range(5)) for row in range(3))
+SEED = {"entropy": 12345678901234567890123, "spawn_key": [1, 2]}
+INFO = RunInfo(dt=DT, theta_true=THETA, seed=SEED, area=(300, 200), boundary="bounce", robot="lab")
+
+REQUIRED = {"pose_true": 3, "u": 2, "bounced": 1}
+OPTIONAL = {
+    "measured": 3,
+    "held": 3,
+    "blobs_red": 4,
+    "blobs_blue": 4,
+    "estimated": 3,
+    "covariance": 9,
+    "state": 2,
+    "parameters": 15,
+    "view": 2,
+}
+
+# pose_true, measured, and what comes of it: error, valid, false
+TRACKED = [
+    # heading wrapped: 3.1 measured, -3.1 true, that is 2 pi - 6.2 short of it
+    ([10, 20, -3.1], [13, 16, 3.1], [3, -4, 6.2 - 2 * np.pi], True, False),
+    ([10, 20, 0.0], [NAN, NAN, NAN], [NAN, NAN, NAN], False, False),
+    ([10, 20, 0.0], [10, 20.5, 0.1], [0, 0.5, 0.1], True, False),
+    ([10, 20, 0.0], [10, 31, 0.0], [0, 11, 0], True, True),
+    ([10, 20, 0.0], [10, 20, 0.4], [0, 0, 0.4], True, True),
+    ([10, 20, 0.0], [10, 30, np.deg2rad(19.9)], [0, 10, np.deg2rad(19.9)], True, False),
+]
+
+
+def groups(rows, optional=tuple(OPTIONAL), first=0.0):
+    """Numbers that are all different."""
+    widths = REQUIRED | {name: OPTIONAL[name] for name in optional}
+    start = first + 100 * np.cumsum([0, *widths.values()])
+    made = {
+        name: begin + np.arange(rows * width, dtype=float).reshape(rows, width)
+        for (name, width), begin in zip(widths.items(), start[:-1], strict=True)
+    }
+    made["bounced"] = np.arange(rows, dtype=float).reshape(rows, 1) % 2
+    return made
+
+
+def trace_of(rows=4, optional=tuple(OPTIONAL), first_step=0, **replaced):
+    return Trace(groups(rows, optional) | replaced, INFO, first_step=first_step)
+
+
+def tracked():
+    poses, measured = (np.array([row[i] for row in TRACKED], dtype=float) for i in (0, 1))
+    return trace_of(len(TRACKED), ("measured",), pose_true=poses, measured=measured)
+
+
+def assert_same(trace, other):
+    assert trace.info == other.info
+    assert trace.names == other.names
+    assert len(trace) == len(other)
+    np.testing.assert_array_equal(trace.k, other.k)
+    for name in trace.names:
+        assert trace[name].dtype == other[name].dtype
+        assert trace[name].tobytes() == other[name].tobytes(), name
+
+
+# --- columns
+
+
+def test_every_column_has_its_shape():
+    trace = trace_of(4)
+    shapes = {
+        "k": (4,),
+        "t": (4,),
+        "pose_true": (4, 3),
+        "u": (4, 2),
+        "bounced": (4,),
+        "measured": (4, 3),
+        "valid": (4,),
+        "held": (4, 3),
+        "estimated": (4, 3),
+        "covariance": (4, 3, 3),
+        "state": (4, 2),
+        "parameters": (4, 3, 5),
+        "view": (4, 2),
+        "error": (4, 3),
+        "false": (4,),
+    }
+    assert {name: getattr(trace, name).shape for name in shapes} == shapes
+    assert {name: blobs.shape for name, blobs in trace.blobs.items()} == {
+        "red": (4, 2, 2),
+        "blue": (4, 2, 2),
+    }
+    assert trace.bounced.dtype == trace.valid.dtype == trace.false.dtype == bool
+
+
+def test_every_column_has_its_unit():
+    units = trace_of(4).units
+    poses = {
+        f"{q}_{suffix}": unit
+        for suffix in ("true", "measured", "held", "estimated")
+        for q, unit in (("x", "px"), ("y", "px"), ("heading", "rad"))
+    }
+    covariances = {
+        f"cov_{a}_{b}": f"{ua} {ub}"
+        for (a, ua), (b, ub) in product((("x", "px"), ("y", "px"), ("heading", "rad")), repeat=2)
+    }
+    blobs = {f"{c}{i}_{q}": "px" for c, i, q in product(("red", "blue"), (1, 2), "xy")}
+    assert units == {
+        "k": "",
+        "t": "s",
+        "u1": "V",
+        "u2": "V",
+        "bounced": "",
+        "valid": "",
+        "state0": "",
+        "state1": "",
+        "x_view": "px",
+        "y_view": "px",
+        **poses,
+        **covariances,
+        **blobs,
+        **dict.fromkeys(PARAMETER_NAMES, ""),
+    }
+
+
+def test_single_columns_are_the_numbers_of_their_group():
+    trace = trace_of(4)
+    np.testing.assert_array_equal(trace["heading_true"], trace.pose_true[:, 2])
+    np.testing.assert_array_equal(trace["u2"], trace.u[:, 1])
+    np.testing.assert_array_equal(trace["red2_x"], trace.blobs["red"][:, 1, 0])
+    np.testing.assert_array_equal(trace["blue1_y"], trace.blobs["blue"][:, 0, 1])
+    np.testing.assert_array_equal(trace["cov_x_heading"], trace.covariance[:, 0, 2])
+    np.testing.assert_array_equal(trace["b1Y"], trace.parameters[:, 1, 2])
+    np.testing.assert_array_equal(trace["state1"], trace.state[:, 1])
+    np.testing.assert_array_equal(trace["bounced"], [False, True, False, True])
+    assert all(trace[name].shape == (4,) for name in trace.names)
+
+
+def test_time_is_the_step_times_dt():
+    trace = trace_of(3, first_step=7)
+    np.testing.assert_array_equal(trace.k, [7, 8, 9])
+    np.testing.assert_array_equal(trace.t, np.array([7, 8, 9]) * DT)
+
+
+def test_parameter_names_go_row_by_row():
+    assert PARAMETER_NAMES[:6] == ("a1X", "a2X", "b1X", "b2X", "d1X", "a1Y")
+    assert PARAMETER_NAMES[-1] == "d1P"
+    assert len(set(PARAMETER_NAMES)) == 15
+
+
+def test_missing_groups_are_nan():
+    trace = trace_of(4, optional=())
+    for name in ("measured", "held", "estimated", "covariance", "parameters"):
+        assert getattr(trace, name).shape[0] == 4
+        assert np.isnan(getattr(trace, name)).all()
+    assert np.isnan(trace.error).all()
+    assert not trace.valid.any()
+    assert not trace.false.any()
+    assert trace.blobs == {}
+    assert trace.state.shape == (4, 0)
+    np.testing.assert_array_equal(trace.view, np.zeros((4, 2)))
+    assert " ".join(trace.names) == "k t x_true y_true heading_true u1 u2 bounced"
+
+
+@pytest.mark.parametrize(
+    ("read", "expected"),
+    [
+        (len, 0),
+        (lambda trace: trace.pose_true.shape, (0, 3)),
+        (lambda trace: trace.covariance.shape, (0, 3, 3)),
+        (lambda trace: trace.t.shape, (0,)),
+        (lambda trace: trace.tracking().valid, 0),
+        (lambda trace: trace.state.shape, (0, 2)),
+        (lambda trace: trace.names, trace_of(1).names),
+        (lambda trace: trace["x_true"].shape, (0,)),
+        (lambda trace: trace.to_pandas().shape[0], 0),
+    ],
+)
+def test_a_trace_without_steps_has_the_same_columns(read, expected):
+    assert read(trace_of(0)) == expected
+    assert read(trace_of(4)[2:2]) == expected
+
+
+@pytest.mark.parametrize("name", ["pose_true", "u", "measured", "held", "estimated", "view"])
+def test_a_loaded_trace_is_read_only(tmp_path, name):
+    trace_of(4, optional=("estimated", "view")).save(tmp_path / "run.npz")
+    column = getattr(Trace.load(tmp_path / "run.npz"), name)
+    with pytest.raises(ValueError, match="read-only"):
+        column[0] = 1
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        *(("pose_true", values) for values in (None, 5.0, np.zeros((2, 2)))),
+        *(("u", values) for values in (np.zeros((3, 2)), np.zeros((2, 3)), [])),
+        *((name, np.zeros((2, 1))) for name in ("something", "blobs_", "held")),
+    ],
+)
+def test_wrong_groups_are_named(name, values):
+    with pytest.raises(ValueError, match=rf"\b{name}\b"):
+        trace_of(2, (), **{name: values})
+
+
+@pytest.mark.parametrize("name", REQUIRED)
+def test_a_missing_group_is_named(name):
+    made = groups(2, ())
+    del made[name]
+    with pytest.raises(ValueError, match=f"must have the group {name}"):
+        Trace(made, INFO)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("dt", value) for value in ("x", None, [1], -1, 0, NAN, np.inf, 10**400)),
+        *(("theta_true", value) for value in (None, "text", THETA[0], [["1"] * 5] * 3)),
+        *(("area", value) for value in ("ab", (1,), (1, 2, 3), (1.5, 2), (0, 1))),
+        *(("seed", 1), ("identify_from", 1), ("boundary", None), ("robot", 5)),
+    ],
+)
+def test_wrong_values_of_info_are_named(name, value):
+    with pytest.raises(ValueError, match=f"^{name} must "):
+        RunInfo(**{"dt": DT, "theta_true": THETA} | {name: value})
+
+
+# --- derived columns
+
+
+def test_error_valid_and_false_by_hand():
+    trace = tracked()
+    _, _, errors, valid, false = zip(*TRACKED, strict=True)
+    np.testing.assert_allclose(trace.error, np.array(errors), atol=1e-12)
+    np.testing.assert_array_equal(trace.valid, valid)
+    np.testing.assert_array_equal(trace.false, false)
+
+
+def test_tracking_statistics_by_hand():
+    trace = trace_of(
+        4,
+        ("measured",),
+        pose_true=np.array([[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, np.pi]], dtype=float),
+        measured=np.array([[3, 4, 0.1], [NAN, NAN, NAN], [0, 12, 0.2], [1, 0, -np.pi]]),
+    )
+    statistics = trace.tracking()
+    assert (statistics.steps, statistics.valid, statistics.false) == (4, 3, 1)
+    # (3^2 + 4^2 + 12^2 + 1^2)/3 = 170/3
+    assert statistics.rms_xy == pytest.approx(np.sqrt(170 / 3))
+    assert statistics.rms_heading_deg == pytest.approx(np.rad2deg(np.sqrt(0.05 / 3)))
+    assert "4 steps, 3 valid (75.0 %), 1 false, rms 7.528 px" in str(statistics)
+
+
+@pytest.mark.parametrize("rows", [0, 3])
+def test_tracking_statistics_of_nothing_are_nan(rows):
+    statistics = trace_of(rows, optional=()).tracking()
+    assert (statistics.steps, statistics.valid, statistics.false) == (rows, 0, 0)
+    assert np.isnan(statistics.rms_xy)
+    assert np.isnan(statistics.rms_heading_deg)
+    assert f"{rows} steps, 0 valid" in str(statistics)
+
+
+@given(st.floats(-50, 50), st.floats(-50, 50))
+def test_heading_errors_are_within_half_a_turn(true, measured):
+    poses, seen = (np.array([[0.0, 0.0, heading]]) for heading in (true, measured))
+    error = trace_of(1, ("measured",), pose_true=poses, measured=seen).error[0, 2]
+    assert -np.pi < error <= np.pi
+    assert np.exp(1j * error) == pytest.approx(np.exp(1j * (measured - true)), abs=1e-9)
+
+
+# --- slices
+
+
+@pytest.mark.parametrize(
+    ("key", "steps"),
+    [
+        (slice(None), [10, 11, 12, 13, 14]),
+        (slice(1, 3), [11, 12]),
+        (slice(-2, None), [13, 14]),
+        (slice(3, 100), [13, 14]),
+        (slice(3, 1), []),
+    ],
+)
+def test_slices_keep_info_and_step_numbers(key, steps):
+    whole = trace_of(5, optional=("measured",), first_step=10)
+    part = whole[key]
+    assert part.info is whole.info
+    np.testing.assert_array_equal(part.k, steps)
+    np.testing.assert_array_equal(part.pose_true, whole.pose_true[key])
+    np.testing.assert_array_equal(part.measured, whole.measured[key])
+
+
+def test_a_slice_of_a_slice_counts_on():
+    np.testing.assert_array_equal(trace_of(9, first_step=100)[2:8][1:3].k, [103, 104])
+
+
+@pytest.mark.parametrize("stride", [2, -1])
+def test_a_stride_is_refused(stride):
+    with pytest.raises(ValueError, match=f"every step, got a stride of {stride}"):
+        trace_of(4)[::stride]
+
+
+def test_a_wrong_key_lists_the_columns():
+    with pytest.raises(KeyError, match="no column 'x_ture': there are k, t, x_true"):
+        trace_of(4)["x_ture"]
+
+
+@pytest.mark.parametrize("key", [1, np.int64(1), None, (0, 1), [0, 1], 1.5])
+def test_other_keys_are_refused(key):
+    with pytest.raises(TypeError, match="column name or a slice"):
+        trace_of(4)[key]
+
+
+def test_the_trace_describes_itself():
+    trace = trace_of(4, first_step=3)
+    assert "steps 3..6" in repr(trace)
+    assert "4 x 3" in trace._repr_html_()
+    assert "x_measured" in trace._repr_html_()
+    assert "no steps" in repr(trace[:0])
+
+
+# --- other formats
+
+
+def test_to_pandas():
+    trace = trace_of(4, first_step=5)
+    frame = trace.to_pandas()
+    assert frame.index.name == "k"
+    assert frame.index.tolist() == [5, 6, 7, 8]
+    assert ("k", *frame.columns) == trace.names
+    assert frame.attrs["units"] == trace.units
+    for name in frame.columns:
+        np.testing.assert_array_equal(frame[name], trace[name])
+
+
+def test_csv_round_trip_keeps_every_bit(tmp_path, rng):
+    measured = rng.normal(size=(6, 3)) * 1e3
+    measured[2] = NAN
+    trace = trace_of(6, ("measured",), pose_true=rng.normal(size=(6, 3)), measured=measured)
+    path = tmp_path / "run.csv"
+    trace.to_csv(path)
+    with path.open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    assert tuple(header) == trace.names
+    assert len(rows) == 6
+    assert rows[2][header.index("x_measured")] == ""
+    assert rows[1][header.index("bounced")] == "True"
+    for name in ("x_true", "heading_true", "y_measured", "t"):
+        numbers = [float(row[header.index(name)] or NAN) for row in rows]
+        np.testing.assert_array_equal(numbers, trace[name])
+
+
+def test_pandas_reads_the_csv(tmp_path):
+    trace = tracked()
+    trace.to_csv(tmp_path / "run.csv")
+    frame = pd.read_csv(tmp_path / "run.csv")
+    assert tuple(frame.columns) == trace.names
+    assert frame["valid"].dtype == frame["bounced"].dtype == bool
+    for name in trace.names:
+        np.testing.assert_allclose(frame[name], trace[name], rtol=1e-14)
+
+
+def test_csv_of_a_trace_without_steps_has_a_header(tmp_path):
+    trace_of(0, optional=()).to_csv(tmp_path / "run.csv")
+    text = (tmp_path / "run.csv").read_text()
+    assert text.split() == ["k,t,x_true,y_true,heading_true,u1,u2,bounced"]
+
+
+# --- files
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    rows=st.integers(0, 40),
+    optional=st.sets(st.sampled_from(sorted(OPTIONAL))),
+    first_step=st.integers(0, 10**9),
+    seed=st.integers(0, 2**32),
+)
+def test_load_gives_back_what_save_wrote(tmp_path_factory, rows, optional, first_step, seed):
+    rng = np.random.default_rng(seed)
+    values = groups(rows, sorted(optional))
+    for array in values.values():
+        array[...] = rng.choice([rng.normal(), NAN, np.inf, -0.0, 5e-324, 1e308], size=array.shape)
+    first, second = (tmp_path_factory.getbasetemp() / f"round_trip{i}.npz" for i in (1, 2))
+    Trace(values, INFO, first_step=first_step).save(first)
+    loaded = Trace.load(first)
+    loaded.save(second)
+    assert first.read_bytes() == second.read_bytes()
+    assert loaded.info == INFO
+    np.testing.assert_array_equal(loaded.k, first_step + np.arange(rows))
+    with np.load(first, allow_pickle=False) as archive:
+        for name, array in values.items():
+            assert archive[name].shape == array.shape
+            assert archive[name].tobytes() == array.tobytes()
+
+
+def test_the_name_of_the_file_is_kept(tmp_path):
+    trace_of(2).save(tmp_path / "run.trace")
+    assert [file.name for file in tmp_path.iterdir()] == ["run.trace"]
+    assert len(Trace.load(str(tmp_path / "run.trace"))) == 2
+
+
+def test_there_is_no_pickle_in_the_file(tmp_path):
+    trace = trace_of(3)
+    trace.save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz", allow_pickle=False) as archive:
+        members = {name: archive[name] for name in archive.files}
+    assert set(members) == {"info", *REQUIRED, *OPTIONAL}
+    info = json.loads(str(members["info"]))
+    assert info["groups"] == [*REQUIRED, *OPTIONAL]
+    assert info["seed"] == SEED
+    assert info["theta_true"] == [list(row) for row in THETA]
+    assert all(values.dtype == np.float64 for name, values in members.items() if name != "info")
+
+
+def test_a_slice_is_saved_as_it_is(tmp_path):
+    part = trace_of(9)[4:7]
+    part.save(tmp_path / "part.npz")
+    assert_same(Trace.load(tmp_path / "part.npz"), part)
+
+
+def refuses(path, name=""):
+    """The error names the file, and what is wrong with it."""
+    with pytest.raises(ValueError, match=rf"{re.escape(str(path))}.*{name}"):
+        Trace.load(path)
+
+
+def test_a_missing_file(tmp_path):
+    with pytest.raises(FileNotFoundError, match=re.escape(str(tmp_path / "no.npz"))):
+        Trace.load(tmp_path / "no.npz")
+
+
+def test_a_directory(tmp_path):
+    with pytest.raises((OSError, ValueError), match=re.escape(str(tmp_path))):
+        Trace.load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\0",
+        b"k,t\n1,2\n",
+        b"PK\x03\x04",
+        b"PK\x05\x06" + bytes(18),  # a zip without members
+        b"\x93NUMPY",
+        b"\x80\x04N.",  # a pickle
+        b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x08\2\0\0\0\x90wS\xde",
+    ],
+)
+def test_files_of_other_kinds(tmp_path, content):
+    path = tmp_path / "other.npz"
+    path.write_bytes(content)
+    refuses(path)
+
+
+def test_foreign_arrays(tmp_path):
+    np.save(tmp_path / "array.npy", np.zeros(3))
+    refuses(tmp_path / "array.npy")
+    np.savez(tmp_path / "foreign.npz", a=np.zeros(3))
+    refuses(tmp_path / "foreign.npz")
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    path = tmp_path_factory.mktemp("saved") / "run.npz"
+    trace_of(5, ("measured",)).save(path)
+    return path.read_bytes()
+
+
+def test_truncated_files(tmp_path, saved):
+    path = tmp_path / "cut.npz"
+    for size in range(0, len(saved), 7):
+        path.write_bytes(saved[:size])
+        refuses(path)
+
+
+def load_damaged(path, content):
+    """Damage is reported, or does not touch the data."""
+    path.write_bytes(content)
+    try:
+        loaded = Trace.load(path)
+    except ValueError as error:
+        message = str(error)
+    else:
+        assert_same(loaded, trace_of(5, ("measured",)))
+        return
+    assert str(path) in message
+
+
+def test_every_flipped_bit_is_found_or_harmless(tmp_path, saved):
+    for place in range(len(saved)):
+        damaged = bytearray(saved)
+        damaged[place] ^= 1 << (place % 8)
+        load_damaged(tmp_path / "flip.npz", bytes(damaged))
+
+
+@settings(max_examples=200, deadline=None)
+@given(damage=st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), min_size=1))
+@example(damage=[(40, 255), (41, 255), (42, 255), (43, 255)])
+def test_random_damage_is_found_or_harmless(tmp_path_factory, saved, damage):
+    damaged = bytearray(saved)
+    for place, value in damage:
+        damaged[place % len(saved)] = value
+    load_damaged(tmp_path_factory.getbasetemp() / "damage.npz", bytes(damaged))
+
+
+@pytest.fixture
+def forge(tmp_path):
+    """Write a trace file by hand, with some groups or some of its info changed."""
+
+    def write(members=None, info=None, *, text=None, without=()):
+        rows = groups(2, ("measured",)) | (members or {})
+        known = {
+            "format": "robsim trace 1",
+            "groups": [name for name in rows if name not in without],
+            "first_step": 0,
+            "dt": DT,
+            "theta_true": THETA,
+            "seed": SEED,
+            "identify_from": "truth",
+            "area": [300, 200],
+            "boundary": "bounce",
+            "robot": "lab",
+        }
+        known = {key: v for key, v in (known | (info or {})).items() if key not in without}
+        text = json.dumps(known) if text is None else text
+        made = {"info": np.array(text)} | rows
+        path = tmp_path / "forged.npz"
+        np.savez(path, **{name: v for name, v in made.items() if name not in without})
+        return path
+
+    return write
+
+
+def test_the_forge_makes_a_good_trace(forge):
+    assert_same(Trace.load(forge()), trace_of(2, ("measured",)))
+
+
+@pytest.mark.parametrize("name", ["info", "pose_true", "u", "bounced"])
+def test_a_missing_member(forge, name):
+    refuses(forge(without=[name]), name)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        *(("pose_true", np.zeros(shape)) for shape in (2, (2, 2), (3, 3))),
+        *(("u", np.zeros(shape)) for shape in ((2, 3), (1, 2))),
+        *(("u", np.zeros((2, 2), dtype)) for dtype in (np.float32, np.int64, ">f8", complex)),
+        *(("bounced", values) for values in (np.zeros((2, 1), bool), np.array([["a"], ["b"]]))),
+        *(("measured", np.zeros(shape)) for shape in ((2, 4), (2, 1, 3))),
+        ("measured", np.array([[None] * 3] * 2, dtype=object)),
+        *(("state", np.zeros(shape)) for shape in ((), (2, 2, 2))),
+        *(("held", np.zeros((2, 0))), ("blobs_red", np.zeros((2, 8)))),
+        *(("covariance", np.zeros((2, 3))), ("parameters", np.zeros((2, 14)))),
+        ("something", np.zeros((2, 1))),
+    ],
+)
+def test_wrong_members(forge, name, values):
+    refuses(forge({name: values}))
+
+
+def test_wrong_members_of_a_trace_without_rows(forge):
+    empty = {name: np.zeros((0, width)) for name, width in (REQUIRED | {"measured": 3}).items()}
+    assert len(Trace.load(forge(empty))) == 0
+    refuses(forge(empty | {"pose_true": np.zeros((0, 7))}))
+
+
+@pytest.mark.parametrize(
+    "info",
+    [
+        *({"format": value} for value in ("robsim trace 2", None)),
+        *({"groups": value} for value in (None, 5, [1, "u"], [], ["pose_true", "u", "bounced"])),
+        *({"groups": [*REQUIRED, "measured", name]} for name in ("u", "held")),
+        *({"first_step": value} for value in ("x", "3", None, [1], 1.5, -1, np.inf, 2**80)),
+        *({"theta_true": value} for value in ("text", None, 5, ["12345"] * 3, [["a"] * 5] * 3)),
+        *({"theta_true": [[value] * 5] * 3} for value in (10**400, np.nan, np.inf)),
+        *({"theta_true": value} for value in ([[0.0] * 4] * 3, [[0.0] * 5] * 2)),
+        {"theta_true": [[0.0] * 5, [0.0], [0.0]]},
+        *({"dt": value} for value in ("x", None, [1], -1, 0, np.nan, np.inf, 10**400)),
+        *({"area": value} for value in (5, None, "ab", [1], [1, 2, 3], [1.5, "a"], [0, 1])),
+        *({"seed": value} for value in (1, None, "x", [1])),
+        *({"identify_from": 1}, {"boundary": None}, {"robot": 5}, {"colour": "red"}),
+    ],
+    ids=lambda info: f"{info}"[:40],
+)
+def test_wrong_info(forge, info):
+    refuses(forge(info=info))
+
+
+@pytest.mark.parametrize("key", ["format", "groups", "first_step", "dt", "theta_true", "area"])
+def test_info_without_a_key(forge, key):
+    refuses(forge(without=[key]), key)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", "{", "[]", "1", "null", '"robsim trace 1"', "{}", "9" * 5000, "[" * 100_000),
+        *(5, ["a", "b"]),
+    ],
+    ids=lambda text: f"{text}"[:20],
+)
+def test_info_that_is_no_json_object(forge, text):
+    refuses(forge(text=text))
+
+
+# --- longest_run
+
+
+@pytest.mark.parametrize(
+    ("mask", "run"),
+    [
+        ([], slice(0, 0)),
+        ([False, False], slice(0, 0)),
+        ([True, True, True], slice(0, 3)),
+        ([False, True, False, True, True], slice(3, 5)),
+        ([True, True, False, True, True], slice(0, 2)),
+        ([False, True], slice(1, 2)),
+    ],
+)
+def test_longest_run(mask, run):
+    assert longest_run(np.array(mask, dtype=bool)) == run
+
+
+@given(st.lists(st.booleans(), max_size=30))
+def test_longest_run_is_true_and_no_other_is_longer(mask):
+    run = longest_run(np.array(mask, dtype=bool))
+    lengths = [len(part) for part in "".join(map(str, map(int, mask))).split("0")]
+    assert run.stop - run.start == max(lengths)
+    assert all(mask[run])
