@@ -128,7 +128,8 @@ class RunInfo:
     robot: str = ""
 
     def __post_init__(self) -> None:
-        if isinstance(self.dt, bool) or not isinstance(self.dt, (int, float)) or not 0 < self.dt < 1e9:
+        is_number = isinstance(self.dt, (int, float)) and not isinstance(self.dt, bool)
+        if not is_number or not 0 < self.dt < 1e9:
             raise ValueError(f"dt must be a positive number (s), got {self.dt!r}")
         theta = _numbers("theta_true", self.theta_true)
         if theta.shape != (3, 5) or not np.isfinite(theta).all():
