@@ -892,7 +892,7 @@ def test_missing_color_and_picture_files(tmp_path):
     with pytest.raises(FileNotFoundError, match="missing"):
         Simulation(colors=missing)
     with pytest.raises(FileNotFoundError, match="missing"):
-        Simulation(background=missing, area=(100, 100))
+        Simulation(background=missing, area=(200, 200))
 
 
 @pytest.mark.parametrize("name", ["areas", "Noise", "identify", "control_", "callback"])
@@ -927,13 +927,13 @@ NO_BACKGROUNDS = {
 
 @pytest.mark.parametrize("background", NO_BACKGROUNDS.values(), ids=NO_BACKGROUNDS)
 def test_backgrounds(background):
-    refuses("background", Simulation, background=background, area=(100, 100))
+    refuses("background", Simulation, background=background, area=(200, 200))
 
 
 def test_a_broken_background_is_refused_before_the_run(tmp_path):
     (tmp_path / "floor.png").write_bytes(b"no picture")
     with pytest.raises(ValueError, match=r"floor\.png"):
-        Simulation(background=tmp_path / "floor.png", area=(100, 100))
+        Simulation(background=tmp_path / "floor.png", area=(200, 200))
 
 
 def test_backgrounds_of_any_layout_are_taken():
@@ -968,7 +968,7 @@ def test_true_and_false_where_they_mean_something(slot):
 
 @pytest.fixture(scope="module")
 def sim():
-    return Simulation(area=(100, 100), seed=1)
+    return Simulation(area=(200, 200), seed=1)
 
 
 @pytest.mark.parametrize("steps", [-1, -(2**63), 2**70, None, "3", 1.5, NAN, [3]], ids=short)
@@ -991,5 +991,5 @@ def test_no_steps_are_no_steps(sim):
 
 @given(st.integers(0, 2**300))
 def test_any_natural_number_is_a_seed(seed):
-    trace = Simulation(area=(100, 100), seed=seed).trace
+    trace = Simulation(area=(200, 200), seed=seed).trace
     assert trace.info.seed == {"entropy": seed, "spawn_key": []}

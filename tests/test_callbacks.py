@@ -200,3 +200,39 @@ def test_inputs_that_throw_the_robot_out_of_the_world():
     with pytest.raises((RuntimeError, ValueError), match="beyond all bounds"):
         sim.run(10)
     assert np.isfinite(sim.trace.pose_true).all()
+
+
+@pytest.mark.parametrize("estimator", [None, object()])
+def test_an_estimator_that_is_none(estimator):
+    sim = robsim.Simulation(init_parameter_estimator=lambda model: estimator)
+    with pytest.raises(TypeError, match=r"in the callback \w+.* got ") as caught:
+        sim.run(6)
+    assert "estimator" in str(caught.value)
+
+
+def test_the_step_of_an_estimator_object_is_that_of_the_loop():
+    class Fails:
+        def update(self, phi, y):
+            raise ValueError("mine")
+
+    sim = robsim.Simulation(
+        init_parameter_estimator=lambda model: Fails(),
+        identify_from="measurement",
+        measure=lambda step: robsim.Measurement((1, 2, 3)),
+        **SMALL,
+    )
+    with pytest.raises(ValueError, match="mine") as caught:
+        sim.run(6)
+    assert len(sim.trace) == 3
+    assert "at step 3" in caught.value.__notes__[0]
+
+
+def test_an_error_while_a_result_is_read_is_labelled_too():
+    class Odd:
+        def __array__(self, *arguments, **options):
+            raise OSError("odd")
+
+    sim = robsim.Simulation(control=lambda step: Odd())
+    with pytest.raises(OSError, match="odd") as caught:
+        sim.run(1)
+    assert "in the callback control at step 0" in caught.value.__notes__

@@ -553,7 +553,7 @@ def test_blobs_have_a_box_around_their_pixels_and_a_cross():
     # Columns 29..31, rows 9..11, each 20 work-area pixels wide.
     np.testing.assert_allclose(corners.min(axis=0), (29 * 20 - 0.5, 9 * 20 - 0.5))
     np.testing.assert_allclose(corners.max(axis=0), (32 * 20 - 0.5, 12 * 20 - 0.5))
-    (cross,) = lines(axes, "red")
+    (cross,) = lines(axes, "white")
     np.testing.assert_allclose(cross.get_xydata(), [[30.5 * 20 - 0.5, 10.5 * 20 - 0.5]])
 
 

@@ -88,3 +88,11 @@ def test_reset_goes_back_to_the_start():
 def test_options_out_of_range_are_refused(options, name):
     with pytest.raises(ValueError, match=name):
         robsim.RecursiveLeastSquares(**options)
+
+
+def test_forgetting_without_excitation_stays_finite():
+    filter_ = robsim.RecursiveLeastSquares(2, forgetting=0.5)
+    for _ in range(5000):
+        filter_.update([1.0, 0.0], 2.0)
+    assert np.isfinite(filter_.P).all()
+    assert filter_.theta[0] == pytest.approx(2.0)

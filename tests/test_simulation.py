@@ -1,3 +1,4 @@
+import gc
 import itertools
 import os
 import signal
@@ -5,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -482,3 +484,121 @@ def test_identifying_from_a_stage_that_is_off_is_an_error():
     sim = robsim.Simulation(identify_from="measurement", estimate_parameters=True)
     with pytest.raises(ValueError, match="needs the stage measure"):
         sim.run(1)
+
+
+def test_a_simulation_is_freed_even_if_its_callback_refers_to_it():
+    def make(closes_over):
+        sim = robsim.Simulation(**SMALL)
+        if closes_over:
+
+            @sim.control
+            def control(step):
+                return (0.1, len(sim.trace) * 0.0)
+
+        sim.run(2)
+        return weakref.ref(sim)
+
+    references = [make(closes_over) for closes_over in (False, True)]
+    gc.collect()
+    assert [reference() for reference in references] == [None, None]
+
+
+def test_a_world_record_that_was_kept_keeps_its_model():
+    kept = []
+
+    def evaluate_model(world):
+        kept.append(world)
+        return world.last
+
+    sim = robsim.Simulation(evaluate_model=evaluate_model)
+    sim.run(1)
+    theta = sim.model.theta.copy()
+    del sim
+    gc.collect()
+    np.testing.assert_array_equal(kept[0].model.theta, theta)
+
+
+def test_a_look_at_the_frame_in_the_model_does_not_disturb_the_measurement():
+    options = {"measure": True, "control": robsim.DriveAround(), "seed": 1}
+    undisturbed = robsim.Simulation(**options).run(10)
+    sim = robsim.Simulation(**options)
+
+    @sim.evaluate_model
+    def evaluate_model(world):
+        if world.k:
+            assert sim.frame.index == world.k - 1
+        return world.model.predict(world.last, world.before, world.u)
+
+    np.testing.assert_array_equal(sim.run(10).measured, undisturbed.measured)
+
+
+def test_single_steps_move_the_trace_only_now_and_then():
+    sim = robsim.Simulation()
+    places = set()
+    for _ in range(1000):
+        sim.step()
+        places.add(sim._core.columns()["u"].ctypes.data)
+    assert len(places) < 8
+
+
+def test_a_refused_callback_leaves_the_stage_as_it_was():
+    sim = robsim.Simulation(measure=True)
+    with pytest.raises(TypeError, match="measure must be callable"):
+        sim.measure = 5
+    assert sim.run(3).valid.all()
+
+
+def test_reset_forgets_the_columns_too():
+    sim = robsim.Simulation(
+        measure=True, estimate_state=lambda step: robsim.Estimate((0, 0, 0), np.eye(3), [1, 2])
+    )
+    sim.run(2)
+    sim.reset()
+    sim.measure = False
+    sim.estimate_state = lambda step: robsim.Estimate((0, 0, 0), np.eye(3), [1, 2, 3])
+    trace = sim.run(2)
+    assert trace.state.shape == (2, 3)
+    assert "x_measured" not in trace.names
+
+
+def test_a_class_of_ones_own_that_builds_on_a_native_one_is_used():
+    class Faster(robsim.Spin):
+        def __call__(self, step):
+            return 2 * super().__call__(step)
+
+    class Counting(robsim.RecursiveLeastSquares):
+        updates = 0
+
+        def update(self, phi, y):
+            Counting.updates += 1
+            return super().update(phi, y)
+
+    estimator = Counting(5, filters=3)
+    sim = robsim.Simulation(control=Faster(), init_parameter_estimator=lambda model: estimator)
+    trace = sim.run(6)
+    np.testing.assert_array_equal(trace.u, [[0.1, -0.1]] * 6)
+    assert Counting.updates == 4
+    assert sim.estimator is estimator
+
+
+def test_a_daemon_thread_in_a_run_does_not_abort_the_process_at_its_end():
+    code = """
+import threading, time, robsim
+sim = robsim.Simulation(measure=True, estimate_parameters=True)
+sim.run(1)
+threading.Thread(target=sim.run, args=(10_000_000,), daemon=True).start()
+time.sleep(0.3)
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert run.returncode == 0, run.stderr
+
+
+def test_a_default_measurement_without_its_colours_is_an_error():
+    sim = robsim.Simulation(measure=True, colors=[robsim.ColorClass("red", v=(164, 255))])
+    with pytest.raises(ValueError, match="colors must have red and blue"):
+        sim.run(1)
+
+
+def test_an_area_narrower_than_the_robot_is_an_error():
+    with pytest.raises(ValueError, match="area must be wider than the robot, 109 px"):
+        robsim.Simulation(area=(100, 400)).run(1)

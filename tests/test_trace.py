@@ -266,7 +266,7 @@ def test_tracking_statistics_of_nothing_are_nan(rows):
     assert (statistics.steps, statistics.valid, statistics.false) == (rows, 0, 0)
     assert np.isnan(statistics.rms_xy)
     assert np.isnan(statistics.rms_heading_deg)
-    assert f"{rows} steps, 0 valid" in str(statistics)
+    assert f"{rows} steps, none valid" in str(statistics)
 
 
 @given(st.floats(-50, 50), st.floats(-50, 50))

@@ -69,3 +69,10 @@ def test_a_robot_may_start_half_out_of_the_view():
     assert not trace.bounced.any()
     assert not trace.valid.any()
     assert np.isnan(trace.held).all()
+
+
+def test_a_robot_faster_than_the_room_stays_in_it():
+    trace = robsim.Simulation(control=lambda step: (5e3, 4e3)).run(60)
+    radius = robsim.load_robot().radius
+    assert (trace.pose_true[:, :2] > radius - 1).all()
+    assert (trace.pose_true[:, :2] < 1200 - radius).all()

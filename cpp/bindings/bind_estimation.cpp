@@ -49,6 +49,7 @@ LeastSquaresFit fit(const py::object& phi_value, const py::object& y_value) {
 }  // namespace
 
 void bind_estimation(py::module_& module) {
+  const RecursiveLeastSquares defaults(1);
   py::class_<RecursiveLeastSquares, std::shared_ptr<RecursiveLeastSquares>>(
       module, "RecursiveLeastSquares", R"(
 Recursive least squares with forgetting, for one filter or several side by side.
@@ -75,7 +76,8 @@ The covariance is kept as P = U D U' (Bierman, Factorization Methods for Discret
 Estimation, 1977, ch. V): no rounding can make it asymmetric or negative.
 )")
       .def(py::init<int, int, double, double>(), py::arg("parameters"), py::kw_only(),
-           py::arg("filters") = 1, py::arg("forgetting") = 1.0, py::arg("initial_covariance") = 1e9)
+           py::arg("filters") = 1, py::arg("forgetting") = defaults.forgetting(),
+           py::arg("initial_covariance") = defaults.initial_covariance())
       .def("update", &update, py::arg("phi"), py::arg("y"), R"(
 Take in one sample of every filter.
 
@@ -113,6 +115,8 @@ TypeError, ValueError
           "covariance of the estimates in units of the variance of the output noise.")
       .def_property_readonly("forgetting", &RecursiveLeastSquares::forgetting,
                              "float: forgetting factor.")
+      .def_property_readonly("initial_covariance", &RecursiveLeastSquares::initial_covariance,
+                             "float: P at the start is this times the unit matrix.")
       .def("reset", &RecursiveLeastSquares::reset, "Go back to the start.");
 
   py::class_<LeastSquaresFit>(module, "LeastSquaresFit", "What `least_squares` found.")
@@ -123,8 +127,9 @@ TypeError, ValueError
           },
           "array (n,): the parameters, NaN where the samples say nothing.")
       .def_readonly("rank", &LeastSquaresFit::rank, "int: number of independent regressors.")
-      .def_readonly("condition", &LeastSquaresFit::condition,
-                    "float: condition number of the regressors, scaled to length 1.")
+      .def_readonly(
+          "condition", &LeastSquaresFit::condition,
+          "float: condition of the regressors, scaled to length 1: an estimate, from below.")
       .def_readonly("residual_rms", &LeastSquaresFit::residual_rms,
                     "float: root mean square of y - phi theta.");
 

@@ -104,17 +104,22 @@ ValueError
            py::arg("wheel_base") = defaults.wheel_base,
            py::arg("motor_gain") = pair_of(defaults.motor_gain),
            py::arg("motor_offset") = pair_of(defaults.motor_offset), py::arg("dt") = defaults.dt)
-      .def_readonly("mass", &RobotParameters::mass)
-      .def_readonly("inertia", &RobotParameters::inertia)
-      .def_readonly("linear_friction", &RobotParameters::linear_friction)
-      .def_readonly("angular_friction", &RobotParameters::angular_friction)
-      .def_readonly("wheel_radius", &RobotParameters::wheel_radius)
-      .def_readonly("wheel_base", &RobotParameters::wheel_base)
-      .def_property_readonly("motor_gain",
-                             [](const RobotParameters& p) { return pair_of(p.motor_gain); })
-      .def_property_readonly("motor_offset",
-                             [](const RobotParameters& p) { return pair_of(p.motor_offset); })
-      .def_readonly("dt", &RobotParameters::dt)
+      .def_readonly("mass", &RobotParameters::mass, "float: mass (kg).")
+      .def_readonly("inertia", &RobotParameters::inertia, "float: moment of inertia (kg m^2).")
+      .def_readonly("linear_friction", &RobotParameters::linear_friction,
+                    "float: viscous friction of the place (N s/m).")
+      .def_readonly("angular_friction", &RobotParameters::angular_friction,
+                    "float: viscous friction of the heading (N m s/rad).")
+      .def_readonly("wheel_radius", &RobotParameters::wheel_radius, "float: wheel radius (m).")
+      .def_readonly("wheel_base", &RobotParameters::wheel_base,
+                    "float: distance of the wheels (m).")
+      .def_property_readonly(
+          "motor_gain", [](const RobotParameters& p) { return pair_of(p.motor_gain); },
+          "tuple of float: torque per voltage, left and right (N m/V).")
+      .def_property_readonly(
+          "motor_offset", [](const RobotParameters& p) { return pair_of(p.motor_offset); },
+          "tuple of float: torque at 0 V, left and right (N m).")
+      .def_readonly("dt", &RobotParameters::dt, "float: sample time (s).")
       .def("__repr__", &repr);
 }
 

@@ -1,5 +1,8 @@
 #include <pybind11/stl.h>
 
+#include <chrono>
+#include <thread>
+
 #include "callbacks.hpp"
 #include "numpy.hpp"
 #include "robsim/simulation/simulation.hpp"
@@ -10,13 +13,25 @@ using namespace robsim::bindings;
 
 namespace {
 
+bool is_finalizing() {
+#if PY_VERSION_HEX >= 0x030D0000
+  return Py_IsFinalizing() != 0;
+#else
+  return _Py_IsFinalizing() != 0;
+#endif
+}
+
 // The interpreter as the loop sees it: the GIL, signals, and a progress callback.
 class PythonInterpreter : public Interpreter {
  public:
   explicit PythonInterpreter(py::object progress) : progress_(std::move(progress)) {}
 
   void release() override { state_ = PyEval_SaveThread(); }
-  void acquire() override { PyEval_RestoreThread(state_); }
+  void acquire() override {
+    // A daemon thread that comes back while Python ends would be torn out of this run.
+    while (is_finalizing()) std::this_thread::sleep_for(std::chrono::hours(1));
+    PyEval_RestoreThread(state_);
+  }
 
   void between_steps(std::int64_t done) override {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -28,7 +43,7 @@ class PythonInterpreter : public Interpreter {
   PyThreadState* state_ = nullptr;
 };
 
-std::unique_ptr<Simulation> make_simulation(
+std::unique_ptr<SlottedSimulation> make_simulation(
     std::pair<int, int> area, const std::string& boundary, double robot_radius,
     const py::object& start, const VisualNoise& noise, const std::vector<ColorClass>& colors,
     const Locator& locator, const std::string& identify_from, std::uint64_t controller_seed,
@@ -49,17 +64,37 @@ std::unique_ptr<Simulation> make_simulation(
                                                      {"estimate", IdentifyFrom::estimate}});
   options.controller_seed = controller_seed;
   options.noise_seed = noise_seed;
-  auto simulation = std::make_unique<Simulation>(options, Stages());
+  auto simulation = std::make_unique<SlottedSimulation>(options, Stages());
   for (const char* slot : {"define_model", "init_parameter_estimator", "control"}) {
-    set_stage(*simulation, slot, py::none());
+    simulation->set_stage(slot, py::none());
   }
   return simulation;
+}
+
+// Lets Python's garbage collector look into the slots.
+void collect_garbage(PyHeapTypeObject* heap_type) {
+  PyTypeObject& type = heap_type->ht_type;
+  type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type.tp_traverse = [](PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (!py::detail::is_holder_constructed(self)) return 0;
+    for (const auto& slot : py::cast<SlottedSimulation&>(py::handle(self)).values) {
+      Py_VISIT(slot.second.ptr());
+    }
+    return 0;
+  };
+  type.tp_clear = [](PyObject* self) {
+    if (py::detail::is_holder_constructed(self)) {
+      py::cast<SlottedSimulation&>(py::handle(self)).values.clear();
+    }
+    return 0;
+  };
 }
 
 // Views of the rows recorded by now; they stay what they are while the run goes on.
 using Columns = py::typing::Dict<py::str, py::array_t<double>>;
 
-Columns columns_of(const Simulation& self) {
+Columns columns_of(const SlottedSimulation& self) {
   Columns columns;
   const Trace::Snapshot trace = self.trace().snapshot();
   const py::ssize_t rows = trace.rows;
@@ -74,18 +109,24 @@ Columns columns_of(const Simulation& self) {
   return columns;
 }
 
+// A step may be looked at unless another thread is just filling it.
+const Step& readable(const Step& step) {
+  if (const Simulation* source = step.source) source->check_thread();
+  return step;
+}
+
 Simulation& source_of(const Step& step, const char* what) {
-  if (step.source) return *step.source;
+  if (Simulation* source = step.source) return *source;
   throw std::runtime_error("the " + std::string(what) + " of step " + std::to_string(step.k) +
                            " was not kept: ask for step." + what + " during the step");
 }
 
 const Frame& frame_of(const Step& step) {
-  return step.frame ? *step.frame : source_of(step, "frame").frame();
+  return readable(step).frame ? *step.frame : source_of(step, "frame").frame();
 }
 
 const BlobsByColor& blobs_of(const Step& step) {
-  return step.blobs ? *step.blobs : source_of(step, "blobs").blobs();
+  return readable(step).blobs ? *step.blobs : source_of(step, "blobs").blobs();
 }
 
 py::array_t<double> to_array(const Input& u) {
@@ -167,7 +208,7 @@ One sample for the parameter estimator: y = sum(phi * theta, axis=1).
           "u", [](const WorldState& self) { return to_array(self.u); },
           "array (2,): the input of step k-1 (V).")
       .def_property_readonly(
-          "model", [](const WorldState& self) { return *self.model; },
+          "model", [](const WorldState& self) { return self.model; },
           "RobotModel: what define_model returned.")
       .def("__repr__", [](const WorldState& self) {
         return "<WorldState of step " + std::to_string(self.k) + ">";
@@ -182,27 +223,30 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
       .def_readonly("t", &Step::t, "float: time (s).")
       .def_readonly("dt", &Step::dt, "float: sample time (s).")
       .def_property_readonly(
-          "u", [](const Step& self) { return to_array(self.u); },
+          "u", [](const Step& self) { return to_array(readable(self).u); },
           "array (2,): the last input, that of step k-1 (V).")
       .def_property_readonly(
           "frame", [](const Step& self) { return frame_of(self); }, "Frame: what the camera sees.")
       .def_property_readonly(
           "blobs", [](const Step& self) { return blobs_of(self); },
           "dict of str to list of Blob: per colour the blobs in the frame, the largest first.")
-      .def_readonly("measurement", &Step::measurement,
-                    "Measurement or None: where the robot was seen. None before that stage.")
-      .def_readonly("estimate", &Step::estimate,
-                    "Estimate or None: what the state estimator returned.")
+      .def_property_readonly(
+          "measurement", [](const Step& self) { return readable(self).measurement; },
+          "Measurement or None: where the robot was seen. None before that stage.")
+      .def_property_readonly(
+          "estimate", [](const Step& self) { return readable(self).estimate; },
+          "Estimate or None: what the state estimator returned.")
       .def_property_readonly(
           "parameters",
           [](const Step& self) -> py::object {
-            if (!self.parameters) return py::none();
+            if (!readable(self).parameters) return py::none();
             return bindings::to_array(*self.parameters);
           },
           "array (3, 5) or None: the parameters estimated by now.")
-      .def_readonly("sample", &Step::sample,
-                    "Sample or None: the newest complete sample. None at the start, and where a\n"
-                    "bounce or a missing measurement interrupts the record.")
+      .def_property_readonly(
+          "sample", [](const Step& self) { return readable(self).sample; },
+          "Sample or None: the newest complete sample. None at the start, and where a\n"
+          "bounce or a missing measurement interrupts the record.")
       .def_property_readonly(
           "estimator", [](const Step& self) { return to_python(self.estimator); },
           "The object that init_parameter_estimator made.")
@@ -254,17 +298,18 @@ void bind_simulation(py::module_& module) {
   bind_step(module);
   bind_controllers(module);
 
-  py::class_<Simulation>(module, "Simulation", "The loop. Users take robsim.Simulation.")
+  py::class_<SlottedSimulation>(module, "Simulation", "The loop. Users take robsim.Simulation.",
+                                py::custom_type_setup(&collect_garbage))
       .def(py::init(&make_simulation), py::kw_only(), py::arg("area"), py::arg("boundary"),
            py::arg("robot_radius"), py::arg("start"), py::arg("noise"), py::arg("colors"),
            py::arg("locator"), py::arg("identify_from"), py::arg("controller_seed"),
            py::arg("noise_seed"))
-      .def("set_stage", &set_stage, py::arg("slot"), py::arg("value"),
+      .def("set_stage", &SlottedSimulation::set_stage, py::arg("slot"), py::arg("value"),
            "Put a callable or a native component into a slot; None = the default.")
-      .def("start", &Simulation::start, "Do what comes once, if that has not been done yet.")
+      .def("start", &SlottedSimulation::start, "Do what comes once, if that has not been done yet.")
       .def(
           "run",
-          [](Simulation& self, std::int64_t steps, py::object progress) {
+          [](SlottedSimulation& self, std::int64_t steps, py::object progress) {
             if (steps < 0) {
               throw py::value_error("steps must be at least 0, got " + std::to_string(steps));
             }
@@ -273,14 +318,14 @@ void bind_simulation(py::module_& module) {
           },
           py::arg("steps"), py::arg("progress") = py::none(),
           "Do so many turns of the loop; progress(done) is called every 50 ms or so.")
-      .def("reset", &Simulation::reset, "Go back to the start.")
+      .def("reset", &SlottedSimulation::reset, "Go back to the start.")
       .def("columns", &columns_of, "Return the columns of the trace: name -> array (rows, width).")
-      .def_property_readonly("has_started", &Simulation::has_started)
-      .def_property_readonly("is_running", &Simulation::is_running)
-      .def_property_readonly("model", [](const Simulation& self) { return self.model(); })
-      .def_property_readonly("estimator",
-                             [](const Simulation& self) { return to_python(self.estimator()); })
-      .def_property_readonly("newest", [](const Simulation& self) { return self.newest(); })
-      .def_property_readonly("frame", [](Simulation& self) { return self.frame(); })
-      .def_property_readonly("blobs", [](Simulation& self) { return self.blobs(); });
+      .def_property_readonly("has_started", &SlottedSimulation::has_started)
+      .def_property_readonly("is_running", &SlottedSimulation::is_running)
+      .def_property_readonly("model", [](const SlottedSimulation& self) { return self.model(); })
+      .def_property_readonly(
+          "estimator", [](const SlottedSimulation& self) { return to_python(self.estimator()); })
+      .def_property_readonly("newest", [](const SlottedSimulation& self) { return self.newest(); })
+      .def_property_readonly("frame", [](SlottedSimulation& self) { return self.frame(); })
+      .def_property_readonly("blobs", [](SlottedSimulation& self) { return self.blobs(); });
 }

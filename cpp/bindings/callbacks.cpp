@@ -8,7 +8,7 @@ namespace robsim::bindings {
 namespace {
 
 // File and line of a Python function, or the type of another callable.
-std::string location(const py::object& function) {
+std::string location(py::handle function) {
   if (!py::hasattr(function, "__code__")) {
     return "  in an object of " + py::repr(py::type::of(function)).cast<std::string>();
   }
@@ -16,6 +16,11 @@ std::string location(const py::object& function) {
   return "  File \"" + py::str(code.attr("co_filename")).cast<std::string>() + "\", line " +
          py::str(code.attr("co_firstlineno")).cast<std::string>() + ", in " +
          py::str(code.attr("co_name")).cast<std::string>();
+}
+
+template <typename T>
+bool is_exactly(const py::object& value) {
+  return py::type::of(value).is(py::type::of<T>());
 }
 
 bool is_off(const py::object& value) {
@@ -57,7 +62,8 @@ RobotModel model_from(const py::object& result) {
 }
 
 std::shared_ptr<ParameterEstimator> estimator_from(const py::object& result) {
-  if (py::isinstance<RecursiveLeastSquares>(result)) {
+  if (result.is_none()) throw py::type_error("the result must be an estimator object, got None");
+  if (is_exactly<RecursiveLeastSquares>(result)) {
     return std::make_shared<RecursiveEstimator>(
         result.cast<std::shared_ptr<RecursiveLeastSquares>>());
   }
@@ -90,12 +96,14 @@ void set_init_parameter_estimator(Stages& stages, const py::object& value) {
 }
 
 void set_make_renderer(Stages& stages, const py::object& value) {
-  stages.make_renderer = [make = value] { return make().cast<Renderer>(); };
+  stages.make_renderer = [make = py::handle(value)] { return make().cast<Renderer>(); };
 }
 
 void set_evaluate_model(Stages& stages, const py::object& value) {
-  stages.evaluate_model = {};
-  if (value.is_none()) return;
+  if (value.is_none()) {
+    stages.evaluate_model = {};
+    return;
+  }
   stages.evaluate_model = {[callback = Callback("evaluate_model", value)](const WorldState& world) {
                              const py::object result = callback(world.k, py::cast(world));
                              return callback.convert(
@@ -105,13 +113,16 @@ void set_evaluate_model(Stages& stages, const py::object& value) {
 }
 
 void set_estimate_parameters(Stages& stages, const py::object& value) {
-  stages.estimate_parameters = {};
-  if (is_off(value)) return;
+  if (is_off(value)) {
+    stages.estimate_parameters = {};
+    return;
+  }
   if (is_default(value)) {
-    stages.estimate_parameters.call = [](const StepPointer& step) -> std::optional<AxisMatrix> {
-      if (!step->sample) return std::nullopt;
-      return step->estimator->update(*step->sample);
-    };
+    stages.estimate_parameters = {[](const StepPointer& step) -> std::optional<AxisMatrix> {
+                                    if (!step->sample) return std::nullopt;
+                                    return step->estimator->update(*step);
+                                  },
+                                  false};
     return;
   }
   stages.estimate_parameters = {
@@ -123,12 +134,15 @@ void set_estimate_parameters(Stages& stages, const py::object& value) {
 }
 
 void set_measure(Stages& stages, const py::object& value, const Locator& locator) {
-  stages.measure = {};
-  if (is_off(value)) return;
+  if (is_off(value)) {
+    stages.measure = {};
+    return;
+  }
   if (is_default(value)) {
-    stages.measure.call = [locator](const StepPointer& step) {
-      return locate(*step->blobs, locator, step->frame->plane_map);
-    };
+    stages.measure = {[locator](const StepPointer& step) {
+                        return locate(*step->blobs, locator, step->frame->plane_map);
+                      },
+                      false};
     return;
   }
   stages.measure = {[callback = Callback("measure", value)](const StepPointer& step) {
@@ -140,8 +154,10 @@ void set_measure(Stages& stages, const py::object& value, const Locator& locator
 }
 
 void set_estimate_state(Stages& stages, const py::object& value) {
-  stages.estimate_state = {};
-  if (is_off(value)) return;
+  if (is_off(value)) {
+    stages.estimate_state = {};
+    return;
+  }
   stages.estimate_state = {[callback = Callback("estimate_state", value)](const StepPointer& step) {
                              const py::object result = callback(step->k, py::cast(step));
                              return callback.convert(step->k,
@@ -151,7 +167,8 @@ void set_estimate_state(Stages& stages, const py::object& value) {
 }
 
 void set_control(Stages& stages, const py::object& value) {
-  if (value.is_none() || py::isinstance<Controller>(value)) {
+  // A class of the user's own that builds on a ready controller is called like any callable.
+  if (value.is_none() || is_exactly<Spin>(value) || is_exactly<DriveAround>(value)) {
     std::shared_ptr<Controller> controller = std::make_shared<Spin>();
     if (!value.is_none()) controller = value.cast<std::shared_ptr<Controller>>();
     stages.control = {[controller](const StepPointer& step) { return (*controller)(*step); },
@@ -168,8 +185,8 @@ void set_control(Stages& stages, const py::object& value) {
 
 }  // namespace
 
-Callback::Callback(std::string slot, py::object function)
-    : slot_(std::move(slot)), function_(std::move(function)) {
+Callback::Callback(std::string slot, py::handle function)
+    : slot_(std::move(slot)), function_(function) {
   if (!PyCallable_Check(function_.ptr())) {
     throw py::type_error(slot_ + " must be callable, got " + describe(function_));
   }
@@ -179,16 +196,30 @@ std::string Callback::place(std::int64_t k) const {
   return "in the callback " + slot_ + (k < 0 ? " at the start" : " at step " + std::to_string(k));
 }
 
+void Callback::add_note(const py::error_already_set& error, std::int64_t k) const {
+  try {
+    error.value().attr("add_note")(place(k));
+  } catch (const py::error_already_set&) {
+    // An exception class that takes no notes: the exception itself is what counts.
+  }
+}
+
 std::string Callback::blame(std::int64_t k, const std::string& what) const {
   return place(k) + ": " + what + "\n" + location(function_);
 }
 
-AxisMatrix ObjectEstimator::update(const Sample& sample) {
-  const Callback callback("estimate_parameters, step.estimator.update(phi, y),",
-                          object_.attr("update"));
-  const double* y = sample.regression.y.data();
-  const py::object result = callback(sample.k, to_array(sample.regression.phi), to_array(y, {3}));
-  return callback.convert(sample.k, [&] { return axis_matrix_from(result, "the result"); });
+AxisMatrix ObjectEstimator::update(const Step& step) {
+  const std::string name = "estimate_parameters (its default: step.estimator.update)";
+  if (!py::hasattr(object_, "update")) {
+    throw py::type_error("in the callback " + name + " at step " + std::to_string(step.k) +
+                         ": the estimator must have a method update(phi, y), got " +
+                         describe(object_));
+  }
+  const py::object method = object_.attr("update");
+  const Callback update(name, method);
+  const Regression& sample = step.sample.value().regression;
+  const py::object result = update(step.k, to_array(sample.phi), to_array(sample.y.data(), {3}));
+  return update.convert(step.k, [&] { return axis_matrix_from(result, "the result"); });
 }
 
 py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator) {
@@ -201,8 +232,8 @@ py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator) {
   return py::none();
 }
 
-void set_stage(Simulation& simulation, const std::string& slot, const py::object& value) {
-  const Locator locator = simulation.options().locator;
+void SlottedSimulation::set_stage(const std::string& slot, const py::object& value) {
+  const Locator& locator = options().locator;
   const std::unordered_map<std::string, std::function<void(Stages&)>> setters = {
       {"define_model", [&](Stages& s) { set_define_model(s, value); }},
       {"init_parameter_estimator", [&](Stages& s) { set_init_parameter_estimator(s, value); }},
@@ -213,7 +244,8 @@ void set_stage(Simulation& simulation, const std::string& slot, const py::object
       {"estimate_state", [&](Stages& s) { set_estimate_state(s, value); }},
       {"control", [&](Stages& s) { set_control(s, value); }},
   };
-  setters.at(slot)(simulation.stages());
+  setters.at(slot)(stages());
+  values[slot] = value;
 }
 
 }  // namespace robsim::bindings

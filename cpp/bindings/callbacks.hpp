@@ -1,6 +1,9 @@
 // Python callables in the place of stages: their calls, their errors, their results.
 #pragma once
 
+#include <stdexcept>
+#include <unordered_map>
+
 #include "numpy.hpp"
 #include "robsim/simulation/controllers.hpp"
 #include "robsim/simulation/simulation.hpp"
@@ -8,11 +11,11 @@
 namespace robsim::bindings {
 
 /// A user's callable in a slot. What goes wrong in it reaches the user with the slot, the step
-/// and the place of the callable.
+/// and the place of the callable. It does not keep the callable alive: SlottedSimulation does.
 class Callback {
  public:
   /// Throws py::type_error unless the value is callable.
-  Callback(std::string slot, py::object function);
+  Callback(std::string slot, py::handle function);
 
   /// Calls it at step k (-1 = at the start). Its exception passes on with a note.
   template <typename... Arguments>
@@ -20,7 +23,7 @@ class Callback {
     try {
       return function_(std::forward<Arguments>(arguments)...);
     } catch (py::error_already_set& error) {
-      error.value().attr("add_note")(place(k));
+      add_note(error, k);
       throw;
     }
   }
@@ -34,17 +37,21 @@ class Callback {
       throw py::type_error(blame(k, error.what()));
     } catch (const py::value_error& error) {
       throw py::value_error(blame(k, error.what()));
+    } catch (const std::invalid_argument& error) {
+      throw py::value_error(blame(k, error.what()));
+    } catch (py::error_already_set& error) {
+      add_note(error, k);
+      throw;
     }
   }
 
-  const py::object& function() const { return function_; }
-
  private:
   std::string place(std::int64_t k) const;
+  void add_note(const py::error_already_set& error, std::int64_t k) const;
   std::string blame(std::int64_t k, const std::string& what) const;
 
   std::string slot_;
-  py::object function_;
+  py::handle function_;
 };
 
 /// A user's own estimator object: what init_parameter_estimator returned.
@@ -52,7 +59,7 @@ class ObjectEstimator : public ParameterEstimator {
  public:
   explicit ObjectEstimator(py::object object) : object_(std::move(object)) {}
 
-  AxisMatrix update(const Sample& sample) override;
+  AxisMatrix update(const Step& step) override;
   bool is_interpreted() const override { return true; }
   const py::object& object() const { return object_; }
 
@@ -63,8 +70,17 @@ class ObjectEstimator : public ParameterEstimator {
 /// The estimator as Python sees it.
 py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator);
 
-/// Puts a value into the slot of a name: a callable, a native component, True for the default of
-/// an optional stage, None for what is there without being asked for.
-void set_stage(Simulation& simulation, const std::string& slot, const py::object& value);
+/// A simulation and the Python values in its slots. They are here, and not in the slots, so that
+/// Python's garbage collector can see them: a callback often refers to its own simulation.
+class SlottedSimulation : public Simulation {
+ public:
+  using Simulation::Simulation;
+
+  /// Puts a value into the slot of a name: a callable, a native component, True for the default
+  /// of an optional stage, None for what is there without being asked for.
+  void set_stage(const std::string& slot, const py::object& value);
+
+  std::unordered_map<std::string, py::object> values;
+};
 
 }  // namespace robsim::bindings

@@ -120,7 +120,7 @@ ImageView image_view(py::handle value, const std::string& name) {
   const std::string expected = name + " must be a uint8 RGB array of shape (H, W, 3), got ";
   if (!py::isinstance<py::array>(value)) throw py::type_error(expected + describe(value));
   const auto array = py::reinterpret_borrow<py::array>(value);
-  if (!array.dtype().is(py::dtype::of<std::uint8_t>())) {
+  if (array.dtype().num() != py::dtype::of<std::uint8_t>().num()) {
     throw py::type_error(expected + describe(value));
   }
   if (array.ndim() != 3 || array.shape(2) != 3) throw py::value_error(expected + describe(value));

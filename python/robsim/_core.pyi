@@ -149,31 +149,49 @@ class RobotParameters:
         ...
     @property
     def angular_friction(self) -> float:
-        ...
+        """
+        float: viscous friction of the heading (N m s/rad).
+        """
     @property
     def dt(self) -> float:
-        ...
+        """
+        float: sample time (s).
+        """
     @property
     def inertia(self) -> float:
-        ...
+        """
+        float: moment of inertia (kg m^2).
+        """
     @property
     def linear_friction(self) -> float:
-        ...
+        """
+        float: viscous friction of the place (N s/m).
+        """
     @property
     def mass(self) -> float:
-        ...
+        """
+        float: mass (kg).
+        """
     @property
     def motor_gain(self) -> tuple[float, float]:
-        ...
+        """
+        tuple of float: torque per voltage, left and right (N m/V).
+        """
     @property
     def motor_offset(self) -> tuple[float, float]:
-        ...
+        """
+        tuple of float: torque at 0 V, left and right (N m).
+        """
     @property
     def wheel_base(self) -> float:
-        ...
+        """
+        float: distance of the wheels (m).
+        """
     @property
     def wheel_radius(self) -> float:
-        ...
+        """
+        float: wheel radius (m).
+        """
 class RobotModel:
     """
     One-step predictor of a differential-drive robot, linear in its 15 parameters.
@@ -531,6 +549,11 @@ class RecursiveLeastSquares:
         float: forgetting factor.
         """
     @property
+    def initial_covariance(self) -> float:
+        """
+        float: P at the start is this times the unit matrix.
+        """
+    @property
     def theta(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array, shaped as phi: the estimates.
@@ -542,7 +565,7 @@ class LeastSquaresFit:
     @property
     def condition(self) -> float:
         """
-        float: condition number of the regressors, scaled to length 1.
+        float: condition of the regressors, scaled to length 1: an estimate, from below.
         """
     @property
     def rank(self) -> int:

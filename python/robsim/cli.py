@@ -31,7 +31,15 @@ def _root(
         raise typer.Exit
 
 
-@app.command()
+DEMO_HELP = (
+    "Drive a robot, track it by camera and find its parameters.\n\n"
+    "The robot spins, then drives around in an unlimited area. Vision tracks it, recursive least "
+    "squares estimate its parameters on the way, a batch estimate follows at the end. Figures and "
+    "the trace go to a folder."
+)
+
+
+@app.command(help=DEMO_HELP)
 def demo(
     out: Annotated[
         Path, typer.Option("--out", help="Folder for the figures and the trace.")
@@ -44,12 +52,7 @@ def demo(
         bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")
     ] = False,
 ) -> None:
-    """Drive a robot, track it by camera and find its parameters.
-
-    The robot spins, then drives around in an unlimited area. Vision tracks it, recursive least
-    squares estimate its parameters on the way, a batch estimate follows at the end. Figures and
-    the trace go to a folder.
-    """
+    """Drive a robot, track it by camera and find its parameters."""
     from robsim.demo import run_demo
 
     try:

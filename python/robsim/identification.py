@@ -25,8 +25,8 @@ class BatchEstimate:
     theta_true, batch, online : array (3, 5)
         True values, batch estimate, last online estimate; rows X, Y, P (heading), columns a1, a2,
         b1, b2, d1. NaN = not determined by the record, or no online estimate.
-    identify_from : str
-        The data of the batch estimate: truth, measurement or estimate.
+    identify_from, online_from : str
+        The data of the batch and of the online estimate: truth, measurement or estimate.
     start, stop : int
         The record: steps start..stop - 1.
     rank : array (3,) of int
@@ -46,6 +46,7 @@ class BatchEstimate:
     rank: NDArray[np.int64]
     condition: Floats
     residual_rms: Floats
+    online_from: str = "truth"
 
     @property
     def title(self) -> str:
@@ -91,6 +92,8 @@ class BatchEstimate:
         ]
         if not np.isfinite(self.online).any():
             remarks.append("no online estimate: run with estimate_parameters=True")
+        elif self.online_from != self.identify_from:
+            remarks.append(f"the online estimate is from {self.online_from}")
         return remarks
 
     def _repr_html_(self) -> str:
@@ -104,7 +107,7 @@ class BatchEstimate:
         return f"<p>{self.title}</p><table>{head}{body}</table>{remarks}"
 
 
-def batch_estimate(trace: Trace, *, identify_from: str = "truth") -> BatchEstimate:
+def batch_estimate(trace: Trace, *, identify_from: str | None = None) -> BatchEstimate:
     """Estimate the parameters of the robot model by least squares.
 
     The longest unbroken record is used: no bounce in it and, unless from truth, no step without a
@@ -114,8 +117,9 @@ def batch_estimate(trace: Trace, *, identify_from: str = "truth") -> BatchEstima
     ----------
     trace : Trace
         The recorded run.
-    identify_from : str
-        ``"truth"``, ``"measurement"`` or ``"estimate"``.
+    identify_from : str, optional
+        ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
+        estimate.
 
     Returns
     -------
@@ -127,6 +131,8 @@ def batch_estimate(trace: Trace, *, identify_from: str = "truth") -> BatchEstima
     ValueError
         If the longest record is too short.
     """
+    if identify_from is None:
+        identify_from = trace.info.identify_from
     if identify_from not in _SOURCES:
         names = ", ".join(map(repr, _SOURCES))
         raise ValueError(f"identify_from must be one of {names}, got {identify_from!r}")
@@ -146,6 +152,7 @@ def batch_estimate(trace: Trace, *, identify_from: str = "truth") -> BatchEstima
         batch=np.array([fit.theta for fit in fits]),
         online=np.array(trace.parameters[-1]),
         identify_from=identify_from,
+        online_from=trace.info.identify_from,
         start=first + record.start,
         stop=first + record.stop,
         rank=np.array([fit.rank for fit in fits]),

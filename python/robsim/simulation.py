@@ -254,7 +254,7 @@ class Simulation:
             If the simulation is running already.
         """
         steps = _steps(steps)
-        self._check_sources()
+        self._check_stages()
         if not progress:
             self._core.run(steps)
             return self.trace
@@ -274,7 +274,8 @@ class Simulation:
         Step
             What the robot half knows of it.
         """
-        self.run(1)
+        self._check_stages()
+        self._core.run(1)
         return self._core.newest
 
     def reset(self) -> None:
@@ -285,7 +286,18 @@ class Simulation:
         self._core.reset()
         self._rng = np.random.default_rng(stream(self._seed, "user"))
 
-    def _check_sources(self) -> None:
+    def _check_stages(self) -> None:
+        missing = {"red", "blue"} - {color.name for color in self.colors}
+        if missing and self._callbacks["measure"] is True:
+            names = ", ".join(color.name for color in self.colors)
+            raise ValueError(
+                f"colors must have red and blue for the default measurement, got {names}"
+            )
+        if self.boundary == "bounce" and min(self.area) <= 2 * self.robot.radius + 1:
+            raise ValueError(
+                f"area must be wider than the robot, {2 * self.robot.radius:.0f} px, to bounce in "
+                f"it, got {self.area}"
+            )
         needed = {"measurement": "measure", "estimate": "estimate_state"}.get(self.identify_from)
         if needed and self._callbacks["estimate_parameters"] and not self._callbacks[needed]:
             raise ValueError(
@@ -402,8 +414,8 @@ def _start_within(start: ArrayLike, area: tuple[int, int] | None) -> ArrayLike:
 def _phases(rotation: str, phases: int) -> int:
     if not _is_int(phases):
         raise TypeError(f"phases must be an int, got {phases!r}")
-    if not 1 <= phases <= 3600:
-        raise ValueError(f"phases must lie within 1..3600, got {phases}")
+    if not 1 <= phases <= 360:
+        raise ValueError(f"phases must lie within 1..360, got {phases}")
     is_turned = _choice("rotation", rotation, ("phases", "continuous")) == "continuous"
     return 0 if is_turned else int(phases)
 

@@ -170,7 +170,9 @@ class TrackingStatistics:
     rms_heading_deg: float
 
     def __str__(self) -> str:
-        share = f"{100 * self.valid / self.steps:.1f} %" if self.steps else "none"
+        if not self.valid:
+            return f"tracking: {self.steps} steps, none valid"
+        share = f"{100 * self.valid / self.steps:.1f} %"
         return (
             f"tracking: {self.steps} steps, {self.valid} valid ({share}), {self.false} false, "
             f"rms {self.rms_xy:.3f} px and {self.rms_heading_deg:.3f} deg"
@@ -475,6 +477,9 @@ class Trace:
         """
         with Path(path).open("rb") as file:
             try:
+                if not zipfile.is_zipfile(file):
+                    raise ValueError("it is not an archive of arrays")
+                file.seek(0)
                 with np.load(file, allow_pickle=False) as archive:
                     members = {name: archive[name] for name in archive.files}
                 return _from_members(members)

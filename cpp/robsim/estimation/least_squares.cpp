@@ -50,7 +50,8 @@ LeastSquaresFit least_squares(const Eigen::Ref<const MatrixXd>& phi,
   fit.theta = qr.solve(y).cwiseQuotient(scale);
   fit.residual_rms = (y - phi * fit.theta).norm() / std::sqrt(static_cast<double>(y.size()));
   const double smallest = phi.rows() < n ? 0 : std::abs(qr.matrixR()(n - 1, n - 1));
-  fit.condition = std::abs(qr.matrixR()(0, 0)) / smallest;
+  const double infinity = std::numeric_limits<double>::infinity();
+  fit.condition = smallest > 0 ? std::abs(qr.matrixR()(0, 0)) / smallest : infinity;
   if (fit.rank < n) {
     const VectorXd freedom = null_space(qr, n).rowwise().norm();
     const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -7,7 +7,7 @@ namespace robsim {
 struct LeastSquaresFit {
   Eigen::VectorXd theta;  // NaN where the data say nothing about a parameter
   int rank = 0;
-  double condition = 0;     // of the regressors, their columns scaled to length 1
+  double condition = 0;     // first over last diagonal element of R: an estimate, from below
   double residual_rms = 0;  // root mean square of y - phi theta
 };
 

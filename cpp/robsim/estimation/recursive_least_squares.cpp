@@ -1,5 +1,6 @@
 #include "robsim/estimation/recursive_least_squares.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -13,6 +14,12 @@ constexpr double largest = 1e100;  // squares of larger numbers overflow
 template <typename Number>
 void check(bool holds, const char* expected, Number value) {
   if (!holds) throw std::invalid_argument(expected + std::to_string(value));
+}
+
+// Without excitation forgetting lets the covariance grow for ever: it ends here, before numbers
+// overflow.
+double most_covariance(const RecursiveLeastSquares& filter) {
+  return std::max(1e15, filter.initial_covariance());
 }
 
 bool is_usable(const Eigen::Ref<const RecursiveLeastSquares::Rows>& values) {
@@ -31,7 +38,7 @@ RecursiveLeastSquares::RecursiveLeastSquares(int parameters, int filters, double
         "initial_covariance must be positive and finite, got ", initial_covariance);
   theta_.resize(filters, parameters);
   factors_.resize(static_cast<std::size_t>(filters));
-  gain_.resize(parameters);
+  for (Eigen::VectorXd* vector : {&f_, &v_, &gain_}) vector->resize(parameters);
   reset();
 }
 
@@ -59,7 +66,7 @@ void RecursiveLeastSquares::update(const Eigen::Ref<const Rows>& phi,
     for (int j = 0; j < parameters(); ++j) {
       const double previous = alpha;
       alpha += f_[j] * v_[j];
-      D[j] *= previous / (alpha * forgetting_);
+      D[j] = std::min(D[j] * previous / (alpha * forgetting_), most_covariance(*this));
       gain_[j] = v_[j];
       // U_ij <- U_ij - b_i f_j/alpha_(j-1),  b_i <- b_i + U_ij v_j
       for (int i = 0; i < j; ++i) {

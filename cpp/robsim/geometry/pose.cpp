@@ -4,10 +4,6 @@
 
 namespace robsim {
 
-namespace {
-constexpr double pi = 3.14159265358979323846;
-}
-
 double wrap_angle(double angle) {
   const double wrapped = std::remainder(angle, 2 * pi);
   return wrapped <= -pi ? pi : wrapped;

@@ -62,9 +62,11 @@ void check_stable(const AxisMatrix& theta) {
     const double a1 = theta(axis, 0);
     if (a1 > 0 && a1 < 2) continue;
     std::ostringstream message;
-    message << names[axis] << " must lie between 0 and 2 for a stable predictor, got " << a1
-            << ": enlarge " << causes[axis] << " or dt, or reduce "
-            << (axis == 2 ? "inertia" : "mass");
+    message << names[axis] << " must lie between 0 and 2 for a stable predictor, got " << a1;
+    if (a1 >= 2) {
+      message << ": enlarge " << causes[axis] << " or dt, or reduce "
+              << (axis == 2 ? "inertia" : "mass");
+    }
     throw std::invalid_argument(message.str());
   }
   check_poles(theta);

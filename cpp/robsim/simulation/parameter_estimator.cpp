@@ -15,8 +15,9 @@ RecursiveEstimator::RecursiveEstimator(std::shared_ptr<RecursiveLeastSquares> fi
   }
 }
 
-AxisMatrix RecursiveEstimator::update(const Sample& sample) {
-  filters_->update(sample.regression.phi, sample.regression.y);
+AxisMatrix RecursiveEstimator::update(const Step& step) {
+  const Regression& sample = step.sample.value().regression;
+  filters_->update(sample.phi, sample.y);
   return filters_->theta();
 }
 

@@ -12,8 +12,8 @@ class ParameterEstimator {
  public:
   virtual ~ParameterEstimator() = default;
 
-  /// Takes the sample in and returns the parameters estimated by now.
-  virtual AxisMatrix update(const Sample& sample) = 0;
+  /// Takes the step's sample in and returns the parameters estimated by now.
+  virtual AxisMatrix update(const Step& step) = 0;
 
   /// True if it needs the Python interpreter.
   virtual bool is_interpreted() const { return false; }
@@ -24,7 +24,7 @@ class RecursiveEstimator : public ParameterEstimator {
  public:
   explicit RecursiveEstimator(std::shared_ptr<RecursiveLeastSquares> filters);
 
-  AxisMatrix update(const Sample& sample) override;
+  AxisMatrix update(const Step& step) override;
   const std::shared_ptr<RecursiveLeastSquares>& filters() const { return filters_; }
 
  private:

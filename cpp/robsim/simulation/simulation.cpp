@@ -115,6 +115,7 @@ void Simulation::reset() {
   estimator_.reset();
   renderer_.reset();
   trace_.clear();
+  columns_ = {};
 }
 
 void Simulation::run(std::int64_t steps, Interpreter& interpreter) {
@@ -156,11 +157,7 @@ void Simulation::turn() {
 
 void Simulation::begin_step() {
   if (step_) step_->source = nullptr;
-  if (!step_ || step_.use_count() > 1) {
-    step_ = std::make_shared<Step>();
-  } else {
-    *step_ = Step();
-  }
+  step_ = std::make_shared<Step>();
   step_->k = trace_.rows();
   step_->dt = model_->dt();
   step_->t = static_cast<double>(step_->k) * step_->dt;
@@ -172,25 +169,32 @@ void Simulation::begin_step() {
 }
 
 void Simulation::move_robot() {
-  begin_step();
-  const WorldState world{step_->k, step_->t, step_->dt, pose_, last_pose_, input_, &*model_};
-  Pose now = stages_.evaluate_model ? stages_.evaluate_model.call(world)
+  const std::int64_t k = trace_.rows();
+  Pose now = stages_.evaluate_model ? stages_.evaluate_model.call(world_state(k))
                                     : model_->predict(pose_, last_pose_, input_);
   now.heading = wrap_angle(now.heading);
   if (!is_finite(now)) {
     throw std::runtime_error("the robot's pose has grown beyond all bounds at step " +
-                             std::to_string(step_->k) + ": are the inputs bounded?");
+                             std::to_string(k) + ": are the inputs bounded?");
   }
   last_pose_ = pose_;
   pose_ = now;
   bounced_ = options_.area.boundary == Boundary::bounce &&
              bounce(options_.area, options_.robot_radius, pose_, last_pose_);
-  if (options_.area.boundary == Boundary::unlimited) {
-    const Point pixel = renderer_->camera().to_pixel({pose_.x, pose_.y});
-    const double pixel_size = std::sqrt(renderer_->camera().area_scale({}));
-    const double margin = 2 * options_.robot_radius / pixel_size;
-    pan_ = follow(pan_, pixel, renderer_->width(), renderer_->height(), margin);
-  }
+  if (options_.area.boundary == Boundary::unlimited) move_view();
+  begin_step();
+}
+
+WorldState Simulation::world_state(std::int64_t k) const {
+  const double dt = model_->dt();
+  return {k, static_cast<double>(k) * dt, dt, pose_, last_pose_, input_, *model_};
+}
+
+void Simulation::move_view() {
+  const Point pixel = renderer_->camera().to_pixel({pose_.x, pose_.y});
+  const double pixel_size = std::sqrt(renderer_->camera().area_scale({}));
+  const double margin = 2 * options_.robot_radius / pixel_size;
+  pan_ = follow(pan_, pixel, renderer_->width(), renderer_->height(), margin);
 }
 
 std::optional<Sample> Simulation::newest_sample() const {
@@ -320,12 +324,18 @@ void Simulation::record_estimate() {
 
 void Simulation::check_thread() const {
   if (running_ && runner_.load() != std::this_thread::get_id()) {
-    throw std::runtime_error("another thread runs this simulation: its frame is there afterwards");
+    throw std::runtime_error("another thread runs this simulation: its steps are there afterwards");
   }
 }
 
-const Frame& Simulation::frame() {
+const StepPointer& Simulation::newest() const {
   check_thread();
+  if (!step_) throw std::runtime_error("this simulation has not started yet");
+  return step_;
+}
+
+const Frame& Simulation::frame() {
+  newest();
   if (step_->frame) return *step_->frame;
   const NativeWork native(*this);
   Frame frame;
@@ -344,7 +354,7 @@ const Frame& Simulation::frame() {
 }
 
 const BlobsByColor& Simulation::blobs() {
-  check_thread();
+  newest();
   if (!step_->blobs) {
     const NativeWork native(*this);
     step_->blobs = finder_.find(frame().image.view());

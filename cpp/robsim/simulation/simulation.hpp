@@ -60,7 +60,10 @@ class Simulation {
   const std::shared_ptr<ParameterEstimator>& estimator() const { return estimator_; }
 
   /// The newest step. Only after the start.
-  const StepPointer& newest() const { return step_; }
+  const StepPointer& newest() const;
+
+  /// Throws std::runtime_error while another thread runs the simulation.
+  void check_thread() const;
 
   /// The newest frame, and what is in it, drawn and found when first asked for. Only after the
   /// start. Throws std::runtime_error while another thread runs the simulation.
@@ -101,13 +104,14 @@ class Simulation {
   void control();
   void record();
 
+  WorldState world_state(std::int64_t k) const;
+  void move_view();
   void begin_step();
   std::optional<Sample> newest_sample() const;
   void add_columns();
   void record_measurement();
   void record_estimate();
   bool needs_interpreter() const;
-  void check_thread() const;
 
   SimulationOptions options_;
   Stages stages_;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -47,7 +47,7 @@ struct Step {
   std::uint64_t controller_seed = 0;
 
   // The loop this is the newest step of: it can still draw its frame and find its blobs.
-  Simulation* source = nullptr;
+  std::atomic<Simulation*> source{nullptr};
 };
 
 /// What a robot model gets to compute the pose of step k.
@@ -58,7 +58,7 @@ struct WorldState {
   Pose last;      // the pose of step k-1
   Pose before;    // the pose of step k-2
   Input u;        // the input of step k-1
-  const RobotModel* model = nullptr;
+  RobotModel model;
 };
 
 }  // namespace robsim

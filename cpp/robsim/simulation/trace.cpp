@@ -1,12 +1,14 @@
 #include "robsim/simulation/trace.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace robsim {
 
 namespace {
 
+constexpr std::int64_t fewest_rows = 64;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 Trace::Memory make_memory(std::int64_t rows, std::size_t width) {
@@ -18,8 +20,15 @@ Trace::Memory make_memory(std::int64_t rows, std::size_t width) {
 Trace::Column& Trace::column(const std::string& name, std::size_t width) {
   const auto found = std::find_if(columns_.begin(), columns_.end(),
                                   [&](const Column& c) { return c.name() == name; });
-  if (found != columns_.end()) return *found;
+  if (found != columns_.end() && found->is_listed_) return *found;
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (found != columns_.end()) {
+    found->is_listed_ = true;
+    if (found->width_ == width) return *found;
+    found->width_ = width;
+    found->memory_ = make_memory(capacity_, width);
+    return *found;
+  }
   columns_.emplace_back(name, width);
   columns_.back().memory_ = make_memory(capacity_, width);
   return columns_.back();
@@ -27,11 +36,15 @@ Trace::Column& Trace::column(const std::string& name, std::size_t width) {
 
 Trace::Snapshot Trace::snapshot() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return {rows(), {columns_.begin(), columns_.end()}};
+  Snapshot snapshot{rows(), {}};
+  std::copy_if(columns_.begin(), columns_.end(), std::back_inserter(snapshot.columns),
+               [](const Column& column) { return column.is_listed_; });
+  return snapshot;
 }
 
 void Trace::reserve(std::int64_t rows) {
   if (rows <= capacity_) return;
+  rows = std::max({rows, 2 * capacity_, fewest_rows});  // doubles: single steps stay cheap
   const std::lock_guard<std::mutex> lock(mutex_);
   for (Column& column : columns_) {
     Memory larger = make_memory(rows, column.width_);
@@ -44,18 +57,19 @@ void Trace::reserve(std::int64_t rows) {
 }
 
 double* Trace::writable(Column& column) {
-  if (rows() == capacity_) reserve(std::max<std::int64_t>(64, 2 * capacity_));
+  if (rows() == capacity_) reserve(capacity_ + 1);
   return column.memory_->data() + static_cast<std::size_t>(rows()) * column.width_;
 }
 
 void Trace::append() {
-  if (rows() == capacity_) reserve(std::max<std::int64_t>(64, 2 * capacity_));
+  if (rows() == capacity_) reserve(capacity_ + 1);
   rows_.store(rows() + 1, std::memory_order_release);
 }
 
 void Trace::clear() {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (Column& column : columns_) {
+    column.is_listed_ = false;
     if (column.memory_.use_count() > 1) {
       column.memory_ = make_memory(capacity_, column.width_);
     } else {

@@ -31,6 +31,7 @@ class Trace {
     std::string name_;
     std::size_t width_;
     Memory memory_;
+    bool is_listed_ = true;  // false after clear(), until it is asked for again
   };
 
   /// The column of this name, made with this width if there is none yet. The reference stays good.
@@ -54,7 +55,7 @@ class Trace {
   /// Ends the row that is being written.
   void append();
 
-  /// Forgets all rows, keeps the memory that nobody else holds.
+  /// Forgets all rows and columns, keeps the memory that nobody else holds for the next run.
   void clear();
 
  private:

@@ -8,7 +8,6 @@ namespace robsim {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double most_reach = 20000;  // work-area px
 
 Sprite with_rim(const Sprite& sprite) {

@@ -7,8 +7,6 @@ namespace robsim {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 // Mirrors one coordinate at the wall that it runs into, if it does.
 bool mirror(double low, double high, double& now, double& last) {
   double wall = 0;
@@ -22,6 +20,14 @@ bool mirror(double low, double high, double& now, double& last) {
   now = 2 * wall - now;
   last = 2 * wall - last;
   return true;
+}
+
+// The same until it is inside: how often. A robot faster than the room meets both walls in a step.
+int mirror_all(double low, double high, double& now, double& last) {
+  constexpr int most = 1000;
+  int count = 0;
+  while (count < most && mirror(low, high, now, last)) ++count;
+  return count;
 }
 
 constexpr double farthest = 1e9;  // pixels: the view ends there, within the range of int
@@ -39,13 +45,13 @@ int moved(int shift, double pixel, int size, double margin) {
 
 bool bounce(const WorkArea& area, double radius, Pose& now, Pose& last) {
   // The area reaches half a pixel beyond the centres of its outermost pixels.
-  const bool x = mirror(radius - 0.5, area.width - 0.5 - radius, now.x, last.x);
-  const bool y = mirror(radius - 0.5, area.height - 0.5 - radius, now.y, last.y);
+  const int x = mirror_all(radius - 0.5, area.width - 0.5 - radius, now.x, last.x);
+  const int y = mirror_all(radius - 0.5, area.height - 0.5 - radius, now.y, last.y);
   for (Pose* pose : {&now, &last}) {
-    if (x) pose->heading = wrap_angle(pi - pose->heading);
-    if (y) pose->heading = wrap_angle(-pose->heading);
+    if (x % 2 == 1) pose->heading = wrap_angle(pi - pose->heading);
+    if (y % 2 == 1) pose->heading = wrap_angle(-pose->heading);
   }
-  return x || y;
+  return x > 0 || y > 0;
 }
 
 Pan follow(const Pan& pan, const Point& pixel, int width, int height, double margin) {

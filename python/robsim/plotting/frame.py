@@ -124,16 +124,15 @@ def _draw_blob(axes: Axes, blob: Blob, color: str, from_pixel: _Map) -> None:
     axes.plot(
         *from_pixel(blob.centroid),
         "+",
-        color=color,
-        markersize=7,
-        markeredgewidth=1.2,
-        path_effects=style.haloed(1.2),
+        color="white",
+        markersize=6,
+        markeredgewidth=1,
     )
 
 
 def _draw_polygon(axes: Axes, corners: Floats, color: str) -> None:
-    halo = style.haloed(1.5)
-    axes.add_patch(Polygon(corners, fill=False, edgecolor=color, linewidth=1.5, path_effects=halo))
+    halo = style.haloed(1)
+    axes.add_patch(Polygon(corners, fill=False, edgecolor=color, linewidth=1, path_effects=halo))
 
 
 def _draw_measurement(

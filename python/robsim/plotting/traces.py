@@ -81,6 +81,11 @@ def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> N
     _draw_poses(panels, k, held, color=style.HELD, label="not seen: last pose held", **dots)
     for panel, label in zip(panels, ("x (px)", "y (px)", "heading (deg)"), strict=True):
         panel.set_ylabel(label)
+        panel.ticklabel_format(axis="y", useOffset=False)
+    for panel in panels[:2]:
+        low, high = panel.get_ylim()
+        if high - low < 2:  # a robot that stands still: a line, not the noise of its last digits
+            panel.set_ylim((low + high) / 2 - 1, (low + high) / 2 + 1)
     panels[2].set(ylim=(0, 360), yticks=(0, 90, 180, 270, 360))
 
 
