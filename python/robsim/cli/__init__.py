@@ -1,0 +1,36 @@
+"""The command line: the program ``robsim`` and its commands, a file each."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from robsim.cli import demo
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    help="Camera-based control of mobile robots, simulated.",
+    epilog="Start with: robsim demo",
+)
+app.command(help=demo.HELP)(demo.demo)
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    show_version: Annotated[
+        bool, typer.Option("--version", help="Print the version and stop.")
+    ] = False,
+) -> None:
+    if show_version:
+        print(f"robsim {version('robsim')}")
+        raise typer.Exit
+
+
+def main() -> None:
+    """Run the command line: the entry point ``robsim``."""
+    app(prog_name="robsim")
