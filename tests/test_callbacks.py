@@ -189,7 +189,7 @@ def test_the_robot_half_cannot_reach_the_truth():
     step = robsim.Simulation(measure=True, estimate_parameters=True, **SMALL).step()
     names = {name for name in dir(step) if not name.startswith("_")}
     assert names == {"k", "t", "dt", "u", "frame", "blobs", "measurement", "estimate",
-                     "parameters", "sample", "estimator"}  # fmt: skip
+                     "parameters", "sample", "estimator", "locator"}  # fmt: skip
     for name in names:
         with pytest.raises(AttributeError):
             setattr(step, name, None)

@@ -5,6 +5,7 @@
 
 #include "callbacks.hpp"
 #include "numpy.hpp"
+#include "robsim/model/unicycle.hpp"
 #include "robsim/simulation/simulation.hpp"
 
 namespace py = pybind11;
@@ -47,7 +48,7 @@ std::unique_ptr<SlottedSimulation> make_simulation(
     std::pair<int, int> area, const std::string& boundary, double robot_radius,
     const py::object& start, const VisualNoise& noise, const std::vector<ColorClass>& colors,
     const Locator& locator, const std::string& identify_from, std::uint64_t controller_seed,
-    std::uint64_t noise_seed) {
+    std::uint64_t noise_seed, double dropout, int dropout_steps, std::uint64_t dropout_seed) {
   SimulationOptions options;
   options.area = {
       area.first, area.second,
@@ -64,6 +65,7 @@ std::unique_ptr<SlottedSimulation> make_simulation(
                                                      {"estimate", IdentifyFrom::estimate}});
   options.controller_seed = controller_seed;
   options.noise_seed = noise_seed;
+  options.dropout = {dropout, dropout_steps, dropout_seed};
   auto simulation = std::make_unique<SlottedSimulation>(options, Stages());
   for (const char* slot : {"define_model", "init_parameter_estimator", "control"}) {
     simulation->set_stage(slot, py::none());
@@ -215,6 +217,29 @@ One sample for the parameter estimator: y = sum(phi * theta, axis=1).
       });
 }
 
+void bind_unicycle(py::module_& module) {
+  py::class_<Unicycle>(module, "Unicycle", R"(
+The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
+
+It has the constants of the `RobotModel` and moves as that along a straight line, and in its
+heading; in a curve it drives where it is headed. It can be called like a callback:
+``pose = unicycle(world)``.
+
+Notes
+-----
+s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
+x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
+)")
+      .def(py::init<>())
+      .def(
+          "__call__",
+          [](const Unicycle& self, const WorldState& world) {
+            return bindings::to_array(self(world.model, world.last, world.before, world.u));
+          },
+          py::arg("world"), "Return the pose of a step: array (3,).")
+      .def("__repr__", [](const Unicycle&) { return "Unicycle()"; });
+}
+
 void bind_step(py::module_& module) {
   py::class_<Step, std::shared_ptr<Step>>(module, "Step", R"(
 What the robot half may know of a step, read-only. It fills up from stage to stage.
@@ -250,6 +275,7 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
       .def_property_readonly(
           "estimator", [](const Step& self) { return to_python(self.estimator); },
           "The object that init_parameter_estimator made.")
+      .def_readonly("locator", &Step::locator, "Locator: where the robot carries its markers.")
       .def("__repr__", [](const Step& self) { return "<Step " + std::to_string(self.k) + ">"; });
 }
 
@@ -296,6 +322,7 @@ hold : int
 void bind_simulation(py::module_& module) {
   bind_records(module);
   bind_step(module);
+  bind_unicycle(module);
   bind_controllers(module);
 
   py::class_<SlottedSimulation>(module, "Simulation", "The loop. Users take robsim.Simulation.",
@@ -303,7 +330,8 @@ void bind_simulation(py::module_& module) {
       .def(py::init(&make_simulation), py::kw_only(), py::arg("area"), py::arg("boundary"),
            py::arg("robot_radius"), py::arg("start"), py::arg("noise"), py::arg("colors"),
            py::arg("locator"), py::arg("identify_from"), py::arg("controller_seed"),
-           py::arg("noise_seed"))
+           py::arg("noise_seed"), py::arg("dropout"), py::arg("dropout_steps"),
+           py::arg("dropout_seed"))
       .def("set_stage", &SlottedSimulation::set_stage, py::arg("slot"), py::arg("value"),
            "Put a callable or a native component into a slot; None = the default.")
       .def("start", &SlottedSimulation::start, "Do what comes once, if that has not been done yet.")
@@ -327,5 +355,8 @@ void bind_simulation(py::module_& module) {
           "estimator", [](const SlottedSimulation& self) { return to_python(self.estimator()); })
       .def_property_readonly("newest", [](const SlottedSimulation& self) { return self.newest(); })
       .def_property_readonly("frame", [](SlottedSimulation& self) { return self.frame(); })
-      .def_property_readonly("blobs", [](SlottedSimulation& self) { return self.blobs(); });
+      .def_property_readonly("blobs", [](SlottedSimulation& self) { return self.blobs(); })
+      .def(
+          "frame_of", [](SlottedSimulation& self, std::int64_t k) { return self.frame_of(k); },
+          py::arg("k"), "Return the frame of a recorded step, drawn anew.");
 }

@@ -3,12 +3,15 @@
 #include <functional>
 #include <unordered_map>
 
+#include "robsim/model/unicycle.hpp"
+
 namespace robsim::bindings {
 
 namespace {
 
 // File and line of a Python function, or the type of another callable.
-std::string location(py::handle function) {
+std::string location(py::object function) {
+  while (py::hasattr(function, "__wrapped__")) function = function.attr("__wrapped__");
   if (!py::hasattr(function, "__code__")) {
     return "  in an object of " + py::repr(py::type::of(function)).cast<std::string>();
   }
@@ -99,9 +102,24 @@ void set_make_renderer(Stages& stages, const py::object& value) {
   stages.make_renderer = [make = py::handle(value)] { return make().cast<Renderer>(); };
 }
 
+void set_take_frame(Stages& stages, const py::object& value) {
+  stages.take_frame = [take = py::handle(value)](std::int64_t k) -> std::optional<Frame> {
+    const py::object frame = take(k);
+    if (frame.is_none()) return std::nullopt;
+    return frame.cast<Frame>();
+  };
+}
+
 void set_evaluate_model(Stages& stages, const py::object& value) {
   if (value.is_none()) {
     stages.evaluate_model = {};
+    return;
+  }
+  if (is_exactly<Unicycle>(value)) {
+    stages.evaluate_model = {[](const WorldState& world) {
+                               return Unicycle()(world.model, world.last, world.before, world.u);
+                             },
+                             false};
     return;
   }
   stages.evaluate_model = {[callback = Callback("evaluate_model", value)](const WorldState& world) {
@@ -167,6 +185,10 @@ void set_estimate_state(Stages& stages, const py::object& value) {
 }
 
 void set_control(Stages& stages, const py::object& value) {
+  if (value.is_none() && stages.take_frame) {
+    stages.control = {};
+    return;
+  }
   // A class of the user's own that builds on a ready controller is called like any callable.
   if (value.is_none() || is_exactly<Spin>(value) || is_exactly<DriveAround>(value)) {
     std::shared_ptr<Controller> controller = std::make_shared<Spin>();
@@ -205,7 +227,7 @@ void Callback::add_note(const py::error_already_set& error, std::int64_t k) cons
 }
 
 std::string Callback::blame(std::int64_t k, const std::string& what) const {
-  return place(k) + ": " + what + "\n" + location(function_);
+  return place(k) + ": " + what + "\n" + location(py::reinterpret_borrow<py::object>(function_));
 }
 
 AxisMatrix ObjectEstimator::update(const Step& step) {
@@ -238,6 +260,7 @@ void SlottedSimulation::set_stage(const std::string& slot, const py::object& val
       {"define_model", [&](Stages& s) { set_define_model(s, value); }},
       {"init_parameter_estimator", [&](Stages& s) { set_init_parameter_estimator(s, value); }},
       {"make_renderer", [&](Stages& s) { set_make_renderer(s, value); }},
+      {"take_frame", [&](Stages& s) { set_take_frame(s, value); }},
       {"evaluate_model", [&](Stages& s) { set_evaluate_model(s, value); }},
       {"estimate_parameters", [&](Stages& s) { set_estimate_parameters(s, value); }},
       {"measure", [&](Stages& s) { set_measure(s, value, locator); }},

@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'VisualNoise', 'WorldState', 'find_blobs', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
+__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'find_blobs', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
@@ -713,6 +713,11 @@ class Step:
         int: number of the step, from 0.
         """
     @property
+    def locator(self) -> Locator:
+        """
+        Locator: where the robot carries its markers.
+        """
+    @property
     def measurement(self) -> Measurement | None:
         """
         Measurement or None: where the robot was seen. None before that stage.
@@ -738,6 +743,27 @@ class Step:
         """
         array (2,): the last input, that of step k-1 (V).
         """
+class Unicycle:
+    """
+    The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
+    
+    It has the constants of the `RobotModel` and moves as that along a straight line, and in its
+    heading; in a curve it drives where it is headed. It can be called like a callback:
+    ``pose = unicycle(world)``.
+    
+    Notes
+    -----
+    s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
+    x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
+    """
+    def __call__(self, world: WorldState) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the pose of a step: array (3,).
+        """
+    def __init__(self) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
 class Controller:
     """
     A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
@@ -794,11 +820,15 @@ class Simulation:
     """
     The loop. Users take robsim.Simulation.
     """
-    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], locator: Locator, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], locator: Locator, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_steps: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
         """
         Return the columns of the trace: name -> array (rows, width).
+        """
+    def frame_of(self, k: typing.SupportsInt | typing.SupportsIndex) -> Frame:
+        """
+        Return the frame of a recorded step, drawn anew.
         """
     def reset(self) -> None:
         """

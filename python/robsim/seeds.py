@@ -9,7 +9,7 @@ import numpy as np
 Seed = int | np.random.SeedSequence | np.random.Generator | None
 
 #: The streams of a run, in the order of their spawn keys.
-STREAMS = ("controller", "noise", "start", "user")
+STREAMS = ("controller", "noise", "start", "user", "dropout")
 
 
 def seed_sequence(seed: Seed) -> np.random.SeedSequence:

@@ -80,6 +80,9 @@ class Simulation:
         ``"none"``, ``"uniform"`` or ``"gaussian"`` noise of the camera.
     noise_percent : float, optional
         Its level p: uniform within +-2.55 p, or Gaussian with sigma = 2.55 p.
+    dropout, dropout_steps : float, int
+        Something hides the robot from the camera: in each stretch of `dropout_steps` steps with
+        the probability `dropout`, 0..1.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
     start : array (3,) or "random", optional
@@ -94,7 +97,7 @@ class Simulation:
         The data that samples are made of: ``"truth"``, ``"measurement"`` or ``"estimate"``.
     define_model, init_parameter_estimator, adjust_background : callable, optional
         Called once, at the start.
-    evaluate_model : callable, optional
+    evaluate_model : callable or Unicycle, optional
         ``evaluate_model(world) -> (3,)``: the new pose. Default: the model's own equations.
     estimate_parameters : callable or bool, optional
         ``estimate_parameters(step) -> (3, 5) or None``. True = recursive least squares.
@@ -139,6 +142,8 @@ class Simulation:
         phases: int = PHASES,
         noise: str = "none",
         noise_percent: float | None = None,
+        dropout: float = 0.0,
+        dropout_steps: int = 1,
         background: Pixels | str | PathLike[str] | None = None,
         start: ArrayLike | str | None = None,
         seed: Seed = None,
@@ -148,7 +153,7 @@ class Simulation:
         define_model: Callable[[], _core.RobotModel] | None = None,
         init_parameter_estimator: Callable[[_core.RobotModel], Any] | None = None,
         adjust_background: Callable[[Pixels], Pixels] | None = None,
-        evaluate_model: Callable[[_core.WorldState], ArrayLike] | None = None,
+        evaluate_model: Callable[[_core.WorldState], ArrayLike] | _core.Unicycle | None = None,
         estimate_parameters: Callable[[Step], ArrayLike | None] | bool | None = None,
         measure: Callable[[Step], _core.Measurement | None] | bool | None = None,
         estimate_state: Callable[[Step], _core.Estimate] | None = None,
@@ -178,6 +183,9 @@ class Simulation:
             identify_from=identify_from,
             controller_seed=stream_number(self._seed, "controller"),
             noise_seed=stream_number(self._seed, "noise"),
+            dropout=_share("dropout", dropout),
+            dropout_steps=_count("dropout_steps", dropout_steps),
+            dropout_seed=stream_number(self._seed, "dropout"),
         )
         self._core.set_stage("make_renderer", self._make_renderer)
         for slot in self._callbacks:
@@ -346,6 +354,21 @@ class Simulation:
         self._core.start()
         return self._core.frame
 
+    def frame_of(self, k: int) -> Frame:
+        """Return the frame of a recorded step, drawn anew.
+
+        Parameters
+        ----------
+        k : int
+            Number of the step.
+
+        Raises
+        ------
+        IndexError
+            If there is no such step.
+        """
+        return self._core.frame_of(k)
+
     @property
     def newest(self) -> Step:
         """What the robot half knows of the newest step."""
@@ -418,6 +441,22 @@ def _phases(rotation: str, phases: int) -> int:
         raise ValueError(f"phases must lie within 1..360, got {phases}")
     is_turned = _choice("rotation", rotation, ("phases", "continuous")) == "continuous"
     return 0 if is_turned else int(phases)
+
+
+def _share(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise TypeError(f"{name} must be a number within 0..1, got {value!r}")
+    if not 0 <= value <= 1:
+        raise ValueError(f"{name} must lie within 0..1, got {value!r}")
+    return float(value)
+
+
+def _count(name: str, value: Any) -> int:
+    if not _is_int(value):
+        raise TypeError(f"{name} must be an int, got {value!r}")
+    if not 1 <= value < 2**31:
+        raise ValueError(f"{name} must be at least 1 and below 2**31, got {value}")
+    return int(value)
 
 
 def _noise(kind: str, percent: float | None) -> VisualNoise:

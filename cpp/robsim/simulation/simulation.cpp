@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "robsim/random/counter_random.hpp"
+
 namespace robsim {
 
 namespace {
@@ -23,6 +25,11 @@ void write(double* row, const Pose& pose) {
 }
 
 }  // namespace
+
+bool Dropout::hides(std::int64_t k) const {
+  return probability > 0 &&
+         random_uniform(seed, static_cast<std::uint64_t>(k / steps)) < probability;
+}
 
 // Marks the simulation as running for its life.
 class Simulation::Busy {
@@ -92,7 +99,7 @@ void Simulation::prepare() {
   if (has_started()) return;
   RobotModel model = stages_.define_model();
   estimator_ = stages_.init_parameter_estimator(model);
-  renderer_.emplace(stages_.make_renderer());
+  if (is_simulated()) renderer_.emplace(stages_.make_renderer());
   pose_ = options_.start;
   pose_.heading = wrap_angle(pose_.heading);
   last_pose_ = pose_;
@@ -103,6 +110,7 @@ void Simulation::prepare() {
   parameters_.reset();
   past_ = {};
   next_stage_ = 0;
+  has_begun_ = false;
   model_ = std::move(model);
   begin_step();
 }
@@ -128,7 +136,7 @@ void Simulation::run(std::int64_t steps, Interpreter& interpreter) {
   if (!needs_interpreter()) native.emplace(*this);
   Clock::time_point next_tick = Clock::now() + between_ticks;
   for (std::int64_t done = 0; done < steps; ++done) {
-    turn();
+    if (!turn()) break;
     if (Clock::now() < next_tick) continue;
     if (native) interpreter.acquire();
     struct Restore {
@@ -142,17 +150,36 @@ void Simulation::run(std::int64_t steps, Interpreter& interpreter) {
   }
 }
 
-void Simulation::turn() {
+bool Simulation::turn() {
   // A turn that an exception cut short goes on where it stopped: nothing is done twice.
   using Stage = void (Simulation::*)();
-  constexpr Stage stages[] = {&Simulation::move_robot, &Simulation::estimate_parameters,
-                              &Simulation::measure,    &Simulation::estimate_state,
-                              &Simulation::control,    &Simulation::record};
+  constexpr Stage stages[] = {&Simulation::estimate_parameters, &Simulation::measure,
+                              &Simulation::estimate_state, &Simulation::control,
+                              &Simulation::record};
+  if (!has_begun_) {
+    if (is_simulated()) {
+      move_robot();
+    } else if (!take_frame()) {
+      return false;
+    }
+    has_begun_ = true;
+  }
   for (; next_stage_ < std::size(stages); ++next_stage_) {
     const Stage stage = stages[next_stage_];
     (this->*stage)();
   }
   next_stage_ = 0;
+  has_begun_ = false;
+  return true;
+}
+
+bool Simulation::take_frame() {
+  std::optional<Frame> frame = stages_.take_frame(trace_.rows());
+  if (!frame) return false;
+  begin_step();
+  step_->t = frame->t;
+  step_->frame = std::move(*frame);
+  return true;
 }
 
 void Simulation::begin_step() {
@@ -164,6 +191,7 @@ void Simulation::begin_step() {
   step_->u = input_;
   step_->parameters = parameters_;
   step_->estimator = estimator_;
+  step_->locator = options_.locator;
   step_->controller_seed = options_.controller_seed;
   step_->source = this;
 }
@@ -200,6 +228,7 @@ void Simulation::move_view() {
 std::optional<Sample> Simulation::newest_sample() const {
   // From truth the sample of this step is complete; from the others that of the step before is.
   const bool from_truth = options_.identify_from == IdentifyFrom::truth;
+  if (from_truth && !is_simulated()) return std::nullopt;
   const Past present{pose_, bounced_, {}};
   const Past& now = from_truth ? present : past_[0];
   const Past& last = from_truth ? past_[0] : past_[1];
@@ -238,6 +267,7 @@ void Simulation::estimate_state() {
 }
 
 void Simulation::control() {
+  if (!stages_.control) return;
   const Input u = stages_.control.call(step_);
   past_[2] = past_[1];
   past_[1] = past_[0];
@@ -257,9 +287,9 @@ void Simulation::control() {
 }
 
 void Simulation::add_columns() {
-  columns_.pose_true = &trace_.column("pose_true", 3);
-  columns_.u = &trace_.column("u", 2);
-  columns_.bounced = &trace_.column("bounced", 1);
+  if (is_simulated()) columns_.pose_true = &trace_.column("pose_true", 3);
+  if (stages_.control) columns_.u = &trace_.column("u", 2);
+  if (is_simulated()) columns_.bounced = &trace_.column("bounced", 1);
   if (stages_.measure) {
     columns_.measured = &trace_.column("measured", 3);
     columns_.held = &trace_.column("held", 3);
@@ -275,15 +305,20 @@ void Simulation::add_columns() {
     columns_.estimated = &trace_.column("estimated", 3);
     columns_.covariance = &trace_.column("covariance", 9);
   }
-  if (options_.area.boundary == Boundary::unlimited) columns_.view = &trace_.column("view", 2);
+  if (is_simulated() && options_.area.boundary == Boundary::unlimited)
+    columns_.view = &trace_.column("view", 2);
 }
 
 void Simulation::record() {
-  write(trace_.writable(*columns_.pose_true), pose_);
-  double* u = trace_.writable(*columns_.u);
-  u[0] = input_.u1;
-  u[1] = input_.u2;
-  *trace_.writable(*columns_.bounced) = bounced_;
+  if (is_simulated()) {
+    write(trace_.writable(*columns_.pose_true), pose_);
+    *trace_.writable(*columns_.bounced) = bounced_;
+  }
+  if (columns_.u) {
+    double* u = trace_.writable(*columns_.u);
+    u[0] = input_.u1;
+    u[1] = input_.u2;
+  }
   if (parameters_ && columns_.parameters) {
     std::copy_n(parameters_->data(), 15, trace_.writable(*columns_.parameters));
   }
@@ -336,21 +371,46 @@ const StepPointer& Simulation::newest() const {
 
 const Frame& Simulation::frame() {
   newest();
-  if (step_->frame) return *step_->frame;
+  if (!step_->frame) step_->frame = draw_frame(step_->k, step_->t, pose_, pan_);
+  return *step_->frame;
+}
+
+Frame Simulation::draw_frame(std::int64_t k, double t, const Pose& pose, const Pan& pan) {
+  if (!renderer_) throw std::runtime_error("there is no frame yet: run a step");
   const NativeWork native(*this);
   Frame frame;
-  frame.t = step_->t;
-  frame.index = step_->k;
-  frame.plane_map = renderer_->plane_map(pan_);
-  frame.image = renderer_->render(pose_, pan_);
+  frame.t = t;
+  frame.index = k;
+  frame.plane_map = renderer_->plane_map(pan);
+  frame.image =
+      renderer_->render(options_.dropout.hides(k) ? std::nullopt : std::optional(pose), pan);
   if (!options_.noise.is_off()) {
     Image noisy = noisy_images_.take(frame.image.width(), frame.image.height());
-    options_.noise.add(frame.image.view(), options_.noise_seed,
-                       static_cast<std::uint64_t>(frame.index), noisy);
+    options_.noise.add(frame.image.view(), options_.noise_seed, static_cast<std::uint64_t>(k),
+                       noisy);
     frame.image = noisy;
   }
-  step_->frame = std::move(frame);
-  return *step_->frame;
+  return frame;
+}
+
+Frame Simulation::frame_of(std::int64_t k) {
+  newest();
+  if (!is_simulated()) throw std::runtime_error("frames that were taken are not kept");
+  if (k < 0 || k >= trace_.rows()) {
+    throw std::out_of_range("there are steps 0.." + std::to_string(trace_.rows() - 1) +
+                            ", got k = " + std::to_string(k));
+  }
+  const auto row = static_cast<std::size_t>(k);
+  const double* pose = trace_.column("pose_true", 3).memory()->data() + 3 * row;
+  Pan pan;
+  if (options_.area.boundary == Boundary::unlimited) {
+    const double* view = trace_.column("view", 2).memory()->data() + 2 * row;
+    const PlaneMap::Matrix& camera = renderer_->camera().matrix();
+    pan = {static_cast<int>(std::lround(view[0] / camera[0])),
+           static_cast<int>(std::lround(view[1] / camera[4]))};
+  }
+  const double t = static_cast<double>(k) * model_->dt();
+  return draw_frame(k, t, {pose[0], pose[1], pose[2]}, pan);
 }
 
 const BlobsByColor& Simulation::blobs() {
@@ -363,9 +423,9 @@ const BlobsByColor& Simulation::blobs() {
 }
 
 bool Simulation::needs_interpreter() const {
-  return stages_.evaluate_model.is_interpreted || stages_.estimate_parameters.is_interpreted ||
-         stages_.measure.is_interpreted || stages_.estimate_state.is_interpreted ||
-         stages_.control.is_interpreted ||
+  return !is_simulated() || stages_.evaluate_model.is_interpreted ||
+         stages_.estimate_parameters.is_interpreted || stages_.measure.is_interpreted ||
+         stages_.estimate_state.is_interpreted || stages_.control.is_interpreted ||
          (stages_.estimate_parameters && estimator_->is_interpreted());
 }
 

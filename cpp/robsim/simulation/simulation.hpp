@@ -15,6 +15,16 @@
 
 namespace robsim {
 
+/// Something hides the robot from the camera: with this probability throughout each stretch of so
+/// many steps.
+struct Dropout {
+  double probability = 0;
+  int steps = 1;
+  std::uint64_t seed = 0;
+
+  bool hides(std::int64_t k) const;
+};
+
 struct SimulationOptions {
   WorkArea area;
   double robot_radius = 0;  // of the robot's outline around its centre, work-area px
@@ -26,6 +36,7 @@ struct SimulationOptions {
   IdentifyFrom identify_from = IdentifyFrom::truth;
   std::uint64_t controller_seed = 0;
   std::uint64_t noise_seed = 0;
+  Dropout dropout;
 };
 
 /// The loop: the world half makes a frame of every step, the robot half answers with an input.
@@ -44,8 +55,9 @@ class Simulation {
   /// Does what comes once, at the start, if that has not been done yet.
   void start();
 
-  /// So many turns of the loop. A stage that throws ends the run; the trace up to the step before
-  /// is kept, and the next run goes on with the stage that threw.
+  /// So many turns of the loop, or until there are no more frames. A stage that throws ends the
+  /// run; the trace up to the step before is kept, and the next run goes on with the stage that
+  /// threw.
   /// Throws std::runtime_error when it is already running.
   void run(std::int64_t steps, Interpreter& interpreter);
 
@@ -69,6 +81,10 @@ class Simulation {
   /// start. Throws std::runtime_error while another thread runs the simulation.
   const Frame& frame();
   const BlobsByColor& blobs();
+
+  /// The frame of a recorded step, drawn anew. Throws std::out_of_range if there is no such step,
+  /// std::runtime_error if the world is not simulated.
+  Frame frame_of(std::int64_t k);
 
  private:
   // What is remembered of a step for the samples of the next ones.
@@ -96,7 +112,9 @@ class Simulation {
   class NativeWork;
 
   void prepare();
-  void turn();
+  bool is_simulated() const { return !stages_.take_frame; }
+  bool turn();
+  bool take_frame();
   void move_robot();
   void estimate_parameters();
   void measure();
@@ -106,6 +124,7 @@ class Simulation {
 
   WorldState world_state(std::int64_t k) const;
   void move_view();
+  Frame draw_frame(std::int64_t k, double t, const Pose& pose, const Pan& pan);
   void begin_step();
   std::optional<Sample> newest_sample() const;
   void add_columns();
@@ -136,6 +155,7 @@ class Simulation {
   std::optional<AxisMatrix> parameters_;
   std::array<Past, 3> past_;  // the newest first
 
+  bool has_begun_ = false;  // the turn: the robot has moved, or the frame was taken
   std::size_t next_stage_ = 0;
   Trace trace_;
   Columns columns_;

@@ -27,7 +27,12 @@ struct Stages {
   std::function<std::shared_ptr<ParameterEstimator>(const RobotModel&)> init_parameter_estimator;
   std::function<Renderer()> make_renderer;  // adjusts the background
 
+  // Instead of the simulated world: the frame of step k from a recording or a camera, nothing at
+  // its end. Empty: the world is simulated.
+  std::function<std::optional<Frame>(std::int64_t k)> take_frame;
+
   // At every step, in this order. Empty: the robot's own model, and for the others no such stage.
+  // There is always a controller in a simulated world.
   Slot<Pose(const WorldState&)> evaluate_model;
   Slot<std::optional<AxisMatrix>(const StepPointer&)> estimate_parameters;
   Slot<std::optional<Measurement>(const StepPointer&)> measure;

@@ -18,14 +18,16 @@ PlaneMap Renderer::plane_map(const Pan& pan) const {
                                    0, m[4], m[5] + m[4] * pan.v, 0, 0, 1});
 }
 
-Image Renderer::render(const Pose& pose, const Pan& pan) {
+Image Renderer::render(const std::optional<Pose>& pose, const Pan& pan) {
   Canvas& canvas = free_canvas();
   if (!(canvas.pan == pan)) canvas.dirty = canvas.image.box();
   canvas.pan = pan;
   background_.copy(canvas.dirty, pan, canvas.image);
-  const Point pixel = plane_map(pan).to_pixel({pose.x, pose.y});
+  canvas.dirty = {};
+  if (!pose) return canvas.image;
+  const Point pixel = plane_map(pan).to_pixel({pose->x, pose->y});
   const Shadow shadow{background_.shadow_left(), background_.shadow_factor()};
-  canvas.dirty = robot_.draw(pixel, pose.heading, shadow, canvas.image);
+  canvas.dirty = robot_.draw(pixel, pose->heading, shadow, canvas.image);
   return canvas.image;
 }
 

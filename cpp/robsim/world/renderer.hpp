@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "robsim/imaging/plane_map.hpp"
@@ -23,7 +24,8 @@ class Renderer {
   /// The map of a view moved by `pan`.
   PlaneMap plane_map(const Pan& pan) const;
 
-  Image render(const Pose& pose, const Pan& pan = {});
+  /// Without a pose the robot is hidden: the floor alone.
+  Image render(const std::optional<Pose>& pose, const Pan& pan = {});
 
  private:
   struct Canvas {

@@ -1,0 +1,20 @@
+#include "robsim/model/unicycle.hpp"
+
+#include <cmath>
+
+namespace robsim {
+
+Pose Unicycle::operator()(const RobotModel& model, const Pose& last, const Pose& before,
+                          const Input& u) const {
+  const auto x = model.theta().row(0);
+  // s(k-1) = (x(k-1) - x(k-2)) cos heading(k-2) + (y(k-1) - y(k-2)) sin heading(k-2)
+  const double step_before = (last.x - before.x) * std::cos(before.heading) +
+                             (last.y - before.y) * std::sin(before.heading);
+  // s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X
+  const double step = -x[1] * step_before + x[2] * u.u1 + x[3] * u.u2 + x[4];
+  // x(k) = x(k-1) + s(k) cos heading(k-1),  y(k) = y(k-1) + s(k) sin heading(k-1)
+  return {last.x + step * std::cos(last.heading), last.y + step * std::sin(last.heading),
+          model.predict(last, before, u).heading};
+}
+
+}  // namespace robsim
