@@ -25,7 +25,7 @@ CPP = {
 # Each layer of modules may import from the layers above it and, with care, from its own.
 PYTHON = [
     {"_core", "shipped"},
-    {"pictures", "robots", "colors", "seeds", "trace", "scene"},
+    {"pictures", "robots", "colors", "seeds", "trace", "scene", "options"},
     {"simulation", "identification"},
     {"plotting"},
     {"demo", "cli", "__main__"},

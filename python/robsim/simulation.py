@@ -10,8 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._core import ColorClass, Controller, Frame, Locator, Step, VisualNoise
+from robsim._core import ColorClass, Controller, Frame, Locator, Step
 from robsim.colors import as_colors
+from robsim.options import (
+    choice,
+    count,
+    phase_count,
+    share,
+    size,
+    start_within,
+    step_count,
+    visual_noise,
+)
 from robsim.pictures import Pixels
 from robsim.robots import RobotDefinition, as_robot
 from robsim.scene import PHASES, as_floor, draw_red_square, make_renderer
@@ -23,7 +33,6 @@ F = TypeVar("F", bound=Callable[..., Any])
 ONCE_SLOTS = ("define_model", "init_parameter_estimator", "adjust_background")
 STEP_SLOTS = ("evaluate_model", "estimate_parameters", "measure", "estimate_state", "control")
 SOURCES = ("truth", "measurement", "estimate")
-_FARTHEST_START = 1e6
 _ALWAYS_RECORDED = {"pose_true": 3, "u": 2, "bounced": 1}
 OPTIONAL_SLOTS = ("estimate_parameters", "measure", "estimate_state")
 
@@ -161,13 +170,13 @@ class Simulation:
     ) -> None:
         given = locals()
         self.robot = as_robot(robot)
-        self.area = _size("area", area)
-        self.camera = self.area if camera is None else _size("camera", camera)
-        self.boundary = _choice("boundary", boundary, ("bounce", "unlimited"))
-        self.identify_from = _choice("identify_from", identify_from, SOURCES)
+        self.area = size("area", area)
+        self.camera = self.area if camera is None else size("camera", camera)
+        self.boundary = choice("boundary", boundary, ("bounce", "unlimited"))
+        self.identify_from = choice("identify_from", identify_from, SOURCES)
         self.colors = as_colors(colors)
         self.locator = _as_locator(self.robot if locator is None else locator)
-        self._phases = _phases(rotation, phases)
+        self._phases = phase_count(rotation, phases)
         self._background = as_floor(background, self.area)
         self._seed = seed_sequence(seed)
         self._rng = np.random.default_rng(stream(self._seed, "user"))
@@ -177,14 +186,14 @@ class Simulation:
             boundary=boundary,
             robot_radius=self.robot.radius,
             start=self._start_pose(start),
-            noise=_noise(noise, noise_percent),
+            noise=visual_noise(noise, noise_percent),
             colors=self.colors,
             locator=self.locator,
             identify_from=identify_from,
             controller_seed=stream_number(self._seed, "controller"),
             noise_seed=stream_number(self._seed, "noise"),
-            dropout=_share("dropout", dropout),
-            dropout_steps=_count("dropout_steps", dropout_steps),
+            dropout=share("dropout", dropout),
+            dropout_steps=count("dropout_steps", dropout_steps),
             dropout_seed=stream_number(self._seed, "dropout"),
         )
         self._core.set_stage("make_renderer", self._make_renderer)
@@ -219,7 +228,7 @@ class Simulation:
         if start is None:
             return (width / 2, height / 2, 0.0)
         if not isinstance(start, str):
-            return _start_within(start, self.area if self.boundary == "bounce" else None)
+            return start_within(start, self.area if self.boundary == "bounce" else None)
         if start != "random":
             raise ValueError(f"start must be a pose (x, y, heading) or 'random', got {start!r}")
         margin = min(self.robot.radius, width / 2, height / 2)
@@ -261,7 +270,7 @@ class Simulation:
         RuntimeError
             If the simulation is running already.
         """
-        steps = _steps(steps)
+        steps = step_count(steps)
         self._check_stages()
         if not progress:
             self._core.run(steps)
@@ -381,98 +390,6 @@ class Simulation:
             f"<Simulation: robot {self.robot.name!r}, {len(self.trace)} steps done, "
             f"stages on: {', '.join(stages) or 'none'}>"
         )
-
-
-def _size(name: str, value: Any) -> tuple[int, int]:
-    try:
-        width, height = value
-    except (TypeError, ValueError):
-        raise TypeError(f"{name} must be (width, height) in px, got {value!r}") from None
-    for size in (width, height):
-        if not _is_int(size):
-            raise TypeError(f"{name} must be (width, height), two ints in px, got {value!r}")
-        if not 16 <= size <= 16384:
-            raise ValueError(f"{name} must lie within 16..16384 px, got {value!r}")
-    return int(width), int(height)
-
-
-def _is_int(value: Any) -> bool:
-    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-
-
-def _steps(steps: Any) -> int:
-    if not _is_int(steps):
-        raise TypeError(f"steps must be an int, got {steps!r}")
-    if not 0 <= steps < 2**62:
-        raise ValueError(f"steps must be at least 0 and below 2**62, got {steps}")
-    return int(steps)
-
-
-def _choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
-    if not isinstance(value, str):
-        raise TypeError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
-    if value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
-    return value
-
-
-def _start_within(start: ArrayLike, area: tuple[int, int] | None) -> ArrayLike:
-    """Return a start pose after a look at its place; the core looks at the rest."""
-    try:
-        numbers = np.asarray(start)
-    except ValueError:
-        return start
-    if numbers.shape != (3,) or numbers.dtype.kind not in "iuf":
-        return start
-    x, y, _ = numbers.astype(float)
-    if area and not (0 <= x <= area[0] - 1 and 0 <= y <= area[1] - 1):
-        raise ValueError(
-            f"start must lie within the area of {area[0]} x {area[1]} px, got {start!r}"
-        )
-    if max(abs(x), abs(y)) > _FARTHEST_START:
-        raise ValueError(f"start must lie within {_FARTHEST_START:g} px, got {start!r}")
-    return start
-
-
-def _phases(rotation: str, phases: int) -> int:
-    if not _is_int(phases):
-        raise TypeError(f"phases must be an int, got {phases!r}")
-    if not 1 <= phases <= 360:
-        raise ValueError(f"phases must lie within 1..360, got {phases}")
-    is_turned = _choice("rotation", rotation, ("phases", "continuous")) == "continuous"
-    return 0 if is_turned else int(phases)
-
-
-def _share(name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"{name} must be a number within 0..1, got {value!r}")
-    if not 0 <= value <= 1:
-        raise ValueError(f"{name} must lie within 0..1, got {value!r}")
-    return float(value)
-
-
-def _count(name: str, value: Any) -> int:
-    if not _is_int(value):
-        raise TypeError(f"{name} must be an int, got {value!r}")
-    if not 1 <= value < 2**31:
-        raise ValueError(f"{name} must be at least 1 and below 2**31, got {value}")
-    return int(value)
-
-
-def _noise(kind: str, percent: float | None) -> VisualNoise:
-    _choice("noise", kind, ("none", "uniform", "gaussian"))
-    if percent is not None:
-        if isinstance(percent, bool) or not isinstance(percent, (int, float, np.number)):
-            raise TypeError(f"noise_percent must be a number, got {percent!r}")
-        if not (np.isrealobj(percent) and 0 <= percent < np.inf):
-            raise ValueError(f"noise_percent must be at least 0 and finite, got {percent!r}")
-    if kind != "none" and percent is None:
-        raise ValueError(f"noise={kind!r} needs a level: give noise_percent=..., such as 40")
-    if kind == "none" and percent:
-        raise ValueError(
-            f"noise_percent={percent} needs a kind: give noise='uniform' or noise='gaussian'"
-        )
-    return VisualNoise(kind, min(float(percent or 0), 1e9))
 
 
 def _as_locator(locator: Locator | RobotDefinition | str | PathLike[str]) -> Locator:
