@@ -834,8 +834,8 @@ WRONG_SIZES = (5, "ab", "80x80", (100,), (1, 2, 3), (0, 0), (-5, 50), (15, 16), 
 WRONG_SIZES += ((NAN, 100), (100.0, 100), ("a", "b"), (True, 100), (2**40, 100), (None, 100))
 
 WRONG_OPTIONS = {
-    "robot": (None, 5, "no such robot", "", b"lab", ["lab"], {}),
-    "area": (None, *WRONG_SIZES),
+    "robot": (5, "no such robot", "", b"lab", ["lab"], {}),
+    "area": WRONG_SIZES,
     "camera": WRONG_SIZES,
     "boundary": ("wall", "", "Bounce", None, 5, True, ["bounce"], b"bounce"),
     "rotation": (None, "smooth", "", 36, True, ["phases"]),
@@ -845,7 +845,7 @@ WRONG_OPTIONS = {
     "seed": (-1, 1.5, NAN, "1", True, [1], (1, 2), np.int64(-1), np.random.PCG64(1), object()),
     "colors": (5, 1.5, COLORS[0], [1], [None], ["red"], b"red", {"red": 1}, [COLORS[0]] * 2),
     "locator": ("no such robot", 5, (43, 14), True),
-    "identify_from": ("camera", "", "Truth", None, 5, True, ["truth"], b"measurement"),
+    "identify_from": ("camera", "", "Truth", 5, True, ["truth"], b"measurement"),
 }
 
 

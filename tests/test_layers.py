@@ -25,10 +25,28 @@ CPP = {
 # Each layer of modules may import from the layers above it and, with care, from its own.
 PYTHON = [
     {"_core", "shipped"},
-    {"pictures", "robots", "colors", "seeds", "trace", "scene", "options"},
-    {"simulation", "identification"},
+    {
+        "pictures",
+        "robots",
+        "colors",
+        "seeds",
+        "trace",
+        "scene",
+        "options",
+        "time_limit",
+        "frames",
+        "folders",
+        "recordings",
+        "four_points",
+        "opencv",
+        "video",
+        "clip",
+        "controllers",
+    },
+    {"simulation", "identification", "path_score", "controllers"},
     {"plotting"},
-    {"demo", "cli", "__main__"},
+    {"results"},
+    {"demo", "cli", "__main__", "templates"},
 ]
 
 

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from robsim import Locator, RobotDefinition, Simulation, load_robot, robot_names
-from robsim.robots import as_robot
+from robsim.robots import as_robot, check_colors
 
 PICTURE = np.zeros((10, 20, 4), np.uint8)
-SQUARE = [[0, 0], [9, 0], [9, 9], [0, 9]]
+EDGE = [[0, 0], [19, 0], [19, 9], [0, 9]]
 RED = [[14, 6], [17, 6], [17, 9], [14, 9]]
 BLUE = [[2, 6], [5, 6], [5, 9], [2, 9]]
 
@@ -21,7 +21,7 @@ GOOD = {
     "size": "40.0",
     "alignment": "90",
     "centre": "[9.5, 4.5]",
-    "outline": str(SQUARE),
+    "outline": str(EDGE),
     "red": str(RED),
     "blue": str(BLUE),
 }
@@ -29,7 +29,7 @@ GOOD = {
 
 def definition(**changed):
     values = {"name": "toy", "image": PICTURE, "size": 40.0, "alignment": 0.0}
-    values |= {"outline": SQUARE, "red": RED, "blue": BLUE}
+    values |= {"outline": EDGE, "red": RED, "blue": BLUE}
     return RobotDefinition(**(values | changed))
 
 
@@ -214,7 +214,7 @@ def test_a_written_robot_is_loaded_back(folder):
     assert (robot.name, robot.size, robot.alignment) == ("toy", 40.0, 90)
     np.testing.assert_array_equal(robot.image, PICTURE)
     np.testing.assert_array_equal(robot.centre, [9.5, 4.5])
-    for name, polygon in (("outline", SQUARE), ("red", RED), ("blue", BLUE)):
+    for name, polygon in (("outline", EDGE), ("red", RED), ("blue", BLUE)):
         np.testing.assert_array_equal(getattr(robot, name), polygon)
     assert load_robot(str(folder())).name == "toy"
     np.testing.assert_array_equal(load_robot(folder(centre=None)).centre, [9.5, 4.5])
@@ -307,6 +307,17 @@ def test_an_image_that_is_none(folder, name):
         load_robot(path)
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["../robot.png", "../../etc/passwd", "/etc/passwd", "a/robot.png", "./robot.png", "..", "."]
+    + ["C:robot.png", "C:\\\\robot.png", "..\\\\robot.png", "robot.png/"],
+)
+def test_an_image_that_is_not_beside_its_file(folder, name):
+    path = folder(image=f'"{name}"')
+    with pytest.raises(ValueError, match="image must be the name of a file beside robot.toml"):
+        load_robot(path)
+
+
 def png(width, height):
     """The bytes of a PNG file that claims to be so large."""
     header = b"IHDR" + width.to_bytes(4, "big") + height.to_bytes(4, "big") + b"\x08\6\0\0\0"
@@ -349,7 +360,8 @@ def test_as_robot():
     robot = definition()
     assert as_robot(robot) is robot
     assert as_robot("lab").name == "lab"
-    for wrong in (None, 5, b"lab", ["lab"]):
+    assert as_robot(None).name == "lab"
+    for wrong in (5, b"lab", ["lab"]):
         with pytest.raises(TypeError, match="robot must be"):
             as_robot(wrong)
 
@@ -368,16 +380,104 @@ def test_a_definition_is_frozen():
         *(("size", v) for v in (0, -1, np.nan, np.inf, "40", None, True, [1], np.ones(2), 1j)),
         *(("alignment", v) for v in (np.nan, -np.inf, "up", None, [1])),
         *(("centre", v) for v in (5, "ab", (1,), (1, 2, 3), (np.nan, 1), [[1, 2]])),
-        *(("red", v) for v in (None, 5, "abc", [], SQUARE[:2], np.zeros((3, 3)), {1: 2})),
+        *(("red", v) for v in (None, 5, "abc", [], EDGE[:2], np.zeros((3, 3)), {1: 2})),
         *(("red", v) for v in ([[1, 2], [2, 3], [3, 4]], [["1", "6"], ["3", "6"], ["3", "8"]])),
         *(("blue", v) for v in (np.full((3, 2), np.nan), [[1, 2], [3]], [["a", "b"]] * 3)),
-        *(("outline", v) for v in (None, SQUARE[:2], np.zeros((2, 2)), SQUARE[0])),
+        *(("outline", v) for v in (None, EDGE[:2], np.zeros((2, 2)), EDGE[0])),
     ],
     ids=lambda value: f"{value!r}"[:30].replace("\n", ""),
 )
 def test_a_wrong_value_is_named(name, value):
     with pytest.raises((TypeError, ValueError), match=rf"^{name} must "):
         definition(**{name: value})
+
+
+def refused(**changed):
+    with pytest.raises(ValueError, match="must") as caught:
+        definition(**changed)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["outline", "red", "blue"])
+def test_a_polygon_that_crosses_itself(name):
+    bow_tie = {
+        "outline": [[0, 0], [19, 9], [19, 0], [0, 9]],
+        "red": [[14, 6], [17, 9], [17, 6], [14, 9]],
+        "blue": [[2, 6], [5, 9], [5, 6], [2, 9]],
+    }[name]
+    (x, y), (x2, y2) = bow_tie[0], bow_tie[1]
+    message = refused(**{name: bow_tie})
+    assert message.startswith(f"{name} must not cross itself: ")
+    assert f"({x}, {y}) to ({x2}, {y2})" in message
+
+
+@pytest.mark.parametrize("name", ["red", "blue"])
+def test_a_marker_outside_of_the_outline(name):
+    message = refused(**{name: [[8, 2], [11, 2], [11, -8]]})
+    assert message == f"{name} must lie inside the outline: outside is (11, -8), by up to 8.0 px"
+
+
+def test_a_marker_far_outside_names_three_corners_and_counts_the_others():
+    message = refused(red=[[100, 0], [110, 0], [110, 10], [105, 12], [100, 10]])
+    assert "(100, 0), (110, 0), (110, 10) and 2 more, by up to 91.0 px" in message
+
+
+def test_a_marker_across_a_notch_of_the_outline():
+    notched = [[0, 0], [8, 0], [9.5, 8], [11, 0], [19, 0], [19, 9], [0, 9]]
+    message = refused(outline=notched, centre=[3, 3], red=[[5, 1], [16, 1], [16, 5], [5, 5]])
+    assert message.startswith("red must lie inside the outline: outside is (9.5")
+
+
+def test_a_centre_outside_of_the_outline():
+    message = refused(centre=[9.5, 12])
+    assert message == "centre must lie inside the outline: outside is (9.5, 12), by up to 3.0 px"
+
+
+def test_an_outline_outside_of_the_picture():
+    message = refused(outline=[[0, 0], [19, 0], [24.5, 5], [19, 9], [0, 9]])
+    assert message == (
+        "outline must lie within the picture of 20 x 10 px: outside is (24.5, 5), by up to 5.0 px"
+    )
+    assert definition(outline=[[-1.4, 0], [20.4, 0], [20.4, 10.4], [-1.4, 10.4]]).radius > 0
+
+
+def test_markers_that_overlap():
+    message = refused(red=[[3, 4], [8, 4], [8, 9], [3, 9]])
+    assert message.startswith("red and blue markers must not overlap: they do around (")
+    inside = refused(red=[[0, 0], [19, 0], [19, 9], [0, 9]])
+    assert inside.startswith("red and blue markers must not overlap")
+    beside = definition(red=[[5, 6], [8, 6], [8, 9], [5, 9]])  # a common edge
+    assert beside.locator().distance == pytest.approx(6)
+
+
+def test_all_that_is_wrong_is_said_at_once():
+    message = refused(centre=[9, 30], red=[[2, 2], [4, 2], [4, -9]])
+    assert "centre must" in message
+    assert "red must" in message
+
+
+def test_a_corner_that_is_given_twice_is_one_corner():
+    robot = definition(red=[RED[0], *RED, RED[0]])
+    np.testing.assert_array_equal(robot.red, RED)
+
+
+@pytest.mark.parametrize("points", [1001, 20_000])
+def test_a_polygon_of_too_many_points(points):
+    angle = 2 * np.pi * np.arange(points) / points
+    message = refused(red=np.column_stack((np.cos(angle) + 9, np.sin(angle) + 4)))
+    assert message == f"red must be a polygon of 3 to 1000 different points, got {points}"
+
+
+@pytest.mark.parametrize("value", [1e7, 1e200, -1e300])
+def test_a_polygon_far_away(value):
+    assert refused(outline=[[0, 0], [value, 0], [0, value]]).startswith("outline must be a polygon")
+
+
+def test_the_shipped_robots_are_right():
+    for name in robot_names():
+        robot = load_robot(name)
+        assert robot.name == name
+        assert check_colors(robot) == []
 
 
 def test_a_misspelt_value():

@@ -31,16 +31,44 @@ from robsim._core import (
     rgb_to_yuv,
     wrap_angle,
 )
+from robsim.clip import Clip
 from robsim.colors import load_colors
+from robsim.controllers import FollowPath, GoToPoint
+from robsim.four_points import plane_map_from_points
 from robsim.identification import BatchEstimate, batch_estimate
+from robsim.path_score import PathScore, score_path
 from robsim.pictures import read_picture, write_picture
-from robsim.robots import RobotDefinition, load_robot, robot_names
+from robsim.recordings import Recording
+from robsim.robots import (
+    RobotDefinition,
+    add_robot,
+    check_colors,
+    chosen_robot,
+    load_robot,
+    remove_robot,
+    reset_robot,
+    robot_from_picture,
+    robot_names,
+    rotate_robot,
+    save_robot,
+    use_robot,
+)
 from robsim.scene import draw_red_square
 from robsim.simulation import Simulation
 from robsim.trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
+from robsim.video import VideoWriter, write_video
 
 if TYPE_CHECKING:
-    from robsim.plotting import plot_batch, plot_frame, plot_parameters, plot_traces
+    from robsim.plotting import (
+        annotated_frames,
+        draw_overlay,
+        play,
+        plot_batch,
+        plot_frame,
+        plot_parameters,
+        plot_robot,
+        plot_traces,
+    )
 
 __version__ = _version("robsim")
 
@@ -48,15 +76,20 @@ __all__ = [
     "PARAMETER_NAMES",
     "BatchEstimate",
     "Blob",
+    "Clip",
     "ColorClass",
     "Controller",
     "DriveAround",
     "Estimate",
+    "FollowPath",
     "Frame",
+    "GoToPoint",
     "LeastSquaresFit",
     "Locator",
     "Measurement",
+    "PathScore",
     "PlaneMap",
+    "Recording",
     "RecursiveLeastSquares",
     "Renderer",
     "RobotDefinition",
@@ -70,32 +103,54 @@ __all__ = [
     "Trace",
     "TrackingStatistics",
     "Unicycle",
+    "VideoWriter",
     "VisualNoise",
     "WorldState",
     "__version__",
+    "add_robot",
+    "annotated_frames",
     "batch_estimate",
+    "check_colors",
+    "chosen_robot",
+    "draw_overlay",
     "draw_red_square",
     "find_blobs",
     "least_squares",
     "load_colors",
     "load_robot",
     "locate",
+    "plane_map_from_points",
+    "play",
     "plot_batch",
     "plot_frame",
     "plot_parameters",
+    "plot_robot",
     "plot_traces",
     "read_picture",
     "regression_samples",
+    "remove_robot",
+    "reset_robot",
     "rgb_to_yuv",
+    "robot_from_picture",
     "robot_names",
+    "rotate_robot",
+    "save_robot",
+    "score_path",
+    "use_robot",
     "wrap_angle",
     "write_picture",
+    "write_video",
 ]
+
+
+_DRAWING = {"annotated_frames", "draw_overlay", "play"} | {
+    name for name in __all__ if name.startswith("plot_")
+}
 
 
 def __getattr__(name: str) -> Any:
     # Drawing is loaded when it is asked for: `import robsim` needs no matplotlib.
-    if name in __all__ and name.startswith("plot_"):
+    if name in _DRAWING:
         from robsim import plotting
 
         return getattr(plotting, name)

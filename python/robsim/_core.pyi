@@ -867,6 +867,11 @@ class Simulation:
     @property
     def newest(self) -> Step:
         ...
+    @property
+    def rows(self) -> int:
+        """
+        int: steps recorded by now.
+        """
 def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, minimum_area: typing.SupportsInt | typing.SupportsIndex = 12, maximum_count: typing.SupportsInt | typing.SupportsIndex = 64) -> dict[str, list[Blob]]:
     """
     Find the blobs of every colour class in one pass over an image.

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from os import PathLike
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._core import ColorClass, Controller, Frame, Locator, Step
+from robsim._core import ColorClass, Controller, Frame, Locator, Step, Unicycle
 from robsim.colors import as_colors
 from robsim.options import (
     choice,
@@ -26,14 +27,21 @@ from robsim.pictures import Pixels
 from robsim.robots import RobotDefinition, as_robot
 from robsim.scene import PHASES, as_floor, draw_red_square, make_renderer
 from robsim.seeds import Seed, seed_record, seed_sequence, stream, stream_number
+from robsim.time_limit import TimeLimit
 from robsim.trace import RunInfo, Trace
+
+if TYPE_CHECKING:
+    from robsim.folders import CallbackFolder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 ONCE_SLOTS = ("define_model", "init_parameter_estimator", "adjust_background")
 STEP_SLOTS = ("evaluate_model", "estimate_parameters", "measure", "estimate_state", "control")
 SOURCES = ("truth", "measurement", "estimate")
-_ALWAYS_RECORDED = {"pose_true": 3, "u": 2, "bounced": 1}
+_AREA = (1200, 1200)
+_ENDLESS = 2**62 - 1
+_SIMULATED = {"pose_true": 3, "u": 2, "bounced": 1}
+_RECORDED = {"measured": 3}
 OPTIONAL_SLOTS = ("estimate_parameters", "measure", "estimate_state")
 
 
@@ -71,10 +79,14 @@ class Simulation:
 
     Parameters
     ----------
-    robot : str, path or RobotDefinition
-        Name of a robot that ships with robsim, a folder with a ``robot.toml``, or a definition.
-    area : tuple of int
-        Width and height of the work area (px).
+    robot : str, path or RobotDefinition, optional
+        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
+        with ``robsim robots use``, which is ``"lab"`` at first.
+    frames : iterable of Frame, optional
+        What the camera sees, such as a `Recording`, in place of a simulated world: nothing is
+        drawn, the truth is not known, and a run ends with the frames.
+    area : tuple of int, optional
+        Width and height of the work area (px). Default: 1200 x 1200, or that of the `frames`.
     camera : tuple of int, optional
         Width and height of the frames (px). Default: those of the area.
     boundary : str
@@ -102,8 +114,12 @@ class Simulation:
         The colours to look for. Default: red and blue as they ship with robsim.
     locator : Locator, RobotDefinition, str or path, optional
         What the default measurement takes the markers' geometry from. Default: the robot.
-    identify_from : str
-        The data that samples are made of: ``"truth"``, ``"measurement"`` or ``"estimate"``.
+    identify_from : str, optional
+        The data that samples are made of: ``"truth"``, the default in a simulated world,
+        ``"measurement"`` or ``"estimate"``.
+    time_limit : float, optional
+        The longest time that a call of a callback may take (s); after that the run ends with a
+        TimeoutError.
     define_model, init_parameter_estimator, adjust_background : callable, optional
         Called once, at the start.
     evaluate_model : callable or Unicycle, optional
@@ -111,7 +127,8 @@ class Simulation:
     estimate_parameters : callable or bool, optional
         ``estimate_parameters(step) -> (3, 5) or None``. True = recursive least squares.
     measure : callable or bool, optional
-        ``measure(step) -> Measurement or None``. True = the red and the blue marker.
+        ``measure(step) -> Measurement or None``. True = the red and the blue marker, which is the
+        default for `frames` that come from elsewhere.
     estimate_state : callable, optional
         ``estimate_state(step) -> Estimate``.
     control : callable or Controller, optional
@@ -143,8 +160,9 @@ class Simulation:
     def __init__(
         self,
         *,
-        robot: str | PathLike[str] | RobotDefinition = "lab",
-        area: tuple[int, int] = (1200, 1200),
+        robot: str | PathLike[str] | RobotDefinition | None = None,
+        frames: Iterable[Frame] | None = None,
+        area: tuple[int, int] | None = None,
         camera: tuple[int, int] | None = None,
         boundary: str = "bounce",
         rotation: str = "phases",
@@ -158,7 +176,8 @@ class Simulation:
         seed: Seed = None,
         colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
         locator: Locator | RobotDefinition | str | PathLike[str] | None = None,
-        identify_from: str = "truth",
+        identify_from: str | None = None,
+        time_limit: float | None = None,
         define_model: Callable[[], _core.RobotModel] | None = None,
         init_parameter_estimator: Callable[[_core.RobotModel], Any] | None = None,
         adjust_background: Callable[[Pixels], Pixels] | None = None,
@@ -170,10 +189,16 @@ class Simulation:
     ) -> None:
         given = locals()
         self.robot = as_robot(robot)
-        self.area = size("area", area)
+        self._source = _as_frames(frames)
+        self.area = size("area", _default_area(frames) if area is None else area)
         self.camera = self.area if camera is None else size("camera", camera)
         self.boundary = choice("boundary", boundary, ("bounce", "unlimited"))
+        if identify_from is None:
+            identify_from = "truth" if frames is None else "measurement"
         self.identify_from = choice("identify_from", identify_from, SOURCES)
+        self._time_limit = None if time_limit is None else TimeLimit(time_limit)
+        self._folder: CallbackFolder | None = None
+        self._from_folder: set[str] = set()
         self.colors = as_colors(colors)
         self.locator = _as_locator(self.robot if locator is None else locator)
         self._phases = phase_count(rotation, phases)
@@ -181,6 +206,7 @@ class Simulation:
         self._seed = seed_sequence(seed)
         self._rng = np.random.default_rng(stream(self._seed, "user"))
         self._callbacks: dict[str, Any] = dict.fromkeys((*ONCE_SLOTS, *STEP_SLOTS))
+        self._given = {slot: given[slot] for slot in self._callbacks}
         self._core = _core.Simulation(
             area=self.area,
             boundary=boundary,
@@ -197,9 +223,59 @@ class Simulation:
             dropout_seed=stream_number(self._seed, "dropout"),
         )
         self._core.set_stage("make_renderer", self._make_renderer)
+        if frames is not None:
+            self._restart_frames()
+            self._core.set_stage("take_frame", self._take_frame)
+            self._core.set_stage("control", None)
+            if measure is None:
+                self._given["measure"] = True
+            if hasattr(frames, "dt"):
+                parameters = _core.RobotParameters(dt=frames.dt)
+                self._core.set_stage("define_model", lambda: _core.RobotModel(parameters))
         for slot in self._callbacks:
-            if given[slot] is not None:
-                self._set_slot(slot, given[slot])
+            if self._given[slot] is not None:
+                self._set_slot(slot, self._given[slot])
+
+    @classmethod
+    def from_folder(cls, folder: str | PathLike[str], **options: Any) -> Simulation:
+        """Return a simulation with the callbacks of a folder, as ``robsim new`` writes one.
+
+        When a file of the folder has changed, the next run or reset reads all of them anew. If one
+        of them fails, the simulation stays as it was.
+
+        Parameters
+        ----------
+        folder : path
+            The folder: ``control.py``, ``measure.py`` and so on, named after the slots.
+        **options
+            The options of `Simulation`. For a slot that the folder has no file for, it may be
+            given here.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such folder.
+        ValueError
+            If it has no callbacks, or a file does not define the one it is named after.
+        SyntaxError
+            If Python cannot read a file: with its name and the line.
+        """
+        from robsim.folders import CallbackFolder
+
+        simulation = cls(**options)
+        simulation._folder = CallbackFolder(folder)
+        simulation._load_folder()
+        return simulation
+
+    def _load_folder(self) -> None:
+        assert self._folder is not None
+        callbacks = self._folder.load()
+        for slot in ONCE_SLOTS + STEP_SLOTS:
+            is_fixed = slot in ONCE_SLOTS and self._core.has_started
+            if slot in self._from_folder | callbacks.keys() and not is_fixed:
+                # A file that is switched off is as good as none.
+                self._set_slot(slot, callbacks.get(slot) or self._given[slot])
+        self._from_folder = set(callbacks)
 
     def __setattr__(self, name: str, value: Any) -> None:
         is_made = "_core" in self.__dict__
@@ -217,11 +293,27 @@ class Simulation:
             if callback is not None and not callable(callback):
                 raise TypeError(f"adjust_background must be callable, got {callback!r}")
         else:
-            self._core.set_stage(slot, callback)
+            self._core.set_stage(slot, self._limited(callback))
         self._callbacks[slot] = callback
         if slot == "init_parameter_estimator" and self._callbacks["estimate_parameters"] is None:
             # Whoever brings an estimator wants it to be used.
             self._set_slot("estimate_parameters", True)
+
+    def _limited(self, callback: Any) -> Any:
+        is_native = isinstance(callback, (bool, Controller, Unicycle)) or callback is None
+        if self._time_limit is None or is_native or not callable(callback):
+            return callback
+        return self._time_limit.limited(callback)
+
+    def _restart_frames(self) -> None:
+        assert self._source is not None
+        self._frames = iter(self._source)
+
+    def _take_frame(self, k: int) -> Frame | None:
+        frame = next(self._frames, None)
+        if frame is not None and not isinstance(frame, Frame):
+            raise TypeError(f"frames must give Frame objects, got {frame!r} at step {k}")
+        return frame
 
     def _start_pose(self, start: ArrayLike | str | None) -> ArrayLike:
         width, height = self.area
@@ -247,13 +339,14 @@ class Simulation:
             adjust_background=self._callbacks["adjust_background"] or draw_red_square,
         )
 
-    def run(self, steps: int, *, progress: bool | str = False) -> Trace:
+    def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Do some steps; a run goes on where the one before ended.
 
         Parameters
         ----------
-        steps : int
-            Number of steps.
+        steps : int, optional
+            Number of steps. Only a run of frames that come from elsewhere may do without: it goes
+            on to their end.
         progress : bool or str
             Show a progress bar, with this label if it is one.
 
@@ -270,17 +363,21 @@ class Simulation:
         RuntimeError
             If the simulation is running already.
         """
-        steps = step_count(steps)
-        self._check_stages()
+        if steps is None and self._source is None:
+            raise TypeError("steps must be an int: a simulated world has no end")
+        total, steps = steps, _ENDLESS if steps is None else step_count(steps)
+        self._prepare()
         if not progress:
-            self._core.run(steps)
+            with self._guarded():
+                self._core.run(steps)
             return self.trace
         from tqdm.auto import tqdm
 
         label = progress if isinstance(progress, str) else None
-        with tqdm(total=steps, unit="step", desc=label) as bar:
+        before = self._core.rows
+        with tqdm(total=total, unit="step", desc=label) as bar, self._guarded():
             self._core.run(steps, lambda done: bar.update(done - bar.n))
-            bar.update(steps - bar.n)
+            bar.update(self._core.rows - before - bar.n)
         return self.trace
 
     def step(self) -> Step:
@@ -290,10 +387,39 @@ class Simulation:
         -------
         Step
             What the robot half knows of it.
+
+        Raises
+        ------
+        EOFError
+            If frames that come from elsewhere have come to their end.
         """
-        self._check_stages()
-        self._core.run(1)
+        self._prepare()
+        before = self._core.rows
+        with self._guarded():
+            self._core.run(1)
+        if self._core.rows == before:
+            raise EOFError("there are no more frames")
         return self._core.newest
+
+    def _prepare(self) -> None:
+        if self._folder is not None and (changed := self._folder.changed):
+            late = changed & set(ONCE_SLOTS) if self._core.has_started else set()
+            for slot in late:
+                raise RuntimeError(
+                    f"{slot}.py has changed, and comes once, at the start: call sim.reset() before"
+                )
+            self._load_folder()
+        self._check_stages()
+
+    @contextmanager
+    def _guarded(self) -> Iterator[None]:
+        """Let callbacks import their folder's helpers, and watch the time they take."""
+        with ExitStack() as stack:
+            if self._folder is not None:
+                stack.enter_context(self._folder.importable())
+            if self._time_limit is not None:
+                stack.enter_context(self._time_limit.watching())
+            yield
 
     def reset(self) -> None:
         """Go back to the start: the next run begins anew.
@@ -301,6 +427,10 @@ class Simulation:
         Without callbacks that remember something it gives the same again.
         """
         self._core.reset()
+        if self._source is not None:
+            self._restart_frames()
+        if self._folder is not None:
+            self._load_folder()
         self._rng = np.random.default_rng(stream(self._seed, "user"))
 
     def _check_stages(self) -> None:
@@ -310,7 +440,9 @@ class Simulation:
             raise ValueError(
                 f"colors must have red and blue for the default measurement, got {names}"
             )
-        if self.boundary == "bounce" and min(self.area) <= 2 * self.robot.radius + 1:
+        if self._source is not None:
+            self._check_recorded()
+        elif self.boundary == "bounce" and min(self.area) <= 2 * self.robot.radius + 1:
             raise ValueError(
                 f"area must be wider than the robot, {2 * self.robot.radius:.0f} px, to bounce in "
                 f"it, got {self.area}"
@@ -322,21 +454,36 @@ class Simulation:
                 f"give {needed}=..."
             )
 
+    def _check_recorded(self) -> None:
+        if not self._callbacks["measure"]:
+            raise ValueError("measure must be on for frames that come from elsewhere, got None")
+        if not self._callbacks["estimate_parameters"]:
+            return
+        if not self._callbacks["control"]:
+            raise ValueError(
+                "estimate_parameters needs the inputs of the robot, which recorded frames do not "
+                "have: give control=..."
+            )
+        if self.identify_from == "truth":
+            raise ValueError("identify_from='truth' needs a simulated world, got frames=...")
+
     @property
     def trace(self) -> Trace:
         """All steps since the start, as arrays."""
-        empty = {name: np.empty((0, size)) for name, size in _ALWAYS_RECORDED.items()}
+        columns = _SIMULATED if self._source is None else _RECORDED
+        empty = {name: np.empty((0, width)) for name, width in columns.items()}
         return Trace(self._core.columns() or empty, self._info())
 
     def _info(self) -> RunInfo:
         model = self._core.model if self._core.has_started else _core.RobotModel()
+        theta = model.theta if self._source is None else np.full((3, 5), np.nan)
         return RunInfo(
             dt=model.dt,
-            theta_true=tuple(tuple(map(float, row)) for row in model.theta),
+            theta_true=tuple(tuple(map(float, row)) for row in theta),
             seed=seed_record(self._seed),
             identify_from=self.identify_from,
             area=self.area,
-            boundary=self.boundary,
+            boundary=self.boundary if self._source is None else "recorded",
             robot=self.robot.name,
         )
 
@@ -390,6 +537,17 @@ class Simulation:
             f"<Simulation: robot {self.robot.name!r}, {len(self.trace)} steps done, "
             f"stages on: {', '.join(stages) or 'none'}>"
         )
+
+
+def _as_frames(frames: Any) -> Iterable[Frame] | None:
+    if frames is not None and not isinstance(frames, Iterable):
+        raise TypeError(f"frames must be an iterable of Frame objects, got {frames!r}")
+    return frames
+
+
+def _default_area(frames: Any) -> tuple[int, int]:
+    area: tuple[int, int] = getattr(frames, "area", _AREA)
+    return area
 
 
 def _as_locator(locator: Locator | RobotDefinition | str | PathLike[str]) -> Locator:

@@ -58,8 +58,9 @@ _FIXED_GROUPS: dict[str, dict[str, str]] = {
     "parameters": dict.fromkeys(PARAMETER_NAMES, ""),
     "view": {"x_view": "px", "y_view": "px"},
 }
+_SIMULATED = ("pose_true", "u", "bounced")
+_RECORDED = ("measured",)
 _SHAPES = {"covariance": (3, 3), "parameters": (3, 5), "state": ()}
-_REQUIRED = ("pose_true", "u", "bounced")
 
 
 def _fields(group: str, width: int) -> dict[str, str]:
@@ -107,6 +108,7 @@ class RunInfo:
         Sample time (s).
     theta_true : array_like (3, 5)
         True parameters of the robot model, rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
+        NaN = not known, for recorded frames.
     seed : dict
         ``entropy`` and ``spawn_key`` of the run's `numpy.random.SeedSequence`.
     identify_from : str
@@ -114,7 +116,7 @@ class RunInfo:
     area : tuple of int
         Width and height of the work area (px).
     boundary : str
-        ``"bounce"`` or ``"unlimited"``.
+        ``"bounce"`` or ``"unlimited"``, or ``"recorded"``: the frames were not simulated.
     robot : str
         Name of the robot definition.
     """
@@ -132,7 +134,8 @@ class RunInfo:
         if not is_number or not 0 < self.dt < 1e9:
             raise ValueError(f"dt must be a positive number (s), got {self.dt!r}")
         theta = _numbers("theta_true", self.theta_true)
-        if theta.shape != (3, 5) or not np.isfinite(theta).all():
+        is_unknown = self.boundary == "recorded" and bool(np.isnan(theta).all())
+        if theta.shape != (3, 5) or not (np.isfinite(theta).all() or is_unknown):
             raise ValueError(f"theta_true must be 3 x 5 finite numbers, got {self.theta_true!r}")
         object.__setattr__(self, "theta_true", tuple(map(tuple, theta.tolist())))
         if not isinstance(self.seed, Mapping):
@@ -158,7 +161,7 @@ class TrackingStatistics:
     false : int
         Valid steps more than 10 px or 20 degrees off.
     rms_xy : float
-        sqrt(mean(dx^2 + dy^2)) over the valid steps (work-area px).
+        sqrt(mean(dx^2 + dy^2)) over the valid steps (work-area px); NaN if the truth is not known.
     rms_heading_deg : float
         Root mean square of the heading error over the valid steps (degrees).
     """
@@ -173,6 +176,8 @@ class TrackingStatistics:
         if not self.valid:
             return f"tracking: {self.steps} steps, none valid"
         share = f"{100 * self.valid / self.steps:.1f} %"
+        if math.isnan(self.rms_xy):
+            return f"tracking: {self.steps} steps, {self.valid} valid ({share})"
         return (
             f"tracking: {self.steps} steps, {self.valid} valid ({share}), {self.false} false, "
             f"rms {self.rms_xy:.3f} px and {self.rms_heading_deg:.3f} deg"
@@ -240,10 +245,11 @@ class Trace:
         self.info = info
         self._first_step = first_step
         self._groups = {name: _rows_of(name, values) for name, values in groups.items()}
-        missing = [name for name in _REQUIRED if name not in groups]
+        required = _RECORDED if info.boundary == "recorded" else _SIMULATED
+        missing = [name for name in required if name not in groups]
         if missing:
             raise ValueError(f"a trace must have the group {missing[0]}, got {', '.join(groups)}")
-        self._rows = len(self._groups["pose_true"])
+        self._rows = len(self._groups[required[0]])
         for name, values in self._groups.items():
             if len(values) != self._rows:
                 raise ValueError(f"{name} must have {self._rows} rows, got {len(values)}")
@@ -285,7 +291,7 @@ class Trace:
     @property
     def bounced(self) -> Bools:
         """Steps at which the robot met a wall."""
-        return self._groups["bounced"][:, 0] > 0
+        return np.asarray(self._group("bounced", 1)[:, 0] > 0)
 
     @property
     def measured(self) -> Floats:
@@ -389,7 +395,8 @@ class Trace:
             columns |= {field: values[:, i] for i, field in enumerate(fields)}
             if name == "measured":
                 columns["valid"] = self.valid
-        columns["bounced"] = self.bounced
+        if "bounced" in columns:
+            columns["bounced"] = self.bounced
         return columns
 
     def __getitem__(self, key: str | slice) -> Any:

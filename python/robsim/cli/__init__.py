@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from robsim.cli import demo
+from robsim.cli import demo, robots, run, track
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -18,6 +18,10 @@ app = typer.Typer(
     epilog="Start with: robsim demo",
 )
 app.command(help=demo.HELP)(demo.demo)
+app.command(help=run.NEW_HELP)(run.new)
+app.command(help=run.RUN_HELP)(run.run)
+app.command(help=track.HELP)(track.track)
+app.add_typer(robots.app, name="robots")
 
 
 @app.callback(invoke_without_command=True)

@@ -38,6 +38,5 @@ def demo(
     if as_json:
         print(json.dumps(result.to_dict(), indent=2))
         return
-    print(result.report)
-    print(result.tracking)
+    print(result)
     print(f"written to {out}: {', '.join(file.name for file in result.files)}")

@@ -2,21 +2,52 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import typer
 from rich.console import Console
 
 
 @contextmanager
-def told() -> Iterator[None]:
-    """Tell the user of a wrong input in a sentence, and end with status 2."""
+def told(folder: Path | None = None) -> Iterator[None]:
+    """Tell the user of an error in a sentence, and end with status 2.
+
+    An error in the user's own callbacks, in `folder`, is told with the place in them, and ends with
+    status 1.
+    """
     try:
         yield
-    except (ValueError, TypeError, OSError, ImportError) as error:
+    except (Exception, SystemExit) as error:
+        if isinstance(error, typer.Exit):
+            raise
+        if folder is not None and (text := _in_callbacks(error, folder)):
+            tell(text)
+            raise typer.Exit(code=1) from error
+        if not isinstance(error, (ValueError, TypeError, OSError, ImportError, RuntimeError)):
+            raise
         tell(error)
         raise typer.Exit(code=2) from error
+
+
+def _in_callbacks(error: BaseException, folder: Path) -> str | None:
+    """Return what the user's own files have to do with an error; None = nothing."""
+    place = folder.resolve()
+    frames = [
+        frame
+        for frame in traceback.extract_tb(error.__traceback__)
+        if place in Path(frame.filename).resolve().parents
+    ]
+    if not frames and not isinstance(error, SyntaxError):
+        return None
+    notes = "; ".join(getattr(error, "__notes__", []))
+    summary = traceback.format_list(frames)
+    kind = traceback.TracebackException(type(error), error, None)
+    kind.__notes__ = None
+    lines = [f"{notes or 'in a callback'}:\n", *summary, *kind.format_exception_only()]
+    return "".join(lines).rstrip()
 
 
 def tell(error: object) -> None:
@@ -24,3 +55,8 @@ def tell(error: object) -> None:
     console = Console(stderr=True, soft_wrap=True)
     console.print("[bold red]error:[/] ", end="")
     console.print(str(error), markup=False, highlight=False)
+
+
+def note(text: str) -> None:
+    """Print a remark beside the results."""
+    Console(stderr=True, soft_wrap=True).print(text, markup=False, highlight=False)

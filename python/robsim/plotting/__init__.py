@@ -1,4 +1,4 @@
-"""Figures of a run: traces, parameters, the batch estimate, a frame.
+"""Figures of a run: traces, parameters, the batch estimate, a frame; a robot; clips.
 
 The colours mean the same in all of them, see `robsim.plotting.style`. Places are in work-area
 pixels with the y axis downwards, as the camera sees the area; angles are in degrees.
@@ -6,7 +6,19 @@ pixels with the y axis downwards, as the camera sees the area; angles are in deg
 
 from robsim.plotting.batch import plot_batch
 from robsim.plotting.frame import plot_frame
+from robsim.plotting.overlay import draw_overlay
 from robsim.plotting.parameters import plot_parameters
+from robsim.plotting.replay import annotated_frames, play
+from robsim.plotting.robot import plot_robot
 from robsim.plotting.traces import plot_traces
 
-__all__ = ["plot_batch", "plot_frame", "plot_parameters", "plot_traces"]
+__all__ = [
+    "annotated_frames",
+    "draw_overlay",
+    "play",
+    "plot_batch",
+    "plot_frame",
+    "plot_parameters",
+    "plot_robot",
+    "plot_traces",
+]

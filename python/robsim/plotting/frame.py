@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike
 
 from robsim._core import Blob, Frame, Measurement
 from robsim.plotting import style
+from robsim.plotting.shapes import box_corners, heading_line, placed_outline
 from robsim.trace import Floats, Trace
-
-HEADING_LINE = 80.0  # length of the measured heading's line (work-area px)
 
 _Map = Callable[[ArrayLike], Floats]  # places (N, 2) to places (N, 2)
 
@@ -118,9 +117,7 @@ def _draw_path_until(axes: Axes, trace: Trace | None, step: int | None, from_wor
 
 
 def _draw_blob(axes: Axes, blob: Blob, color: str, from_pixel: _Map) -> None:
-    left, top, right, bottom = np.add(blob.bounding_box, (-0.5, -0.5, 0.5, 0.5))
-    corners = [(left, top), (right, top), (right, bottom), (left, bottom)]
-    _draw_polygon(axes, from_pixel(corners), color)
+    _draw_polygon(axes, from_pixel(box_corners(blob)), color)
     axes.plot(
         *from_pixel(blob.centroid),
         "+",
@@ -138,17 +135,9 @@ def _draw_polygon(axes: Axes, corners: Floats, color: str) -> None:
 def _draw_measurement(
     axes: Axes, measurement: Measurement, outline: ArrayLike | None, from_world: _Map
 ) -> None:
-    centre, heading = measurement.pose[:2], measurement.pose[2]
-    forward = np.array((np.cos(heading), np.sin(heading)))
-    line = from_world([centre, centre + HEADING_LINE * forward])
+    line = from_world(heading_line(measurement.pose))
     axes.plot(*line.T, color=style.MEASURED, linewidth=2.2, path_effects=style.haloed(2.2))
     axes.plot(*line[0], "o", color=style.MEASURED, markersize=5, path_effects=style.haloed(0.5))
-    if outline is None:
-        return
-    points = np.asarray(outline, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 2:
-        raise ValueError(f"outline: expected the shape (N, 2), got {points.shape}")
-    # y to the right of the robot: forward turned by +90 degrees, clockwise on the picture.
-    right = np.array((-forward[1], forward[0]))
-    placed = centre + points[:, :1] * forward + points[:, 1:] * right
-    _draw_polygon(axes, from_world(placed), style.MEASURED)
+    if outline is not None:
+        corners = placed_outline(outline, measurement.pose)
+        _draw_polygon(axes, from_world(corners), style.MEASURED)

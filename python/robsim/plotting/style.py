@@ -98,7 +98,8 @@ def dot_size(steps: int) -> float:
 
 def draw_path(axes: Axes, true: Floats, measured: Floats) -> None:
     """Draw the true path (N, 2) as a line and the measured places on it as dots."""
-    axes.plot(*true.T, color=TRUE, linewidth=3.0, label="true path")
+    if np.isfinite(true).any():
+        axes.plot(*true.T, color=TRUE, linewidth=3.0, label="true path")
     size = dot_size(len(true))
     axes.plot(*measured.T, ".", color=MEASURED, markersize=size, label="measured path")
 

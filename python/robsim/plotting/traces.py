@@ -28,20 +28,22 @@ def plot_traces(trace: Trace, *, show_blobs: bool = False) -> Figure:
     Parameters
     ----------
     trace : Trace
-        The recorded run. If it was not tracked, only the poses and the path are drawn.
+        The recorded run. If it was not tracked, or the truth is not known, only the poses and the
+        path are drawn.
     show_blobs : bool
         Draw the centroids of the two biggest blobs per colour, too.
 
     Returns
     -------
     matplotlib.figure.Figure
-        10 x 8 inches; 10 x 4.6 if the run was not tracked.
+        10 x 8 inches; 10 x 4.6 if the run was not tracked, or the truth is not known.
     """
     tracked = bool(np.isfinite(trace.held).any())
     rows: list[list[Any]] = [["x", "plan"], ["y", "plan"], ["heading", "plan"]]
-    if tracked:
+    has_errors = tracked and bool(np.isfinite(trace.pose_true).any())
+    if has_errors:
         rows += [["dx", "dx bins"], ["dy", "dy bins"], ["dheading", "dheading bins"]]
-    figure = style.NotebookFigure(figsize=(10, 8 if tracked else 4.6))
+    figure = style.NotebookFigure(figsize=(10, 8 if has_errors else 4.6))
     axes = figure.subplot_mosaic(rows, width_ratios=(1.7, 1))
     left, right = ([axes[name] for name in column] for column in zip(*rows, strict=True))
     for panel in left[:-1]:
@@ -50,7 +52,7 @@ def plot_traces(trace: Trace, *, show_blobs: bool = False) -> Figure:
     style.show_steps(left[-1], trace)
     _draw_all_poses(left[:3], trace, show_blobs)
     _draw_plan(axes["plan"], trace)
-    if tracked:
+    if has_errors:
         _draw_errors(left[3:], right[3:], trace)
     style.rasterize_long_lines(figure.axes)
     figure.align_ylabels(left)

@@ -1,0 +1,268 @@
+"""The commands ``robsim robots``."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from robsim.cli import errors
+
+if TYPE_CHECKING:
+    from robsim.robots import RobotDefinition
+
+HELP = "Show, add and choose robots."
+
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    help=HELP
+    + "\n\nA robot is a picture from above, its outline, a red and a blue marker, a size and "
+    "an alignment. Some ship with robsim; your own live in your user folder, or in $ROBSIM_DATA.",
+    epilog="Start with: robsim robots list",
+)
+
+Name = Annotated[str, typer.Argument(help="Name of the robot.", show_default=False)]
+Colors = Annotated[
+    Path | None, typer.Option("--colors", help="Colour file.", show_default="that of robsim")
+]
+
+_FACES = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
+
+
+@app.command("list", epilog="Example: robsim robots list")
+def list_robots() -> None:
+    """List all robots, and which one is in use."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    from robsim.robots.choice import chosen_robot, gone
+    from robsim.robots.lookup import find_folder, own_robots, shipped_robots
+
+    wrong: list[object] = []
+    chosen = None
+    try:
+        chosen = find_folder(chosen_robot())
+        if chosen is None:
+            wrong.append(gone(chosen_robot()))
+    except ValueError as error:
+        wrong.append(error)
+    table = Table("robot", box=SIMPLE_HEAD, pad_edge=False)
+    for title in ("size", "alignment", "markers apart", "whose", ""):
+        table.add_column(title, no_wrap=True)
+    for whose, robots in (("ships with robsim", shipped_robots()), ("yours", own_robots())):
+        for name, folder in robots.items():
+            numbers = _numbers_of(folder, wrong)
+            table.add_row(name, *numbers, whose, "in use" if folder == chosen else "")
+            if folder != find_folder(name):
+                wrong.append(f"{folder}: another robot of this name comes first: rename the folder")
+    Console().print(table)
+    for sentence in wrong:
+        errors.tell(sentence)
+
+
+@app.command(epilog="Example: robsim robots show lab")
+def show(
+    name: Annotated[
+        str | None,
+        typer.Argument(help="A robot, or a folder with one.", show_default="the robot in use"),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", help="File for the drawing.", show_default="robot-NAME.png"),
+    ] = None,
+    colors: Colors = None,
+) -> None:
+    """Draw a robot with its outline, markers and heading, and say what is wrong with it."""
+    from robsim.plotting import plot_robot
+    from robsim.robots import check_colors, load_robot
+
+    with errors.told():
+        robot = load_robot(name)
+        problems = check_colors(robot, colors)
+        file = out or Path(f"robot-{re.sub(r'[^A-Za-z0-9_-]+', '-', robot.name)}.png")
+        file = file if file.suffix else file.with_suffix(".png")
+        file.parent.mkdir(parents=True, exist_ok=True)
+        plot_robot(robot).figure.figure.savefig(file)
+    print(_described(robot))
+    print(f"drawn in {file}")
+    for problem in problems:
+        errors.tell(problem)
+
+
+@app.command(
+    help="Add a robot to your own ones.\n\n"
+    "From a picture, what is not given is found in it. From another robot, all that is not given "
+    "is taken over. Look at it with [bold]robsim robots show[/], turn it with "
+    "[bold]robsim robots rotate[/].",
+    epilog="Example: robsim robots add mine photo.png --size 120",
+)
+def add(
+    name: Name,
+    source: Annotated[
+        str,
+        typer.Argument(help="A picture, a robot, or a folder with one.", show_default=False),
+    ],
+    size: Annotated[
+        float | None,
+        typer.Option(help="Work-area px that the picture's width stands for.", show_default="120"),
+    ] = None,
+    alignment: Annotated[
+        float | None,
+        typer.Option(help="Degrees clockwise until the robot faces right.", show_default="0"),
+    ] = None,
+    centre: Annotated[
+        str | None,
+        typer.Option(
+            help="Centre in the picture, as '240,250': px right,down.",
+            show_default="that of the outline",
+        ),
+    ] = None,
+    outline: Annotated[
+        str | None,
+        typer.Option(
+            help="Polygon, as '120,40 180,40 180,90'.", show_default="around what is opaque"
+        ),
+    ] = None,
+    red: Annotated[
+        str | None,
+        typer.Option(help="Polygon of the red marker.", show_default="the biggest red blob"),
+    ] = None,
+    blue: Annotated[
+        str | None,
+        typer.Option(help="Polygon of the blue marker.", show_default="the biggest blue blob"),
+    ] = None,
+    colors: Colors = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace a robot of yours of this name.")
+    ] = False,
+    anyway: Annotated[
+        bool, typer.Option("--anyway", help="Add it even if its colours are not seen.")
+    ] = False,
+) -> None:
+    """Add a robot to your own ones."""
+    from robsim.robots import add_robot
+
+    with errors.told():
+        robot = add_robot(
+            name,
+            source,
+            size=size,
+            alignment=alignment,
+            centre=_point("--centre", centre),
+            outline=_points("--outline", outline),
+            red=_points("--red", red),
+            blue=_points("--blue", blue),
+            colors=colors,
+            overwrite=overwrite,
+            ignore_colors=anyway,
+        )
+    print(_described(robot))
+    print(f"added: look at it with `robsim robots show {name}`, then `robsim robots use {name}`")
+
+
+# A negative number is no option here.
+@app.command(
+    epilog="Example: robsim robots rotate mine -90",
+    context_settings={"ignore_unknown_options": True},
+)
+def rotate(
+    name: Name,
+    degrees: Annotated[float, typer.Argument(help="How far, clockwise; negative: anticlockwise.")],
+) -> None:
+    """Turn the picture of one of your robots until it faces right."""
+    from robsim.robots import rotate_robot
+
+    with errors.told():
+        robot = rotate_robot(name, degrees)
+    print(_described(robot))
+
+
+@app.command(epilog="Example: robsim robots use lab")
+def use(name: Name) -> None:
+    """Choose the robot in use; the choice is kept."""
+    from robsim.robots import chosen_robot, use_robot
+
+    with errors.told():
+        use_robot(name)
+        print(f"in use: {chosen_robot()}")
+
+
+@app.command(epilog="Example: robsim robots reset")
+def reset() -> None:
+    """Go back to the robot "lab"."""
+    from robsim.robots import chosen_robot, reset_robot
+
+    with errors.told():
+        reset_robot()
+        print(f"in use: {chosen_robot()}")
+
+
+@app.command(epilog="Example: robsim robots remove mine")
+def remove(name: Name) -> None:
+    """Remove one of your robots."""
+    from robsim.robots import chosen_robot, remove_robot
+
+    with errors.told():
+        remove_robot(name)
+        print(f"removed: {name}; in use: {chosen_robot()}")
+
+
+def _numbers_of(folder: Path, wrong: list[object]) -> tuple[str, str, str]:
+    """Return size, alignment and marker distance; what keeps it from loading goes to `wrong`."""
+    from robsim.robots.files import read_robot
+
+    try:
+        robot = read_robot(folder)
+    except ValueError as error:
+        wrong.append(error)
+        return "damaged", "", ""
+    return f"{robot.size:g} px", _alignment(robot), f"{robot.locator().distance:.1f} px"
+
+
+def _alignment(robot: RobotDefinition) -> str:
+    facing = _FACES.get(robot.alignment % 360)
+    return f"{robot.alignment:g}°" + (f", faces {facing}" if facing else "")
+
+
+def _described(robot: RobotDefinition) -> str:
+    height, width = robot.image.shape[:2]
+    locator = robot.locator()
+    assert robot.centre is not None
+    right, down = robot.centre
+    side = "behind" if locator.offset >= 0 else "ahead of"
+    offset = f"{abs(locator.offset):.1f} px {side} the centre"
+    return (
+        f"{robot.name}: picture of {width} x {height} px, {robot.size:g} px wide on the work area\n"
+        f"  alignment  {_alignment(robot)}\n"
+        f"  centre     at ({right:.1f}, {down:.1f}) of the picture\n"
+        f"  outline    reaches {robot.radius:.1f} px from the centre\n"
+        f"  markers    {locator.distance:.1f} px apart, {offset}\n"
+        f"  areas      red {locator.red_area:.0f}, blue {locator.blue_area:.0f} px of the work area"
+    )
+
+
+def _points(option: str, text: str | None) -> Any:
+    """Return the points of a text such as 120,40 180,40 180,90."""
+    if text is None:
+        return None
+    try:
+        return [(float(right), float(down)) for right, down in map(_pair, text.split())]
+    except ValueError:
+        raise ValueError(
+            f"{option} must be points right,down such as '120,40 180,40 180,90', got {text!r}"
+        ) from None
+
+
+def _point(option: str, text: str | None) -> Any:
+    points = _points(option, text)
+    if points is not None and len(points) != 1:
+        raise ValueError(f"{option} must be one point right,down such as '240,250', got {text!r}")
+    return points and points[0]
+
+
+def _pair(text: str) -> list[str]:
+    return text.split(",")

@@ -1,0 +1,195 @@
+"""The commands ``robsim new`` and ``robsim run``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from robsim.cli import errors
+
+if TYPE_CHECKING:
+    from robsim.simulation import Simulation
+
+NEW_HELP = (
+    "Write the eight default callbacks into a folder, to be edited.\n\n"
+    "Each file is a stage of the loop: control.py, measure.py, ... Those that a run can do without "
+    "are switched off: set ENABLED = True in them. Then: robsim run FOLDER"
+)
+RUN_HELP = (
+    "Run a simulation, with the callbacks of a folder if you name one.\n\n"
+    "Figures and the trace go to a folder. Without callbacks the robot spins.\n\n"
+    "Example: robsim run mine --steps 300 --measure --seed 1"
+)
+
+
+def new(
+    folder: Annotated[Path, typer.Argument(help="The folder; made if there is none.")],
+) -> None:
+    """Write the default callbacks into a folder."""
+    from robsim.folders import new_folder
+
+    with errors.told():
+        files = new_folder(folder)
+    print(f"written to {folder}: {', '.join(file.name for file in files)}")
+    print(f"edit them, then: robsim run {folder}")
+
+
+def size(name: str, text: str | None) -> tuple[int, int] | None:
+    """Return width and height from text such as 640x480."""
+    if text is None:
+        return None
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise ValueError(f"{name} must be a size such as 640x480, got {text!r}")
+    return int(width), int(height)
+
+
+def run(
+    folder: Annotated[Path | None, typer.Argument(help="Folder with your callbacks.")] = None,
+    steps: Annotated[int, typer.Option("--steps", help="Steps of the run.")] = 500,
+    seed: Annotated[int | None, typer.Option("--seed", help="Seed of the run.")] = None,
+    measure: Annotated[
+        bool, typer.Option("--measure", help="Track the robot, if the folder does not.")
+    ] = False,
+    estimate_parameters: Annotated[
+        bool,
+        typer.Option("--estimate-parameters", help="The same for its parameters."),
+    ] = False,
+    noise: Annotated[
+        str, typer.Option("--noise", help="Noise of the camera: none, uniform, gaussian.")
+    ] = "none",
+    noise_percent: Annotated[
+        float | None, typer.Option("--noise-percent", help="Its level, such as 10.")
+    ] = None,
+    dropout: Annotated[
+        float, typer.Option("--dropout", help="Share of the steps that hide the robot, 0..1.")
+    ] = 0.0,
+    dropout_steps: Annotated[
+        int, typer.Option("--dropout-steps", help="Steps that it is hidden for at a time.")
+    ] = 1,
+    boundary: Annotated[
+        str, typer.Option("--boundary", help="bounce: walls. unlimited: the view follows.")
+    ] = "bounce",
+    rotation: Annotated[
+        str, typer.Option("--rotation", help="phases: 36 headings are shown. continuous: all.")
+    ] = "phases",
+    robot: Annotated[
+        str | None, typer.Option("--robot", help="Name or folder. Default: the one in use.")
+    ] = None,
+    locator: Annotated[
+        str | None, typer.Option("--locator", help="Robot whose markers to look for.")
+    ] = None,
+    area: Annotated[
+        str | None,
+        typer.Option("--area", metavar="WxH", help="Work area in px: 1200x1200."),
+    ] = None,
+    camera: Annotated[
+        str | None,
+        typer.Option("--camera", metavar="WxH", help="Frame in px: as the area."),
+    ] = None,
+    time_limit: Annotated[
+        float | None, typer.Option("--time-limit", help="Most seconds that a callback may take.")
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(
+        "robsim-run"
+    ),
+    video: Annotated[
+        Path | None,
+        typer.Option("--video", help="Video of the run: .mp4, .webm, .mkv (lossless)."),
+    ] = None,
+    record: Annotated[
+        Path | None, typer.Option("--record", help="The same as the camera saw it, to practise on.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")
+    ] = False,
+) -> None:
+    """Run a simulation."""
+    from robsim.simulation import Simulation
+
+    with errors.told(folder):
+        options: dict[str, Any] = {
+            "robot": robot,
+            "locator": locator,
+            "area": size("--area", area),
+            "camera": size("--camera", camera),
+            "boundary": boundary,
+            "rotation": rotation,
+            "noise": noise,
+            "noise_percent": noise_percent,
+            "dropout": dropout,
+            "dropout_steps": dropout_steps,
+            "seed": seed,
+            "time_limit": time_limit,
+            "measure": measure or None,
+            "estimate_parameters": estimate_parameters or None,
+        }
+        if folder is None:
+            simulation = Simulation(**options)
+        else:
+            simulation = Simulation.from_folder(folder, **options)
+        run_kept(simulation, steps, out)
+    finish(simulation, out, as_json=as_json, video=video, record=record)
+
+
+def run_kept(simulation: Simulation, steps: int | None, out: Path) -> None:
+    """Run a simulation; if something ends it early, keep what was recorded by then."""
+    try:
+        simulation.run(steps, progress=True)
+    except KeyboardInterrupt:
+        errors.note(f"stopped after {len(simulation.trace)} steps")
+    except Exception:
+        if trace := simulation.trace:
+            out.mkdir(parents=True, exist_ok=True)
+            trace.save(out / "cut-short.npz")
+            errors.note(f"the {len(trace)} steps until then are kept in {out / 'cut-short.npz'}")
+        raise
+
+
+def finish(
+    simulation: Simulation,
+    out: Path,
+    *,
+    as_json: bool,
+    video: Path | None = None,
+    record: Path | None = None,
+) -> None:
+    """Write the results of a run, and say what they are."""
+    from robsim.results import write_results
+
+    if not len(simulation.trace):
+        errors.note("no steps, no results")
+        return
+    with errors.told():
+        results = write_results(out, simulation)
+        _write_videos(simulation, video, record)
+    if as_json:
+        print(json.dumps(results.to_dict(), indent=2))
+        return
+    if text := str(results):
+        print(text)
+    print(f"written to {out}: {', '.join(file.name for file in results.files)}")
+    for file in filter(None, (video, record)):
+        print(f"written: {file}")
+
+
+def _write_videos(simulation: Simulation, video: Path | None, record: Path | None) -> None:
+    from tqdm.auto import tqdm
+
+    from robsim.plotting.replay import annotated_frames
+    from robsim.video import write_video
+
+    trace = simulation.trace
+    for file, is_annotated in ((video, True), (record, False)):
+        if file is None:
+            continue
+        frames = (simulation.frame_of(int(k)) for k in trace.k)
+        shown: Any = frames
+        if is_annotated:
+            robot, colors = simulation.robot, simulation.colors
+            shown = annotated_frames(frames, trace, robot=robot, colors=colors)
+        shown = tqdm(shown, total=len(trace), unit="frame", desc=file.name)
+        write_video(file, shown, fps=1 / trace.info.dt)

@@ -1,0 +1,109 @@
+"""The command ``robsim track``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.run import finish, size
+
+if TYPE_CHECKING:
+    from robsim.recordings import Recording
+    from robsim.simulation import Simulation
+
+HELP = (
+    "Track the robot in a video file or a folder of images.\n\n"
+    "Gives its trace, the figures and an annotated video. A camera that looks at the floor at an "
+    "angle needs four points whose places are known.\n\n"
+    "Example: robsim track run.mkv --area 1200x1200 --robot lab --out tracked"
+)
+
+
+def points(name: str, text: str) -> list[list[float]]:
+    """Return points from text such as "10,20 600,25 590,440 15,450"."""
+    try:
+        pairs = [[float(number) for number in pair.split(",")] for pair in text.split()]
+    except ValueError:
+        pairs = []
+    if len(pairs) != 4 or any(len(pair) != 2 for pair in pairs):
+        raise ValueError(f'{name} must be four points such as "0,0 9,0 9,9 0,9", got {text!r}')
+    return pairs
+
+
+def track(
+    source: Annotated[Path, typer.Argument(help="Video file, or folder of images.")],
+    robot: Annotated[
+        str | None, typer.Option("--robot", help="Name or folder. Default: the one in use.")
+    ] = None,
+    colors: Annotated[
+        Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")
+    ] = None,
+    area: Annotated[
+        str | None,
+        typer.Option("--area", metavar="WxH", help="Work area in px: as the frames."),
+    ] = None,
+    pixels: Annotated[
+        str | None,
+        typer.Option("--pixels", metavar="POINTS", help="Four points in the frames."),
+    ] = None,
+    places: Annotated[
+        str | None,
+        typer.Option("--places", metavar="POINTS", help="Where they are on the floor."),
+    ] = None,
+    dt: Annotated[
+        float | None, typer.Option("--dt", help="Seconds between two frames: as the video says.")
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(
+        "robsim-track"
+    ),
+    video: Annotated[
+        bool, typer.Option(help="Write the annotated video, tracked.mp4, too.")
+    ] = True,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")
+    ] = False,
+) -> None:
+    """Track the robot in a video file or a folder of images."""
+    from robsim.four_points import plane_map_from_points
+    from robsim.recordings import Recording
+    from robsim.simulation import Simulation
+
+    with errors.told():
+        plane_map = None
+        if pixels is not None and places is not None:
+            seen, there = points("--pixels", pixels), points("--places", places)
+            plane_map = plane_map_from_points(seen, there)
+        elif pixels is not None or places is not None:
+            raise ValueError("--pixels and --places belong together: give both, or none")
+        recording = Recording(source, plane_map=plane_map, area=size("--area", area), dt=dt)
+        simulation = Simulation(frames=recording, robot=robot, colors=colors)
+    failure = None
+    try:
+        simulation.run(progress=True)
+    except KeyboardInterrupt:
+        errors.note(f"stopped after {len(simulation.trace)} frames")
+    except (ValueError, OSError) as error:
+        failure = error
+    finish(simulation, out, as_json=as_json)
+    if video and len(simulation.trace):
+        with errors.told():
+            _write_video(simulation, recording, out / "tracked.mp4")
+    if failure is not None:
+        errors.tell(f"{failure}; the {len(simulation.trace)} frames before it are tracked")
+        raise typer.Exit(code=2)
+
+
+def _write_video(simulation: Simulation, recording: Recording, file: Path) -> None:
+    from tqdm.auto import tqdm
+
+    from robsim.plotting.replay import annotated_frames
+    from robsim.video import write_video
+
+    trace = simulation.trace
+    shown = annotated_frames(recording, trace, robot=simulation.robot, colors=simulation.colors)
+    write_video(
+        file, tqdm(shown, total=len(trace), unit="frame", desc=file.name), fps=1 / recording.dt
+    )

@@ -1,0 +1,25 @@
+"""Robots: what they look like, where they are kept, which one is in use."""
+
+from robsim.robots.choice import chosen_robot, reset_robot
+from robsim.robots.colors_seen import check_colors
+from robsim.robots.definition import RobotDefinition
+from robsim.robots.files import save_robot
+from robsim.robots.finding import robot_from_picture
+from robsim.robots.lookup import as_robot, load_robot, robot_names, use_robot
+from robsim.robots.own import add_robot, remove_robot, rotate_robot
+
+__all__ = [
+    "RobotDefinition",
+    "add_robot",
+    "as_robot",
+    "check_colors",
+    "chosen_robot",
+    "load_robot",
+    "remove_robot",
+    "reset_robot",
+    "robot_from_picture",
+    "robot_names",
+    "rotate_robot",
+    "save_robot",
+    "use_robot",
+]

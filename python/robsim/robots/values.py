@@ -1,0 +1,57 @@
+"""Checked numbers, points, polygons."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_MOST_POINTS = 1000
+_FARTHEST = 1e6  # picture px, beyond any picture
+
+
+def number(name: str, value: Any) -> float:
+    """Return a plain number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise TypeError(f"{name} must be a number, got {value!r}")
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def numbers(name: str, value: Any, shape: tuple[int, ...]) -> Floats:
+    """Return finite numbers of a shape; -1 = any size."""
+    message = f"{name} must be finite numbers of shape {shape}, got {value!r}"
+    try:
+        result = np.asarray(value)
+    except (TypeError, ValueError):
+        raise ValueError(message) from None
+    if result.dtype.kind not in "iuf" or result.ndim != len(shape):
+        raise ValueError(message)
+    if any(size not in (-1, got) for size, got in zip(shape, result.shape, strict=True)):
+        raise ValueError(message)
+    if not np.isfinite(result).all():
+        raise ValueError(message)
+    return result.astype(np.float64)
+
+
+def polygon(name: str, value: Any) -> Floats:
+    """Return a polygon (N, 2) with an area; points that repeat the one before are left out."""
+    points = numbers(name, value, (-1, 2))
+    if abs(points).max(initial=0) > _FARTHEST:
+        raise ValueError(f"{name} must be a polygon within {_FARTHEST:g} px, got {value!r}")
+    if len(points) > 1:
+        points = np.asarray(points[(points != np.roll(points, 1, axis=0)).any(axis=1)])
+    if not 3 <= len(points) <= _MOST_POINTS:
+        raise ValueError(
+            f"{name} must be a polygon of 3 to {_MOST_POINTS} different points, got "
+            f"{len(np.unique(points, axis=0))}"
+        )
+    if np.linalg.matrix_rank(points - points[0], tol=1e-6) < 2:
+        raise ValueError(f"{name} must be a polygon with an area, got points on a line")
+    return points

@@ -1,0 +1,25 @@
+"""The controller: what drives the robot.
+
+Called at every step, last of all. Gets `step`, what the robot may know:
+    step.k, step.t, step.dt   number of the step, time (s), time between two steps (s)
+    step.measurement          step.measurement.pose is x, y (px), heading (rad). None: not seen,
+                              or ENABLED = False in measure.py
+    step.estimate             the same from estimate_state.py: step.estimate.pose, or None
+    step.parameters           the parameters of the robot from estimate_parameters.py, or None
+    step.u                    the last voltages (V)
+    step.frame, step.blobs    the camera's picture and the patches of colour in it
+Returns the voltages of the left and of the right motor (V).
+x goes to the right and y down; the heading counts from +x towards +y, clockwise on the picture.
+"""
+
+ENABLED = True  # False: robsim's own default instead of this file
+
+
+def control(step):
+    """Turn on the spot, slowly, to the right."""
+    # To try: a curve.
+    # return 0.3, 0.28
+    # To try: stop when facing down. For this, set ENABLED = True in measure.py.
+    # if step.measurement is not None and step.measurement.pose[2] > 1.57:
+    #     return 0.0, 0.0
+    return 0.05, -0.05

@@ -1,0 +1,34 @@
+"""Where the camera sees the robot.
+
+Called at every step, with a new frame. Gets `step`, of which you need:
+    step.frame.image       the picture: an array (H, W, 3) of uint8, RGB, read-only
+    step.frame.plane_map   pixels to the work area: to_world((u, v)) gives (x, y) in px
+    step.blobs             the patches of each colour, the largest first: step.blobs["red"] and
+                           step.blobs["blue"] are lists; a blob has .centroid (u, v) and .area,
+                           in pixels of the frame
+    step.locator           how the robot carries its markers: .distance from red to blue, .offset
+                           from the middle between them forward to the robot's centre (px)
+Returns a Measurement of x, y (px), heading (rad). None: the robot was not seen.
+"""
+
+import robsim
+
+ENABLED = False  # True: this stage is on
+
+
+def measure(step):
+    """Find the red and the blue blob that lie as far apart as the robot's markers."""
+    # To try: the same by hand. Red is on the lab robot's right and blue on its left.
+    # import numpy as np
+    # for red_blob in step.blobs["red"]:
+    #     for blue_blob in step.blobs["blue"]:
+    #         red = step.frame.plane_map.to_world(red_blob.centroid)
+    #         blue = step.frame.plane_map.to_world(blue_blob.centroid)
+    #         distance = np.linalg.norm(red - blue)
+    #         if abs(distance - step.locator.distance) < 0.08 * step.locator.distance:
+    #             right_x, right_y = (red - blue) / distance
+    #             forward = np.array((right_y, -right_x))
+    #             x, y = (red + blue) / 2 + step.locator.offset * forward
+    #             return robsim.Measurement((x, y, np.arctan2(-right_x, right_y)))
+    # return None
+    return robsim.locate(step.blobs, step.locator, step.frame.plane_map)

@@ -1,0 +1,166 @@
+"""The commands new, run and track, as a student types them."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import robsim
+
+
+def cli(*arguments, cwd):
+    command = [sys.executable, "-m", "robsim", *arguments]
+    environment = {**os.environ, "COLUMNS": "200"}
+    return subprocess.run(
+        command, capture_output=True, text=True, cwd=cwd, timeout=100, env=environment
+    )
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory):
+    """Return a folder with untouched callbacks and a first run of them."""
+    desk = tmp_path_factory.mktemp("desk")
+    assert cli("new", "mine", cwd=desk).returncode == 0
+    run = cli("run", "mine", "--steps", "12", "--measure", "--seed", "1", cwd=desk)
+    assert run.returncode == 0, run.stderr
+    assert "tracking: 12 steps, 12 valid (100.0 %)" in run.stdout
+    assert "written to robsim-run: camera.png, traces.png, trace.npz" in run.stdout
+    return desk
+
+
+@pytest.fixture
+def mine(desk, tmp_path):
+    shutil.copytree(desk / "mine", tmp_path / "mine")
+    shutil.copytree(desk / "robsim-run", tmp_path / "robsim-run")
+    return tmp_path / "mine"
+
+
+def test_an_untouched_folder_and_none_give_the_same_trace(desk):
+    run = cli(
+        "run", "--steps", "12", "--measure", "--seed", "1", "--out", "plain", "--json", cwd=desk
+    )
+    assert json.loads(run.stdout)["tracking"]["valid"] == 12
+    one, other = (
+        robsim.Trace.load(desk / folder / "trace.npz") for folder in ("robsim-run", "plain")
+    )
+    assert one.names == other.names
+    for name in one.names:
+        np.testing.assert_array_equal(one[name], other[name])
+
+
+def test_new_does_not_overwrite(desk):
+    run = cli("new", "mine", cwd=desk)
+    assert run.returncode == 2
+    assert "mine has define_model.py" in run.stderr
+
+
+def test_a_syntax_error_names_file_and_line_and_leaves_the_last_results_alone(mine):
+    before = {file: file.read_bytes() for file in (mine.parent / "robsim-run").iterdir()}
+    (mine / "control.py").write_text("def control(step):\n    return (0.1, 0.2\n")
+    run = cli("run", "mine", "--steps", "5", cwd=mine.parent)
+    assert run.returncode == 1
+    assert "while loading mine/control.py" in run.stderr
+    assert "line 2" in run.stderr
+    assert "SyntaxError" in run.stderr
+    assert "Traceback" not in run.stderr
+    assert {file: file.read_bytes() for file in (mine.parent / "robsim-run").iterdir()} == before
+
+
+def test_an_exception_names_the_line_and_the_steps_before_are_kept(mine):
+    (mine / "control.py").write_text(
+        "def control(step):\n    return 1 / (4 - step.k), 0.0\n", encoding="utf-8"
+    )
+    run = cli("run", "mine", "--steps", "9", cwd=mine.parent)
+    assert run.returncode == 1
+    assert "in the callback control at step 4" in run.stderr
+    assert 'control.py", line 2, in control' in run.stderr
+    assert "ZeroDivisionError" in run.stderr
+    assert "simulation.py" not in run.stderr
+    assert len(robsim.Trace.load(mine.parent / "robsim-run" / "cut-short.npz")) == 4
+
+
+def test_a_wrong_return_and_a_hanging_callback(mine):
+    (mine / "control.py").write_text("def control(step):\n    return 'left'\n")
+    run = cli("run", "mine", "--steps", "5", cwd=mine.parent)
+    assert run.returncode == 2
+    assert "in the callback control at step 0" in run.stderr
+    (mine / "control.py").write_text("def control(step):\n    while True:\n        pass\n")
+    run = cli("run", "mine", "--steps", "5", "--time-limit", "0.3", cwd=mine.parent)
+    assert run.returncode == 1
+    assert "longer than time_limit = 0.3 s" in run.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("run", "none"), "no folder none: robsim new none makes one"),
+        (("run", "--camera", "large"), "--camera must be a size such as 640x480, got 'large'"),
+        (("run", "--noise", "loud"), "noise must be one of"),
+        (("run", "--noise", "uniform"), "noise='uniform' needs a level"),
+        (("run", "--robot", "nobody"), "no robot 'nobody'"),
+        (("run", "--dropout", "2"), "dropout must lie within 0..1"),
+        (("run", "--boundary", "fence"), "boundary must be one of"),
+        (("track", "none.mp4"), "there is no file or folder none.mp4"),
+        (("track", ".", "--pixels", "1,2 3,4"), "--pixels and --places belong together"),
+        (("track", ".", "--pixels", "1,2", "--places", "1,2"), "--pixels must be four points"),
+        (("track", "."), "there are no images in the folder"),
+    ],
+)
+def test_a_wrong_call_says_what_is_wrong(arguments, message, tmp_path):
+    run = cli(*arguments, cwd=tmp_path)
+    assert run.returncode == 2
+    assert message in run.stderr
+    assert "Traceback" not in run.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_with_estimates_writes_their_figures(tmp_path):
+    run = cli(
+        "run", "--steps", "30", "--estimate-parameters", "--boundary", "unlimited", cwd=tmp_path
+    )
+    assert run.returncode == 0, run.stderr
+    names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
+    assert names == {"camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"}
+    assert "Batch estimate from truth" in run.stdout
+
+
+def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
+    pytest.importorskip("cv2")
+    run = cli(
+        *("run", "--steps", "8", "--measure", "--seed", "2", "--rotation", "continuous"),
+        *("--camera", "600x600", "--record", "run.mkv", "--video", "run.webm"),
+        cwd=tmp_path,
+    )
+    assert run.returncode == 0, run.stderr
+    assert (tmp_path / "run.webm").stat().st_size > 10_000
+    run = cli("track", "run.mkv", "--area", "1200x1200", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert "tracking: 8 steps, 8 valid (100.0 %)\n" in run.stdout
+    one, other = (
+        robsim.Trace.load(tmp_path / folder / "trace.npz")
+        for folder in ("robsim-run", "robsim-track")
+    )
+    np.testing.assert_array_equal(one.measured, other.measured)
+    recording = robsim.Recording(tmp_path / "robsim-track" / "tracked.mp4")
+    assert len(list(recording)) == 8
+
+
+def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
+    sim = robsim.Simulation(camera=(400, 400), seed=1)
+    (tmp_path / "frames").mkdir()
+    for k in range(12):
+        image = sim.step().frame.image
+        robsim.write_picture(
+            tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300]
+        )
+    run = cli("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
+    assert run.returncode == 2
+    assert "frame10.png is 400 x 300 px large, the frames before it 400 x 400" in run.stderr
+    assert "the 10 frames before it are tracked" in run.stderr
+    trace = robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")
+    assert len(trace) == 10
+    assert trace.valid.all()

@@ -1,0 +1,120 @@
+import base64
+import io
+import re
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import robsim
+from robsim.clip import Clip
+
+
+def frames(count=6, *, width=60, height=40):
+    """Frames with a bright square that moves to the right."""
+    for number in range(count):
+        pixels = np.full((height, width, 3), 60, dtype=np.uint8)
+        pixels[10:30, 5 * number : 5 * number + 20] = (255, 200, 0)
+        yield pixels
+
+
+def opened(clip):
+    """The picture in a clip's HTML."""
+    data = re.search(r'src="data:image/webp;base64,([^"]+)"', clip._repr_html_())[1]
+    return Image.open(io.BytesIO(base64.b64decode(data)))
+
+
+def test_plays_all_frames_at_the_rate_for_ever():
+    clip = Clip(frames(), fps=5)
+    assert len(clip) == 6
+    with opened(clip) as picture:
+        assert (picture.format, picture.n_frames, picture.info["loop"]) == ("WEBP", 6, 0)
+        for number, wanted in enumerate(frames()):
+            picture.seek(number)
+            picture.load()
+            assert picture.info["duration"] == 200
+            error = np.abs(np.asarray(picture.convert("RGB"), dtype=float) - wanted)
+            assert error.mean() < 10
+
+
+def test_says_how_large_it_is():
+    clip = Clip(frames(), fps=5)
+    html = clip._repr_html_()
+    assert 'width="60" height="40" alt="a clip of 6 frames"' in html
+    assert re.fullmatch(r"<Clip: 6 frames of 60 x 40 px, [1-9] kB>", repr(clip))
+
+
+@pytest.mark.parametrize(
+    ("width", "size"),
+    [(30, (30, 20)), (25, (25, 17)), (1, (1, 1)), (60, (60, 40)), (480, (60, 40))],
+)
+def test_is_reduced_to_a_width_but_never_enlarged(width, size):
+    with opened(Clip(frames(), fps=5, width=width)) as picture:
+        assert picture.size == size
+
+
+def test_takes_frames_and_needs_no_opencv(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    clip = Clip((robsim.Frame(pixels) for pixels in frames(2)), fps=10)
+    assert len(clip) == 2
+
+
+@pytest.mark.parametrize("ending", [".webp", ".gif", ".GIF"])
+def test_save(tmp_path, ending):
+    path = tmp_path / f"clip{ending}"
+    Clip(frames(), fps=5).save(path)
+    with Image.open(path) as picture:
+        assert picture.format == ending[1:].upper()
+        assert picture.n_frames == 6
+        picture.seek(5)
+        last = np.asarray(picture.convert("RGB"), dtype=float)
+        assert picture.info["duration"] == 200
+        assert picture.info["loop"] == 0
+    *_, wanted = frames()
+    assert np.abs(last - wanted).mean() < 15
+
+
+def test_a_run_stays_small():
+    simulation = robsim.Simulation(seed=1, noise="gaussian", noise_percent=5)
+    clip = Clip((simulation.step().frame for _ in range(20)), fps=5)
+    assert opened(clip).size == (480, 480)
+    assert len(clip._repr_html_()) < 20 * 30_000
+
+
+def test_one_frame():
+    with opened(Clip(frames(1), fps=5)) as picture:
+        assert picture.n_frames == 1
+
+
+def test_no_frames():
+    with pytest.raises(ValueError, match="frames: a clip needs at least one, got none"):
+        Clip([], fps=5)
+
+
+def test_a_change_of_size():
+    with pytest.raises(ValueError, match="frame 6 is 50 x 40 px large, the frames before it 60 x"):
+        Clip([*frames(), *frames(width=50)], fps=5)
+
+
+@pytest.mark.parametrize("width", [0, -5, 20_000])
+def test_widths_that_do_not_fit(width):
+    with pytest.raises(ValueError, match=r"width must lie within 1\.\.16383 px, got"):
+        Clip(frames(), fps=5, width=width)
+
+
+@pytest.mark.parametrize("fps", [0, -1, 61, np.nan])
+def test_rates_that_do_not_fit(fps):
+    with pytest.raises(ValueError, match=r"fps must lie within 0\.1\.\.60 per second, got"):
+        Clip(frames(), fps=fps)
+
+
+def test_frames_of_another_kind():
+    with pytest.raises(TypeError, match="frames must be Frames or arrays, got 1"):
+        Clip([1, 2], fps=5)
+
+
+@pytest.mark.parametrize("name", ["clip.mp4", "clip"])
+def test_other_endings(tmp_path, name):
+    with pytest.raises(ValueError, match=r"must end in \.webp or \.gif"):
+        Clip(frames(), fps=5).save(tmp_path / name)

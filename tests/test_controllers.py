@@ -1,0 +1,345 @@
+from dataclasses import FrozenInstanceError
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.controllers import FollowPath, GoToPoint
+from robsim.path_score import score_path
+
+NOISY = {"camera": (400, 400), "noise": "gaussian", "noise_percent": 10, "measure": True}
+SMALL = {"camera": (240, 240)}
+MODELS = {"slides sideways": None, "does not": robsim.Unicycle()}
+SQUARE = [(850, 400), (850, 850), (400, 850), (400, 400)]
+TURNS = np.linspace(0, 2 * np.pi, 25)[1:]
+EIGHT = 600 + 230 * np.column_stack((np.sin(TURNS), np.sin(2 * TURNS)))
+
+
+def seen(k, *pose, estimate=None):
+    """What a controller sees of step k: a measured pose, or none."""
+    measurement = robsim.Measurement(pose) if pose else None
+    if estimate is not None:
+        estimate = robsim.Estimate(estimate, np.eye(3))
+    return SimpleNamespace(k=k, dt=0.2, measurement=measurement, estimate=estimate)
+
+
+# --- the law, step by step
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.0, np.pi, -2.5])
+def test_a_goal_ahead_or_behind_is_driven_to_straight(heading):
+    along = 300 * np.array([np.cos(heading), np.sin(heading)])
+    u1, u2 = GoToPoint(*(600 + along))(seen(0, 600, 600, heading))
+    assert u1 == pytest.approx(u2)
+    assert u1 == pytest.approx(1.0)
+    u1, u2 = GoToPoint(*(600 - along))(seen(0, 600, 600, heading))
+    assert u1 == pytest.approx(u2)
+    assert u1 == pytest.approx(-1.0)
+
+
+def test_a_goal_to_the_right_lets_the_left_wheel_go_faster():
+    # y points down: larger y is to the right of a robot that faces +x
+    u1, u2 = GoToPoint(900, 700)(seen(0, 600, 600, 0.0))
+    assert u1 > u2 > 0
+    u1, u2 = GoToPoint(900, 500)(seen(0, 600, 600, 0.0))
+    assert u2 > u1 > 0
+    # behind and to the right: backwards, tail to the right, so it turns to the left
+    u1, u2 = GoToPoint(300, 700)(seen(0, 600, 600, 0.0))
+    assert u1 < u2 < 0
+
+
+def test_at_the_goal_the_motors_rest():
+    control = GoToPoint(600, 600)
+    for k in range(5):
+        assert control(seen(k, 602, 597, 1.0)) == (0.0, 0.0)
+
+
+def test_turning_comes_before_driving():
+    u1, u2 = GoToPoint(600 + 10, 900, heading_gain=50)(seen(0, 600, 600, 0.0))
+    assert (u1, u2) == (1.0, -1.0)
+    u1, u2 = GoToPoint(900, 900, heading_gain=0.5)(seen(0, 600, 600, 0.0))
+    assert u1 == pytest.approx(1.0)
+    assert u1 - u2 == pytest.approx(2 * 0.5 * np.pi / 4)
+
+
+def test_a_sideways_slide_is_braked():
+    control = GoToPoint(1000, 600)
+    for k in range(10):
+        u1, u2 = control(seen(k, 600, 500 + 4.0 * k, 0.0))  # slides to the right, 20 px/s
+    assert u2 > u1
+
+
+@pytest.mark.parametrize("gap", [1, 2, 4])
+def test_speed_is_per_time_even_when_steps_are_missed(gap):
+    # At the wanted speed there is nothing to do; taken for faster, the robot would brake.
+    control = GoToPoint(10_000, 0, max_speed=20)
+    for k in range(0, 60, gap):
+        u = control(seen(k, 4.0 * k, 0, 0.0))
+        for missed in range(k + 1, k + gap):
+            assert control(seen(missed)) == (0.0, 0.0)
+    assert u == (0.0, 0.0)
+
+
+def test_a_turn_through_half_a_turn_is_a_small_one():
+    control = GoToPoint(0, 600)
+    control(seen(0, 600, 600, np.pi - 0.01))
+    u1, u2 = control(seen(1, 600, 600, -np.pi + 0.01))
+    assert abs(u1 - u2) < 0.1
+
+
+def test_a_pose_of_long_ago_says_nothing_of_the_speed():
+    control = GoToPoint(900, 500)
+    control(seen(0, 100, 100, 0.0))
+    assert control(seen(50, 600, 600, 0.0)) == GoToPoint(900, 500)(seen(50, 600, 600, 0.0))
+    # asked again at the same step, it answers the same
+    assert control(seen(50, 600, 600, 0.0)) == GoToPoint(900, 500)(seen(50, 600, 600, 0.0))
+
+
+@pytest.mark.parametrize("make", [GoToPoint, lambda x, y: FollowPath([(x, y)])])
+def test_a_robot_that_is_not_seen_coasts(make):
+    control = make(900, 300)
+    assert control(seen(0)) == (0.0, 0.0)
+    assert control(seen(1, 600, 600, 0.0)) != (0.0, 0.0)
+    assert control(seen(2)) == (0.0, 0.0)
+
+
+def test_the_estimate_comes_before_the_measurement():
+    facing_goal, facing_away = (600, 600, 0.0), (600, 600, np.pi)
+    control = GoToPoint(900, 600)
+    assert control(seen(0, *facing_away, estimate=facing_goal)) == (1.0, 1.0)
+    assert GoToPoint(900, 600)(seen(0, estimate=facing_goal)) == (1.0, 1.0)
+    assert GoToPoint(900, 600)(seen(0, *facing_away)) == pytest.approx((-1.0, -1.0))
+
+
+@pytest.mark.parametrize("max_voltage", [0.1, 0.3, 1.0, 2.7])
+def test_no_voltage_is_above_the_limit(max_voltage, rng):
+    controls = [
+        GoToPoint(600, 600, max_voltage=max_voltage),
+        FollowPath(rng.uniform(0, 1200, (5, 2)), max_voltage=max_voltage),
+        GoToPoint(600, 600, max_voltage=max_voltage, heading_gain=30, speed_gain=20, turn_gain=9),
+    ]
+    largest = np.zeros(3)
+    for k in range(300):
+        pose = (*rng.uniform(0, 1200, 2), rng.uniform(-np.pi, np.pi))
+        u = np.abs([control(seen(k, *pose)) for control in controls])
+        assert u.max() <= max_voltage
+        largest = np.maximum(largest, u.max(axis=1))
+    np.testing.assert_allclose(largest, max_voltage)
+
+
+# --- the memory of a path
+
+
+def test_a_path_heads_for_its_waypoints_one_after_the_other():
+    control = FollowPath([(100, 0), (100, 100), (0, 100)], reach=20)
+    places = [((0, 0), 0), ((100, 90), 0), ((85, 0), 1), ((90, 90), 2)]
+    for k, (place, heading_for) in enumerate(places):
+        control(seen(k, *place, 0.0))
+        assert control.heading_for == heading_for
+    # the last one stays the last
+    assert control(seen(30, 0, 100, 0.0)) == (0.0, 0.0)
+    assert control.heading_for == 2
+
+
+@pytest.mark.parametrize("first", [(), (0, 0, 0.0)])
+def test_a_path_starts_anew_with_a_new_run(first):
+    control = FollowPath([(100, 0), (100, 100)])
+    control(seen(5, 100, 0, 0.0))
+    assert control.heading_for == 1
+    # the robot may not be seen at step 0; and a run may be entered later, as long as time goes back
+    control(seen(0, *first))
+    control(seen(3, 0, 0, 0.0))
+    assert control.heading_for == 0
+    control(seen(9, 100, 0, 0.0))
+    control(seen(8, 0, 0, 0.0))
+    assert control.heading_for == 0
+
+
+def test_a_long_dropout_does_not_start_a_path_anew():
+    control = FollowPath([(100, 0), (100, 100)])
+    control(seen(0, 100, 0, 0.0))
+    control(seen(100, 60, 60, 0.0))
+    assert control.heading_for == 1
+
+
+def test_the_first_line_begins_where_the_robot_is_first_seen():
+    # On the line from (0, 0) to (1000, 0), and pushed off it: back towards it, y upwards.
+    control = FollowPath([(1000, 0)], speed_gain=1.0, lookahead=30)
+    control(seen(7, 0, 0, 0.0))
+    u1, u2 = control(seen(60, 500, 40, 0.0))
+    assert u2 > u1
+    u1, u2 = FollowPath([(1000, 0)], speed_gain=1.0, lookahead=30)(seen(60, 500, 40, 0.0))
+    assert abs(u1 - u2) < 0.2
+
+
+CORNERS = {
+    # what comes after the line from (0, 0) to (100, 0), and what the robot at (70, 0) does there
+    "straight on": ([(200, 0)], "drives on"),
+    "a gentle corner": ([(200, 50)], "drives on"),
+    "a sharp corner": ([(100, 100)], "slows down"),
+    "back again": ([(0, 0)], "slows down"),
+    "the end": ([], "slows down"),
+    "twice the same": ([(100, 0), (200, 0)], "slows down"),
+}
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+def test_it_slows_down_at_the_end_and_at_sharp_corners_only(corner):
+    after, expected = CORNERS[corner]
+    control = FollowPath([(100, 0), *after], lookahead=60, max_voltage=9)
+    control(seen(0, 0, 0, 0.0))
+    drive = sum(control(seen(20, 70, 0, 0.0))) / 2
+    # speed_gain distance_gain = 0.05 V/px
+    assert drive == pytest.approx(0.05 * {"drives on": 60, "slows down": 30}[expected], rel=0.1)
+
+
+def test_off_the_line_it_comes_back_before_it_goes_round_a_corner():
+    control = FollowPath([(100, 0), (200, 50)], lookahead=60, reach=20)
+    control(seen(0, 0, 0, 0.0))
+    # past the waypoint, without having reached it: backwards
+    assert sum(control(seen(20, 150, 25, 0.0))) < 0
+    assert control.heading_for == 0
+
+
+def test_waypoints_may_lie_on_each_other():
+    control = FollowPath([(100, 0), (100, 0), (100, 0)], reach=0)
+    for k, x in enumerate((0, 100, 100, 160)):
+        assert np.isfinite(control(seen(k, x, 0, 0.0))).all()
+    assert control.heading_for == 2
+
+
+def test_the_options_are_fixed_and_the_waypoints_are_copied():
+    mine = np.array([[1.0, 2.0], [3.0, 4.0]])
+    path = FollowPath(mine, reach=10)
+    mine[:] = 0
+    np.testing.assert_array_equal(path.waypoints, [[1, 2], [3, 4]])
+    with pytest.raises(FrozenInstanceError):
+        path.reach = 30
+    with pytest.raises(FrozenInstanceError):
+        GoToPoint(1, 2).max_voltage = 3
+    assert repr(GoToPoint(1, 2)).startswith("GoToPoint(")
+    assert "_motion" not in repr(GoToPoint(1, 2))
+
+
+OPTIONS = [
+    "max_voltage", "max_speed", "distance_gain", "speed_gain", "heading_gain", "turn_gain",
+    "min_voltage",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_wrong_options_are_named(name):
+    for wrong, error in [
+        (-0.1, ValueError),
+        (np.nan, ValueError),
+        (np.inf, ValueError),
+        ("1", TypeError),
+        (None, TypeError),
+        (True, TypeError),
+    ]:
+        with pytest.raises(error, match=f"^{name} must be"):
+            GoToPoint(1, 2, **{name: wrong})
+        with pytest.raises(error, match=f"^{name} must be"):
+            FollowPath([(1, 2)], **{name: wrong})
+
+
+def test_wrong_places_are_named():
+    with pytest.raises(ValueError, match=r"^x must be finite \(px\), got nan"):
+        GoToPoint(np.nan, 2)
+    with pytest.raises(TypeError, match=r"^y must be a number"):
+        GoToPoint(1, (2, 3))
+    with pytest.raises(ValueError, match=r"^waypoints must be an array"):
+        FollowPath([1, 2])
+    with pytest.raises(ValueError, match=r"^reach must be finite and at least 0"):
+        FollowPath([(1, 2)], reach=-1)
+    with pytest.raises(ValueError, match=r"^lookahead must be finite and at least 0"):
+        FollowPath([(1, 2)], lookahead=np.nan)
+    with pytest.raises(TypeError):
+        GoToPoint(1, 2, 3)
+
+
+# --- in the loop
+
+
+def assert_goes_to(trace, goal):
+    distance = np.hypot(*(trace.pose_true[:, :2] - goal).T)
+    near = np.flatnonzero(distance <= 15)
+    assert len(near), distance[-1]
+    assert near[0] < 250
+    assert (distance[near[0] :] <= 20).all()
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("seed", range(3))
+def test_it_goes_to_a_point_and_stays_there(seed, model):
+    goal = np.random.default_rng(seed).uniform(150, 1050, 2)
+    control = GoToPoint(*goal)
+    trace = robsim.Simulation(
+        start="random", seed=seed, control=control, evaluate_model=MODELS[model], **NOISY
+    ).run(280)
+    assert_goes_to(trace, goal)
+    assert np.abs(trace.u).max() <= 1.0
+
+
+def test_dropouts_are_coasted_through():
+    sim = robsim.Simulation(
+        start=(300, 900, 0.0), seed=1, control=GoToPoint(800, 400), dropout=0.2, **NOISY
+    )
+    trace = sim.run(250)
+    assert 20 < (~trace.valid).sum() < 80
+    assert (trace.u[~trace.valid] == 0).all()
+    assert_goes_to(trace, (800, 400))
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize(("path", "steps"), [(SQUARE, 560), (EIGHT, 620)])
+def test_it_follows_a_path(path, steps, model):
+    start = (*path[-1], 0.5)
+    trace = robsim.Simulation(
+        start=start, seed=1, control=FollowPath(path), evaluate_model=MODELS[model], **NOISY
+    ).run(steps)
+    score = score_path(trace, path)
+    assert score.reached == score.waypoints == len(path)
+    assert score.rms_error < 9
+    assert score.max_error < 30
+    assert score.final_distance < 20
+    assert np.abs(trace.u).max() <= 1.0
+
+
+def test_a_path_may_begin_in_the_middle_of_a_run():
+    sim = robsim.Simulation(seed=3, control=robsim.DriveAround(), **NOISY)
+    sim.run(60)
+    path = [(500, 400), (700, 500)]
+    sim.control = FollowPath(path)
+    trace = sim.run(240)
+    score = score_path(trace[60:], path)
+    assert score.reached == 2
+    assert score.final_distance < 20
+
+
+@pytest.mark.parametrize("control", [GoToPoint(800, 500), FollowPath([(700, 600), (700, 700)])])
+def test_after_a_reset_the_run_is_the_same_again(control):
+    sim = robsim.Simulation(seed=1, control=control, measure=True, **SMALL)
+    first = sim.run(70)
+    sim.reset()
+    again = sim.run(70)
+    np.testing.assert_array_equal(again.pose_true, first.pose_true)
+    np.testing.assert_array_equal(again.u, first.u)
+
+
+def test_it_goes_by_the_state_estimator_if_one_runs():
+    sim = robsim.Simulation(
+        measure=lambda step: robsim.Measurement((600, 600, 0)),
+        estimate_state=lambda step: robsim.Estimate((900, 300, 1), np.eye(3)),
+        control=GoToPoint(900, 300),
+        **SMALL,
+    )
+    assert (sim.run(5).u == 0).all()
+    sim.estimate_state = None
+    assert (sim.run(1).u[-1] != 0).any()
+
+
+def test_without_a_measurement_the_robot_stays():
+    trace = robsim.Simulation(control=FollowPath(SQUARE), **SMALL).run(5)
+    assert (trace.u == 0).all()

@@ -1,0 +1,117 @@
+"""Simulations whose callbacks come from a folder."""
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.folders import new_folder
+
+
+@pytest.fixture
+def folder(tmp_path):
+    new_folder(tmp_path / "mine")
+    return tmp_path / "mine"
+
+
+def write(folder, slot, text):
+    (folder / f"{slot}.py").write_text(text)
+
+
+def constant(u1, u2):
+    return f"def control(step):\n    return {u1}, {u2}\n"
+
+
+def same(one, other):
+    assert one.names == other.names
+    for name in one.names:
+        np.testing.assert_array_equal(one[name], other[name])
+
+
+def test_an_untouched_folder_gives_the_same_bytes_as_none(folder):
+    mine, plain = robsim.Simulation.from_folder(folder, seed=1), robsim.Simulation(seed=1)
+    same(mine.run(30), plain.run(30))
+    np.testing.assert_array_equal(mine.frame.image, plain.frame.image)
+
+
+def test_a_file_that_is_switched_off_is_as_good_as_none(folder):
+    options = {"seed": 1, "measure": True, "estimate_parameters": True, "camera": (400, 400)}
+    same(
+        robsim.Simulation.from_folder(folder, **options).run(10),
+        robsim.Simulation(**options).run(10),
+    )
+
+
+def test_an_edited_file_is_picked_up_by_the_next_run(folder):
+    sim = robsim.Simulation.from_folder(folder)
+    sim.run(3)
+    write(folder, "control", constant(0.1, 0.2))
+    u = sim.run(3).u
+    np.testing.assert_array_equal(u, [(0.05, -0.05)] * 3 + [(0.1, 0.2)] * 3)
+    write(folder, "control", constant(0.3, 0.2))
+    assert sim.step().k == 6
+    assert tuple(sim.trace.u[-1]) == (0.3, 0.2)
+    (folder / "control.py").unlink()
+    assert tuple(sim.run(1).u[-1]) == (0.05, -0.05)
+
+
+def test_a_syntax_error_names_file_and_line_and_leaves_the_run_alone(folder):
+    sim = robsim.Simulation.from_folder(folder)
+    trace = sim.run(5)
+    write(folder, "control", "def control(step):\n    return (0.1, 0.2\n")
+    with pytest.raises(SyntaxError) as caught:
+        sim.run(5)
+    assert caught.value.filename.endswith("control.py")
+    assert caught.value.lineno == 2
+    assert "control.py" in caught.value.__notes__[0]
+    same(sim.trace, trace)
+    write(folder, "control", constant(0, 0))
+    assert len(sim.run(5)) == 10
+
+
+def test_what_comes_once_waits_for_a_reset(folder):
+    sim = robsim.Simulation.from_folder(folder)
+    sim.run(2)
+    model = "import robsim\ndef define_model():\n    return robsim.RobotModel(robsim.RobotParameters(mass=1))\n"
+    write(folder, "define_model", model)
+    with pytest.raises(RuntimeError, match=r"define_model\.py has changed.*call sim\.reset"):
+        sim.run(2)
+    assert len(sim.trace) == 2
+    sim.reset()
+    sim.run(1)
+    heavy = robsim.RobotModel(robsim.RobotParameters(mass=1))
+    np.testing.assert_array_equal(sim.model.theta, heavy.theta)
+
+
+def test_a_reset_starts_the_memory_of_the_files_anew(folder):
+    write(
+        folder, "control", "n = 0\ndef control(step):\n    global n\n    n += 1\n    return n, n\n"
+    )
+    sim = robsim.Simulation.from_folder(folder)
+    first = sim.run(4)
+    sim.reset()
+    same(sim.run(4), first)
+
+
+def test_helpers_are_there_during_the_run(folder):
+    (folder / "gains.py").write_text("GAIN = 0.25\n")
+    write(
+        folder, "control", "def control(step):\n    from gains import GAIN\n    return GAIN, GAIN\n"
+    )
+    sim = robsim.Simulation.from_folder(folder)
+    assert (sim.run(2).u == 0.25).all()
+    (folder / "gains.py").write_text("GAIN = 0.75\n")
+    assert tuple(sim.run(1).u[-1]) == (0.75, 0.75)
+
+
+def test_the_time_limit_counts_for_a_folder_too(folder):
+    write(folder, "control", "import time\ndef control(step):\n    time.sleep(20)\n")
+    sim = robsim.Simulation.from_folder(folder, time_limit=0.2)
+    with pytest.raises(TimeoutError, match="time_limit"):
+        sim.run(1)
+
+
+def test_an_unknown_option_and_no_folder(folder, tmp_path):
+    with pytest.raises(TypeError, match="noize"):
+        robsim.Simulation.from_folder(folder, noize="uniform")
+    with pytest.raises(FileNotFoundError, match="robsim new"):
+        robsim.Simulation.from_folder(tmp_path / "none")

@@ -1,0 +1,192 @@
+import json
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.path_score import PathScore, as_waypoints, nearest_on_segment, score_path
+
+NAN = np.nan
+L_TURN = [(100, 0), (100, 100)]
+
+
+def trace_of(places, *, measured=None, u=(0.0, 0.0)):
+    """A trace whose true path goes through these places."""
+    places = np.asarray(places, dtype=float)
+    rows = len(places)
+    groups = {
+        "pose_true": np.column_stack((places, np.zeros(rows))),
+        "u": np.broadcast_to(np.asarray(u, dtype=float), (rows, 2)),
+        "bounced": np.zeros((rows, 1)),
+    }
+    if measured is not None:
+        groups["measured"] = np.column_stack((np.asarray(measured, dtype=float), np.zeros(rows)))
+    return robsim.Trace(groups, robsim.RunInfo(dt=0.2, theta_true=np.zeros((3, 5))))
+
+
+def test_the_nearest_point_of_a_segment():
+    start, end = np.array([0.0, 0.0]), np.array([10.0, 0.0])
+    for place, nearest in [((4, 3), (4, 0)), ((-4, 3), (0, 0)), ((14, 3), (10, 0))]:
+        np.testing.assert_allclose(nearest_on_segment(np.array(place), start, end), nearest)
+    np.testing.assert_allclose(nearest_on_segment(np.array([3.0, 4.0]), end, end), end)
+
+
+def test_errors_are_distances_from_the_line():
+    score = score_path(trace_of([(0, 0), (30, 3), (60, -4), (100, 0)]), [(100, 0)])
+    assert score == PathScore(
+        source="truth",
+        waypoints=1,
+        reached=1,
+        completed_step=3,
+        rms_error=2.5,  # sqrt((0 + 9 + 16 + 0)/4)
+        max_error=4.0,
+        final_distance=0.0,
+        effort=0.0,
+    )
+
+
+def test_a_robot_beyond_the_end_of_its_segment_is_off_the_line():
+    score = score_path(trace_of([(0, 0), (130, 40)]), [(100, 0)])
+    assert score.max_error == 50.0
+    assert (score.reached, score.completed_step) == (0, None)
+
+
+def test_waypoints_count_in_order_only():
+    assert score_path(trace_of([(0, 0), (100, 100)]), L_TURN).reached == 0
+    assert score_path(trace_of([(0, 0), (100, 100), (100, 0)]), L_TURN).reached == 1
+    score = score_path(trace_of([(0, 0), (100, 0), (100, 100)]), L_TURN)
+    assert (score.reached, score.completed_step) == (2, 2)
+
+
+def test_a_short_cut_to_a_later_part_of_the_path_is_an_error():
+    # (50, 100) lies on the last segment, yet the robot has not been at (100, 0)
+    path = [(100, 0), (100, 100), (0, 100)]
+    score = score_path(trace_of([(0, 0), (50, 100)]), path)
+    assert score.max_error == 100.0
+
+
+def test_near_a_corner_the_segment_behind_counts_too():
+    on_the_line = score_path(trace_of([(0, 0), (80, 0), (90, 0), (100, 10)]), L_TURN)
+    assert on_the_line.max_error == 0.0
+    assert on_the_line.reached == 1
+    # back out of reach of the corner: 40 px from the segment that it should be on
+    turned_back = score_path(trace_of([(0, 0), (80, 0), (60, 0)]), L_TURN)
+    assert turned_back.max_error == 40.0
+
+
+def test_after_the_last_waypoint_the_robot_should_stay_there():
+    places = [(0, 0), (90, 0), (100, 0), (100, 60)]
+    score = score_path(trace_of(places), [(100, 0)])
+    assert score.completed_step == 1
+    assert score.max_error == score.final_distance == 60.0
+
+
+def test_reach_decides_what_is_reached():
+    trace = trace_of([(0, 0), (80, 0)])
+    assert score_path(trace, [(100, 0)]).reached == 1
+    assert score_path(trace, [(100, 0)], reach=20).reached == 1
+    assert score_path(trace, [(100, 0)], reach=19).reached == 0
+
+
+def test_several_waypoints_may_be_reached_at_once():
+    score = score_path(trace_of([(0, 0), (100, 0)]), [(0, 0), (5, 0), (5, 0), (90, 0), (100, 0)])
+    assert (score.reached, score.completed_step) == (5, 1)
+    assert score.rms_error == 0.0
+
+
+def test_waypoints_may_lie_closer_together_than_the_reach():
+    x = np.arange(0.0, 100.0, 5.0)
+    line = np.column_stack((x, 3 * np.ones_like(x)))
+    score = score_path(trace_of(line), np.column_stack((x, 0 * x)), reach=25)
+    assert score.reached == 20
+    assert score.rms_error == pytest.approx(np.sqrt(9 * 19 / 20))  # 3 px, but at the start
+
+
+def test_a_part_of_a_run_keeps_its_step_numbers():
+    trace = trace_of([(0, 50), (0, 0), (50, 0), (100, 0)])
+    score = score_path(trace[1:], [(100, 0)])
+    assert score.completed_step == 3
+    assert score.max_error == 0.0
+
+
+def test_without_truth_the_measured_path_is_scored():
+    nowhere = np.full((4, 2), NAN)
+    measured = [(NAN, NAN), (0, 0), (NAN, NAN), (90, 6)]
+    score = score_path(trace_of(nowhere, measured=measured, u=(NAN, NAN)), [(100, 0)])
+    assert score.source == "measurement"
+    assert score.completed_step == 3
+    assert score.rms_error == pytest.approx(np.sqrt(18))
+    assert np.isnan(score.effort)
+    assert score.to_dict()["effort"] is None
+    assert "measured path" in str(score)
+    assert "voltage" not in str(score)
+
+
+def test_truth_comes_before_the_measurement():
+    trace = trace_of([(0, 0), (50, 1)], measured=[(0, 0), (50, 9)])
+    assert score_path(trace, [(100, 0)]).max_error == 1.0
+
+
+def test_effort_is_the_root_mean_square_of_both_voltages():
+    assert score_path(trace_of([(0, 0)], u=(1.0, -7.0)), [(9, 9)]).effort == 5.0
+
+
+def test_a_score_reads_as_a_report():
+    score = score_path(trace_of([(0, 0), (50, 8), (100, 0)], u=(0.5, 0.5)), L_TURN)
+    assert str(score).splitlines() == [
+        "path: 1 of 2 waypoints reached",
+        "      true path beside the line: rms 4.6 px, at most 8.0 px",
+        "      at the end 100.0 px from the last waypoint; rms voltage 0.50 V",
+    ]
+    completed = score_path(trace_of([(0, 0), (100, 0)]), [(100, 0)])
+    assert str(completed).startswith("path: 1 of 1 waypoints reached, the last at step 1\n")
+    assert json.loads(json.dumps(score.to_dict())) == {
+        "source": "truth",
+        "waypoints": 2,
+        "reached": 1,
+        "completed_step": None,
+        "rms_error": pytest.approx(8 / np.sqrt(3)),
+        "max_error": 8.0,
+        "final_distance": 100.0,
+        "effort": 0.5,
+    }
+
+
+WRONG_WAYPOINTS = [
+    ([], ValueError, r"array \(N, 2\).*got shape \(0,\)"),
+    ([100, 0], ValueError, r"got shape \(2,\)"),
+    ([(100, 0, 0)], ValueError, r"got shape \(1, 3\)"),
+    ([(100, 0), (100,)], ValueError, "array"),
+    ([(100, NAN)], ValueError, "finite"),
+    ([(100, np.inf)], ValueError, "finite"),
+    ([("a", "b")], TypeError, "array"),
+    (None, TypeError, "array"),
+    ([(1j, 0)], TypeError, "array"),
+]
+
+
+@pytest.mark.parametrize(("waypoints", "error", "message"), WRONG_WAYPOINTS)
+def test_wrong_waypoints_are_named(waypoints, error, message):
+    with pytest.raises(error, match=f"waypoints must be .*{message}"):
+        score_path(trace_of([(0, 0)]), waypoints)
+
+
+def test_waypoints_are_a_copy_that_stays_what_it_is():
+    mine = np.array([[1.0, 2.0]])
+    points = as_waypoints(mine)
+    mine[:] = 0
+    np.testing.assert_array_equal(points, [[1, 2]])
+    with pytest.raises(ValueError, match="read-only"):
+        points[0, 0] = 5
+
+
+def test_other_wrong_input_is_named():
+    trace = trace_of([(0, 0)])
+    for wrong, error in [(-1, ValueError), (NAN, ValueError), ("25", TypeError), (True, TypeError)]:
+        with pytest.raises(error, match="reach must be"):
+            score_path(trace, L_TURN, reach=wrong)
+    with pytest.raises(TypeError, match="trace must be a Trace"):
+        score_path(np.zeros((3, 3)), L_TURN)
+    for empty in (trace[:0], trace_of(np.full((4, 2), NAN))):
+        with pytest.raises(ValueError, match="trace must have a true or a measured pose"):
+            score_path(empty, L_TURN)

@@ -1,0 +1,155 @@
+"""The robot half on frames that come from elsewhere."""
+
+import math
+
+import numpy as np
+import pytest
+
+import robsim
+
+
+@pytest.fixture(scope="module")
+def run():
+    """Return a simulated run: its frames and its trace."""
+    sim = robsim.Simulation(
+        measure=True,
+        rotation="continuous",
+        camera=(600, 600),
+        control=robsim.DriveAround(),
+        seed=3,
+    )
+    frames = [sim.step().frame for _ in range(20)]
+    return frames, sim.trace
+
+
+def test_the_same_frames_give_the_same_measurements(run):
+    frames, simulated = run
+    trace = robsim.Simulation(frames=frames).run()
+    np.testing.assert_array_equal(trace.measured, simulated.measured)
+    np.testing.assert_array_equal(trace.held, simulated.held)
+    for color, centroids in simulated.blobs.items():
+        np.testing.assert_array_equal(trace.blobs[color], centroids)
+
+
+def test_the_truth_is_not_known(run, tmp_path):
+    trace = robsim.Simulation(frames=run[0]).run()
+    assert trace.info.boundary == "recorded"
+    assert np.isnan(trace.pose_true).all()
+    assert np.isnan(trace.u).all()
+    assert not trace.bounced.any()
+    assert np.isnan(np.array(trace.info.theta_true)).all()
+    assert not {"x_true", "u1", "bounced"} & set(trace.names)
+    trace.save(tmp_path / "trace.npz")
+    again = robsim.Trace.load(tmp_path / "trace.npz")
+    np.testing.assert_array_equal(again.measured, trace.measured)
+    assert again.info.boundary == "recorded"
+
+
+def test_callbacks_get_what_they_get_in_a_simulation(run):
+    frames, simulated = run
+    seen = []
+
+    def estimate_state(step):
+        seen.append((step.k, step.t, step.frame.index, step.measurement.pose[0]))
+        return robsim.Estimate(step.measurement.pose, np.eye(3))
+
+    sim = robsim.Simulation(
+        frames=frames, estimate_state=estimate_state, control=lambda step: (0.1, 0.2)
+    )
+    trace = sim.run()
+    assert [k for k, *_ in seen] == list(range(20))
+    assert [t for _, t, *_ in seen] == pytest.approx([0.2 * k for k in range(20)])
+    np.testing.assert_array_equal([x for *_, x in seen], simulated.measured[:, 0])
+    np.testing.assert_array_equal(trace.estimated, simulated.measured)
+    np.testing.assert_array_equal(trace.u, np.tile((0.1, 0.2), (20, 1)))
+
+
+def test_a_run_goes_on_where_the_one_before_ended_and_ends_with_the_frames(run):
+    frames, simulated = run
+    sim = robsim.Simulation(frames=frames)
+    assert len(sim.run(5)) == 5
+    assert sim.step().k == 5
+    assert len(sim.run(100)) == 20
+    assert len(sim.run()) == 20
+    with pytest.raises(EOFError, match="there are no more frames"):
+        sim.step()
+    sim.reset()
+    np.testing.assert_array_equal(sim.run().measured, simulated.measured)
+
+
+def test_an_error_of_the_source_ends_the_run_and_keeps_the_trace(run):
+    def broken():
+        yield from run[0][:7]
+        raise ValueError("frame 7 is damaged")
+
+    sim = robsim.Simulation(frames=broken())
+    with pytest.raises(ValueError, match="frame 7 is damaged"):
+        sim.run()
+    assert len(sim.trace) == 7
+    assert sim.trace.valid.all()
+
+
+def test_progress_and_no_frames_at_all(run, capsys):
+    assert len(robsim.Simulation(frames=run[0]).run(progress="look")) == 20
+    assert "look" in capsys.readouterr().err
+    sim = robsim.Simulation(frames=[])
+    assert len(sim.run()) == 0
+    with pytest.raises(RuntimeError, match="there is no frame yet"):
+        _ = sim.frame
+    with pytest.raises(RuntimeError, match="not kept"):
+        sim.frame_of(0)
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"frames": 5}, TypeError, "frames must be an iterable of Frame"),
+        ({"frames": [np.zeros((4, 4, 3), np.uint8)]}, TypeError, "frames must give Frame objects"),
+        ({"frames": [], "measure": False}, ValueError, "measure must be on"),
+        (
+            {"frames": [], "estimate_parameters": True},
+            ValueError,
+            "estimate_parameters needs the inputs",
+        ),
+        (
+            {
+                "frames": [],
+                "estimate_parameters": True,
+                "control": robsim.Spin(),
+                "identify_from": "truth",
+            },
+            ValueError,
+            "identify_from='truth' needs a simulated world",
+        ),
+    ],
+)
+def test_wrong_use(options, error, message):
+    with pytest.raises(error, match=message):
+        robsim.Simulation(**options).run()
+
+
+def test_a_simulated_world_needs_a_number_of_steps():
+    with pytest.raises(TypeError, match="steps must be an int: a simulated world has no end"):
+        robsim.Simulation().run()
+
+
+def test_parameters_can_be_estimated_when_the_inputs_are_known():
+    sim = robsim.Simulation(
+        measure=True, camera=(600, 600), boundary="unlimited", control=robsim.DriveAround(), seed=3
+    )
+    frames = [sim.step().frame for _ in range(40)]
+    u = sim.trace.u
+    again = robsim.Simulation(
+        frames=frames, control=lambda step: u[step.k], estimate_parameters=True
+    ).run()
+    expected = robsim.Simulation(
+        measure=True,
+        camera=(600, 600),
+        boundary="unlimited",
+        control=robsim.DriveAround(),
+        seed=3,
+        estimate_parameters=True,
+        identify_from="measurement",
+    ).run(40)
+    np.testing.assert_array_equal(again.parameters, expected.parameters)
+    assert math.isfinite(again.parameters[-1, 0, 0])

@@ -1,0 +1,244 @@
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import robsim
+from robsim.recordings import Recording
+from robsim.video import write_video
+
+
+def picture(brightness, *, width=32, height=24):
+    pixels = np.zeros((height, width, 3), dtype=np.uint8)
+    pixels[:] = (brightness, 20, 200)
+    pixels[: height // 2, : width // 2] = (255, 0, 0)  # red, where it is upper left
+    return pixels
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Five images whose brightness is their number."""
+    for number in (1, 2, 3, 10, 20):
+        robsim.write_picture(tmp_path / f"frame{number}.png", picture(number))
+    return tmp_path
+
+
+def brightness(frames):
+    return [int(frame.image[-1, -1, 0]) for frame in frames]
+
+
+def collect(frames, into):
+    for frame in frames:
+        into.append(frame)
+
+
+@pytest.fixture
+def video(tmp_path):
+    pytest.importorskip("cv2")
+    file = tmp_path / "100% run.mkv"
+    write_video(file, [picture(number) for number in range(8)], fps=12.5)
+    return file
+
+
+class TestFolder:
+    def test_comes_in_natural_order_again_and_again(self, folder):
+        recording = Recording(folder)
+        for _ in range(2):
+            assert brightness(recording) == [1, 2, 3, 10, 20]
+        assert (recording.count, recording.size, recording.source) == (5, (32, 24), folder)
+
+    def test_two_at_once(self, folder):
+        recording = Recording(folder)
+        pairs = list(zip(recording, recording, strict=True))
+        assert brightness(pair[1] for pair in pairs) == [1, 2, 3, 10, 20]
+
+    def test_its_frames_have_a_time_and_a_number(self, folder):
+        frames = list(Recording(folder))
+        assert [frame.index for frame in frames] == [0, 1, 2, 3, 4]
+        np.testing.assert_allclose([frame.t for frame in frames], [0, 0.2, 0.4, 0.6, 0.8])
+        assert [frame.t for frame in Recording(folder, dt=2)] == [0, 2, 4, 6, 8]
+
+    def test_other_files_are_ignored(self, folder):
+        (folder / "frame4.txt").write_text("a note")
+        (folder / "frame4.mpg").write_text("no picture that Pillow reads")
+        (folder / "._frame4.png").write_bytes(b"what a Mac leaves on a stick")
+        (folder / "frame4.png").mkdir()
+        assert brightness(Recording(folder)) == [1, 2, 3, 10, 20]
+
+    def test_names_that_are_hard_to_sort(self, tmp_path):
+        names = ["2.png", "10.png", "a01.png", "a1.PNG", "a.png", "B3.png", "b\u00b2.png"]
+        for number, name in enumerate(names):
+            robsim.write_picture(tmp_path / name, picture(number))
+        assert brightness(Recording(tmp_path)) == list(range(len(names)))
+
+    def test_every_kind_of_picture_becomes_rgb(self, tmp_path):
+        rgb = Image.fromarray(picture(90))
+        for number, (mode, ending) in enumerate(
+            [("RGB", "bmp"), ("RGBA", "png"), ("P", "gif"), ("RGB", "tif"), ("L", "png")]
+        ):
+            kind = rgb.quantize() if mode == "P" else rgb.convert(mode)
+            kind.save(tmp_path / f"{number}.{ending}")
+        rgb.convert("CMYK").save(tmp_path / "9.jpg")
+        *colored, grey, _jpeg = Recording(tmp_path)
+        for frame in colored:
+            np.testing.assert_array_equal(frame.image, picture(90))
+        assert grey.image.shape == (24, 32, 3)
+        np.testing.assert_array_equal(np.ptp(grey.image, axis=2), 0)
+
+    def test_needs_no_opencv(self, folder, monkeypatch):
+        monkeypatch.setitem(sys.modules, "cv2", None)
+        assert len(list(Recording(folder))) == 5
+
+    def test_without_pictures(self, tmp_path):
+        (tmp_path / "notes.txt").write_text("nothing")
+        with pytest.raises(ValueError, match=f"no images in the folder {tmp_path}"):
+            Recording(tmp_path)
+
+    def test_a_damaged_picture_comes_after_the_ones_before(self, folder):
+        damaged = folder / "frame3.png"
+        damaged.write_bytes(damaged.read_bytes()[:60])
+        got = []
+        with pytest.raises(ValueError, match=r"frame3\.png is not a picture, or damaged"):
+            collect(Recording(folder), into=got)
+        assert brightness(got) == [1, 2]
+
+    def test_a_change_of_size_comes_after_the_frames_before(self, folder):
+        robsim.write_picture(folder / "frame10.png", picture(10, width=30))
+        got = []
+        with pytest.raises(
+            ValueError, match=r"frame10\.png is 30 x 24 px large, the frames before it 32 x 24 px"
+        ):
+            collect(Recording(folder), into=got)
+        assert brightness(got) == [1, 2, 3]
+
+
+class TestPlaneMap:
+    def test_by_default_the_frame_is_the_work_area(self, folder):
+        recording = Recording(folder)
+        assert recording.area == (32, 24)
+        np.testing.assert_array_equal(recording.plane_map.matrix, np.eye(3))
+
+    def test_scaled_to_an_area(self, folder):
+        recording = Recording(folder, area=(64, 48))
+        assert recording.area == (64, 48)
+        frame = next(iter(recording))
+        np.testing.assert_allclose(frame.plane_map.to_world((0, 0)), (0.5, 0.5))
+
+    def test_as_given(self, folder):
+        plane_map = robsim.PlaneMap(np.diag((10.0, 20.0, 1.0)))
+        recording = Recording(folder, plane_map=plane_map)
+        assert recording.area == (316, 470)  # (31.5 * 10, 23.5 * 20) + 0.5
+        frame = next(iter(recording))
+        np.testing.assert_array_equal(frame.plane_map.matrix, plane_map.matrix)
+        assert Recording(folder, plane_map=plane_map, area=(99, 88)).area == (99, 88)
+
+    @pytest.mark.parametrize(
+        "matrix",
+        [[(1, 0, 0), (0, 1, 0), (0, -0.1, 1)], [(1, 0, -100), (0, 1, 0), (0, 0, 1)]],
+        ids=["horizon", "beside"],
+    )
+    def test_that_does_not_show_how_large_the_area_is(self, folder, matrix):
+        plane_map = robsim.PlaneMap(matrix)
+        with pytest.raises(ValueError, match=r"area: .* give its width and height"):
+            Recording(folder, plane_map=plane_map)
+        assert Recording(folder, plane_map=plane_map, area=(99, 88)).area == (99, 88)
+
+
+class TestVideo:
+    def test_gives_its_frames_in_rgb_again_and_again(self, video):
+        recording = Recording(video)
+        for _ in range(2):
+            frames = list(recording)
+            assert len(frames) == 8
+            for number, frame in enumerate(frames):
+                np.testing.assert_array_equal(frame.image, picture(number))
+        assert (recording.count, recording.size) == (8, (32, 24))
+        assert "8 frames of 32 x 24 px, dt = 0.08 s" in repr(recording)
+
+    def test_has_the_time_from_its_rate(self, video):
+        recording = Recording(video)
+        assert recording.dt == pytest.approx(0.08)
+        assert [frame.t for frame in recording] == pytest.approx(np.arange(8) * 0.08)
+        assert [frame.index for frame in recording] == list(range(8))
+        assert Recording(video, dt=0.5).dt == 0.5
+
+    def test_with_a_rate_that_can_not_be(self, tmp_path):
+        cv2 = pytest.importorskip("cv2")
+        file = tmp_path / "fast.avi"
+        writer = cv2.VideoWriter(str(file), cv2.VideoWriter_fourcc(*"MJPG"), 1000, (32, 24))
+        for number in range(3):
+            writer.write(picture(number))
+        writer.release()
+        with pytest.raises(ValueError, match=r"fast\.avi has the frame rate 1000 .*give dt"):
+            Recording(file)
+        assert [frame.t for frame in Recording(file, dt=0.1)] == pytest.approx([0, 0.1, 0.2])
+
+    @pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="needs /proc")
+    def test_is_closed_when_it_is_left(self, video):
+        recording = Recording(video)
+
+        def open_files():
+            fds = Path("/proc/self/fd").iterdir()
+            return [fd for fd in fds if os.path.lexists(fd) and os.readlink(fd) == str(video)]
+
+        assert not open_files()
+        frames = iter(recording)
+        next(frames)
+        assert open_files()
+        frames.close()
+        assert not open_files()
+        for _ in recording:
+            pass
+        assert not open_files()
+
+    @pytest.mark.parametrize("content", [b"", b"no video", b"\x00" * 5000])
+    def test_that_is_none(self, tmp_path, content, capfd):
+        pytest.importorskip("cv2")
+        file = tmp_path / "walk.mp4"
+        file.write_bytes(content)
+        with pytest.raises(ValueError, match=r"walk\.mp4 is not a video, or it is damaged"):
+            Recording(file)
+        assert capfd.readouterr().err == ""
+
+    @pytest.mark.parametrize("ending", [".mp4", ".webm", ".mkv", ".avi"])
+    def test_that_is_cut_off(self, tmp_path, ending, rng, capfd):
+        pytest.importorskip("cv2")
+        whole, half = tmp_path / f"whole{ending}", tmp_path / f"half{ending}"
+        frames = rng.integers(0, 256, (10, 48, 64, 3), dtype=np.uint8)
+        write_video(whole, frames, fps=5)
+        for share in (0.5, 0.9):
+            half.write_bytes(whole.read_bytes()[: int(share * whole.stat().st_size)])
+            if ending == ".mp4":  # its table of contents comes last
+                with pytest.raises(ValueError, match=r"half\.mp4 is not a video, or .* cut off"):
+                    Recording(half)
+            else:
+                assert 0 < len(list(Recording(half))) <= 10
+        assert capfd.readouterr().err == ""
+
+    def test_without_opencv(self, video, monkeypatch):
+        monkeypatch.setitem(sys.modules, "cv2", None)
+        with pytest.raises(ImportError, match=r"needs OpenCV: pip install 'robsim\[camera\]'"):
+            Recording(video)
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"no file or folder .*gone\.mp4"):
+        Recording(tmp_path / "gone.mp4")
+
+
+@pytest.mark.parametrize("dt", [0, -1, np.nan, np.inf])
+def test_a_dt_that_can_not_be(folder, dt):
+    with pytest.raises(ValueError, match="dt must be above 0 and finite, got"):
+        Recording(folder, dt=dt)
+
+
+def test_options_of_another_kind(folder):
+    with pytest.raises(TypeError, match=r"dt must be a number, got '0\.2'"):
+        Recording(folder, dt="0.2")
+    with pytest.raises(TypeError, match="area must be"):
+        Recording(folder, area=1200)
+    with pytest.raises(ValueError, match="area must"):
+        Recording(folder, area=(0, 100))

@@ -1,0 +1,79 @@
+"""The geometry of polygons, on small ones by hand."""
+
+import numpy as np
+import pytest
+from drawn_robots import box, star
+
+from robsim.robots import polygons
+
+SQUARE = box(0, 0, 4, 4)
+# A square with a notch from the right, as deep as to (1, 2).
+NOTCHED = np.array([(0, 0), (4, 0), (4, 1.5), (1, 2), (4, 2.5), (4, 4), (0, 4)], float)
+
+
+def test_area_and_centroid():
+    area, centroid = polygons.area_and_centroid(box(1, 2, 5, 4))
+    assert area == 8
+    np.testing.assert_array_equal(centroid, [3, 3])
+    area, centroid = polygons.area_and_centroid(np.array([(0, 0), (0, 3), (3, 0)], float))
+    assert area == 4.5
+    np.testing.assert_allclose(centroid, [1, 1])
+
+
+def test_fitted_has_the_area_and_the_centroid():
+    area, centroid = polygons.area_and_centroid(polygons.fitted(NOTCHED, 50.0, np.array((7, -8))))
+    assert area == pytest.approx(50)
+    np.testing.assert_allclose(centroid, [7, -8])
+
+
+def test_contains_and_depths():
+    points = np.array([(2, 2), (0.5, 2), (5, 2), (7, 8), (3, 2)])
+    np.testing.assert_array_equal(
+        polygons.contains(SQUARE, points), [True, True, False, False, True]
+    )
+    np.testing.assert_allclose(polygons.depths(SQUARE, points), [2, 0.5, -1, -5, 1])
+    inside_notch = polygons.depths(NOTCHED, np.array([(3.0, 2.0)]))
+    np.testing.assert_allclose(inside_notch, -2 * 0.5 / np.hypot(3, 0.5))
+
+
+def test_samples_lie_on_the_sides_with_all_corners():
+    points = polygons.samples(NOTCHED)
+    np.testing.assert_allclose(polygons.distances(NOTCHED, points), 0, atol=1e-12)
+    assert {tuple(p) for p in NOTCHED} <= {tuple(p) for p in points}
+    gaps = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1)
+    assert gaps.max() <= 1
+    assert len(polygons.samples(1e5 * SQUARE)) < 2010
+
+
+@pytest.mark.parametrize(
+    ("polygon", "sides"),
+    [
+        (SQUARE, None),
+        (NOTCHED, None),
+        (SQUARE[::-1], None),
+        (SQUARE[:3], None),
+        ([(0, 0), (4, 4), (4, 0), (0, 4)], (0, 2)),  # a bow tie
+        ([(0, 0), (4, 0), (4, 4), (5, 4), (5, 2), (0, 2)], (1, 4)),
+        ([(0, 0), (4, 0), (4, 4), (2, 0), (0, 4)], (0, 2)),  # a corner on a side
+        ([(0, 0), (9, 0), (5, 0), (5, 5)], (0, 2)),  # there and back
+        ([(0, 0), (4, 0), (2, 2), (0, 4), (4, 4), (2, 2)], (1, 4)),  # a corner twice
+    ],
+)
+def test_crossing(polygon, sides):
+    assert polygons.crossing(np.array(polygon, float)) == sides
+
+
+def test_random_stars_do_not_cross_but_with_two_corners_swapped_they_do(rng):
+    for _ in range(40):
+        polygon = star(rng, rng.uniform(-50, 50, 2), 30)
+        assert polygons.crossing(polygon) is None
+        polygon[[1, 3]] = polygon[[3, 1]]
+        assert polygons.crossing(polygon) is not None
+
+
+def test_mask():
+    mask = polygons.mask(box(1, 2, 3, 5), 6, 8)
+    assert mask.shape == (8, 6)
+    down, right = np.nonzero(mask)
+    assert (right.min(), right.max(), down.min(), down.max()) == (1, 3, 2, 5)
+    assert mask.sum() == 12

@@ -1,0 +1,96 @@
+"""Callbacks that are slow or hang end the run with a clear message."""
+
+import contextlib
+import signal
+import threading
+import time
+
+import pytest
+
+import robsim
+
+
+def endless(step):
+    while step.k >= 3:
+        with contextlib.suppress(Exception):
+            time.sleep(0)
+    return 0, 0
+
+
+def sleeping(step):
+    if step.k >= 3:
+        time.sleep(20)
+    return 0, 0
+
+
+@pytest.mark.parametrize("control", [endless, sleeping])
+def test_a_callback_that_hangs_ends_the_run_and_the_trace_is_kept(control):
+    sim = robsim.Simulation(control=control, time_limit=0.2)
+    start = time.monotonic()
+    with pytest.raises(TimeoutError, match=r"longer than time_limit = 0\.2 s") as caught:
+        sim.run(10)
+    assert time.monotonic() - start < 15  # it would hang for good
+    assert caught.value.__notes__ == ["in the callback control at step 3"]
+    assert control.__name__ in [entry.name for entry in caught.traceback]
+    assert len(sim.trace) == 3
+    sim.control = robsim.Spin()
+    assert len(sim.run(5)) == 8
+
+
+def test_a_slow_callback_that_comes_back_in_time_passes():
+    sim = robsim.Simulation(control=lambda step: time.sleep(0.01) or (0, 0), time_limit=30)
+    assert len(sim.run(5)) == 5
+
+
+def test_in_another_thread_and_for_every_slot():
+    errors = []
+
+    def unseen(step):
+        endless(step)
+
+    def run():
+        try:
+            robsim.Simulation(measure=unseen, camera=(64, 64), time_limit=0.2).run(10)
+        except TimeoutError as error:
+            errors.append(error.__notes__)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join(60)
+    assert errors == [["in the callback measure at step 3"]]
+
+
+def test_an_exception_of_the_callback_stays_what_it_is():
+    def control(step):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        robsim.Simulation(control=control, time_limit=5).run(1)
+
+
+def test_nothing_is_left_behind():
+    threads, handler = threading.active_count(), signal.getsignal(signal.SIGUSR2)
+    sim = robsim.Simulation(control=sleeping, time_limit=0.1)
+    with pytest.raises(TimeoutError):
+        sim.run(10)
+    assert threading.active_count() == threads
+    assert signal.getsignal(signal.SIGUSR2) is handler
+
+
+def test_a_wrong_result_still_names_the_callback_and_its_line():
+    def control(step):
+        return "fast"
+
+    line = control.__code__.co_firstlineno
+    with pytest.raises((TypeError, ValueError), match=f"line {line}, in control"):
+        robsim.Simulation(control=control, time_limit=5).run(1)
+
+
+@pytest.mark.parametrize(
+    ("value", "error"),
+    [(0, ValueError), (-1, ValueError), (float("nan"), ValueError), (float("inf"), ValueError),
+     ("1", TypeError), (True, TypeError)],
+)  # fmt: skip
+def test_a_wrong_limit(value, error):
+    with pytest.raises(error, match="time_limit must be"):
+        robsim.Simulation(time_limit=value)
