@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,36 +14,130 @@ from PIL import Image
 
 sys.dont_write_bytecode = True
 
+import draw_lab  # noqa: E402
+import draw_robot2  # noqa: E402
+import draw_sheep  # noqa: E402
 from draw_floor import draw_floor  # noqa: E402
-from draw_lab import MARKER_RADIUS, MARKERS, PICTURE, SIZE, draw_lab, marker_polygon  # noqa: E402
+from draw_polygons import (  # noqa: E402
+    area_and_centroid,
+    colour_margin,
+    outline_polygon,
+    patch_polygon,
+    scene_scale,
+)
+from draw_scene import SIZE  # noqa: E402
 from draw_tools import chroma  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 FLOOR = HERE / "floor.jpg"
-LAB = HERE / "robots" / "lab"
 
 DEFINITION = """\
-# The robot "lab": a small differential-drive robot with a red and a blue paper marker on top.
+# The robot "{name}": {about}
 # Written by assets/draw.py, and free to be edited by hand.
 
-name = "lab"
-image = "robot.png"   # beside this file; surroundings transparent, the contact shadow included
+name = "{name}"
+image = "robot.png"   # beside this file; {image}
 size = {size:.1f}          # work-area px that the picture's width stands for
-alignment = 90.0      # degrees clockwise that turn the picture so that the robot faces right (+x)
+{alignment:<21} # degrees clockwise that turn the picture so that the robot faces right (+x)
 
 # Points are [right, down] in picture pixels; the centre of the top left pixel is (0, 0).
-# The point between the wheels, around which the robot turns:
-centre = [{middle:.1f}, {middle:.1f}]
+# {centre}
+centre = [{middle[0]:.1f}, {middle[1]:.1f}]
 
-# Polygons. Around the chassis and the wheels, without the shadow:
-outline = {outline}
+# Polygons. {outline}
+outline = {outline_points}
 
-# The red marker, on the robot's right; area and centroid are those of the disc:
-red = {red}
+# {red}
+red = {red_points}
 
-# The blue marker, on the robot's left:
-blue = {blue}
+# {blue}
+blue = {blue_points}
 """
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """How a robot is drawn, and the words of its definition."""
+
+    draw: Callable[[], tuple[Image.Image, dict[str, np.ndarray]]]
+    size: float
+    alignment: float
+    about: str
+    image: str
+    centre: str
+    outline: str
+    red: str
+    blue: str
+
+
+def lab() -> tuple[Image.Image, dict[str, np.ndarray]]:
+    """The lab robot's picture and its polygons, which are known exactly."""
+    picture, outline = draw_lab.draw_lab()
+    markers = {name: draw_lab.marker_polygon(name) for name in draw_lab.MARKERS}
+    return picture, {"outline": outline, **markers}
+
+
+def robot2() -> tuple[Image.Image, dict[str, np.ndarray]]:
+    """The portrait's picture, its four corners, and the polygons of what vision sees."""
+    picture = draw_robot2.draw_robot2()
+    right, down = picture.width - 0.5, picture.height - 0.5
+    corners = np.array([(-0.5, -0.5), (right, -0.5), (right, down), (-0.5, down)])
+    return picture, {"outline": corners, **patches(picture, draw_robot2.SIZE)}
+
+
+def sheep() -> tuple[Image.Image, dict[str, np.ndarray]]:
+    """The sheep's picture, its outline, and the polygons of what vision sees."""
+    picture = draw_sheep.draw_sheep()
+    return picture, {"outline": outline_polygon(picture), **patches(picture, draw_sheep.SIZE)}
+
+
+def patches(picture: Image.Image, size: float) -> dict[str, np.ndarray]:
+    """The polygons of the red and the blue patch."""
+    return {name: patch_polygon(picture, size, name) for name in ("red", "blue")}
+
+
+ROBOTS = {
+    "lab": Robot(
+        draw=lab,
+        size=SIZE,
+        alignment=90,
+        about="a small differential-drive robot with a red and a blue paper marker on top.",
+        image="surroundings transparent, the contact shadow included",
+        centre="The point between the wheels, around which the robot turns:",
+        outline="Around the chassis and the wheels, without the shadow:",
+        red="The red marker, on the robot's right; area and centroid are those of the disc:",
+        blue="The blue marker, on the robot's left:",
+    ),
+    "robot2": Robot(
+        draw=robot2,
+        size=draw_robot2.SIZE,
+        alignment=90,
+        about="a portrait on a cart, somebody in a red jacket before blue sky.\n"
+        "# Its patches lie farther apart than the lab robot's markers: its locator never finds it.",
+        image="a photo print, not transparent; its head is up",
+        centre="The point around which the robot turns, the middle of the print:",
+        outline="Around the print:",
+        red="The red jacket; area and centroid are those of the pixels that vision sees as red:",
+        blue="The blue sky around the head, in the same way:",
+    ),
+    "sheep": Robot(
+        draw=sheep,
+        size=draw_sheep.SIZE,
+        alignment=0,
+        about="a sheep with a red and a blue paint mark on its fleece, one behind the other.",
+        image="transparent around, with its shadow; it faces right",
+        centre="The point around which the sheep turns, between its legs:",
+        outline="Around fleece, head and feet, without the shadow:",
+        red="The red mark, on the shoulders; area and centroid are those of the pixels that\n"
+        "# vision sees as red:",
+        blue="The blue mark, on the rump, in the same way:",
+    ),
+}
+
+
+def folder(name: str) -> Path:
+    """Where the robot's picture and definition lie."""
+    return HERE / "robots" / name
 
 
 def toml_points(points: np.ndarray) -> str:
@@ -51,20 +147,27 @@ def toml_points(points: np.ndarray) -> str:
     return "[\n    " + ",\n    ".join(rows) + ",\n]"
 
 
-def draw() -> None:
-    """Write all pictures and the robot's definition."""
-    LAB.mkdir(parents=True, exist_ok=True)
-    Image.fromarray(draw_floor()).save(FLOOR, quality=88, subsampling=0, optimize=True)
-    picture, outline = draw_lab()
-    picture.save(LAB / "robot.png", optimize=True)
+def draw_robot(name: str, robot: Robot) -> None:
+    """Write the robot's picture and definition."""
+    picture, polygons = robot.draw()
+    folder(name).mkdir(parents=True, exist_ok=True)
+    picture.save(folder(name) / "robot.png", optimize=True)
     text = DEFINITION.format(
-        size=SIZE,
-        middle=(PICTURE - 1) / 2,
-        outline=toml_points(outline),
-        red=toml_points(marker_polygon("red")),
-        blue=toml_points(marker_polygon("blue")),
+        name=name,
+        middle=((picture.width - 1) / 2, (picture.height - 1) / 2),
+        **{f"{key}_points": toml_points(points) for key, points in polygons.items()},
+        **{key: value for key, value in vars(robot).items() if key not in ("draw", "alignment")},
+        alignment=f"alignment = {robot.alignment:.1f}",
     )
-    (LAB / "robot.toml").write_text(text, encoding="utf-8")
+    (folder(name) / "robot.toml").write_text(text, encoding="utf-8")
+
+
+def draw(names: list[str]) -> None:
+    """Write the floor and the robots, or only the robots that are named."""
+    if not names:
+        Image.fromarray(draw_floor()).save(FLOOR, quality=88, subsampling=0, optimize=True)
+    for name in names or ROBOTS:
+        draw_robot(name, ROBOTS[name])
 
 
 def check_floor() -> None:
@@ -82,67 +185,55 @@ def check_floor() -> None:
         )
 
 
-def check_markers(u: np.ndarray, v: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Print the markers' centroid errors and rims; return which pixels are clear of markers."""
-    clear = np.ones(u.shape, bool)
-    for name, passed in (("red", v >= 38), ("blue", u >= 36)):
-        true_x, true_y = MARKERS[name]
-        away = np.hypot(x - true_x, y - true_y)
-        clear &= away > MARKER_RADIUS + 0.5
-        error_x, error_y = x[passed].mean() - true_x, y[passed].mean() - true_y
-        radius = np.sqrt(passed.sum() / np.pi) * SIZE / PICTURE
-        print(
-            f"  {name}: centroid error ({error_x:+.4f}, {error_y:+.4f}) work-area px, radius "
-            f"{radius:.2f}, pixels elsewhere {(passed & (away > MARKER_RADIUS + 0.5)).sum()}"
-        )
-    return clear
-
-
-def check_robot() -> None:
-    """Print how well the robot's picture and definition keep to their geometry."""
-    rgba = np.asarray(Image.open(LAB / "robot.png")).astype(float)
-    u, v = chroma(rgba)
-    steps = (np.arange(PICTURE) - (PICTURE - 1) / 2) * SIZE / PICTURE
-    x, y = np.meshgrid(-steps, steps, indexing="ij")
-    print(f"robot {rgba.shape}, {(LAB / 'robot.png').stat().st_size / 1e3:.0f} kB")
-    clear = check_markers(u, v, x, y)
-    elsewhere = np.maximum(abs(u), abs(v))[clear]
-    print(f"  max |U-128| or |V-128| off the markers {elsewhere.max():.1f} (allowed 20)")
-    near = [np.hypot(x - mx, y - my) < MARKER_RADIUS + 5 for mx, my in MARKERS.values()]
-    rim = clear & (near[0] | near[1])
-    rim_chroma = np.maximum(abs(u), abs(v))[rim].max()
+def check_robot(name: str) -> None:
+    """Print how well the robot's picture and definition fit each other."""
+    file = folder(name) / "robot.png"
+    picture = Image.open(file)
+    definition = tomllib.loads((folder(name) / "robot.toml").read_text(encoding="utf-8"))
+    unit = definition["size"] / picture.width
+    outline = np.array(definition["outline"])
+    reach = np.hypot(*(outline - definition["centre"]).T).max() * unit
+    alpha = np.asarray(picture)[..., 3]
+    edge = np.concatenate([alpha[[0, -1]].ravel(), alpha[:, [0, -1]].ravel()])
+    print(f"robot {name} {picture.size}, {file.stat().st_size / 1e3:.0f} kB")
     print(
-        f"  rims: max chroma {rim_chroma:.1f} (allowed 8), brightest {rgba[rim][:, :3].max():.0f}, "
-        f"least alpha {rgba[rim][:, 3].min():.0f}"
+        f"  outline of {len(outline)} points, reach {reach:.1f} px; alpha at the edge {edge.max()}"
     )
-    edge = np.concatenate([rgba[[0, -1], :, 3].ravel(), rgba[:, [0, -1], 3].ravel()])
-    solid = np.hypot(x, y)[rgba[..., 3] > 230].max()
-    print(f"  alpha at the picture's edge {edge.max():.0f}, solid parts reach {solid:.1f} (of 57)")
-    check_definition()
+    print(
+        f"  area {area_and_centroid(outline)[0] * unit**2:.0f} px^2, solid parts "
+        f"{(alpha > 230).sum() * unit**2:.0f}"
+    )
+    places = [check_patch(picture, definition, color, unit) for color in ("red", "blue")]
+    print(f"  red and blue are {np.hypot(*(places[0] - places[1])):.2f} px apart")
 
 
-def check_definition() -> None:
-    """Print the areas and centroids of the polygons in the robot's definition."""
-    definition = tomllib.loads((LAB / "robot.toml").read_text(encoding="utf-8"))
-    per_px = PICTURE / definition["size"]
-    middle = np.array(definition["centre"])
-    reach = np.hypot(*(np.array(definition["outline"]) - middle).T).max() / per_px
-    print(f"definition: outline of {len(definition['outline'])} points, reach {reach:.1f}")
-    for name in MARKERS:
-        a = np.array(definition[name])
-        b = np.roll(a, -1, axis=0)
-        cross = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
-        right, down = ((a + b) * cross[:, None]).sum(0) / (3 * cross.sum())
-        radius = np.sqrt(abs(cross.sum()) / 2 / np.pi) / per_px
-        place = (middle[1] - down) / per_px, (right - middle[0]) / per_px
-        print(f"  {name}: centroid ({place[0]:.4f}, {place[1]:.4f}), radius {radius:.4f}")
+def check_patch(picture: Image.Image, definition: dict, color: str, unit: float) -> np.ndarray:
+    """Print how a patch is seen in the light and in the shadow; return its centroid (px)."""
+    area, centroid = area_and_centroid(np.array(definition[color]))
+    print(f"  {color}: {area * unit**2:.0f} px^2")
+    rgb = scene_scale(picture, definition["size"])
+    for light in (1.0, 0.8):
+        margin = colour_margin(light * rgb, color)
+        down, right = np.nonzero(margin >= 0)
+        error = (np.array([right.mean(), down.mean()]) - centroid) * unit
+        print(
+            f"    light {light:.1f}: {right.size * unit**2:.0f} px^2 seen, centroid error "
+            f"({error[0]:+.2f}, {error[1]:+.2f}) px, median {np.median(margin[margin >= 0]):.0f} "
+            "levels within the colour"
+        )
+    return centroid * unit
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="measure the pictures, draw nothing")
-    if parser.parse_args().check:
+    parser.add_argument("robots", nargs="*", help="draw only these robots", metavar="ROBOT")
+    arguments = parser.parse_args()
+    if unknown := set(arguments.robots) - set(ROBOTS):
+        parser.error(f"no robot {', '.join(sorted(unknown))}: there are {', '.join(ROBOTS)}")
+    if arguments.check:
         check_floor()
-        check_robot()
+        for robot_name in arguments.robots or ROBOTS:
+            check_robot(robot_name)
     else:
-        draw()
+        draw(arguments.robots)

@@ -34,3 +34,10 @@ def chroma(rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     u = -0.169 * red - 0.331 * green + 0.5 * blue
     v = 0.5 * red - 0.419 * green - 0.081 * blue
     return u, v
+
+
+def palette(value: np.ndarray, stops) -> np.ndarray:
+    """Colours (..., 3) of values, linear between the stops (value, (r, g, b))."""
+    at = [stop for stop, _ in stops]
+    channels = np.array([colour for _, colour in stops], float).T
+    return np.stack([np.interp(value, at, channel) for channel in channels], -1)

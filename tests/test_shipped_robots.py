@@ -1,0 +1,155 @@
+import numpy as np
+import pytest
+
+import robsim
+from robsim.robots.lookup import shipped_robots
+from scenes import errors_of, poses_within, renderer
+
+NAMES = list(shipped_robots())
+OTHERS = [name for name in NAMES if name != "lab"]
+CAMERA = (600, 600)
+
+
+def drive(robot, *, steps=60, **options):
+    sim = robsim.Simulation(robot=robot, measure=True, control=robsim.DriveAround(), **options)
+    return sim.run(steps)
+
+
+def crossings(polygon):
+    """Pairs of sides that cross, neighbours left out."""
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    count = len(polygon)
+
+    def turns(p, q, r):
+        (qx, qy), (rx, ry) = q - p, r - p
+        return np.sign(qx * ry - qy * rx)
+
+    return [
+        (i, j)
+        for i in range(count)
+        for j in range(i + 2, count - (i == 0))
+        if turns(a[i], b[i], a[j]) != turns(a[i], b[i], b[j])
+        and turns(a[j], b[j], a[i]) != turns(a[j], b[j], b[i])
+    ]
+
+
+def inside(polygon, right, down):
+    """Even-odd rule, for arrays of places."""
+    odd = np.zeros(np.shape(right), bool)
+    for (ax, ay), (bx, by) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if ay != by:
+            odd ^= ((ay > down) != (by > down)) & (right < ax + (down - ay) * (bx - ax) / (by - ay))
+    return odd
+
+
+def test_they_ship():
+    assert NAMES == ["lab", "robot2", "sheep"]
+
+
+# --- the definitions
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_definition_fits_its_folder(name):
+    robot = robsim.load_robot(name)
+    assert robot.name == name
+    assert (shipped_robots()[name] / "robot.png").stat().st_size < 250_000
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("polygon", ["outline", "red", "blue"])
+def test_no_polygon_crosses_itself(name, polygon):
+    assert crossings(getattr(robsim.load_robot(name), polygon)) == []
+
+
+def test_crossings_are_noticed():
+    assert crossings(np.array([[0, 0], [9, 9], [9, 0], [0, 9]])) == [(0, 2)]
+    assert crossings(np.array([[0, 0], [9, 0], [9, 9], [0, 9]])) == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_outline_holds_the_robot_and_little_more(name):
+    robot = robsim.load_robot(name)
+    down, right = np.indices(robot.image.shape[:2])
+    within = inside(robot.outline, right, down)
+    solid = robot.image[..., 3] > 230
+    assert (solid & ~within).sum() <= 0.002 * solid.sum()
+    assert within.sum() < 1.15 * solid.sum()
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("marker", ["red", "blue"])
+def test_the_markers_lie_on_the_robot(name, marker):
+    robot = robsim.load_robot(name)
+    assert inside(robot.outline, *getattr(robot, marker).T).all()
+    down, right = np.indices(robot.image.shape[:2])
+    patch = inside(getattr(robot, marker), right, down)
+    assert (robot.image[patch, 3] > 230).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("light", [1.0, 0.8])
+@pytest.mark.parametrize("marker", ["red", "blue"])
+def test_vision_sees_one_blob_where_the_polygon_is(name, light, marker):
+    robot = robsim.load_robot(name)
+    x = 300 if light == 1 else 1000
+    frame = renderer(robot=robot).render([x, 600, 0])
+    blobs = robsim.find_blobs(frame, robsim.load_colors(), minimum_area=1)[marker]
+    near = [blob for blob in blobs if np.hypot(*(blob.centroid - (x, 600))) < robot.radius]
+    assert len(near) == 1
+    locator = robot.locator()
+    place = near[0].centroid - (x, 600)
+    np.testing.assert_allclose(place, getattr(locator, marker), atol=0.3)
+    assert near[0].area == pytest.approx(getattr(locator, f"{marker}_area"), rel=0.05)
+
+
+# --- found
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_drive_is_tracked(name):
+    trace = drive(name, rotation="continuous", boundary="unlimited", camera=CAMERA, seed=3)
+    tracking = trace.tracking()
+    assert (tracking.valid, tracking.false) == (len(trace), 0)
+    assert tracking.rms_xy < 0.3
+    assert tracking.rms_heading_deg < 0.4
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("noise", ["none", "gaussian"])
+def test_the_36_phases_are_found(name, noise):
+    percent = 5 if noise == "gaussian" else None
+    trace = drive(name, noise=noise, noise_percent=percent, seed=4, steps=30)
+    tracking = trace.tracking()
+    assert (tracking.valid, tracking.false) == (len(trace), 0)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_found_anywhere_at_any_heading(name, rng):
+    robot = robsim.load_robot(name)
+    poses = poses_within(rng, 60, margin=robot.radius + 5)
+    errors = errors_of(renderer(robot=robot), poses, locator=robot.locator())
+    assert np.isfinite(errors).all()
+    # across the edge of the shadow, too
+    assert np.hypot(errors[:, 0], errors[:, 1]).max() < 0.8
+    assert np.abs(errors[:, 2]).max() < np.deg2rad(0.8)
+
+
+# --- not taken for another
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_the_lab_robots_locator_never_finds_it(name):
+    for options in ({"rotation": "continuous"}, {"noise": "gaussian", "noise_percent": 5}):
+        trace = drive(name, locator="lab", boundary="unlimited", camera=CAMERA, seed=5, **options)
+        assert trace.tracking().valid == 0
+        for centroids in trace.blobs.values():
+            assert np.isfinite(centroids[:, 0]).all()
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_it_is_far_from_the_lab_robot(name):
+    lab, other = robsim.load_robot("lab").locator(), robsim.load_robot(name).locator()
+    assert abs(other.distance / lab.distance - 1) > 3 * lab.distance_tolerance
+    assert other.red_area > lab.area_tolerance * lab.red_area
+    assert other.blue_area > lab.area_tolerance * lab.blue_area
