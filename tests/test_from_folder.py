@@ -71,8 +71,12 @@ def test_a_syntax_error_names_file_and_line_and_leaves_the_run_alone(folder):
 def test_what_comes_once_waits_for_a_reset(folder):
     sim = robsim.Simulation.from_folder(folder)
     sim.run(2)
-    model = "import robsim\ndef define_model():\n    return robsim.RobotModel(robsim.RobotParameters(mass=1))\n"
-    write(folder, "define_model", model)
+    write(
+        folder,
+        "define_model",
+        "from robsim import RobotModel, RobotParameters\n"
+        "def define_model():\n    return RobotModel(RobotParameters(mass=1))\n",
+    )
     with pytest.raises(RuntimeError, match=r"define_model\.py has changed.*call sim\.reset"):
         sim.run(2)
     assert len(sim.trace) == 2

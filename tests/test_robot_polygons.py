@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from drawn_robots import box, star
 
+from drawn_robots import box, star
 from robsim.robots import polygons
 
 SQUARE = box(0, 0, 4, 4)
@@ -72,8 +72,17 @@ def test_random_stars_do_not_cross_but_with_two_corners_swapped_they_do(rng):
 
 
 def test_mask():
-    mask = polygons.mask(box(1, 2, 3, 5), 6, 8)
+    mask = polygons.mask(box(0.5, 1.5, 3.5, 5.5), 6, 8)
     assert mask.shape == (8, 6)
     down, right = np.nonzero(mask)
     assert (right.min(), right.max(), down.min(), down.max()) == (1, 3, 2, 5)
     assert mask.sum() == 12
+
+
+def test_mask_is_what_contains_says_of_the_pixels(rng):
+    down, right = np.mgrid[:30, :40]
+    points = np.column_stack((right.ravel(), down.ravel())).astype(float)
+    for _ in range(10):
+        polygon = star(rng, rng.uniform(0, 30, 2), 20)  # some of it beyond the picture
+        covered = polygons.mask(polygon, 40, 30)
+        np.testing.assert_array_equal(covered.ravel(), polygons.contains(polygon, points))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw
 
 from robsim.robots.values import Floats
 
@@ -98,7 +97,14 @@ def _turns(a: Floats, b: Floats, points: Floats) -> Floats:
 
 
 def mask(polygon: Floats, width: int, height: int) -> NDArray[np.bool_]:
-    """Return which pixels of a picture the polygon covers, an array (height, width)."""
-    canvas = Image.new("1", (width, height))
-    ImageDraw.Draw(canvas).polygon([(float(x), float(y)) for x, y in polygon], fill=1)
-    return np.array(canvas)
+    """Return which pixels (height, width) of a picture have their centre in the polygon."""
+    covered = np.zeros((height, width), dtype=bool)
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    top, bottom = np.clip((a[:, 1].min(), a[:, 1].max()), 0, height - 1).astype(int)
+    for down in range(top, bottom + 1):
+        crosses = (a[:, 1] > down) != (b[:, 1] > down)
+        (x0, y0), (x1, y1) = a[crosses].T, b[crosses].T
+        sides = np.sort(x0 + (down - y0) * (x1 - x0) / (y1 - y0))
+        # Between an odd number of sides and the next one is the inside.
+        covered[down] = np.searchsorted(sides, np.arange(width)) % 2 == 1
+    return covered

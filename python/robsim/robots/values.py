@@ -41,12 +41,12 @@ def numbers(name: str, value: Any, shape: tuple[int, ...]) -> Floats:
 
 
 def polygon(name: str, value: Any) -> Floats:
-    """Return a polygon (N, 2) with an area; points that repeat the one before are left out."""
+    """Return a polygon (N, 2) with an area; points that come twice in a row count once."""
     points = numbers(name, value, (-1, 2))
     if abs(points).max(initial=0) > _FARTHEST:
         raise ValueError(f"{name} must be a polygon within {_FARTHEST:g} px, got {value!r}")
     if len(points) > 1:
-        points = np.asarray(points[(points != np.roll(points, 1, axis=0)).any(axis=1)])
+        points = np.asarray(points[(points != np.roll(points, -1, axis=0)).any(axis=1)])
     if not 3 <= len(points) <= _MOST_POINTS:
         raise ValueError(
             f"{name} must be a polygon of 3 to {_MOST_POINTS} different points, got "

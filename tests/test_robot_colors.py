@@ -1,0 +1,116 @@
+"""Whether the markers of a robot are seen: one thing wrong at a time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drawn_robots import COLORS, box, painted, random_robot
+from robsim import ColorClass, RobotDefinition, load_colors
+from robsim.robots import check_colors
+
+RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)
+EDGE = box(-0.5, -0.5, 399.5, 399.5)
+
+
+def robot(image, **changed):
+    values = {"name": "toy", "image": image, "size": 120.0, "alignment": 90.0}
+    values |= {"outline": EDGE, "red": RED, "blue": BLUE}
+    return RobotDefinition(**(values | changed))
+
+
+@pytest.fixture
+def picture():
+    return painted(RED, BLUE)
+
+
+def filled(picture, polygon, color):
+    """The picture with a box of another colour."""
+    changed = picture.copy()
+    left, top, right, bottom = (*polygon[0].astype(int), *polygon[2].astype(int))
+    changed[top : bottom + 1, left : right + 1] = color
+    return changed
+
+
+def test_a_good_robot_has_no_problem(picture):
+    assert check_colors(robot(picture)) == []
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_random_robots_have_no_problem(seed):
+    assert check_colors(random_robot(np.random.default_rng(seed))) == []
+
+
+def test_a_marker_of_another_colour(picture):
+    green = filled(picture, BLUE, (20, 160, 30, 255))
+    (problem,) = check_colors(robot(green))
+    assert problem.startswith("blue marker: 0 % of its polygon has the colour blue, 60 % is needed")
+    # Y = (38 20 + 75 160 + 15 30)/128, U = 128 + (-22 20 - 42 160 + 64 30)/128, V likewise
+    assert "Y 103, U 87, V 68, but blue is Y 0..255, U 160..255, V 0..140" in problem
+
+
+def test_a_transparent_marker(picture):
+    clear = filled(picture, RED, (*COLORS["red"][:3], 0))
+    (problem,) = check_colors(robot(clear))
+    assert "red marker: 0 %" in problem
+    assert "Y 128, U 128, V 128" in problem
+
+
+def test_other_colours(picture):
+    classes = (ColorClass("red", v=(240, 255)), *load_colors()[1:])
+    (problem,) = check_colors(robot(picture), classes)
+    assert "red marker: 0 %" in problem
+    assert "V 240..255" in problem
+    (problem,) = check_colors(robot(picture), load_colors()[:1])
+    assert problem == "blue marker: the colours have no blue, but red"
+
+
+def test_markers_that_are_too_small(picture):
+    red, blue = check_colors(robot(picture, size=15))
+    # 79 picture px, at 15/400 each
+    assert red.startswith("red marker: it is too small to be seen, 8.8 px of the work area, at lea")
+    assert blue.startswith("blue marker: it is too small")
+
+
+def test_a_polygon_beside_its_blob(picture):
+    (problem,) = check_colors(robot(picture, red=RED + np.array((20, 0))))
+    assert "red marker: the blob seen there has its centroid at (279.5, 279.5)" in problem
+    assert "6.0 px of the work area away" in problem
+
+
+def test_a_polygon_larger_or_smaller_than_its_blob(picture):
+    (problem,) = check_colors(robot(picture, red=box(250, 250, 309, 309)))
+    assert "red marker: the blob seen there has 576 px of the work area, its polygon 313" in problem
+    (problem,) = check_colors(robot(picture, red=box(215, 215, 344, 344)))
+    assert "red marker: 40 % of its polygon has the colour" in problem
+
+
+def test_a_robot_with_two_such_markers(picture):
+    # A second red square, as far from the blue one as the first.
+    double = filled(picture, box(80, 80, 159, 159), COLORS["red"])
+    (problem,) = check_colors(robot(double))
+    assert "the markers are seen, but the robot is not found by them" in problem
+    assert "(1 blue, 2 red)" in problem
+
+
+def test_the_smallest_markers_that_are_seen(picture):
+    side = 4 * 400 / 24  # 4 px of the work area
+    red, blue = box(250, 200, 250 + side, 200 + side), box(83, 200, 83 + side, 200 + side)
+    small = robot(painted(red, blue), size=24.0, red=red, blue=blue)
+    assert check_colors(small) == []
+
+
+def test_a_small_picture_of_a_large_robot():
+    image = painted(box(24, 24, 31, 31), box(8, 24, 15, 31), size=(40, 40))
+    small = robot(
+        image, red=box(23.5, 23.5, 31.5, 31.5), blue=box(7.5, 23.5, 15.5, 31.5), outline=EDGE / 10
+    )
+    assert check_colors(small) == []
+    assert check_colors(replace(small, size=400.0)) == []
+
+
+def test_what_is_no_colour_file(picture, tmp_path):
+    with pytest.raises(FileNotFoundError):
+        check_colors(robot(picture), tmp_path / "none.toml")
+    with pytest.raises(TypeError, match="colors must be"):
+        check_colors(robot(picture), 5)

@@ -1,0 +1,181 @@
+"""Robot definitions out of plain pictures."""
+
+import numpy as np
+import pytest
+from PIL import Image, ImageFilter
+
+from drawn_robots import COLORS, box, painted, star
+from robsim import ColorClass
+from robsim.robots import check_colors, polygons, robot_from_picture
+
+RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)
+
+FIVE_POINTED = np.array(
+    [
+        *((250, 100), (270, 140), (315, 140), (280, 170), (295, 215)),
+        *((250, 190), (205, 215), (220, 170), (185, 140), (230, 140)),
+    ]
+)
+
+
+def area_and_centroid(mask):
+    down, right = np.nonzero(mask)
+    return len(down), (right.mean(), down.mean())
+
+
+def is_color(image, name):
+    return (image == COLORS[name]).all(axis=2)
+
+
+def test_what_is_not_given_has_the_documented_default():
+    robot = robot_from_picture("toy", painted(RED, BLUE))
+    assert (robot.name, robot.size, robot.alignment) == ("toy", 120, 0)
+    np.testing.assert_allclose(robot.centre, [199.5, 199.5], atol=0.01)
+    assert check_colors(robot) == []
+
+
+@pytest.mark.parametrize("name", ["red", "blue"])
+def test_a_marker_has_the_area_and_the_centroid_of_its_blob(name, rng):
+    for _ in range(5):
+        image = painted(star(rng, np.array((280, 200)), 70), star(rng, np.array((110, 190)), 70))
+        robot = robot_from_picture("toy", image)
+        area, centroid = area_and_centroid(is_color(image, name))
+        found = polygons.area_and_centroid(getattr(robot, name))
+        assert found[0] == pytest.approx(area)
+        np.testing.assert_allclose(found[1], centroid, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("shape", "share"),
+    [
+        (box(200, 100, 279, 179), 0.95),
+        (box(200, 60, 211, 199), 0.9),  # a strip
+        ([(200, 60), (210, 60), (300, 190), (290, 190)], 0.9),  # aslant
+        (FIVE_POINTED, 0.85),
+    ],
+)
+def test_a_marker_has_the_shape_of_its_blob(shape, share):
+    image = painted(np.array(shape, float), box(60, 240, 119, 299))
+    robot = robot_from_picture("toy", image)
+    assert len(robot.red) <= 40
+    height, width = image.shape[:2]
+    drawn, found = is_color(image, "red"), polygons.mask(robot.red, width, height)
+    assert (drawn & found).sum() / (drawn | found).sum() > share
+
+
+def test_a_blob_among_others_of_its_colour_and_in_its_box():
+    image = painted(RED, BLUE)
+    image[100:150, 260:280] = COLORS["red"]  # apart, smaller
+    image[240:319, 240:300] = (70, 70, 70, 255)  # leaves an L of the marker
+    image[250:290, 245:285] = COLORS["red"]  # within the box of the L
+    image[240, 245:285] = COLORS["red"]  # in its top row, too
+    area, centroid = area_and_centroid(is_color(image, "red") & _of_the_l(image.shape))
+    robot = robot_from_picture("toy", image)
+    found = polygons.area_and_centroid(robot.red)
+    assert found[0] == pytest.approx(area)
+    np.testing.assert_allclose(found[1], centroid, atol=1e-6)
+
+
+def _of_the_l(shape):
+    mask = np.zeros(shape[:2], bool)
+    mask[240:320, 300:320] = mask[319, 240:320] = True
+    return mask
+
+
+def test_a_ring_gives_a_polygon_that_does_not_cross_itself():
+    image = painted(RED, BLUE)
+    image[262:298, 262:298] = (70, 70, 70, 255)
+    robot = robot_from_picture("toy", image)
+    assert polygons.crossing(robot.red) is None
+
+
+def test_the_outline_lies_close_around_what_is_opaque():
+    image = painted(RED, BLUE)
+    robot = robot_from_picture("toy", image)
+    opaque = image[..., 3] > 127
+    covered = polygons.mask(robot.outline, 400, 400)
+    assert not (opaque & ~covered).any()
+    assert covered.sum() < 1.02 * opaque.sum()
+    assert len(robot.outline) <= 40
+
+
+def test_the_outline_of_an_opaque_picture_is_its_edge():
+    image = painted(RED, BLUE)[:360]
+    image[..., 3] = 255
+    outline = robot_from_picture("toy", image).outline
+    assert {tuple(point) for point in outline} == {
+        (-0.5, -0.5),
+        (399.5, -0.5),
+        (399.5, 359.5),
+        (-0.5, 359.5),
+    }
+
+
+def test_what_is_given_is_taken():
+    robot = robot_from_picture(
+        "toy",
+        painted(RED, BLUE),
+        size=90,
+        alignment=30,
+        centre=(190, 210),
+        outline=box(20, 20, 380, 380),
+        red=RED + 1,
+        blue=BLUE - 1,
+    )
+    assert (robot.size, robot.alignment) == (90, 30)
+    np.testing.assert_array_equal(robot.centre, (190, 210))
+    np.testing.assert_array_equal(robot.outline, box(20, 20, 380, 380))
+    np.testing.assert_array_equal(robot.red, RED + 1)
+    np.testing.assert_array_equal(robot.blue, BLUE - 1)
+
+
+def test_a_large_picture_is_scaled_down_with_its_points():
+    large = np.array(Image.fromarray(painted(RED, BLUE)).resize((2000, 2000)))
+    robot = robot_from_picture("toy", large, red=5 * (RED + 0.5) - 0.5, centre=(999.5, 1249.5))
+    assert robot.image.shape == (1000, 1000, 4)
+    np.testing.assert_allclose(robot.centre, (499.5, 624.5))
+    np.testing.assert_allclose(robot.red, 2.5 * (RED + 0.5) - 0.5)
+    assert robot.locator().distance == pytest.approx(160 * 120 / 400, abs=0.1)
+
+
+def test_a_photo_with_noise_and_blur(rng):
+    image = Image.fromarray(painted(RED, BLUE)).convert("RGB").filter(ImageFilter.GaussianBlur(2))
+    noisy = np.clip(np.array(image) + rng.normal(0, 12, (400, 400, 3)), 0, 255).astype(np.uint8)
+    noisy = np.dstack((noisy, np.full((400, 400), 255, np.uint8)))
+    robot = robot_from_picture("toy", noisy)
+    assert check_colors(robot) == []
+    assert robot.locator().distance == pytest.approx(160 * 120 / 400, abs=0.3)
+
+
+@pytest.mark.parametrize("name", ["red", "blue"])
+def test_a_picture_without_a_marker(name):
+    image = painted(RED, BLUE)
+    image[is_color(image, name)] = (70, 70, 70, 255)
+    with pytest.raises(ValueError, match=f"{name} marker: nothing in the picture has the colour"):
+        robot_from_picture("toy", image)
+    given = {name: {"red": RED, "blue": BLUE}[name]}
+    assert robot_from_picture("toy", image, **given).name == "toy"
+
+
+def test_colours_without_a_marker():
+    with pytest.raises(ValueError, match="blue marker: the colours have no blue"):
+        robot_from_picture("toy", painted(RED, BLUE), colors=[ColorClass("red", v=(164, 255))])
+
+
+def test_a_transparent_picture():
+    image = painted(RED, BLUE)
+    image[..., 3] = 0
+    with pytest.raises(ValueError, match="outline: the picture is transparent everywhere"):
+        robot_from_picture("toy", image)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("red", "ab"), ("red", [[1, 2]]), ("blue", 5), ("outline", [[1, np.nan]] * 3)),
+        *(("centre", (1, 2, 3)), ("size", "big"), ("size", -1), ("alignment", np.inf)),
+    ],
+)
+def test_wrong_values_are_named(name, value):
+    with pytest.raises((TypeError, ValueError), match=f"^{name} must"):
+        robot_from_picture("toy", painted(RED, BLUE), **{name: value})
