@@ -76,7 +76,7 @@ def save_robot(definition: RobotDefinition, folder: str | PathLike[str]) -> None
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     picture = io.BytesIO()
-    Image.fromarray(definition.image).save(picture, format="PNG", optimize=True)
+    Image.fromarray(definition.image).save(picture, format="PNG")
     write_whole(folder / PICTURE, picture.getvalue())
     write_whole(folder / TOML, _as_text(definition).encode())
 

@@ -213,16 +213,28 @@ def _store(definition: RobotDefinition) -> RobotDefinition:
     """Put a robot into its folder: written aside, read back, then moved, so all or nothing."""
     folder = own_folder() / definition.name
     aside = _beside(folder)
-    old = same_name(definition.name, own_robots())
     try:
         save_robot(definition, aside)
         stored = read_robot(aside)
-        if old is not None:
-            _discard(folder.with_name(old))
-        aside.rename(folder)
+        _put_in_place(aside, folder, own_robots())
     finally:
         shutil.rmtree(aside, ignore_errors=True)
     return stored
+
+
+def _put_in_place(aside: Path, folder: Path, own: dict[str, Path]) -> None:
+    """Rename a new folder; an old one of the same name goes then, or stays if that fails."""
+    name = same_name(folder.name, own)
+    if name is None:
+        aside.rename(folder)
+        return
+    old = own[name].rename(_beside(folder))
+    try:
+        aside.rename(folder)
+    except BaseException:
+        old.rename(own[name])
+        raise
+    shutil.rmtree(old, ignore_errors=True)
 
 
 def _discard(folder: Path) -> None:

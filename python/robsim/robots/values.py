@@ -26,18 +26,21 @@ def number(name: str, value: Any) -> float:
 
 def numbers(name: str, value: Any, shape: tuple[int, ...]) -> Floats:
     """Return finite numbers of a shape; -1 = any size."""
-    message = f"{name} must be finite numbers of shape {shape}, got {value!r}"
     try:
         result = np.asarray(value)
     except (TypeError, ValueError):
-        raise ValueError(message) from None
-    if result.dtype.kind not in "iuf" or result.ndim != len(shape):
-        raise ValueError(message)
-    if any(size not in (-1, got) for size, got in zip(shape, result.shape, strict=True)):
-        raise ValueError(message)
-    if not np.isfinite(result).all():
-        raise ValueError(message)
+        result = np.empty(0, dtype=object)
+    if not _fits(result, shape):
+        raise ValueError(f"{name} must be finite numbers of shape {shape}, got {value!r}")
     return result.astype(np.float64)
+
+
+def _fits(array: NDArray[Any], shape: tuple[int, ...]) -> bool:
+    if array.dtype.kind not in "iuf" or array.ndim != len(shape):
+        return False
+    if any(size not in (-1, got) for size, got in zip(shape, array.shape, strict=True)):
+        return False
+    return bool(np.isfinite(array).all())
 
 
 def polygon(name: str, value: Any) -> Floats:

@@ -1,0 +1,385 @@
+"""The commands ``robsim robots``."""
+
+import re
+import shutil
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from drawn_robots import box, painted, random_robot
+from robsim.cli import app
+from robsim.robots import add_robot, chosen_robot, load_robot, robot_names, save_robot, use_robot
+
+pytestmark = pytest.mark.usefixtures("user_folder", "_here")
+
+RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)
+
+
+@pytest.fixture
+def _here(tmp_path, monkeypatch):
+    """Commands run in an empty folder."""
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+
+
+@pytest.fixture
+def photo(_here):
+    """A picture's file in the folder."""
+    Image.fromarray(painted(RED, BLUE)).save("photo.png")
+
+
+def robots(*arguments):
+    """Run ``robsim robots`` in this process, in a terminal of 80 columns."""
+    return CliRunner(env={"COLUMNS": "80"}).invoke(app, ["robots", *map(str, arguments)])
+
+
+def done(*arguments):
+    result = robots(*arguments)
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def refused(*arguments):
+    """The sentence of a command that ends with status 2."""
+    result = robots(*arguments)
+    assert result.exit_code == 2, result.output
+    assert isinstance(result.exception, SystemExit)
+    assert result.stdout == ""
+    assert result.stderr.startswith("error: ")
+    assert result.stderr.count("\n") == 1
+    return result.stderr.removeprefix("error: ").strip()
+
+
+def rows(text):
+    """The rows of the table by the robot's name."""
+    lines = [re.split(r"\s{2,}", line.strip()) for line in text.splitlines()]
+    return {line[0]: line[1:] for line in lines if len(line) > 1}
+
+
+# --- list
+
+
+def test_list():
+    table = rows(done("list"))
+    assert list(table) == ["robot", "lab", "robot2", "sheep"]
+    assert table["lab"] == ["120 px", "90°, faces up", "43.0 px", "ships with robsim", "in use"]
+    assert table["sheep"][-1] == "ships with robsim"
+    add_robot("mine", "lab", alignment=-30)
+    use_robot("mine")
+    table = rows(done("list"))
+    assert table["mine"] == ["120 px", "-30°", "43.0 px", "yours", "in use"]
+    assert table["lab"][-1] == "ships with robsim"
+
+
+def test_a_damaged_robot_is_listed_with_its_error(user_folder):
+    add_robot("bad", "lab")
+    add_robot("good", "lab")
+    (user_folder / "robots/bad/robot.toml").write_text("size = ")
+    result = robots("list")
+    assert result.exit_code == 0
+    table = rows(result.stdout)
+    assert table["bad"] == ["damaged", "yours"]
+    assert table["good"][-1] == "yours"
+    assert result.stderr.startswith("error: robot definition ")
+    assert "bad/robot.toml is not a TOML file" in result.stderr
+
+
+def test_list_says_what_is_wrong_with_the_choice(user_folder):
+    add_robot("mine", "lab")
+    use_robot("mine")
+    shutil.rmtree(user_folder / "robots/mine")
+    result = robots("list")
+    assert "in use" not in result.stdout
+    assert "the robot in use, 'mine', is gone; `robsim robots reset`" in result.stderr
+    (user_folder / "settings.toml").write_text("oops")
+    result = robots("list")
+    assert list(rows(result.stdout)) == ["robot", "lab", "robot2", "sheep"]
+    assert "settings.toml" in result.stderr
+
+
+def test_list_names_a_robot_that_is_hidden(user_folder):
+    add_robot("mine", "lab")
+    (user_folder / "robots/mine").rename(user_folder / "robots/sheep")
+    result = robots("list")
+    assert result.stdout.count("sheep") == 2
+    assert "another robot of this name comes first: rename the folder" in result.stderr
+
+
+def test_the_longest_names_fit_in_80_columns():
+    add_robot("x" * 40, "lab", alignment=-123.456)
+    use_robot("x" * 40)
+    lines = done("list").splitlines()
+    assert max(map(len, lines)) <= 80
+    assert any("-123.456°" in line and "in use" in line for line in lines)
+
+
+# --- show
+
+
+def test_show():
+    text = done("show", "lab")
+    assert text.splitlines() == [
+        "lab: picture of 480 x 480 px, 120 px wide on the work area",
+        "  alignment  90°, faces up",
+        "  centre     at (239.5, 239.5) of the picture",
+        "  outline    reaches 54.6 px from the centre",
+        "  markers    43.0 px apart, 14.0 px behind the centre",
+        "  areas      red 531, blue 531 px of the work area",
+        "drawn in robot-lab.png",
+    ]
+    with Image.open("robot-lab.png") as picture:
+        assert min(picture.size) > 500
+
+
+def test_show_draws_the_robot_in_use_by_default():
+    use_robot("sheep")
+    assert done("show").startswith("sheep: ")
+    assert Path("robot-sheep.png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("out", "file"),
+    [("a.png", "a.png"), ("a", "a.png"), ("b/c.pdf", "b/c.pdf"), ("d.svg", "d.svg")],
+)
+def test_show_writes_where_it_says(out, file):
+    assert done("show", "lab", "--out", out).endswith(f"drawn in {Path(file)}\n")
+    assert Path(file).stat().st_size > 1000
+
+
+def test_show_of_a_folder_says_what_is_wrong(tmp_path):
+    save_robot(load_robot("lab"), tmp_path / "folder")
+    assert "drawn in robot-lab.png" in done("show", tmp_path / "folder")
+    file = tmp_path / "folder/robot.toml"
+    text = file.read_text().replace("size = 120.0", "size = 10")
+    file.write_text(text.replace('name = "lab"', 'name = "../../a b"'))
+    result = robots("show", tmp_path / "folder")
+    assert result.exit_code == 0
+    assert "drawn in robot--a-b.png" in result.stdout
+    assert result.stderr.count("error: ") == 2
+    assert "error: red marker: it is too small to be seen" in result.stderr
+    file.write_text(text.replace("centre = [239.50", "centre = [1.0"))
+    assert "centre must lie inside the outline" in refused("show", tmp_path / "folder")
+
+
+def test_show_with_other_colours(tmp_path):
+    (tmp_path / "colors.toml").write_text("[red]\nv = [250, 255]\n[blue]\nu = [160, 255]\n")
+    result = robots("show", "lab", "--colors", tmp_path / "colors.toml")
+    assert result.exit_code == 0
+    assert "error: red marker: 0 % of its polygon has the colour red" in result.stderr
+    assert "none.toml" in refused("show", "lab", "--colors", "none.toml")
+
+
+def test_show_refuses():
+    assert "no robot 'none': there are lab, robot2, sheep" in refused("show", "none")
+    assert "xyz" in refused("show", "lab", "--out", "a.xyz")
+    Path("file").write_text("")
+    assert "file" in refused("show", "lab", "--out", "file/a.png")
+
+
+# --- add
+
+
+@pytest.mark.usefixtures("photo")
+def test_add_from_a_picture():
+    text = done("add", "mine", "photo.png", "--size", "100", "--alignment", "-90")
+    assert text.startswith("mine: picture of 400 x 400 px, 100 px wide on the work area\n")
+    assert "alignment  -90°, faces down" in text
+    assert "`robsim robots use mine`" in text
+    robot = load_robot("mine")
+    assert (robot.size, robot.alignment) == (100, -90)
+
+
+@pytest.mark.usefixtures("photo")
+def test_add_with_all_options(tmp_path):
+    (tmp_path / "colors.toml").write_text("[red]\n[blue]\n")
+    points = "--red", "240,240 319.5,240 319,319 240,319", "--blue", "80,240  160,240\n160,320"
+    edge = "--outline", "-0.5,-0.5 399,-0.5 399,399 -0.5,399", "--centre", "190,210"
+    colors = "--colors", tmp_path / "colors.toml", "--anyway"
+    done("add", "mine", "photo.png", *points, *edge, *colors)
+    robot = load_robot("mine")
+    np.testing.assert_array_equal(robot.red, [(240, 240), (319.5, 240), (319, 319), (240, 319)])
+    np.testing.assert_array_equal(robot.blue, [(80, 240), (160, 240), (160, 320)])
+    np.testing.assert_array_equal(robot.outline[0], (-0.5, -0.5))
+    np.testing.assert_array_equal(robot.centre, (190, 210))
+
+
+def test_add_from_a_robot():
+    done("add", "mine", "lab", "--size", "60")
+    assert load_robot("mine").size == 60
+    assert "(--overwrite)" in refused("add", "mine", "lab")
+    done("add", "mine", "lab", "--overwrite")
+    assert load_robot("mine").size == 120
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("lab", "sheep"), "the robot 'lab' ships with robsim and stays as it is: `robsim robots"),
+        (("lab", "sheep", "--overwrite"), "the robot 'lab' ships with robsim and stays as it is"),
+        (("../x", "lab"), "name must be 1 to 40 letters"),
+        (("", "lab"), "name must be 1 to 40 letters"),
+        (("/etc/x", "lab"), "name must be 1 to 40 letters"),
+        (("con", "lab"), "name must not be one that Windows keeps for a device, got 'con'"),
+        (("mine", "none.png"), "source must be a robot's name (lab, robot2, sheep), a folder with"),
+        (("mine", "."), "has no robot.toml, so it is no robot"),
+        (("mine", "text.png"), "text.png is not a picture, or damaged"),
+        (("mine", "bomb.png"), "bomb.png is not a picture, or damaged"),
+        (("mine", "lab", "--size", "0"), "size must lie within 1..10000 work-area px, got 0.0"),
+        (("mine", "lab", "--size", "nan"), "size must lie within"),
+        (("mine", "lab", "--alignment", "inf"), "alignment must be finite"),
+        (("mine", "lab", "--red", "hello"), "--red must be points right,down such as '120,40 18"),
+        (("mine", "lab", "--blue", "1,2,3"), "--blue must be points right,down"),
+        (("mine", "lab", "--outline", "1 2 3"), "--outline must be points right,down"),
+        (("mine", "lab", "--centre", "1,2 3,4"), "--centre must be one point right,down such as"),
+        (("mine", "lab", "--centre", ""), "--centre must be one point right,down"),
+        (("mine", "lab", "--red", ""), "red must be"),
+        (("mine", "lab", "--red", "1,2 3,4"), "red must be a polygon of 3 to 1000 different poin"),
+        (("mine", "lab", "--red", "1,1 3,3 9,9"), "red must be a polygon with an area"),
+        (("mine", "lab", "--red", "nan,1 2,2 3,1"), "red must be finite numbers"),
+        (("mine", "lab", "--red", "0,0 9,0 9,9"), "red must lie inside the outline: outside is (0"),
+        (("mine", "lab", "--centre", "0,0"), "centre must lie inside the outline"),
+        (("mine", "lab", "--outline", "0,0 400,0 0,400 400,400"), "outline must not cross itself"),
+        (("mine", "lab", "--outline", "0,0 600,0 0,470"), "outline must lie within the picture of"),
+        (("mine", "lab", "--red", "120,260 190,260 150,330"), "red and blue markers must not over"),
+        (("mine", "lab", "--red", "230,100 250,100 240,120"), "red marker: 0 % of its polygon has"),
+        (("mine", "lab", "--size", "12"), "red marker: it is too small to be seen"),
+        (("mine", "grey.png"), "red marker: nothing in the picture has the colour red"),
+        (("mine", "lab", "--colors", "none.toml"), "none.toml"),
+    ],
+)  # fmt: skip
+def test_add_refuses_and_leaves_nothing_behind(arguments, sentence, user_folder):
+    Path("text.png").write_text("hello")
+    Path("bomb.png").write_bytes(huge_png())
+    Image.new("L", (30, 30), 99).save("grey.png")
+    assert sentence in refused("add", *arguments)
+    assert not user_folder.exists()
+
+
+def huge_png():
+    """A PNG file of a few bytes that claims to be 60000 x 60000 px large."""
+    side = (60_000).to_bytes(4, "big")
+    parts = [b"IHDR" + 2 * side + b"\x08\6\0\0\0", b"IDAT" + zlib.compress(b"\0"), b"IEND"]
+    ends = [(len(part) - 4).to_bytes(4, "big") for part in parts]
+    sums = [zlib.crc32(part).to_bytes(4, "big") for part in parts]
+    chunks = [b"".join(chunk) for chunk in zip(ends, parts, sums, strict=True)]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
+
+
+def test_a_robot_that_steals_a_file(tmp_path):
+    """A definition from elsewhere shows no other file of the computer."""
+    save_robot(load_robot("lab"), tmp_path / "folder")
+    file = tmp_path / "folder/robot.toml"
+    for name in ("../../etc/passwd", "/etc/passwd", "../folder/robot.png"):
+        text = re.sub('image = ".*?"', f'image = "{name}"', file.read_text())
+        file.write_text(text)
+        assert "image must be the name of a file beside robot.toml" in refused(
+            "add", "mine", tmp_path / "folder"
+        )
+
+
+def test_colours_can_be_ignored():
+    red = "230,100 250,100 240,120"
+    assert refused("add", "mine", "lab", "--red", red).endswith(
+        "The colour file can be changed later: ignore_colors=True (--anyway) adds the robot all "
+        "the same"
+    )
+    done("add", "mine", "lab", "--red", red, "--anyway")
+    assert "mine" in robot_names()
+
+
+# --- rotate, use, reset, remove
+
+
+def test_rotate():
+    done("add", "mine", "lab")
+    assert "alignment  180°, faces left" in done("rotate", "mine", "90")
+    assert "alignment  134.5°\n" in done("rotate", "mine", "-45.5")
+    assert load_robot("mine").alignment == 134.5
+    assert "degrees must be finite" in refused("rotate", "mine", "inf")
+    assert "ships with robsim" in refused("rotate", "lab", "-90")
+    assert "you have no robot 'none' of your own: there are mine" in refused("rotate", "none", "9")
+    result = robots("rotate", "mine", "far")
+    assert result.exit_code == 2
+    assert "Invalid value for" in result.stderr
+    assert "degrees" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_use_reset_remove():
+    assert done("use", "SHEEP") == "in use: sheep\n"
+    assert chosen_robot() == "sheep"
+    assert done("reset") == "in use: lab\n"
+    done("add", "mine", "lab")
+    done("use", "mine")
+    assert done("remove", "mine") == "removed: mine; in use: lab\n"
+    assert "mine" not in robot_names()
+
+
+@pytest.mark.parametrize("name", ["none", "", "..", "/etc"])
+def test_use_and_remove_refuse(name):
+    assert f"no robot {name!r}: there are lab, robot2, sheep" in refused("use", name)
+    assert "of your own: there is none yet" in refused("remove", name)
+
+
+def test_remove_refuses_what_ships():
+    for name in ("lab", "robot2", "sheep", "Lab"):
+        assert "ships with robsim and stays as it is" in refused("remove", name)
+    assert robot_names() == ["lab", "robot2", "sheep"]
+
+
+def test_reset_always_works(user_folder):
+    user_folder.mkdir()
+    (user_folder / "settings.toml").write_text("oops")
+    assert "`robsim robots reset` goes back to 'lab'" in refused("show")
+    assert done("reset") == "in use: lab\n"
+    assert done("show").startswith("lab: ")
+
+
+# --- help, and the program itself
+
+
+COMMANDS = ["list", "show", "add", "rotate", "use", "reset", "remove"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.usefixtures("photo")
+def test_help_has_an_example_that_works(command):
+    text = done(command, "--help")
+    assert max(map(len, text.splitlines())) <= 80
+    (example,) = re.findall(r"Example: robsim robots (.+?)\s*$", text, flags=re.MULTILINE)
+    assert example.split()[0] == command
+    if command in ("rotate", "remove"):
+        add_robot("mine", "lab")
+    done(*example.split())
+
+
+def test_help_names_all_commands():
+    text = done("--help")
+    assert all(f" {command} " in text for command in COMMANDS)
+    assert "robsim robots list" in text
+
+
+def program(*arguments):
+    command = [sys.executable, "-m", "robsim", "robots", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100)
+
+
+def test_a_drawn_robot_on_the_whole_way(rng):
+    """Each command in a process of its own: the choice survives."""
+    drawn = random_robot(rng)
+    Image.fromarray(drawn.image).save("drawn.png")
+    added = program("add", "drawn", "drawn.png", "--size", str(drawn.size))
+    assert (added.returncode, added.stderr) == (0, "")
+    assert program("use", "drawn").stdout == "in use: drawn\n"
+    assert program("show").stdout.startswith("drawn: picture of 400 x 400 px")
+    assert Path("robot-drawn.png").is_file()
+    failed = program("remove", "lab")
+    assert failed.returncode == 2
+    assert failed.stderr.startswith("error: the robot 'lab' ships with robsim")
+    assert program("remove", "drawn").stdout == "removed: drawn; in use: lab\n"

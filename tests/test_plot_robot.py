@@ -1,0 +1,102 @@
+"""The picture of a robot definition: what stands where."""
+
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.colors import same_color
+from matplotlib.figure import Figure
+
+from drawn_robots import box, painted
+from robsim import RobotDefinition, load_robot
+from robsim.plotting import plot_robot, style
+
+RED, BLUE = box(240, 240, 319, 319), box(80, 200, 159, 279)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _no_pyplot():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "matplotlib.pyplot", None)
+        yield
+
+
+def robot(**changed):
+    values = {"name": "toy", "image": painted(RED, BLUE), "size": 100.0, "alignment": 90.0}
+    values |= {"outline": box(0, 0, 399, 399), "red": RED, "blue": BLUE, "centre": (200, 180)}
+    return RobotDefinition(**(values | changed))
+
+
+@pytest.fixture(scope="module")
+def axes():
+    return plot_robot(robot())
+
+
+def test_the_picture_is_shown_as_it_is(axes):
+    (image,) = axes.get_images()
+    np.testing.assert_array_equal(image.get_array(), painted(RED, BLUE))
+    assert axes.get_xlim()[0] < -0.5
+    assert axes.get_ylim()[0] > 399.5 > -0.5 > axes.get_ylim()[1]  # down is down
+    assert axes.get_aspect() == 1
+
+
+def test_the_polygons(axes):
+    shown = {patch.get_label(): patch for patch in axes.patches}
+    assert list(shown) == ["outline", "red marker", "blue marker"]
+    for name, polygon in (("outline", box(0, 0, 399, 399)), ("red marker", RED)):
+        np.testing.assert_array_equal(shown[name].get_xy()[:-1], polygon)
+    assert same_color(shown["red marker"].get_edgecolor(), "red")
+    assert same_color(shown["blue marker"].get_edgecolor(), "blue")
+
+
+def test_the_line_between_the_markers_has_their_distance(axes):
+    (line,) = [line for line in axes.get_lines() if line.get_label() == "marker centroids"]
+    np.testing.assert_allclose(line.get_xydata(), [(119.5, 239.5), (279.5, 279.5)])
+    distance = np.hypot(160, 40) * 100 / 400
+    assert f"{distance:.1f} px" in {text.get_text() for text in axes.texts}
+
+
+@pytest.mark.parametrize(
+    ("alignment", "forward"),
+    [(0, (1, 0)), (90, (0, -1)), (180, (-1, 0)), (-90, (0, 1)), (30, (np.cos(np.pi / 6), -0.5))],
+)
+def test_the_arrow_points_to_what_will_face_right(alignment, forward):
+    definition = robot(alignment=alignment)
+    (arrow,) = [text for text in plot_robot(definition).texts if text.arrow_patch]
+    tip, tail = np.array(arrow.xy), np.array(arrow.get_position())
+    np.testing.assert_allclose(tail, (200, 180))
+    np.testing.assert_allclose((tip - tail) / np.linalg.norm(tip - tail), forward, atol=1e-12)
+    # In the robot's own axes that is forward.
+    ahead, aside = definition.to_robot_frame([tip])[0]
+    assert ahead > 0
+    assert aside == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("size", "length"), [(1, 0.1), (60, 10), (100, 10), (120, 20), (400, 50)])
+def test_the_scale_is_a_round_number_of_px(size, length):
+    drawn = plot_robot(robot(size=size))
+    assert f"{length:g} px" in {text.get_text() for text in drawn.texts}
+    bar = drawn.get_lines()[-1].get_xdata()
+    assert np.diff(bar) * size / 400 == pytest.approx(length)
+
+
+def test_the_title(axes):
+    assert axes.get_title("left") == "toy: 100 px wide on the work area, alignment 90°"
+
+
+def test_a_notebook_shows_the_figure(axes):
+    assert isinstance(axes, style.NotebookAxes)
+    assert axes._repr_png_().startswith(b"\x89PNG")
+
+
+def test_axes_that_are_given():
+    mine = Figure().add_subplot()
+    assert plot_robot(load_robot("lab"), ax=mine) is mine
+    assert mine.get_images()
+    mine.figure.draw_without_rendering()
+
+
+@pytest.mark.parametrize("wrong", ["lab", None, 5])
+def test_what_is_no_definition(wrong):
+    with pytest.raises(TypeError, match="definition must be a RobotDefinition"):
+        plot_robot(wrong)

@@ -1,0 +1,533 @@
+"""A user's own robots, and the robot in use."""
+
+import shutil
+import subprocess
+import sys
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import platformdirs
+import pytest
+from PIL import Image
+
+from drawn_robots import box, painted, random_robot
+from robsim import DriveAround, Locator, Simulation, robots
+from robsim.robots import (
+    add_robot,
+    chosen_robot,
+    load_robot,
+    remove_robot,
+    reset_robot,
+    robot_names,
+    rotate_robot,
+    save_robot,
+    use_robot,
+)
+from robsim.robots.choice import data_folder
+
+pytestmark = pytest.mark.usefixtures("user_folder")
+
+SHIPPED = ["lab", "robot2", "sheep"]
+RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)
+
+
+@pytest.fixture
+def photo(tmp_path):
+    """A picture's file."""
+    file = tmp_path / "photo.png"
+    Image.fromarray(painted(RED, BLUE)).save(file)
+    return file
+
+
+def files(folder):
+    return sorted(str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file())
+
+
+# --- where things are
+
+
+def test_the_user_folder(user_folder, monkeypatch):
+    assert data_folder() == user_folder
+    monkeypatch.setenv("ROBSIM_DATA", "~/here")
+    assert data_folder() == Path.home() / "here"
+    monkeypatch.setenv("ROBSIM_DATA", "")
+    assert data_folder() == platformdirs.user_data_path("robsim")
+    monkeypatch.delenv("ROBSIM_DATA")
+    assert data_folder() == platformdirs.user_data_path("robsim")
+
+
+def test_looking_writes_nothing(user_folder):
+    assert robot_names() == SHIPPED
+    assert chosen_robot() == "lab"
+    assert load_robot().name == "lab"
+    reset_robot()
+    assert not user_folder.exists()
+
+
+# --- adding
+
+
+def test_a_robot_from_each_kind_of_source(user_folder, photo, tmp_path):
+    save_robot(load_robot("lab"), tmp_path / "folder")
+    sources = [load_robot("lab"), "lab", "LAB", tmp_path / "folder", str(tmp_path / "folder")]
+    for number, source in enumerate([*sources, photo, str(photo), "robot-0"]):
+        robot = add_robot(f"robot-{number}", source)
+        assert robot.name == f"robot-{number}"
+    assert robot_names() == SHIPPED + [f"robot-{number}" for number in range(8)]
+    assert files(user_folder / "robots/robot-0") == ["robot.png", "robot.toml"]
+    distances = [load_robot(f"robot-{number}").locator().distance for number in range(8)]
+    assert distances == pytest.approx([43] * 5 + [48] * 2 + [43], abs=0.02)
+
+
+def test_what_is_added_is_what_is_loaded(rng):
+    drawn = random_robot(rng)
+    added = add_robot("mine", drawn)
+    loaded = load_robot("mine")
+    for robot in (added, loaded):
+        np.testing.assert_array_equal(robot.image, drawn.image)
+        assert (robot.size, robot.alignment) == (drawn.size, drawn.alignment)
+        for name in ("centre", "outline", "red", "blue"):
+            np.testing.assert_allclose(getattr(robot, name), getattr(drawn, name), atol=0.0051)
+
+
+def test_given_values_override_those_of_the_source(photo):
+    robot = add_robot("mine", "lab", size=90, alignment=-90, centre=(240, 250), red=RED, blue=BLUE,
+                      outline=box(5, 5, 470, 470), ignore_colors=True)  # fmt: skip
+    assert (robot.name, robot.size, robot.alignment) == ("mine", 90, -90)
+    np.testing.assert_array_equal(robot.centre, (240, 250))
+    np.testing.assert_array_equal(robot.red, RED)
+    np.testing.assert_array_equal(robot.outline, box(5, 5, 470, 470))
+    assert add_robot("other", photo, size=90).size == 90
+
+
+@pytest.mark.parametrize("kind", ["jpg", "bmp", "gif", "webp", "grey.png"])
+def test_any_kind_of_picture(tmp_path, kind):
+    file = tmp_path / f"photo.{kind}"
+    image = Image.fromarray(painted(RED, BLUE)).convert("RGB")
+    if kind == "grey.png":
+        image.convert("L").save(file)
+        robot = add_robot("mine", file, red=RED, blue=BLUE, ignore_colors=True)
+    else:
+        image.save(file)
+        robot = add_robot("mine", file)
+        assert robot.locator().distance == pytest.approx(48, abs=0.2)
+    assert robot.image.shape == (400, 400, 4)
+
+
+@pytest.mark.parametrize("side", ["wide", "high"])
+def test_a_large_robot_is_scaled_down(side):
+    lab = load_robot("lab")
+    image = np.repeat(np.repeat(lab.image, 3, axis=0), 3, axis=1)
+    points = {name: 3 * getattr(lab, name) + 1 for name in ("centre", "outline", "red", "blue")}
+    image = image[:, 60:-60] if side == "high" else image[60:-60]
+    points = {n: p - ((60, 0) if side == "high" else (0, 60)) for n, p in points.items()}
+    size = 120 * image.shape[1] / 1440
+    robot = add_robot("mine", replace(lab, image=image, size=size, **points))
+    assert max(robot.image.shape) == 1000
+    assert robot.locator().distance == pytest.approx(43, abs=0.05)
+    assert robot.locator().offset == pytest.approx(14, abs=0.05)
+
+
+def test_upper_and_lower_case_are_the_same():
+    add_robot("Mine", "lab")
+    assert load_robot("mINE").name == "Mine"
+    with pytest.raises(ValueError, match="you have a robot 'Mine' already"):
+        add_robot("mine", "lab")
+    add_robot("MINE", "lab", overwrite=True)
+    assert robot_names()[-1] == "MINE"
+    assert len(robot_names()) == 4
+    use_robot("mine")
+    assert chosen_robot() == "MINE"
+
+
+def test_an_own_robot_is_replaced_only_when_asked(user_folder):
+    add_robot("mine", "lab")
+    with pytest.raises(ValueError, match=r"overwrite=True \(--overwrite\) replaces it"):
+        add_robot("mine", "lab", size=60)
+    assert load_robot("mine").size == 120
+    add_robot("mine", "mine", size=60, overwrite=True)
+    assert load_robot("mine").size == 60
+    assert files(user_folder) == ["robots/mine/robot.png", "robots/mine/robot.toml"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("", " ", ".", "..", "../x", "a/b", "a\\b", "/etc/x", "C:x", "a.b", "a b", "-a", "_a"),
+        *("x" * 41, "\0", "a\n", "größe", "naïve", "a*", "~", "$HOME", "con", "NUL", "com1"),
+        *("Lpt9", "aux", "prn"),
+    ],
+)
+def test_names_that_are_refused(user_folder, name):
+    with pytest.raises(ValueError, match="name must"):
+        add_robot(name, "lab")
+    assert not user_folder.exists()
+
+
+def test_a_name_that_is_no_text():
+    for name in (None, 5, Path("mine"), b"mine"):
+        with pytest.raises(TypeError, match="name must be text"):
+            add_robot(name, "lab")
+
+
+@pytest.mark.parametrize("name", ["a", "0", "x" * 40, "A-b_9", "console", "com10", "nul-1"])
+def test_names_that_are_taken(name):
+    assert add_robot(name, "lab").name == name
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, "LAB", "Sheep"])
+def test_shipped_robots_stay_as_they_are(user_folder, name):
+    message = rf"ships with robsim and stays as it is: `robsim robots add my-{name.lower()} "
+    for attempt in (
+        lambda: add_robot(name, "lab"),
+        lambda: add_robot(name, "lab", overwrite=True),
+        lambda: rotate_robot(name, 90),
+        lambda: remove_robot(name),
+    ):
+        with pytest.raises(ValueError, match=message):
+            attempt()
+    assert not user_folder.exists()
+
+
+def test_sources_that_are_none(tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "text.png").write_text("hello")
+    for source, message in (
+        ("no such", r"source must be a robot's name \(lab, robot2, sheep\), a folder with a robot"),
+        ("", "has no robot.toml"),
+        (tmp_path / "none.png", "source must be a robot's name"),
+        (tmp_path / "empty", "has no robot.toml, so it is no robot"),
+        (tmp_path / "text.png", "is not a picture, or damaged"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            add_robot("mine", source)
+    for source in (None, 5, b"lab", painted(RED, BLUE)):
+        with pytest.raises(TypeError, match="source must be a RobotDefinition"):
+            add_robot("mine", source)
+
+
+def test_colours_that_are_not_seen(user_folder, photo, tmp_path):
+    colors = tmp_path / "colors.toml"
+    colors.write_text("[red]\nv = [250, 255]\n[blue]\nu = [160, 255]\nv = [0, 140]\n")
+    with pytest.raises(ValueError, match=r"red marker: 0 % .* ignore_colors=True") as caught:
+        add_robot("mine", "lab", colors=colors)
+    assert "V 250..255" in str(caught.value)
+    with pytest.raises(ValueError, match="red marker: nothing in the picture has the colour red"):
+        add_robot("mine", photo, colors=colors)
+    assert not user_folder.exists()
+    assert add_robot("mine", "lab", colors=colors, ignore_colors=True).name == "mine"
+
+
+# --- all or nothing
+
+
+def broken(*arguments, **options):
+    raise OSError("the disk is full")
+
+
+@pytest.mark.parametrize("step", ["write_whole", "read_robot", "rename"])
+def test_a_failing_add_leaves_nothing_behind(user_folder, monkeypatch, step):
+    if step == "write_whole":
+        monkeypatch.setattr(robots.files, "write_whole", broken)
+    elif step == "read_robot":
+        monkeypatch.setattr(robots.own, "read_robot", broken)
+    else:
+        monkeypatch.setattr(Path, "rename", broken)
+    lab = load_robot("lab")
+    with pytest.raises(OSError, match="the disk is full"):
+        add_robot("mine", lab)
+    assert files(user_folder) == []
+    assert robot_names() == SHIPPED
+
+
+@pytest.mark.parametrize("failing", [1, 2])
+def test_a_failing_overwrite_leaves_the_old_one(user_folder, monkeypatch, failing):
+    """The first rename puts the old one aside, the second one puts the new one in its place."""
+    add_robot("mine", "lab", size=77)
+    calls = []
+    rename = Path.rename
+
+    def fail_once(self, target):
+        calls.append(self)
+        if len(calls) == failing:
+            broken()
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", fail_once)
+    with pytest.raises(OSError, match="the disk is full"):
+        add_robot("mine", "lab", overwrite=True)
+    assert load_robot("mine").size == 77
+    assert files(user_folder) == ["robots/mine/robot.png", "robots/mine/robot.toml"]
+
+
+def test_a_failing_save_leaves_the_old_file(tmp_path, monkeypatch):
+    save_robot(load_robot("lab"), tmp_path)
+    before = {file: (tmp_path / file).read_bytes() for file in files(tmp_path)}
+    monkeypatch.setattr(Path, "replace", broken)
+    with pytest.raises(OSError, match="the disk is full"):
+        save_robot(load_robot("sheep"), tmp_path)
+    assert {file: (tmp_path / file).read_bytes() for file in files(tmp_path)} == before
+
+
+# --- files
+
+
+def test_a_saved_robot_can_be_read_by_people(tmp_path):
+    save_robot(load_robot("lab"), tmp_path / "a/b")
+    text = (tmp_path / "a/b/robot.toml").read_text()
+    assert 'name = "lab"\nimage = "robot.png"   # beside this file' in text
+    assert "alignment = 90.0   # degrees clockwise" in text
+    assert "centre = [239.50, 239.50]\n" in text
+    assert "\n    [239.50, 26.47], [308.40, 32.50], [312.53, 33.61], [314.37, 34.47],\n" in text
+    assert max(map(len, text.splitlines())) <= 100
+    assert set(tomllib.loads(text)) == {"name", "image", "size", "alignment", "centre"} | {
+        *("outline", "red", "blue")
+    }
+
+
+@pytest.mark.parametrize("name", ['a"b', "a\nb = 1", "\\", "größe", "\x7f", "'''", '"""', "😀"])
+def test_any_name_is_saved(tmp_path, name):
+    save_robot(replace(load_robot("lab"), name=name), tmp_path)
+    assert load_robot(tmp_path).name == name
+
+
+def test_other_files_of_the_folder_are_left_alone(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    save_robot(load_robot("lab"), tmp_path)
+    save_robot(load_robot("lab"), str(tmp_path))
+    assert files(tmp_path) == ["notes.txt", "robot.png", "robot.toml"]
+    with pytest.raises(TypeError, match="definition must be a RobotDefinition"):
+        save_robot("lab", tmp_path)
+
+
+# --- rotating
+
+
+@pytest.mark.parametrize(
+    ("before", "degrees", "after"),
+    [
+        *((0, 90, 90), (90, -90, 0), (90, 120, -150), (-150, -40, 170)),
+        *((10, 720.5, 10.5), (0.1, 0.2, 0.3)),
+    ],
+)
+def test_rotate_adds_to_the_alignment(before, degrees, after):
+    add_robot("mine", "lab", alignment=before)
+    assert rotate_robot("MINE", degrees).alignment == after
+    assert load_robot("mine").alignment == after
+
+
+def test_rotate_keeps_what_was_written_by_hand(user_folder):
+    add_robot("mine", "lab")
+    file = user_folder / "robots/mine/robot.toml"
+    before = file.read_text() + "# my note\n"
+    file.write_text(before)
+    rotate_robot("mine", 45)
+    assert file.read_text() == before.replace("alignment = 90.0", "alignment = 135.0")
+
+
+@pytest.mark.parametrize("degrees", [np.nan, np.inf, "90", None, True])
+def test_rotate_by_no_number(degrees):
+    add_robot("mine", "lab")
+    with pytest.raises((TypeError, ValueError), match="degrees must be"):
+        rotate_robot("mine", degrees)
+
+
+# --- removing
+
+
+def test_remove(user_folder):
+    add_robot("mine", "lab")
+    use_robot("mine")
+    remove_robot("Mine")
+    assert robot_names() == SHIPPED
+    assert chosen_robot() == "lab"
+    assert files(user_folder) == ["settings.toml"]
+
+
+def test_removing_another_robot_keeps_the_choice():
+    add_robot("mine", "lab")
+    add_robot("other", "lab")
+    use_robot("mine")
+    remove_robot("other")
+    assert chosen_robot() == "mine"
+
+
+def test_a_damaged_robot_and_damaged_settings_do_not_keep_one_from_removing(user_folder):
+    add_robot("mine", "lab")
+    (user_folder / "robots/mine/robot.toml").write_text("oops")
+    (user_folder / "settings.toml").write_text("oops")
+    assert "mine" in robot_names()
+    remove_robot("mine")
+    assert robot_names() == SHIPPED
+
+
+@pytest.mark.parametrize("name", ["none", "", "..", "../robots", "/", "\0", None])
+def test_there_is_nothing_of_this_name(name):
+    for attempt in (lambda: remove_robot(name), lambda: rotate_robot(name, 5)):
+        with pytest.raises(ValueError, match="of your own: there is none yet"):
+            attempt()
+    add_robot("mine", "lab")
+    with pytest.raises(ValueError, match="of your own: there are mine"):
+        remove_robot(name)
+    assert robot_names()[-1] == "mine"
+
+
+# --- the choice
+
+
+def test_the_choice_is_what_load_robot_loads():
+    use_robot("SHEEP")
+    assert chosen_robot() == "sheep"
+    assert load_robot().name == "sheep"
+    assert robots.as_robot(None).name == "sheep"
+    assert load_robot("lab").name == "lab"
+    assert Simulation().robot.name == "sheep"
+    reset_robot()
+    assert load_robot().name == "lab"
+
+
+def test_the_choice_survives_a_restart():
+    add_robot("mine", "lab")
+    use_robot("mine")
+    run = "import robsim.robots; print(robsim.robots.load_robot().name)"
+    result = subprocess.run([sys.executable, "-c", run], capture_output=True, text=True, check=True)
+    assert result.stdout == "mine\n"
+
+
+@pytest.mark.parametrize("name", ["none", "", "..", "/"])
+def test_a_robot_that_is_none_is_not_chosen(user_folder, name):
+    with pytest.raises(ValueError, match=r"no robot .* there are lab, robot2, sheep"):
+        use_robot(name)
+    assert not user_folder.exists()
+
+
+def test_a_damaged_robot_is_not_chosen(user_folder):
+    add_robot("mine", "lab")
+    (user_folder / "robots/mine/robot.png").unlink()
+    with pytest.raises(ValueError, match=r"robot definition .*mine"):
+        use_robot("mine")
+    assert chosen_robot() == "lab"
+
+
+def test_other_settings_are_kept(user_folder):
+    user_folder.mkdir()
+    before = "# mine\nlanguage = 'en'  # a note\n\n[window]\nrobot = 'other'\n"
+    settings = user_folder / "settings.toml"
+    settings.write_text(before)
+    assert chosen_robot() == "lab"
+    use_robot("sheep")
+    values = tomllib.loads(settings.read_text())
+    assert values == {"language": "en", "robot": "sheep", "window": {"robot": "other"}}
+    assert "# mine" in settings.read_text()
+    assert "# a note" in settings.read_text()
+    reset_robot()
+    assert tomllib.loads(settings.read_text())["window"] == {"robot": "other"}
+    assert chosen_robot() == "lab"
+
+
+DAMAGED = ["oops", "robot = ", "robot = 5", "robot = ['lab']", "[robot]\nname = 'lab'", b"\xff\xfe"]
+
+
+@pytest.mark.parametrize("content", DAMAGED)
+def test_damaged_settings(user_folder, content):
+    user_folder.mkdir()
+    settings = user_folder / "settings.toml"
+    settings.write_bytes(content if isinstance(content, bytes) else content.encode())
+    for attempt in (chosen_robot, load_robot, Simulation):
+        with pytest.raises(ValueError, match=r"settings\.toml.*`robsim robots reset` goes back"):
+            attempt()
+    reset_robot()
+    assert chosen_robot() == "lab"
+    use_robot("sheep")
+    assert chosen_robot() == "sheep"
+
+
+def test_settings_that_are_a_folder(user_folder):
+    (user_folder / "settings.toml").mkdir(parents=True)
+    with pytest.raises(ValueError, match=r"settings\.toml.*robsim robots reset"):
+        chosen_robot()
+    with pytest.raises(ValueError, match=r"settings\.toml.*robsim robots reset"):
+        use_robot("sheep")
+    reset_robot()
+    assert chosen_robot() == "lab"
+
+
+def test_settings_that_are_no_toml_are_put_aside(user_folder):
+    user_folder.mkdir()
+    (user_folder / "settings.toml").write_text("oops")
+    with pytest.raises(ValueError, match="robsim robots reset"):
+        use_robot("sheep")
+    reset_robot()
+    (aside,) = user_folder.glob("settings-damaged-*.toml")
+    assert aside.read_text() == "oops"
+
+
+def test_a_chosen_robot_that_is_gone(user_folder):
+    add_robot("mine", "lab")
+    use_robot("mine")
+    shutil.rmtree(user_folder / "robots/mine")
+    for attempt in (load_robot, Simulation):
+        with pytest.raises(ValueError, match=r"settings\.toml: the robot in use, 'mine', is gone"):
+            attempt()
+    assert chosen_robot() == "mine"
+    reset_robot()
+    assert load_robot().name == "lab"
+
+
+def test_a_chosen_robot_that_is_a_path(user_folder, tmp_path):
+    """Settings name robots; they do not load from anywhere."""
+    save_robot(load_robot("lab"), tmp_path / "elsewhere")
+    user_folder.mkdir()
+    (user_folder / "settings.toml").write_text(f"robot = '{tmp_path}/elsewhere'")
+    with pytest.raises(ValueError, match="is gone"):
+        load_robot()
+
+
+def test_a_shipped_robot_comes_before_an_own_one_of_its_name(user_folder):
+    add_robot("mine", "lab", size=50)
+    (user_folder / "robots/mine").rename(user_folder / "robots/Sheep")
+    assert load_robot("Sheep").size != 50
+    assert robot_names() == SHIPPED
+    remove_robot("Sheep")
+    assert files(user_folder) == []
+
+
+def test_strange_things_in_the_user_folder(user_folder):
+    robots_folder = user_folder / "robots"
+    (robots_folder / ".mine.0123").mkdir(parents=True)
+    (robots_folder / ".mine.0123/robot.toml").write_text("")
+    (robots_folder / "empty").mkdir()
+    (robots_folder / "file").write_text("")
+    assert robot_names() == SHIPPED
+
+
+# --- the whole way
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+def test_a_robot_made_up_on_the_spot(seed, tmp_path):
+    """Drawn, added as a mere picture, used, tracked by its own locator only, removed."""
+    print(f"seed of the robot: {seed}")
+    rng = np.random.default_rng(seed)
+    drawn = random_robot(rng)
+    Image.fromarray(drawn.image).save(tmp_path / "drawn.png")
+    add_robot("drawn", tmp_path / "drawn.png", size=drawn.size)
+    rotate_robot("drawn", drawn.alignment)
+    use_robot("drawn")
+    assert load_robot().locator().distance == pytest.approx(drawn.locator().distance, abs=0.3)
+    options = {"area": (600, 600), "rotation": "continuous", "measure": True, "seed": seed}
+    trace = Simulation(control=DriveAround(), **options).run(120)
+    assert trace.info.robot == "drawn"
+    statistics = trace.tracking()
+    assert statistics.valid > 100
+    assert statistics.false == 0
+    assert statistics.rms_xy < 1
+    assert statistics.rms_heading_deg < 2
+    for locator in ("lab", Locator(43, 14)):
+        other = Simulation(control=DriveAround(), locator=locator, **options).run(120)
+        assert not other.valid.any()
+    remove_robot("drawn")
+    assert load_robot().name == "lab"
+    assert "drawn" not in robot_names()
