@@ -349,8 +349,9 @@ void bind_simulation(py::module_& module) {
       .def("reset", &SlottedSimulation::reset, "Go back to the start.")
       .def("columns", &columns_of, "Return the columns of the trace: name -> array (rows, width).")
       .def_property_readonly("has_started", &SlottedSimulation::has_started)
-      .def_property_readonly("rows", [](const SlottedSimulation& self) { return self.next_step(); },
-                             "int: steps recorded by now.")
+      .def_property_readonly(
+          "rows", [](const SlottedSimulation& self) { return self.next_step(); },
+          "int: steps recorded by now.")
       .def_property_readonly("is_running", &SlottedSimulation::is_running)
       .def_property_readonly("model", [](const SlottedSimulation& self) { return self.model(); })
       .def_property_readonly(
