@@ -54,6 +54,7 @@ from robsim.robots import (
     use_robot,
 )
 from robsim.scene import draw_red_square
+from robsim.shipped import copy_notebooks
 from robsim.simulation import Simulation
 from robsim.trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
 from robsim.video import VideoWriter, write_video
@@ -112,6 +113,7 @@ __all__ = [
     "batch_estimate",
     "check_colors",
     "chosen_robot",
+    "copy_notebooks",
     "draw_overlay",
     "draw_red_square",
     "find_blobs",

@@ -8,7 +8,6 @@ import importlib.util
 import inspect
 import io
 import linecache
-import os
 import re
 import sys
 import threading
@@ -21,6 +20,8 @@ from os import PathLike
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+from robsim.shipped import as_folder, copy_files
 
 #: The slots and the argument that each callback gets.
 ARGUMENTS = {
@@ -83,18 +84,7 @@ def new_folder(folder: str | PathLike[str]) -> list[Path]:
     NotADirectoryError
         If `folder` is a file.
     """
-    folder = _as_path(folder)
-    if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError(f"{folder} is a file, not a folder: give another name")
-    files = [folder / f"{slot}.py" for slot in ARGUMENTS]
-    there = [file.name for file in files if os.path.lexists(file)]
-    if there:
-        raise FileExistsError(f"{folder} has {', '.join(there)} already: nothing was written")
-    folder.mkdir(parents=True, exist_ok=True)
-    for file in files:
-        with open(file, "xb") as output:
-            output.write((_TEMPLATES / file.name).read_bytes())
-    return files
+    return copy_files([_TEMPLATES / f"{slot}.py" for slot in ARGUMENTS], folder)
 
 
 class CallbackFolder:
@@ -115,7 +105,7 @@ class CallbackFolder:
     """
 
     def __init__(self, folder: str | PathLike[str]) -> None:
-        self.path = _as_path(folder)
+        self.path = as_folder(folder)
         self._place = self.path.absolute()  # wherever the program goes later
         self._modules = _Modules(self.path, self._place, {})
 
@@ -283,12 +273,6 @@ class _Modules(MetaPathFinder, Loader):
         except BaseException as error:
             error.add_note(f"while loading {self._folder / stem}.py")
             raise
-
-
-def _as_path(folder: str | PathLike[str]) -> Path:
-    if not isinstance(folder, (str, PathLike)):
-        raise TypeError(f"folder must be a path, got {folder!r}")
-    return Path(folder)
 
 
 def _module_name(slot: str) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from robsim.cli import demo, robots, run, track
+from robsim.cli import demo, notebooks, robots, run, track
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -17,10 +17,11 @@ app = typer.Typer(
     help="Camera-based control of mobile robots, simulated.",
     epilog="Start with: robsim demo",
 )
-app.command(help=demo.HELP)(demo.demo)
-app.command(help=run.NEW_HELP)(run.new)
-app.command(help=run.RUN_HELP)(run.run)
-app.command(help=track.HELP)(track.track)
+app.command(help=demo.HELP, epilog=demo.EXAMPLE)(demo.demo)
+app.command(help=run.NEW_HELP, epilog=run.NEW_EXAMPLE)(run.new)
+app.command(help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
+app.command(help=track.HELP, epilog=track.EXAMPLE)(track.track)
+app.command(help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
 app.add_typer(robots.app, name="robots")
 
 

@@ -10,6 +10,7 @@ import typer
 
 from robsim.cli import errors
 
+EXAMPLE = "Example: robsim demo"
 HELP = (
     "Drive a robot, track it by camera and find its parameters.\n\n"
     "The robot spins, then drives around in an unlimited area. Vision tracks it, recursive least "

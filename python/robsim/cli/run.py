@@ -13,15 +13,16 @@ from robsim.cli import errors
 if TYPE_CHECKING:
     from robsim.simulation import Simulation
 
+NEW_EXAMPLE = "Example: robsim new mine"
 NEW_HELP = (
     "Write the eight default callbacks into a folder, to be edited.\n\n"
     "Each file is a stage of the loop: control.py, measure.py, ... Those that a run can do without "
     "are switched off: set ENABLED = True in them. Then: robsim run FOLDER"
 )
+RUN_EXAMPLE = "Example: robsim run mine --steps 300 --measure"
 RUN_HELP = (
     "Run a simulation, with the callbacks of a folder if you name one.\n\n"
-    "Figures and the trace go to a folder. Without callbacks the robot spins.\n\n"
-    "Example: robsim run mine --steps 300 --measure --seed 1"
+    "Figures and the trace go to a folder. Without callbacks the robot spins."
 )
 
 

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from robsim.recordings import Recording
     from robsim.simulation import Simulation
 
+EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
 HELP = (
     "Track the robot in a video file or a folder of images.\n\n"
     "Gives its trace, the figures and an annotated video. A camera that looks at the floor at an "
-    "angle needs four points whose places are known.\n\n"
-    "Example: robsim track run.mkv --area 1200x1200 --robot lab --out tracked"
+    "angle needs four points whose places are known."
 )
 
 

@@ -1,0 +1,27 @@
+"""The command ``robsim notebooks``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robsim.cli import errors
+
+EXAMPLE = "Example: robsim notebooks coursework"
+HELP = (
+    "Copy the notebooks for students into a folder.\n\n"
+    "They need Jupyter: pip install notebook 'robsim[notebook]'. Then: jupyter notebook FOLDER"
+)
+
+
+def notebooks(
+    folder: Annotated[Path, typer.Argument(help="The folder; made if there is none.")],
+) -> None:
+    """Copy the notebooks for students into a folder."""
+    from robsim.shipped import copy_notebooks
+
+    with errors.told():
+        files = copy_notebooks(folder)
+    print(f"written to {folder}: {', '.join(file.name for file in files)}")

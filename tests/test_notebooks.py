@@ -1,0 +1,72 @@
+"""The notebooks that ship: clean, and executed as they are."""
+
+import json
+
+import nbclient
+import nbformat
+import pytest
+
+import robsim
+from robsim.shipped import NOTEBOOKS
+from test_cli_run import cli
+
+SHIPPED = sorted(NOTEBOOKS.glob("*.ipynb"))
+each = pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
+
+
+def code_cells(notebook):
+    return [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+
+
+def test_there_are_notebooks():
+    assert [file.name for file in SHIPPED] == [
+        "01_first_drive.ipynb",
+        "02_write_a_controller.ipynb",
+    ]
+
+
+@each
+def test_a_notebook_is_short_and_stripped(file):
+    notebook = json.loads(file.read_text(encoding="utf-8"))
+    assert set(notebook["metadata"]) == {"kernelspec", "language_info"}
+    assert notebook["metadata"]["kernelspec"]["name"] == "python3"
+    assert 4 <= len(code_cells(notebook)) <= 10
+    for cell in code_cells(notebook):
+        assert (cell["outputs"], cell["execution_count"], cell["metadata"]) == ([], None, {})
+
+
+@each
+def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
+    robsim.copy_notebooks(tmp_path)
+    notebook = nbformat.read(tmp_path / file.name, as_version=4)
+    place = {"metadata": {"path": str(tmp_path)}}
+    nbclient.NotebookClient(notebook, timeout=100, resources=place).execute()
+    outputs = [output for cell in code_cells(notebook) for output in cell["outputs"]]
+    assert not [output["text"] for output in outputs if output.get("name") == "stderr"]
+    kinds = [set(output["data"]) for output in outputs if "data" in output]
+    pictures = [kind for kind in kinds if kind & {"image/png", "text/html"}]
+    assert len(pictures) >= 3
+
+
+def test_the_command_copies_them_and_never_overwrites(tmp_path):
+    copied = cli("notebooks", "coursework", cwd=tmp_path)
+    assert copied.returncode == 0, copied.stderr
+    for file in SHIPPED:
+        assert file.name in copied.stdout
+        assert (tmp_path / "coursework" / file.name).read_bytes() == file.read_bytes()
+    mine = tmp_path / "coursework" / SHIPPED[0].name
+    mine.write_text("my work")
+    (tmp_path / "coursework" / SHIPPED[1].name).unlink()
+    again = cli("notebooks", "coursework", cwd=tmp_path)
+    assert again.returncode == 2
+    assert f"coursework has {mine.name} already: nothing was written" in again.stderr
+    assert [file.name for file in mine.parent.iterdir()] == [mine.name]
+    assert mine.read_text() == "my work"
+
+
+def test_a_file_is_no_folder(tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(NotADirectoryError, match="taken is a file, not a folder"):
+        robsim.copy_notebooks(tmp_path / "taken")
+    with pytest.raises(TypeError, match="folder must be a path, got 3"):
+        robsim.copy_notebooks(3)
