@@ -7,16 +7,37 @@ from pathlib import Path
 
 import pytest
 
+from robsim.folders import new_folder
+
 README = (Path(__file__).parent.parent / "README.md").read_text()
 BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
 
 
-@pytest.mark.parametrize("block", BLOCKS, ids=range(len(BLOCKS)))
+GRADING = [block for block in BLOCKS if "def test_" in block]
+PROGRAMS = [block for block in BLOCKS if block not in GRADING]
+
+
+def python(*arguments, cwd):
+    command = [sys.executable, "-W", "error", *arguments]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True)
+
+
+@pytest.mark.parametrize("block", PROGRAMS, ids=range(len(PROGRAMS)))
 def test_a_block_runs_on_its_own(block, tmp_path):
-    run = subprocess.run(
-        [sys.executable, "-W", "error", "-c", block], cwd=tmp_path, capture_output=True, text=True
-    )
+    run = python("-c", block, cwd=tmp_path)
     assert run.returncode == 0, run.stderr
+
+
+def test_the_grading_passes_the_default_callbacks_and_fails_wrong_ones(tmp_path):
+    (grading,) = GRADING
+    (tmp_path / "test_grade.py").write_text(grading)
+    new_folder(tmp_path / "mine")
+    grade = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(tmp_path))
+    passed = python(*grade, cwd=tmp_path)
+    assert "3 passed" in passed.stdout, passed.stdout
+    wrong = "import robsim\n\n\ndef measure(step):\n    return robsim.Measurement((0, 0, 0))\n"
+    (tmp_path / "mine/measure.py").write_text(wrong)
+    assert "3 failed" in python(*grade, cwd=tmp_path).stdout
 
 
 def test_the_first_block_is_five_lines_and_ends_with_a_picture():
@@ -42,7 +63,7 @@ def test_the_pictures_are_there():
         assert (Path(__file__).parent.parent / name).is_file()
 
 
-def test_each_command_of_the_shell_block_is_a_command_of_run():
+def test_the_commands_of_run_are_there():
     script = Path(__file__).parent.with_name("run")
     if not script.is_file():
         pytest.skip("needs the sources")

@@ -1,0 +1,60 @@
+"""Every command of the README and every example of a --help, typed as it stands there."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+
+from robsim.cli import app
+from robsim.shipped import ASSETS
+
+README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+SHELL = "".join(re.findall(r"```sh\n(.*?)```", README, re.DOTALL))
+
+
+def commands_of(group):
+    for command in group.commands.values():
+        if hasattr(command, "commands"):
+            yield from commands_of(command)
+        else:
+            yield command
+
+
+def examples():
+    for command in commands_of(typer.main.get_command(app)):
+        assert command.epilog, f"{command.name} --help has no example"
+        yield command.epilog.removeprefix("Example: ")
+
+
+def typed(lines):
+    """Return the command lines of robsim, each once."""
+    commands = [line.partition("#")[0].strip() for line in lines]
+    return list(dict.fromkeys(line for line in commands if line.startswith("robsim ")))
+
+
+@pytest.mark.timeout(300)
+def test_all_of_them_work_one_after_the_other(tmp_path):
+    shutil.copy(ASSETS / "robots/sheep/robot.png", tmp_path / "photo.png")
+    environment = {**os.environ, "ROBSIM_DATA": str(tmp_path / "data")}
+    for line in typed([*SHELL.splitlines(), *examples()]):
+        command = [sys.executable, "-W", "error", "-m", *shlex.split(line)]
+        run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+        assert run.returncode == 0, f"{line}: {run.stderr}"
+        assert run.stdout.strip(), line
+
+
+def test_every_other_line_of_the_readme_is_known():
+    others = [line.partition("#")[0].strip() for line in SHELL.splitlines()]
+    others = [line for line in others if line and not line.startswith("robsim ")]
+    assert others == [
+        "./run demo",
+        "./run test",
+        "pip install '.[notebook]' notebook",
+        "jupyter notebook coursework",
+    ]
