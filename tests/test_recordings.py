@@ -101,7 +101,7 @@ class TestFolder:
         damaged = folder / "frame3.png"
         damaged.write_bytes(damaged.read_bytes()[:60])
         got = []
-        with pytest.raises(ValueError, match=r"frame3\.png is not a picture, or damaged"):
+        with pytest.raises(ValueError, match=r"frame3\.png cannot be read as a picture"):
             collect(Recording(folder), into=got)
         assert brightness(got) == [1, 2]
 

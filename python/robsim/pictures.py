@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 import io
+import warnings
 from os import PathLike
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
+from PIL import Image, ImageOps, UnidentifiedImageError
 
 Pixels = NDArray[np.uint8]
 
+_WHITE = 65535  # of a picture with 16 bits a pixel
+
 # What Pillow raises for broken files; a bomb is a small file that claims to be a huge picture.
-_BROKEN = (
-    UnidentifiedImageError,
-    OSError,
-    SyntaxError,
-    ValueError,
-    Image.DecompressionBombError,
-    Image.DecompressionBombWarning,
-)
+_BOMBS = (Image.DecompressionBombError, Image.DecompressionBombWarning)
+_BROKEN = (OSError, SyntaxError, ValueError)
 
 
 def read_picture(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
-    """Read an image file.
+    """Read an image file, turned as its camera says.
 
     Parameters
     ----------
@@ -43,14 +40,30 @@ def read_picture(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     FileNotFoundError
         If there is no such file.
     ValueError
-        If the file is not a picture, or a damaged one.
+        If the file is not a picture, or a damaged or a huge one.
     """
-    with Path(path).open("rb") as file:
+    with Path(path).open("rb") as file, warnings.catch_warnings():
+        warnings.simplefilter("error", Image.DecompressionBombWarning)
         try:
             with Image.open(file) as picture:
-                return np.array(picture.convert(mode))
+                upright = ImageOps.exif_transpose(picture)
+                return np.array(_eight_bits(upright).convert(mode))
+        except UnidentifiedImageError as error:
+            raise ValueError(f"{path} is not a picture of a kind that Pillow reads") from error
+        except _BOMBS as error:
+            raise ValueError(f"{path} has too many pixels: {error}") from error
         except _BROKEN as error:
-            raise ValueError(f"{path} is not a picture, or damaged: {error}") from error
+            raise ValueError(f"{path} cannot be read as a picture: {error}") from error
+
+
+def _eight_bits(picture: Image.Image) -> Image.Image:
+    """Return a picture with 8 bits a channel; Pillow would cut off what is over 255."""
+    if picture.mode == "F":
+        raise ValueError("its pixels are fractions, save it with 8 or 16 bits")
+    if not picture.mode.startswith("I"):
+        return picture
+    pixels = np.clip(np.asarray(picture, dtype=np.int64), 0, _WHITE)
+    return Image.fromarray((pixels * 255 // _WHITE).astype(np.uint8))
 
 
 def write_picture(path: str | PathLike[str], pixels: Pixels) -> None:
