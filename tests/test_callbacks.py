@@ -236,3 +236,10 @@ def test_an_error_while_a_result_is_read_is_labelled_too():
     with pytest.raises(OSError, match="odd") as caught:
         sim.run(1)
     assert "in the callback control at step 0" in caught.value.__notes__
+
+
+def test_an_estimator_without_update_is_traced_to_who_made_it():
+    sim = robsim.Simulation(init_parameter_estimator=lambda model: 3, seed=1)
+    wanted = r"that init_parameter_estimator returned must have a method update\(phi, y\), got 3"
+    with pytest.raises(TypeError, match=wanted):
+        sim.run(5)

@@ -218,8 +218,8 @@ def test_the_options_are_fixed_and_the_waypoints_are_copied():
         path.reach = 30
     with pytest.raises(FrozenInstanceError):
         GoToPoint(1, 2).max_voltage = 3
-    assert repr(GoToPoint(1, 2)).startswith("GoToPoint(")
-    assert "_motion" not in repr(GoToPoint(1, 2))
+    assert repr(GoToPoint(1, 2)).startswith("GoToPoint(x=1, y=2, max_voltage=1.0, max_speed=40.0,")
+    assert repr(FollowPath([(1, 2)])).startswith("FollowPath(waypoints=array([[1., 2.]]), max_")
 
 
 OPTIONS = [

@@ -234,7 +234,8 @@ AxisMatrix ObjectEstimator::update(const Step& step) {
   const std::string name = "estimate_parameters (its default: step.estimator.update)";
   if (!py::hasattr(object_, "update")) {
     throw py::type_error("in the callback " + name + " at step " + std::to_string(step.k) +
-                         ": the estimator must have a method update(phi, y), got " +
+                         ": the object that init_parameter_estimator returned must have a method "
+                         "update(phi, y), got " +
                          describe(object_));
   }
   const py::object method = object_.attr("update");

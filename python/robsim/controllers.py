@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, fields
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,7 +50,7 @@ class _Motion:
         return True
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class _Drive:
     """The law by which both controllers drive towards a goal, and its options."""
 
@@ -61,7 +61,7 @@ class _Drive:
     heading_gain: float = 0.7  # V per rad
     turn_gain: float = 0.4  # V per rad/s
     min_voltage: float = 0.3  # V
-    _motion: _Motion = field(default_factory=_Motion, init=False, repr=False)
+    _motion: _Motion = field(default_factory=_Motion, init=False)
 
     def __post_init__(self) -> None:
         for name, unit in {
@@ -74,6 +74,12 @@ class _Drive:
             "min_voltage": "V",
         }.items():
             finite_number(name, getattr(self, name), unit, least=0)
+
+    def __repr__(self) -> str:
+        # what comes first in a call comes first here
+        shown = sorted((f for f in fields(self) if f.init), key=lambda f: bool(f.kw_only))
+        options = ", ".join(f"{f.name}={getattr(self, f.name)!r}" for f in shown)
+        return f"{type(self).__name__}({options})"
 
     def _towards(self, goal: Floats) -> tuple[float, float]:
         """Return the voltages (u1, u2) that drive the robot to a place and stop it there."""
@@ -102,7 +108,7 @@ def _limited(value: float, limit: float) -> float:
     return float(min(max(value, -limit), limit))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class GoToPoint(_Drive):
     """Drives the robot to a point and stops it there; it may do so backwards.
 
@@ -177,7 +183,7 @@ class _Progress:
     last: Floats = field(default_factory=lambda: np.zeros(2))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FollowPath(_Drive):
     """Drives the robot along straight lines from waypoint to waypoint and stops it at the last.
 
@@ -214,7 +220,7 @@ class FollowPath(_Drive):
     _: KW_ONLY
     reach: float = 20.0
     lookahead: float = 60.0
-    _progress: _Progress = field(default_factory=_Progress, init=False, repr=False)
+    _progress: _Progress = field(default_factory=_Progress, init=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
