@@ -27,6 +27,7 @@ PYTHON = [
     {"_core", "shipped"},
     {
         "pictures",
+        "light",
         "robots",
         "colors",
         "seeds",

@@ -114,3 +114,10 @@ def test_what_is_no_colour_file(picture, tmp_path):
         check_colors(robot(picture), tmp_path / "none.toml")
     with pytest.raises(TypeError, match="colors must be"):
         check_colors(robot(picture), 5)
+
+
+def test_a_marker_that_only_the_light_shows(picture):
+    # V is 171 in the light and 162 in the shadow; red is 164 and more
+    pale = filled(picture, RED, (160, 74, 74, 255))
+    (problem,) = check_colors(robot(pale))
+    assert problem.startswith("in the shadow: red marker: 0 % of its polygon has the colour red")

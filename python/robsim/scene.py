@@ -8,19 +8,13 @@ from os import PathLike
 import numpy as np
 
 from robsim._core import Renderer
+from robsim.light import SHADOW, darkened, lightened
 from robsim.pictures import Pixels, read_picture, resized
 from robsim.robots import RobotDefinition
 from robsim.shipped import ASSETS
 
-#: Brightness in the shadow over the rightmost third of the view.
-SHADOW = 0.8
-
 #: Number of headings that the original program shows the robot in.
 PHASES = 36
-
-# Each of the 256 values of a channel as it looks in the shadow, and back in the light.
-_DARKENED = np.rint(np.arange(256) * SHADOW).astype(np.uint8)
-_LIGHTENED = np.minimum(np.rint(np.arange(256) / SHADOW), 255).astype(np.uint8)
 
 # The square that the default background shows: left, top, side (work-area px), RGB.
 _SQUARE = (572, 64, 56, (198, 36, 40))
@@ -76,7 +70,7 @@ def make_renderer(
         If `adjust_background` returns another kind of array; the message says so.
     """
     floor = _shipped_floor(area) if background is None else background
-    shadowed_floor = _DARKENED[floor]
+    shadowed_floor = darkened(floor)
     home, shadowed_home = _home(floor, shadowed_floor, adjust_background)
     sprite, centre, unit = _sprite(robot, max(camera[0] / area[0], camera[1] / area[1]))
     return Renderer(
@@ -111,8 +105,8 @@ def _home(
     # What was drawn into the light is darkened in the shadow, and the other way round.
     home, shadowed_home = floor.copy(), shadowed_floor.copy()
     home[drawn_in_light] = adjusted[drawn_in_light]
-    home[drawn_in_shadow] = _LIGHTENED[adjusted[drawn_in_shadow]]
-    shadowed_home[drawn_in_light] = _DARKENED[adjusted[drawn_in_light]]
+    home[drawn_in_shadow] = lightened(adjusted[drawn_in_shadow])
+    shadowed_home[drawn_in_light] = darkened(adjusted[drawn_in_light])
     shadowed_home[drawn_in_shadow] = adjusted[drawn_in_shadow]
     return home, shadowed_home
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from os import PathLike
 
 import numpy as np
 
 from robsim._core import Blob, ColorClass, PlaneMap, find_blobs, locate, rgb_to_yuv
 from robsim.colors import as_colors
+from robsim.light import darkened
 from robsim.pictures import Pixels, resized
 from robsim.robots.definition import RobotDefinition
 from robsim.robots.polygons import area_and_centroid, mask
@@ -31,7 +33,7 @@ def check_colors(
 ) -> list[str]:
     """Return why the camera would not find a robot by its markers' colours.
 
-    The picture is looked at in the size that it has on the work area, in the light.
+    The picture is looked at in the size that it has on the work area, lit and in the shadow.
 
     Parameters
     ----------
@@ -46,7 +48,17 @@ def check_colors(
         A sentence for each problem; empty if there is none.
     """
     classes = {color.name: color for color in as_colors(colors)}
-    view = _View(definition)
+    if problems := _problems(_View(definition), classes):
+        return problems
+    shaded = replace(definition, image=_in_shadow(definition.image))
+    return [f"in the shadow: {problem}" for problem in _problems(_View(shaded), classes)]
+
+
+def _in_shadow(image: Pixels) -> Pixels:
+    return np.dstack((darkened(image[..., :3]), image[..., 3]))
+
+
+def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:
     problems = []
     for name in ("red", "blue"):
         if name not in classes:
