@@ -153,3 +153,19 @@ def test_parameters_can_be_estimated_when_the_inputs_are_known():
     ).run(40)
     np.testing.assert_array_equal(again.parameters, expected.parameters)
     assert math.isfinite(again.parameters[-1, 0, 0])
+
+
+def test_a_model_with_another_time_step_than_the_frames_is_refused(run, tmp_path):
+    robsim.write_video(tmp_path / "run.mkv", run[0], fps=10)
+    recording = robsim.Recording(tmp_path / "run.mkv", area=(1200, 1200))
+
+    def define_model():
+        return robsim.RobotModel(robsim.RobotParameters(dt=dt))
+
+    dt = 0.2
+    sim = robsim.Simulation(frames=recording, define_model=define_model)
+    with pytest.raises(ValueError, match=r"model's dt is 0\.2 s, but the frames are 0\.1 s apart"):
+        sim.run()
+    dt = 0.1
+    sim.reset()
+    assert sim.run().info.dt == 0.1

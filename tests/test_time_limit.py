@@ -94,3 +94,15 @@ def test_a_wrong_result_still_names_the_callback_and_its_line():
 def test_a_wrong_limit(value, error):
     with pytest.raises(error, match="time_limit must be"):
         robsim.Simulation(time_limit=value)
+
+
+@pytest.mark.parametrize("slot", ["define_model", "adjust_background"])
+def test_what_is_called_once_is_watched_too(slot):
+    def hang(*_):
+        while True:
+            time.sleep(0)
+
+    sim = robsim.Simulation(**{slot: hang}, time_limit=0.2)
+    with pytest.raises(TimeoutError, match=r"longer than time_limit = 0\.2 s") as caught:
+        sim.run(1)
+    assert caught.value.__notes__ == [f"in the callback {slot} at the start"]

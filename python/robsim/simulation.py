@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from os import PathLike
@@ -190,6 +192,7 @@ class Simulation:
         given = locals()
         self.robot = as_robot(robot)
         self._source = _as_frames(frames)
+        self._frame_dt = float(getattr(frames, "dt", 0.0))  # s, 0 = not known
         self.area = size("area", _default_area(frames) if area is None else area)
         self.camera = self.area if camera is None else size("camera", camera)
         self.boundary = choice("boundary", boundary, ("bounce", "unlimited"))
@@ -229,8 +232,8 @@ class Simulation:
             self._core.set_stage("control", None)
             if measure is None:
                 self._given["measure"] = True
-            if hasattr(frames, "dt"):
-                parameters = _core.RobotParameters(dt=frames.dt)
+            if self._frame_dt:
+                parameters = _core.RobotParameters(dt=self._frame_dt)
                 self._core.set_stage("define_model", lambda: _core.RobotModel(parameters))
         for slot in self._callbacks:
             if self._given[slot] is not None:
@@ -293,7 +296,9 @@ class Simulation:
             if callback is not None and not callable(callback):
                 raise TypeError(f"adjust_background must be callable, got {callback!r}")
         else:
-            self._core.set_stage(slot, self._limited(callback))
+            is_checked = slot == "define_model" and callable(callback) and self._frame_dt
+            stage = self._with_frame_dt(callback) if is_checked else callback
+            self._core.set_stage(slot, self._limited(stage))
         self._callbacks[slot] = callback
         if slot == "init_parameter_estimator" and self._callbacks["estimate_parameters"] is None:
             # Whoever brings an estimator wants it to be used.
@@ -304,6 +309,21 @@ class Simulation:
         if self._time_limit is None or is_native or not callable(callback):
             return callback
         return self._time_limit.limited(callback)
+
+    def _with_frame_dt(self, define_model: Callable[[], Any]) -> Callable[[], Any]:
+        """Return define_model with a check that the frames come in the model's time steps."""
+
+        @functools.wraps(define_model)
+        def checked() -> Any:
+            model = define_model()
+            if isinstance(model, _core.RobotModel) and not math.isclose(model.dt, self._frame_dt):
+                raise ValueError(
+                    f"the model's dt is {model.dt:g} s, but the frames are {self._frame_dt:g} s "
+                    "apart: give the model that dt, or the recording another"
+                )
+            return model
+
+        return checked
 
     def _restart_frames(self) -> None:
         assert self._source is not None
@@ -336,7 +356,8 @@ class Simulation:
             camera=self.camera,
             phases=self._phases,
             background=self._background,
-            adjust_background=self._callbacks["adjust_background"] or draw_red_square,
+            adjust_background=self._limited(self._callbacks["adjust_background"])
+            or draw_red_square,
         )
 
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
