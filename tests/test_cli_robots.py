@@ -230,7 +230,7 @@ def test_add_from_a_robot():
         (("mine", "."), "has no robot.toml, so it is no robot"),
         (("mine", "text.png"), "text.png is not a picture"),
         (("mine", "bomb.png"), "bomb.png has too many pixels"),
-        (("mine", "lab", "--size", "0"), "size must lie within 1..10000 work-area px, got 0.0"),
+        (("mine", "lab", "--size", "0"), "size must lie within 1..10000 (work-area px), got 0.0"),
         (("mine", "lab", "--size", "nan"), "size must lie within"),
         (("mine", "lab", "--alignment", "inf"), "alignment must be finite"),
         (("mine", "lab", "--red", "hello"), "--red must be points right,down such as '120,40 18"),

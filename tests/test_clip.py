@@ -99,13 +99,13 @@ def test_a_change_of_size():
 
 @pytest.mark.parametrize("width", [0, -5, 20_000])
 def test_widths_that_do_not_fit(width):
-    with pytest.raises(ValueError, match=r"width must lie within 1\.\.16383 px, got"):
+    with pytest.raises(ValueError, match=r"width must lie within 1\.\.16383, got"):
         Clip(frames(), fps=5, width=width)
 
 
 @pytest.mark.parametrize("fps", [0, -1, 61, np.nan])
 def test_rates_that_do_not_fit(fps):
-    with pytest.raises(ValueError, match=r"fps must lie within 0\.1\.\.60 per second, got"):
+    with pytest.raises(ValueError, match=r"fps must lie within 0\.1\.\.60 \(1/s\), got"):
         Clip(frames(), fps=fps)
 
 
@@ -118,3 +118,9 @@ def test_frames_of_another_kind():
 def test_other_endings(tmp_path, name):
     with pytest.raises(ValueError, match=r"must end in \.webp or \.gif"):
         Clip(frames(), fps=5).save(tmp_path / name)
+
+
+@pytest.mark.parametrize("width", ["480", True, 480.0])
+def test_a_width_of_another_kind(width):
+    with pytest.raises(TypeError, match="width must be an int, got "):
+        robsim.Clip([np.zeros((20, 20, 3), np.uint8)], fps=5, width=width)

@@ -37,8 +37,8 @@ def test_the_path_and_the_other_frames_stay_what_they_are():
         ({"dropout": 1.5}, ValueError, r"dropout must lie within 0\.\.1, got 1\.5"),
         ({"dropout": -0.1}, ValueError, r"dropout must lie within 0\.\.1"),
         ({"dropout": float("nan")}, ValueError, r"dropout must lie within 0\.\.1"),
-        ({"dropout": "much"}, TypeError, r"dropout must be a number within 0\.\.1, got 'much'"),
-        ({"dropout_steps": 0}, ValueError, "dropout_steps must be at least 1"),
+        ({"dropout": "much"}, TypeError, r"dropout must be a number, got 'much'"),
+        ({"dropout_steps": 0}, ValueError, "dropout_steps must lie within 1"),
         ({"dropout_steps": 2.5}, TypeError, "dropout_steps must be an int"),
     ],
 )

@@ -231,12 +231,12 @@ def test_a_file_that_is_not_there(tmp_path):
 
 @pytest.mark.parametrize("dt", [0, -1, np.nan, np.inf])
 def test_a_dt_that_can_not_be(folder, dt):
-    with pytest.raises(ValueError, match="dt must be above 0 and finite, got"):
+    with pytest.raises(ValueError, match="must be finite and above 0"):
         Recording(folder, dt=dt)
 
 
 def test_options_of_another_kind(folder):
-    with pytest.raises(TypeError, match=r"dt must be a number, got '0\.2'"):
+    with pytest.raises(TypeError, match=r"dt must be a number \(s\), got '0\.2'"):
         Recording(folder, dt="0.2")
     with pytest.raises(TypeError, match="area must be"):
         Recording(folder, area=1200)

@@ -156,12 +156,12 @@ def test_frames_of_another_kind(tmp_path, frame, error, message):
 
 @pytest.mark.parametrize("fps", [0, -5, 0.01, 501, np.nan, np.inf])
 def test_rates_that_do_not_fit(tmp_path, fps):
-    with pytest.raises(ValueError, match=r"fps must lie within 0\.1\.\.500 per second, got"):
+    with pytest.raises(ValueError, match=r"fps must lie within 0\.1\.\.500 \(1/s\), got"):
         VideoWriter(tmp_path / "run.mp4", fps=fps)
 
 
 def test_a_rate_of_another_kind(tmp_path):
-    with pytest.raises(TypeError, match="fps must be a number, got '5'"):
+    with pytest.raises(TypeError, match=r"fps must be a number \(1/s\), got '5'"):
         VideoWriter(tmp_path / "run.mp4", fps="5")
 
 

@@ -12,7 +12,8 @@ from pathlib import Path
 from PIL import Image, ImageSequence
 
 from robsim._core import Frame
-from robsim.frames import check_same_size, checked_rate, frame_pixels, frame_size
+from robsim.frames import check_same_size, frame_pixels, frame_size
+from robsim.numbers import number, whole
 from robsim.pictures import Pixels, resized
 
 WIDEST = 16383  # what WebP can hold (px)
@@ -43,9 +44,8 @@ class Clip:
     """
 
     def __init__(self, frames: Iterable[Frame | Pixels], *, fps: float, width: int = 480) -> None:
-        milliseconds = round(1000 / checked_rate(fps, lowest=0.1, highest=60))
-        if not 1 <= width <= WIDEST:
-            raise ValueError(f"width must lie within 1..{WIDEST} px, got {width!r}")
+        milliseconds = round(1000 / number("fps", fps, "1/s", least=0.1, most=60))
+        width = whole("width", width, least=1, most=WIDEST)
         pictures = list(_reduced(frames, width))
         if not pictures:
             raise ValueError("frames: a clip needs at least one, got none")

@@ -6,12 +6,11 @@ import math
 from dataclasses import KW_ONLY, dataclass, field, fields
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robsim._core import Step, wrap_angle
-from robsim.path_score import as_waypoints, finite_number, nearest_on_segment
-
-Floats = NDArray[np.float64]
+from robsim.numbers import Floats, number
+from robsim.waypoints import as_waypoints, nearest_on_segment
 
 
 class _Motion:
@@ -73,7 +72,7 @@ class _Drive:
             "turn_gain": "V per rad/s",
             "min_voltage": "V",
         }.items():
-            finite_number(name, getattr(self, name), unit, least=0)
+            number(name, getattr(self, name), unit, least=0)
 
     def __repr__(self) -> str:
         # what comes first in a call comes first here
@@ -165,8 +164,8 @@ class GoToPoint(_Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        finite_number("x", self.x, "px")
-        finite_number("y", self.y, "px")
+        number("x", self.x, "px")
+        number("y", self.y, "px")
 
     def __call__(self, step: Step) -> tuple[float, float]:
         """Return the voltages (u1, u2) of a step."""
@@ -224,8 +223,8 @@ class FollowPath(_Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        finite_number("reach", self.reach, "px", least=0)
-        finite_number("lookahead", self.lookahead, "px", least=0)
+        number("reach", self.reach, "px", least=0)
+        number("lookahead", self.lookahead, "px", least=0)
         object.__setattr__(self, "waypoints", as_waypoints(self.waypoints))
 
     @property

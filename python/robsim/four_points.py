@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import PlaneMap
-from robsim.trace import Floats
+from robsim.numbers import Floats
 
 FLATTEST_TRIANGLE = 1e-3  # its area as a share of the largest one of the four points
 

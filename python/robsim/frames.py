@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from robsim._core import Frame
@@ -34,12 +32,3 @@ def check_same_size(name: str, size: tuple[int, int], first: tuple[int, int]) ->
             f"{name} is {size[0]} x {size[1]} px large, the frames before it "
             f"{first[0]} x {first[1]} px"
         )
-
-
-def checked_rate(fps: Any, *, lowest: float, highest: float) -> float:
-    """Return a number of frames per second after a look at its range."""
-    if not isinstance(fps, (int, float, np.number)):
-        raise TypeError(f"fps must be a number, got {fps!r}")
-    if not lowest <= fps <= highest:
-        raise ValueError(f"fps must lie within {lowest:g}..{highest:g} per second, got {fps}")
-    return float(fps)

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._core import least_squares, regression_samples
+from robsim.numbers import Floats
 from robsim.trace import PARAMETER_NAMES, Trace, longest_run
-
-Floats = NDArray[np.float64]
 
 _SOURCES = {"truth": "pose_true", "measurement": "measured", "estimate": "estimated"}
 _MINIMUM_SAMPLES = 5

@@ -7,11 +7,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robsim.numbers import Floats, number
 from robsim.trace import Trace
-
-Floats = NDArray[np.float64]
+from robsim.waypoints import as_waypoints, nearest_on_segment
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,7 +101,7 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, reach: float = 25.0) -> Pa
     if not isinstance(trace, Trace):
         raise TypeError(f"trace must be a Trace, got {trace!r}")
     points = as_waypoints(waypoints)
-    reach = finite_number("reach", reach, "px", least=0)
+    reach = number("reach", reach, "px", least=0)
     source, poses = _known_poses(trace)
     rows = np.flatnonzero(np.isfinite(poses[:, :2]).all(axis=1))
     if not len(rows):
@@ -146,40 +146,3 @@ def _along(places: Floats, points: Floats, reach: float) -> tuple[Floats, list[i
 
 def _distance(place: Floats, segment: Floats) -> float:
     return math.dist(place, nearest_on_segment(place, segment[0], segment[1]))
-
-
-def nearest_on_segment(place: Floats, start: Floats, end: Floats) -> Floats:
-    """Return the point (2,) of the segment start -> end that is nearest to a place (2,)."""
-    along = end - start
-    length = float(np.hypot(*along))
-    # share of the way: (place - start) . (end - start) / |end - start|^2, within 0..1
-    share = float((place - start) @ along) / length**2 if length else 0.0
-    return np.asarray(start + min(max(share, 0.0), 1.0) * along)
-
-
-def as_waypoints(waypoints: ArrayLike) -> Floats:
-    """Return waypoints as an array (N, 2) of their own, read-only."""
-    expected = "waypoints must be an array (N, 2) of places x, y in px, N at least 1"
-    try:
-        points = np.array(waypoints)
-    except ValueError:
-        raise ValueError(f"{expected}, got {waypoints!r}") from None
-    if points.dtype.kind not in "iuf":
-        raise TypeError(f"{expected}, got {waypoints!r}")
-    if points.ndim != 2 or points.shape[1] != 2 or not len(points):
-        raise ValueError(f"{expected}, got shape {points.shape}")
-    if not np.isfinite(points).all():
-        raise ValueError(f"waypoints must be finite, got {waypoints!r}")
-    points = points.astype(np.float64)
-    points.setflags(write=False)
-    return points
-
-
-def finite_number(name: str, value: object, unit: str, *, least: float = -math.inf) -> float:
-    """Return a number that is finite and not below the least one."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"{name} must be a number ({unit}), got {value!r}")
-    if not (math.isfinite(value) and value >= least):
-        limit = "" if math.isinf(least) else f" and at least {least:g}"
-        raise ValueError(f"{name} must be finite{limit} ({unit}), got {value!r}")
-    return float(value)

@@ -14,12 +14,12 @@ import numpy as np
 from PIL import Image
 
 from robsim import options
-from robsim._core import Frame, PlaneMap
+from robsim._core import Frame, PlaneMap, RobotParameters
 from robsim.frames import check_same_size, frame_size
+from robsim.numbers import number
 from robsim.opencv import load_opencv, quiet
 from robsim.pictures import Pixels, read_picture
 
-FOLDER_DT = 0.2  # sample time of a folder of images, that of the simulation (s)
 HIGHEST_RATE = 1000.0  # files that do not know their rate often say this one, or more (1/s)
 
 # Pillow knows these by name, but reads no picture from them.
@@ -88,7 +88,7 @@ class Recording:
             raise FileNotFoundError(f"there is no file or folder {self.source}")
         self._images = _Folder(self.source) if self.source.is_dir() else _Video(self.source)
         self.size = self._first_size()
-        self.dt = self._images.dt() if dt is None else _positive("dt", dt)
+        self.dt = self._images.dt() if dt is None else number("dt", dt, "s", above=0)
         self.count = self._images.count()
         if area is not None:
             self.area = options.size("area", area)
@@ -129,7 +129,7 @@ class _Folder:
         self.files = sorted(files, key=_natural_order)
 
     def dt(self) -> float:
-        return FOLDER_DT
+        return RobotParameters().dt
 
     def count(self) -> int:
         return len(self.files)
@@ -200,14 +200,6 @@ class _Video:
             return None
         rgb: Pixels = self.cv2.cvtColor(pixels, self.cv2.COLOR_BGR2RGB)
         return rgb
-
-
-def _positive(name: str, value: Any) -> float:
-    if not isinstance(value, (int, float, np.number)):
-        raise TypeError(f"{name} must be a number, got {value!r}")
-    if not (math.isfinite(value) and value > 0):
-        raise ValueError(f"{name} must be above 0 and finite, got {value!r}")
-    return float(value)
 
 
 def _area_seen(plane_map: PlaneMap, size: tuple[int, int]) -> tuple[int, int]:

@@ -15,11 +15,10 @@ from numpy.typing import ArrayLike
 from robsim import _core
 from robsim._core import ColorClass, Controller, Frame, Locator, Step, Unicycle
 from robsim.colors import as_colors
+from robsim.numbers import number, whole
 from robsim.options import (
     choice,
-    count,
     phase_count,
-    share,
     size,
     start_within,
     step_count,
@@ -221,8 +220,8 @@ class Simulation:
             identify_from=identify_from,
             controller_seed=stream_number(self._seed, "controller"),
             noise_seed=stream_number(self._seed, "noise"),
-            dropout=share("dropout", dropout),
-            dropout_steps=count("dropout_steps", dropout_steps),
+            dropout=number("dropout", dropout, least=0, most=1),
+            dropout_steps=whole("dropout_steps", dropout_steps, least=1, most=2**31 - 1),
             dropout_seed=stream_number(self._seed, "dropout"),
         )
         self._core.set_stage("make_renderer", self._make_renderer)

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
-import numpy as np
+from robsim.numbers import number
 
 # Wakes the main thread out of a system call, where there is such a signal (not on Windows).
 _WAKE_UP: Any = getattr(signal, "SIGUSR2", None) if hasattr(signal, "pthread_kill") else None
@@ -37,11 +37,7 @@ class TimeLimit:
     """
 
     def __init__(self, seconds: float) -> None:
-        if isinstance(seconds, bool) or not isinstance(seconds, (int, float, np.number)):
-            raise TypeError(f"time_limit must be a number of seconds, got {seconds!r}")
-        if not (seconds > 0 and math.isfinite(seconds)):
-            raise ValueError(f"time_limit must be above 0 and finite (s), got {seconds!r}")
-        self.seconds = float(seconds)
+        self.seconds = number("time_limit", seconds, "s", above=0)
         self._lock = threading.Lock()
         self._deadline = math.inf
         self._is_up = False

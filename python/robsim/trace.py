@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import wrap_angle
+from robsim.numbers import Floats
 
 if TYPE_CHECKING:
     import pandas
-
-Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 FORMAT = "robsim trace 1"

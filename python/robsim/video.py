@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from robsim._core import Frame
-from robsim.frames import check_same_size, checked_rate, frame_pixels, frame_size
+from robsim.frames import check_same_size, frame_pixels, frame_size
+from robsim.numbers import number
 from robsim.opencv import load_opencv, quiet
 from robsim.pictures import Pixels
 
@@ -63,7 +64,7 @@ class VideoWriter:
         self.count = 0
         self._codec = _codec(self.path)
         # MPEG-4 counts time in at most 65535 parts of a second.
-        rate = checked_rate(fps, lowest=0.1, highest=500)
+        rate = number("fps", fps, "1/s", least=0.1, most=500)
         self._fps = round(rate, min(3, int(math.log10(65535 / rate))))
         if not self.path.absolute().parent.is_dir():
             raise FileNotFoundError(f"{self.path}: there is no folder {self.path.parent}")

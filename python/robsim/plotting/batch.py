@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.markers import CARETLEFT
 
 from robsim.identification import BatchEstimate
+from robsim.numbers import Floats
 from robsim.plotting import style
-from robsim.trace import Floats
 
 _MARKERS = {"batch": "o", "online": "D"}
 _COLORS = {"true": style.TRUE, "batch": style.BATCH, "online": style.ESTIMATED}

@@ -10,9 +10,10 @@ from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike
 
 from robsim._core import Blob, Frame, Measurement
+from robsim.numbers import Floats
 from robsim.plotting import style
 from robsim.plotting.shapes import box_corners, heading_line, placed_outline
-from robsim.trace import Floats, Trace
+from robsim.trace import Trace
 
 _Map = Callable[[ArrayLike], Floats]  # places (N, 2) to places (N, 2)
 

@@ -14,10 +14,10 @@ from PIL.ImageFont import FreeTypeFont
 
 from robsim._core import Blob, Estimate, Frame, Measurement
 from robsim.frames import frame_size
+from robsim.numbers import Floats
 from robsim.pictures import Pixels
 from robsim.plotting import style
 from robsim.plotting.shapes import box_corners, heading_line, placed_outline
-from robsim.trace import Floats
 
 NOT_SEEN = "#c62828"  # the label of a frame without a measurement
 SHADE = 0.35  # brightness of the picture under the text

@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from robsim.numbers import Floats
 from robsim.plotting import style
-from robsim.trace import Floats, Trace
+from robsim.trace import Trace
 
 
 @style.applied

@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 from matplotlib.transforms import offset_copy
 
+from robsim.numbers import Floats
 from robsim.plotting import style
 from robsim.robots import RobotDefinition
 from robsim.robots.polygons import area_and_centroid
-from robsim.trace import Floats
 
 _FLOOR = (0.86, 0.86, 0.86)  # behind the transparent parts
 _OUTLINE = "#ffd400"

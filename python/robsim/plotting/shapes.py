@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import Blob
-from robsim.trace import Floats
+from robsim.numbers import Floats
 
 HEADING_LINE = 80.0  # length of a heading's line (work-area px)
 

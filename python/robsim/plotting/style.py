@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
-from robsim.trace import PARAMETER_NAMES, Floats, Trace
+from robsim.numbers import Floats
+from robsim.trace import PARAMETER_NAMES, Trace
 
 TRUE = "#d100c9"  # the true pose and the true parameters
 MEASURED = "#17a02b"  # what the camera measured

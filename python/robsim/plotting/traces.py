@@ -13,8 +13,9 @@ from matplotlib.markers import CARETDOWN, CARETUP
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from robsim.numbers import Floats
 from robsim.plotting import style
-from robsim.trace import Floats, Trace, longest_run
+from robsim.trace import Trace, longest_run
 
 
 @style.applied

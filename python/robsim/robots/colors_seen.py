@@ -11,10 +11,10 @@ import numpy as np
 from robsim._core import Blob, ColorClass, PlaneMap, find_blobs, locate, rgb_to_yuv
 from robsim.colors import as_colors
 from robsim.light import darkened
+from robsim.numbers import Floats
 from robsim.pictures import Pixels, resized
 from robsim.robots.definition import RobotDefinition
 from robsim.robots.polygons import area_and_centroid, mask
-from robsim.robots.values import Floats
 
 #: What stands for the floor behind a picture: neutral grey.
 GREY = 128

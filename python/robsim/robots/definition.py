@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import Locator
+from robsim.numbers import Floats, number
 from robsim.pictures import Pixels
 from robsim.robots.geometry import geometry_problems
-from robsim.robots.values import Floats, number, numbers, polygon
+from robsim.robots.values import numbers, polygon
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,10 +59,8 @@ class RobotDefinition:
             )
         if not isinstance(self.name, str):
             raise TypeError(f"name must be text, got {self.name!r}")
-        if not 1 <= number("size", self.size) <= 10_000:
-            raise ValueError(f"size must lie within 1..10000 work-area px, got {self.size}")
-        if not np.isfinite(number("alignment", self.alignment)):
-            raise ValueError(f"alignment must be finite (degrees), got {self.alignment}")
+        number("size", self.size, "work-area px", least=1, most=10_000)
+        number("alignment", self.alignment, "degrees")
         height, width = image.shape[:2]
         centre = ((width - 1) / 2, (height - 1) / 2) if self.centre is None else self.centre
         object.__setattr__(self, "image", image)

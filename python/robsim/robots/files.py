@@ -11,9 +11,9 @@ from uuid import uuid4
 import numpy as np
 from PIL import Image
 
+from robsim.numbers import Floats
 from robsim.pictures import read_picture
 from robsim.robots.definition import RobotDefinition
-from robsim.robots.values import Floats
 from robsim.shipped import read_toml
 
 #: The file that makes a folder a robot, and the picture beside it.

@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
 from robsim.colors import as_colors
+from robsim.numbers import Floats
 from robsim.pictures import Pixels, resized
 from robsim.robots.colors_seen import LEAST_AREA, over_grey, ranges
 from robsim.robots.definition import RobotDefinition
 from robsim.robots.polygons import area_and_centroid, fitted
-from robsim.robots.values import Floats, numbers
+from robsim.robots.values import numbers
 
 LONGEST = 1000  # px, larger pictures are scaled down
 _SIZE = 120.0

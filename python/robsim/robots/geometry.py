@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from robsim.numbers import Floats
 from robsim.robots.polygons import area_and_centroid, crossing, depths, samples
-from robsim.robots.values import Floats
 
 _TOLERANCE = 1.0  # picture px
 _MOST_NAMED = 3  # points in a sentence

@@ -15,6 +15,7 @@ from uuid import uuid4
 from numpy.typing import ArrayLike
 
 from robsim._core import ColorClass
+from robsim.numbers import number
 from robsim.pictures import Pixels, read_picture
 from robsim.robots.choice import chosen_robot, reset_robot
 from robsim.robots.colors_seen import check_colors
@@ -29,7 +30,6 @@ from robsim.robots.lookup import (
     same_name,
     shipped_robots,
 )
-from robsim.robots.values import number
 
 # Names of devices: Windows makes no folders that are called so.
 _RESERVED = re.compile(r"(?i)con|prn|aux|nul|com\d|lpt\d")
@@ -122,8 +122,7 @@ def rotate_robot(name: str, degrees: float) -> RobotDefinition:
     import tomlkit
 
     folder = _own(name)
-    if not math.isfinite(number("degrees", degrees)):
-        raise ValueError(f"degrees must be finite, got {degrees}")
+    degrees = number("degrees", degrees)
     alignment = math.remainder(read_robot(folder).alignment + degrees, 360)
     # Only this number changes: comments that were written by hand stay.
     document = tomlkit.parse((folder / TOML).read_text("utf-8-sig"))

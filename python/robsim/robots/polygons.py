@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim.robots.values import Floats
+from robsim.numbers import Floats
 
 _MOST_SAMPLES = 2000
 

@@ -1,27 +1,16 @@
-"""Checked numbers, points, polygons."""
+"""Checked points and polygons."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from robsim.numbers import Floats
 
 _MOST_POINTS = 1000
 _FARTHEST = 1e6  # picture px, beyond any picture
-
-
-def number(name: str, value: Any) -> float:
-    """Return a plain number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"{name} must be a number, got {value!r}")
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
 
 
 def numbers(name: str, value: Any, shape: tuple[int, ...]) -> Floats:

@@ -1,0 +1,56 @@
+"""Checks of single numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def number(
+    name: str,
+    value: Any,
+    unit: str = "",
+    *,
+    least: float = -math.inf,
+    above: float = -math.inf,
+    most: float = math.inf,
+) -> float:
+    """Return a finite number within limits; a TypeError or ValueError names what it is not."""
+    unit = f" ({unit})" if unit else ""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise TypeError(f"{name} must be a number{unit}, got {value!r}")
+    try:
+        result = float(value)
+    except OverflowError:
+        result = math.inf
+    if not (math.isfinite(result) and least <= result <= most and above < result):
+        limits = _limits(least, above, most)
+        raise ValueError(f"{name} must {limits}{unit}, got {value!r}")
+    return result
+
+
+def _limits(least: float, above: float, most: float) -> str:
+    if math.isfinite(most):
+        return f"lie within {least:g}..{most:g}"
+    if math.isfinite(above):
+        return f"be finite and above {above:g}"
+    return "be finite" + (f" and at least {least:g}" if math.isfinite(least) else "")
+
+
+def is_int(value: Any) -> bool:
+    """Return whether it is an int, and no bool."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
+def whole(name: str, value: Any, *, least: int, most: int) -> int:
+    """Return an int within limits."""
+    if not is_int(value):
+        raise TypeError(f"{name} must be an int, got {value!r}")
+    if not least <= value <= most:
+        raise ValueError(f"{name} must lie within {least}..{most}, got {value}")
+    return int(value)
