@@ -169,3 +169,39 @@ def test_a_model_with_another_time_step_than_the_frames_is_refused(run, tmp_path
     dt = 0.1
     sim.reset()
     assert sim.run().info.dt == 0.1
+
+
+def timed(frames, times):
+    image = frames[0].image
+    return [
+        robsim.Frame(image, t=t, index=i, plane_map=frames[0].plane_map)
+        for i, t in enumerate(times)
+    ]
+
+
+def test_the_frames_own_times_are_those_of_the_steps_and_of_the_trace(run, tmp_path):
+    seen = []
+    sim = robsim.Simulation(
+        frames=timed(run[0], (0.1, 0.8, 1.5, 2.5)),
+        estimate_state=lambda step: seen.append((step.t, step.dt)) or estimate,
+    )
+    estimate = robsim.Estimate((0, 0, 0), np.eye(3))
+    trace = sim.run()
+    np.testing.assert_allclose(seen, [(0.1, 0.2), (0.8, 0.7), (1.5, 0.7), (2.5, 1.0)])
+    np.testing.assert_array_equal(trace.t, [0.1, 0.8, 1.5, 2.5])
+    np.testing.assert_array_equal(trace["t"][1:3], trace[1:3].t)
+    trace.save(tmp_path / "trace.npz")
+    np.testing.assert_array_equal(robsim.Trace.load(tmp_path / "trace.npz").t, trace.t)
+    assert trace.to_pandas()["t"].tolist() == trace.t.tolist()
+
+
+def test_frames_without_times_are_one_dt_apart(run):
+    trace = robsim.Simulation(frames=timed(run[0], (0, 0, 0))).run()
+    np.testing.assert_allclose(trace.t, [0, 0.2, 0.4])
+
+
+def test_frames_in_another_order_are_refused_and_the_steps_before_are_kept(run):
+    sim = robsim.Simulation(frames=timed(run[0], (0.5, 1.0, 0.9)))
+    with pytest.raises(ValueError, match=r"order of their times: that of step 2 is of t = 0\.9"):
+        sim.run()
+    np.testing.assert_array_equal(sim.trace.t, [0.5, 1.0])

@@ -42,7 +42,7 @@ SOURCES = ("truth", "measurement", "estimate")
 _AREA = (1200, 1200)
 _ENDLESS = 2**62 - 1
 _SIMULATED = {"pose_true": 3, "u": 2, "bounced": 1}
-_RECORDED = {"measured": 3}
+_RECORDED = {"t": 1, "measured": 3}
 OPTIONAL_SLOTS = ("estimate_parameters", "measure", "estimate_state")
 
 
@@ -85,9 +85,12 @@ class Simulation:
         with ``robsim robots use``, which is ``"lab"`` at first.
     frames : iterable of Frame, optional
         What the camera sees, such as a `Recording`, in place of a simulated world: nothing is
-        drawn, the truth is not known, and a run ends with the frames.
+        drawn, the truth is not known, and a run ends with the frames. They have times ``t`` that
+        grow, or none (0): then they are one `dt` of the model apart. Attributes ``area`` and ``dt``
+        of the iterable, as a `Recording` has them, say what the area and the model's dt are.
     area : tuple of int, optional
-        Width and height of the work area (px). Default: 1200 x 1200, or that of the `frames`.
+        Width and height of the work area (px). Default: ``frames.area`` if there is one, or
+        1200 x 1200.
     camera : tuple of int, optional
         Width and height of the frames (px). Default: those of the area.
     boundary : str

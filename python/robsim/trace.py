@@ -43,6 +43,7 @@ def _poses(suffix: str) -> dict[str, str]:
 
 # What each group of columns consists of: name -> unit, in the order of the numbers of a row.
 _FIXED_GROUPS: dict[str, dict[str, str]] = {
+    "t": {"t": "s"},
     "pose_true": _poses("true"),
     "u": {"u1": "V", "u2": "V"},
     "bounced": {"bounced": ""},
@@ -207,7 +208,7 @@ class Trace:
     k : array (N,) of int
         Number of the step.
     t : array (N,)
-        Time (s).
+        Time (s): that of the frames, if they came from elsewhere.
     pose_true : array (N, 3)
         True pose: x, y (work-area px), heading (rad).
     u : array (N, 2)
@@ -275,6 +276,8 @@ class Trace:
     @property
     def t(self) -> Floats:
         """Time of each step (s)."""
+        if "t" in self._groups:
+            return self._groups["t"][:, 0]
         return np.asarray(self.k * self.info.dt, dtype=np.float64)
 
     @property

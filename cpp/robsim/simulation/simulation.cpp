@@ -176,8 +176,17 @@ bool Simulation::turn() {
 bool Simulation::take_frame() {
   std::optional<Frame> frame = stages_.take_frame(trace_.rows());
   if (!frame) return false;
+  const bool has_time = frame->t != 0;
+  const double gap = has_time && trace_.rows() > 0 ? frame->t - step_->t : model_->dt();
+  if (!(gap > 0)) {
+    throw std::invalid_argument("frames must come in the order of their times: that of step " +
+                                std::to_string(trace_.rows()) +
+                                " is of t = " + std::to_string(frame->t) +
+                                " s, the one before of " + std::to_string(step_->t) + " s");
+  }
   begin_step();
-  step_->t = frame->t;
+  step_->dt = gap;
+  if (has_time) step_->t = frame->t;
   step_->frame = std::move(*frame);
   return true;
 }
@@ -287,6 +296,7 @@ void Simulation::control() {
 }
 
 void Simulation::add_columns() {
+  if (!is_simulated()) columns_.t = &trace_.column("t", 1);
   if (is_simulated()) columns_.pose_true = &trace_.column("pose_true", 3);
   if (stages_.control) columns_.u = &trace_.column("u", 2);
   if (is_simulated()) columns_.bounced = &trace_.column("bounced", 1);
@@ -313,6 +323,8 @@ void Simulation::record() {
   if (is_simulated()) {
     write(trace_.writable(*columns_.pose_true), pose_);
     *trace_.writable(*columns_.bounced) = bounced_;
+  } else {
+    *trace_.writable(*columns_.t) = step_->t;
   }
   if (columns_.u) {
     double* u = trace_.writable(*columns_.u);

@@ -96,6 +96,7 @@ class Simulation {
 
   // Where the trace keeps what; null = not recorded.
   struct Columns {
+    Trace::Column* t = nullptr;
     Trace::Column* pose_true = nullptr;
     Trace::Column* u = nullptr;
     Trace::Column* bounced = nullptr;
