@@ -104,6 +104,8 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
         (("run", "--robot", "nobody"), "no robot 'nobody'"),
         (("run", "--dropout", "2"), "dropout must lie within 0..1"),
         (("run", "--boundary", "fence"), "boundary must be one of"),
+        (("run", "--steps", "99999999", "--video", "run.xyz"), "run.xyz: the name of a video must"),
+        (("run", "--steps", "99999999", "--record", "a/run.mkv"), "there is no folder a"),
         (("track", "none.mp4"), "there is no file or folder none.mp4"),
         (("track", ".", "--pixels", "1,2 3,4"), "--pixels and --places belong together"),
         (("track", ".", "--pixels", "1,2", "--places", "1,2"), "--pixels must be four points"),
@@ -160,7 +162,20 @@ def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
     run = cli("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
     assert run.returncode == 2
     assert "frame10.png is 400 x 300 px large, the frames before it 400 x 400" in run.stderr
-    assert "the 10 frames before it are tracked" in run.stderr
+    assert "the 10 frames before the error are tracked" in run.stderr
     trace = robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")
     assert len(trace) == 10
     assert trace.valid.all()
+
+
+def test_without_opencv_images_are_tracked_all_the_same(tmp_path):
+    frame = robsim.Simulation(camera=(400, 400), seed=1).frame
+    (tmp_path / "frames").mkdir()
+    robsim.write_picture(tmp_path / "frames" / "frame0.png", frame.image)
+    (tmp_path / "cv2.py").write_text("raise ImportError('not here')")
+    run = cli("track", "frames", "--area", "1200x1200", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert (
+        "no tracked.mp4: writing a video needs OpenCV: pip install 'robsim[camera]'" in run.stderr
+    )
+    assert len(robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")) == 1

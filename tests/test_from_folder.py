@@ -119,3 +119,12 @@ def test_an_unknown_option_and_no_folder(folder, tmp_path):
         robsim.Simulation.from_folder(folder, noize="uniform")
     with pytest.raises(FileNotFoundError, match="robsim new"):
         robsim.Simulation.from_folder(tmp_path / "none")
+
+
+def test_a_look_at_the_model_finds_the_folders_helpers(tmp_path):
+    (tmp_path / "robots.py").write_text("DT = 0.5\n")
+    (tmp_path / "define_model.py").write_text(
+        "import robsim\n\n\ndef define_model():\n    from robots import DT\n\n"
+        "    return robsim.RobotModel(robsim.RobotParameters(dt=DT))\n"
+    )
+    assert robsim.Simulation.from_folder(tmp_path).model.dt == 0.5

@@ -205,3 +205,12 @@ def test_frames_in_another_order_are_refused_and_the_steps_before_are_kept(run):
     with pytest.raises(ValueError, match=r"order of their times: that of step 2 is of t = 0\.9"):
         sim.run()
     np.testing.assert_array_equal(sim.trace.t, [0.5, 1.0])
+
+
+def test_frames_that_come_only_once_cannot_be_reset(run):
+    sim = robsim.Simulation(frames=iter(run[0][:3]))
+    sim.reset()
+    assert len(sim.run()) == 3
+    with pytest.raises(RuntimeError, match="come only once: give a list or a Recording"):
+        sim.reset()
+    assert len(sim.trace) == 3

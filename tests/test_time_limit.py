@@ -96,6 +96,53 @@ def test_a_wrong_limit(value, error):
         robsim.Simulation(time_limit=value)
 
 
+class Slow(robsim.Spin):
+    def __call__(self, step):
+        time.sleep(20)
+
+
+class SlowEstimator:
+    def update(self, phi, y):
+        time.sleep(20)
+
+
+@pytest.mark.parametrize(
+    ("options", "note"),
+    [
+        ({"control": Slow()}, "in the callback control at step 0"),
+        (
+            {"init_parameter_estimator": lambda model: SlowEstimator()},
+            "in the callback estimate_parameters at step 2",
+        ),
+    ],
+)
+def test_own_kinds_of_native_stages_are_watched(options, note):
+    sim = robsim.Simulation(**options, time_limit=0.2)
+    with pytest.raises(TimeoutError) as caught:
+        sim.run(5)
+    assert caught.value.__notes__ == [note]
+
+
+@pytest.mark.parametrize("slot", ["evaluate_model", "estimate_parameters", "estimate_state"])
+def test_every_slot_is_watched(slot):
+    def hang(_):
+        time.sleep(20)
+
+    sim = robsim.Simulation(**{slot: hang}, time_limit=0.2)
+    with pytest.raises(TimeoutError) as caught:
+        sim.run(1)
+    assert caught.value.__notes__ == [f"in the callback {slot} at step 0"]
+
+
+def test_what_is_called_by_a_look_at_the_model_is_watched():
+    def hang():
+        while True:
+            time.sleep(0)
+
+    with pytest.raises(TimeoutError):
+        _ = robsim.Simulation(define_model=hang, time_limit=0.2).model
+
+
 @pytest.mark.parametrize("slot", ["define_model", "adjust_background"])
 def test_what_is_called_once_is_watched_too(slot):
     def hang(*_):

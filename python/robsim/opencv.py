@@ -18,7 +18,7 @@ def load_opencv(purpose: str) -> Any:
     Parameters
     ----------
     purpose : str
-        What needs it, as the start of a sentence: ``"a video"``.
+        What needs it, as the start of a sentence: ``"reading a video"``.
 
     Raises
     ------

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._core import ColorClass, Controller, Frame, Locator, Step, Unicycle
+from robsim._core import ColorClass, Controller, DriveAround, Frame, Locator, Spin, Step, Unicycle
 from robsim.colors import as_colors
 from robsim.numbers import number, whole
 from robsim.options import (
@@ -44,6 +44,10 @@ _ENDLESS = 2**62 - 1
 _SIMULATED = {"pose_true": 3, "u": 2, "bounced": 1}
 _RECORDED = {"t": 1, "measured": 3}
 OPTIONAL_SLOTS = ("estimate_parameters", "measure", "estimate_state")
+
+
+# Stages that the core does without Python: they need no time limit.
+_NATIVE = (Spin, DriveAround, Unicycle)
 
 
 class _Slot:
@@ -122,8 +126,8 @@ class Simulation:
         The data that samples are made of: ``"truth"``, the default in a simulated world,
         ``"measurement"`` or ``"estimate"``.
     time_limit : float, optional
-        The longest time that a call of a callback may take (s); after that the run ends with a
-        TimeoutError.
+        The longest time that a call of a callback, or of the update of an estimator of yours, may
+        take (s); after that the run ends with a TimeoutError.
     define_model, init_parameter_estimator, adjust_background : callable, optional
         Called once, at the start.
     evaluate_model : callable or Unicycle, optional
@@ -246,15 +250,15 @@ class Simulation:
         """Return a simulation with the callbacks of a folder, as ``robsim new`` writes one.
 
         When a file of the folder has changed, the next run or reset reads all of them anew. If one
-        of them fails, the simulation stays as it was.
+        of them fails, the simulation stays as it was. A file beats what is given here for its slot,
+        unless it has ``ENABLED = False``.
 
         Parameters
         ----------
         folder : path
             The folder: ``control.py``, ``measure.py`` and so on, named after the slots.
         **options
-            The options of `Simulation`. For a slot that the folder has no file for, it may be
-            given here.
+            The options of `Simulation`.
 
         Raises
         ------
@@ -302,12 +306,15 @@ class Simulation:
             stage = self._with_frame_dt(callback) if is_checked else callback
             self._core.set_stage(slot, self._limited(stage))
         self._callbacks[slot] = callback
-        if slot == "init_parameter_estimator" and self._callbacks["estimate_parameters"] is None:
-            # Whoever brings an estimator wants it to be used.
+        if slot == "init_parameter_estimator" and (
+            self._callbacks["estimate_parameters"] in (None, True)
+        ):  # whoever brings an estimator wants it to be used
             self._set_slot("estimate_parameters", True)
 
     def _limited(self, callback: Any) -> Any:
-        is_native = isinstance(callback, (bool, Controller, Unicycle)) or callback is None
+        if callback is True and self._callbacks["init_parameter_estimator"] and self._time_limit:
+            callback = _update_estimator
+        is_native = type(callback) in _NATIVE
         if self._time_limit is None or is_native or not callable(callback):
             return callback
         return self._time_limit.limited(callback)
@@ -424,6 +431,11 @@ class Simulation:
             raise EOFError("there are no more frames")
         return self._core.newest
 
+    def _start(self) -> None:
+        if not self._core.has_started:
+            with self._guarded():
+                self._core.start()
+
     def _prepare(self) -> None:
         if self._folder is not None and (changed := self._folder.changed):
             late = changed & set(ONCE_SLOTS) if self._core.has_started else set()
@@ -448,7 +460,16 @@ class Simulation:
         """Go back to the start: the next run begins anew.
 
         Without callbacks that remember something it gives the same again.
+
+        Raises
+        ------
+        RuntimeError
+            If frames that come from elsewhere have come, and can't come again.
         """
+        if self._source is not None and self._core.rows and iter(self._source) is self._source:
+            raise RuntimeError(
+                "the frames come only once: give a list or a Recording to be able to reset"
+            )
         self._core.reset()
         if self._source is not None:
             self._restart_frames()
@@ -518,19 +539,19 @@ class Simulation:
     @property
     def model(self) -> _core.RobotModel:
         """The robot model in use."""
-        self._core.start()
+        self._start()
         return self._core.model
 
     @property
     def estimator(self) -> Any:
         """The object that init_parameter_estimator made."""
-        self._core.start()
+        self._start()
         return self._core.estimator
 
     @property
     def frame(self) -> Frame:
         """The newest camera frame."""
-        self._core.start()
+        self._start()
         return self._core.frame
 
     def frame_of(self, k: int) -> Frame:
@@ -551,7 +572,7 @@ class Simulation:
     @property
     def newest(self) -> Step:
         """What the robot half knows of the newest step."""
-        self._core.start()
+        self._start()
         return self._core.newest
 
     def __repr__(self) -> str:
@@ -560,6 +581,14 @@ class Simulation:
             f"<Simulation: robot {self.robot.name!r}, {len(self.trace)} steps done, "
             f"stages on: {', '.join(stages) or 'none'}>"
         )
+
+
+def _update_estimator(step: Step) -> ArrayLike | None:
+    """Do what estimate_parameters=True does, with an estimator of the user's own."""
+    if step.sample is None:
+        return None
+    update: ArrayLike = step.estimator.update(step.sample.phi, step.sample.y)
+    return update
 
 
 def _as_frames(frames: Any) -> Iterable[Frame] | None:

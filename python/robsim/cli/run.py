@@ -11,7 +11,10 @@ import typer
 from robsim.cli import errors
 
 if TYPE_CHECKING:
-    from robsim.simulation import Simulation
+    from collections.abc import Iterable, Iterator
+
+    from robsim import Frame, Simulation, Trace
+    from robsim.pictures import Pixels
 
 NEW_EXAMPLE = "Example: robsim new mine"
 NEW_HELP = (
@@ -110,6 +113,7 @@ def run(
 ) -> None:
     """Run a simulation."""
     from robsim.simulation import Simulation
+    from robsim.video import VideoWriter
 
     with errors.told(folder):
         options: dict[str, Any] = {
@@ -132,6 +136,8 @@ def run(
             simulation = Simulation(**options)
         else:
             simulation = Simulation.from_folder(folder, **options)
+        for file in filter(None, (video, record)):
+            VideoWriter(file, fps=1)  # says now what would be wrong with it after the run
         run_kept(simulation, steps, out)
     finish(simulation, out, as_json=as_json, video=video, record=record)
 
@@ -178,19 +184,25 @@ def finish(
 
 
 def _write_videos(simulation: Simulation, video: Path | None, record: Path | None) -> None:
+    from robsim.plotting.replay import annotated_frames
+
+    trace, robot, colors = simulation.trace, simulation.robot, simulation.colors
+    if video:
+        frames = annotated_frames(_frames(simulation), trace, robot=robot, colors=colors)
+        write_with_progress(video, frames, trace)
+    if record:
+        write_with_progress(record, _frames(simulation), trace)
+
+
+def _frames(simulation: Simulation) -> Iterator[Frame]:
+    return (simulation.frame_of(int(k)) for k in simulation.trace.k)
+
+
+def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Trace) -> None:
+    """Write the frames of a run to a video file, with a progress bar."""
     from tqdm.auto import tqdm
 
-    from robsim.plotting.replay import annotated_frames
     from robsim.video import write_video
 
-    trace = simulation.trace
-    for file, is_annotated in ((video, True), (record, False)):
-        if file is None:
-            continue
-        frames = (simulation.frame_of(int(k)) for k in trace.k)
-        shown: Any = frames
-        if is_annotated:
-            robot, colors = simulation.robot, simulation.colors
-            shown = annotated_frames(frames, trace, robot=robot, colors=colors)
-        shown = tqdm(shown, total=len(trace), unit="frame", desc=file.name)
-        write_video(file, shown, fps=1 / trace.info.dt)
+    shown = tqdm(frames, total=len(trace), unit="frame", desc=file.name)
+    write_video(file, shown, fps=1 / trace.info.dt)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
-from robsim.cli.run import finish, size
+from robsim.cli.run import finish, size, write_with_progress
 
 if TYPE_CHECKING:
     from robsim.recordings import Recording
@@ -85,25 +85,27 @@ def track(
         simulation.run(progress=True)
     except KeyboardInterrupt:
         errors.note(f"stopped after {len(simulation.trace)} frames")
-    except (ValueError, OSError) as error:
+    except Exception as error:
         failure = error
     finish(simulation, out, as_json=as_json)
     if video and len(simulation.trace):
-        with errors.told():
-            _write_video(simulation, recording, out / "tracked.mp4")
+        _write_video(simulation, recording, out / "tracked.mp4")
     if failure is not None:
-        errors.tell(f"{failure}; the {len(simulation.trace)} frames before it are tracked")
-        raise typer.Exit(code=2)
+        errors.note(f"the {len(simulation.trace)} frames before the error are tracked")
+        with errors.told():
+            raise failure
 
 
 def _write_video(simulation: Simulation, recording: Recording, file: Path) -> None:
-    from tqdm.auto import tqdm
-
+    from robsim.opencv import load_opencv
     from robsim.plotting.replay import annotated_frames
-    from robsim.video import write_video
 
-    trace = simulation.trace
-    shown = annotated_frames(recording, trace, robot=simulation.robot, colors=simulation.colors)
-    write_video(
-        file, tqdm(shown, total=len(trace), unit="frame", desc=file.name), fps=1 / recording.dt
-    )
+    try:
+        load_opencv("writing a video")
+    except ImportError as error:
+        errors.note(f"no {file.name}: {error}")
+        return
+    robot, colors = simulation.robot, simulation.colors
+    shown = annotated_frames(recording, simulation.trace, robot=robot, colors=colors)
+    with errors.told():
+        write_with_progress(file, shown, simulation.trace)
