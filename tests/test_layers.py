@@ -24,10 +24,11 @@ CPP = {
 
 # Each layer of modules imports from the layers above it only: there are no cycles.
 PYTHON = [
-    {"_core", "numbers", "opencv", "pictures", "seeds", "shipped", "templates"},
-    {"colors", "four_points", "frames", "light", "options", "time_limit", "trace", "waypoints"},
-    {"clip", "controllers", "folders", "identification", "path_score", "recordings", "robots"},
-    {"scene", "video"},
+    {"_core", "files", "numbers", "opencv", "pictures", "seeds", "templates"},
+    {"four_points", "frames", "light", "options", "shipped", "time_limit", "trace", "waypoints"},
+    {"clip", "colors", "controllers", "folders", "identification", "path_score", "recordings"},
+    {"robots", "video"},
+    {"scene"},
     {"simulation"},
     {"plotting"},
     {"results"},

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+import robsim
 from robsim.trace import PARAMETER_NAMES, RunInfo, Trace, longest_run
 
 NAN = np.nan
@@ -639,3 +640,17 @@ def test_longest_run_is_true_and_no_other_is_longer(mask):
     lengths = [len(part) for part in "".join(map(str, map(int, mask))).split("0")]
     assert run.stop - run.start == max(lengths)
     assert all(mask[run])
+
+
+def test_a_save_that_fails_leaves_the_old_file(tmp_path, monkeypatch):
+    trace = robsim.Simulation(seed=1).run(5)
+    trace.save(tmp_path / "run.npz")
+
+    def full(*_, **__):
+        raise OSError("no space left")
+
+    monkeypatch.setattr("pathlib.Path.write_bytes", full)
+    with pytest.raises(OSError, match="no space left"):
+        trace[:2].save(tmp_path / "run.npz")
+    assert [file.name for file in tmp_path.iterdir()] == ["run.npz"]
+    assert len(robsim.Trace.load(tmp_path / "run.npz")) == 5

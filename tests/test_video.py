@@ -1,3 +1,4 @@
+import subprocess
 import sys
 import threading
 
@@ -122,10 +123,34 @@ def test_the_file_gets_its_name_at_the_end(tmp_path, rng):
     with VideoWriter(tmp_path / "run.mkv", fps=5) as video:
         for pixels in smooth(rng):
             video.write(pixels)
-        assert files(tmp_path) == ["run.part.mkv"]
+        assert "run.mkv" not in files(tmp_path)
         assert video.count == 5
     assert files(tmp_path) == ["run.mkv"]
+    before = (tmp_path / "run.mkv").read_bytes()
     video.close()
+    with pytest.raises(ValueError, match=r"run\.mkv is complete: open another VideoWriter"):
+        video.write(pixels)
+    assert (tmp_path / "run.mkv").read_bytes() == before
+
+
+FULL_DISK = """
+import resource, sys
+import numpy as np
+import robsim
+frames = np.random.default_rng(1).integers(0, 256, (20, 200, 200, 3), dtype=np.uint8)
+resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
+robsim.write_video(sys.argv[1], frames, fps=5)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
+@pytest.mark.parametrize("name", ["run.mkv", "run.avi", "run.mp4", "run.webm"])
+def test_a_full_disk_leaves_no_part_of_a_video(tmp_path, name):
+    run = subprocess.run(
+        [sys.executable, "-c", FULL_DISK, tmp_path / name], capture_output=True, text=True
+    )
+    assert f"OSError: {tmp_path / name} could not be written" in run.stderr
+    assert files(tmp_path) == []
 
 
 @pytest.mark.parametrize("name", ["run", "run.mov", "run.gif", ".mp4"])

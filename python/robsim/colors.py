@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from robsim._core import ColorClass
-from robsim.shipped import ASSETS, read_toml
+from robsim.files import read_toml
+from robsim.shipped import ASSETS
 
 _CHANNELS = ("y", "u", "v")
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from robsim.shipped import as_folder, copy_files
+from robsim.files import as_folder, copy_files
 
 #: The slots and the argument that each callback gets.
 ARGUMENTS = {

@@ -13,6 +13,8 @@ from robsim.identification import BatchEstimate, batch_estimate
 from robsim.simulation import Simulation
 from robsim.trace import TrackingStatistics
 
+_FIGURES = ("camera.png", "traces.png", "parameters.png", "batch.png")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Results:
@@ -61,6 +63,8 @@ def write_results(out: Path, simulation: Simulation) -> Results:
     """
     trace = simulation.trace
     is_tracked = "x_measured" in trace.names
+    out.mkdir(parents=True, exist_ok=True)
+    trace.save(out / "trace.npz")
     figures: dict[str, Any] = {
         "camera.png": _camera_figure(simulation),
         "traces.png": plotting.plot_traces(trace),
@@ -70,10 +74,11 @@ def write_results(out: Path, simulation: Simulation) -> Results:
         figures["parameters.png"] = plotting.plot_parameters(trace)
     if report is not None:
         figures["batch.png"] = plotting.plot_batch(report)
-    out.mkdir(parents=True, exist_ok=True)
-    for name, figure in figures.items():
-        figure.savefig(out / name)
-    trace.save(out / "trace.npz")
+    for name in _FIGURES:
+        if name in figures:
+            figures[name].savefig(out / name)
+        else:  # that of another run would stay beside this one's
+            (out / name).unlink(missing_ok=True)
     files = tuple(out / name for name in (*figures, "trace.npz"))
     return Results(report=report, tracking=trace.tracking() if is_tracked else None, files=files)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 import tokenize
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import wrap_angle
+from robsim.files import write_whole
 from robsim.numbers import Floats
 
 if TYPE_CHECKING:
@@ -465,8 +467,9 @@ class Trace:
             **asdict(self.info),
         }
         text = np.array(json.dumps(info))
-        with Path(path).open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, info=text, **self._groups)
+        content = io.BytesIO()
+        np.savez_compressed(content, allow_pickle=False, info=text, **self._groups)
+        write_whole(Path(path), content.getvalue())
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Trace:

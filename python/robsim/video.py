@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from robsim._core import Frame
+from robsim.files import aside_of
 from robsim.frames import check_same_size, frame_pixels, frame_size
 from robsim.numbers import number
 from robsim.opencv import load_opencv, quiet
@@ -69,9 +70,10 @@ class VideoWriter:
         if not self.path.absolute().parent.is_dir():
             raise FileNotFoundError(f"{self.path}: there is no folder {self.path.parent}")
         self._cv2 = load_opencv("writing a video")
-        self._part = self.path.with_name(f"{self.path.stem}.part{self.path.suffix}")
+        self._part = aside_of(self.path)
         self._size = (0, 0)
         self._writer: Any = None
+        self._is_closed = False
 
     def write(self, frame: Frame | Pixels) -> None:
         """Add a frame.
@@ -87,6 +89,8 @@ class VideoWriter:
             If it is no such array, has another size than the frames before, or has an odd size
             and the file is a lossless one.
         """
+        if self._is_closed:
+            raise ValueError(f"{self.path} is complete: open another VideoWriter")
         pixels = frame_pixels(frame)
         even = _even(pixels, self._codec)
         if self._writer is None:
@@ -100,13 +104,18 @@ class VideoWriter:
 
     def close(self) -> None:
         """End the file and give it its name."""
+        self._is_closed = True
         if self._writer is None:
             return
         with quiet():
             self._writer.release()
             self._writer = None
-            plays = self._cv2.VideoCapture(str(self._part), self._cv2.CAP_FFMPEG).read()[0]
-        if not plays:
+            video = self._cv2.VideoCapture(str(self._part), self._cv2.CAP_FFMPEG)
+            # Containers count time, not frames: the count may be one off.
+            is_whole = abs(video.get(self._cv2.CAP_PROP_FRAME_COUNT) - self.count) <= 1
+            is_whole = is_whole and video.read()[0]
+            video.release()
+        if not is_whole:
             self._part.unlink(missing_ok=True)
             raise OSError(f"{self.path} could not be written: a full disk, or too small frames")
         os.replace(self._part, self.path)

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
-from robsim.robots.files import write_whole
-from robsim.shipped import read_toml
+from robsim.files import read_toml, write_whole
 
 #: The robot in use until the user chooses another.
 DEFAULT = "lab"

@@ -6,15 +6,14 @@ import io
 from os import PathLike
 from pathlib import Path, PureWindowsPath
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 from PIL import Image
 
+from robsim.files import read_toml, write_whole
 from robsim.numbers import Floats
 from robsim.pictures import read_picture
 from robsim.robots.definition import RobotDefinition
-from robsim.shipped import read_toml
 
 #: The file that makes a folder a robot, and the picture beside it.
 TOML = "robot.toml"
@@ -79,16 +78,6 @@ def save_robot(definition: RobotDefinition, folder: str | PathLike[str]) -> None
     Image.fromarray(definition.image).save(picture, format="PNG")
     write_whole(folder / PICTURE, picture.getvalue())
     write_whole(folder / TOML, _as_text(definition).encode())
-
-
-def write_whole(file: Path, content: bytes) -> None:
-    """Write a file so that whoever reads it gets the old or the new content, never a part."""
-    aside = file.with_name(f".{file.name}.{uuid4().hex}")
-    try:
-        aside.write_bytes(content)
-        aside.replace(file)
-    finally:
-        aside.unlink(missing_ok=True)
 
 
 def _from_values(folder: Path, values: dict[str, Any]) -> RobotDefinition:

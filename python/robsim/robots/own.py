@@ -15,12 +15,13 @@ from uuid import uuid4
 from numpy.typing import ArrayLike
 
 from robsim._core import ColorClass
+from robsim.files import write_whole
 from robsim.numbers import number
 from robsim.pictures import Pixels, read_picture
 from robsim.robots.choice import chosen_robot, reset_robot
 from robsim.robots.colors_seen import check_colors
 from robsim.robots.definition import RobotDefinition
-from robsim.robots.files import TOML, read_robot, save_robot, write_whole
+from robsim.robots.files import TOML, read_robot, save_robot
 from robsim.robots.finding import reduced, robot_from_picture
 from robsim.robots.lookup import (
     find_folder,

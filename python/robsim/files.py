@@ -1,0 +1,69 @@
+"""Files read and written safely."""
+
+import os
+import tomllib
+from collections.abc import Iterable
+from os import PathLike
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+
+def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]:
+    """Copy files into a folder, all of them or, if one is there already, none."""
+    folder = as_folder(folder)
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(f"{folder} is a file, not a folder: give another name")
+    copies = {folder / file.name: file for file in files}
+    there = [copy.name for copy in copies if os.path.lexists(copy)]
+    if there:
+        raise FileExistsError(f"{folder} has {', '.join(there)} already: nothing was written")
+    folder.mkdir(parents=True, exist_ok=True)
+    for copy, file in copies.items():
+        with open(copy, "xb") as output:
+            output.write(file.read_bytes())
+    return list(copies)
+
+
+def as_folder(folder: str | PathLike[str]) -> Path:
+    """Return a folder's path; a TypeError for what is none."""
+    if not isinstance(folder, (str, PathLike)):
+        raise TypeError(f"folder must be a path, got {folder!r}")
+    return Path(folder)
+
+
+def read_toml(path: str | PathLike[str]) -> dict[str, Any]:
+    """Read a TOML file, with or without a byte order mark.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is not TOML; the message names it.
+    """
+    content = Path(path).read_bytes()
+    try:
+        return tomllib.loads(content.decode("utf-8-sig"))
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{path} is not a TOML file: {error}") from error
+
+
+def write_whole(file: Path, content: bytes) -> None:
+    """Write a file so that whoever reads it gets the old or the new content, never a part."""
+    aside = aside_of(file)
+    try:
+        aside.write_bytes(content)
+        aside.replace(file)
+    finally:
+        aside.unlink(missing_ok=True)
+
+
+def aside_of(file: Path) -> Path:
+    """Return a name beside a file that nobody has, for what is to take its place; same ending."""
+    return file.with_name(f".{file.stem}.{uuid4().hex}{file.suffix}")
