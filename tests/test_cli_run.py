@@ -86,7 +86,7 @@ def test_an_exception_names_the_line_and_the_steps_before_are_kept(mine):
 def test_a_wrong_return_and_a_hanging_callback(mine):
     (mine / "control.py").write_text("def control(step):\n    return 'left'\n")
     run = cli("run", "mine", "--steps", "5", cwd=mine.parent)
-    assert run.returncode == 2
+    assert run.returncode == 1
     assert "in the callback control at step 0" in run.stderr
     (mine / "control.py").write_text("def control(step):\n    while True:\n        pass\n")
     run = cli("run", "mine", "--steps", "5", "--time-limit", "0.3", cwd=mine.parent)
@@ -106,6 +106,12 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
         (("run", "--boundary", "fence"), "boundary must be one of"),
         (("run", "--steps", "99999999", "--video", "run.xyz"), "run.xyz: the name of a video must"),
         (("run", "--steps", "99999999", "--record", "a/run.mkv"), "there is no folder a"),
+        (
+            ("run", "--steps", "99999999", "--record", "a.mkv", "--video", "./a.mkv"),
+            "--video and --record must be two files",
+        ),
+        (("run", "--steps", "99999999", "--out", sys.executable), "is a file, not a folder"),
+        (("track", ".", "--out", "."), "--out . would overwrite .: give another folder"),
         (("track", "none.mp4"), "there is no file or folder none.mp4"),
         (("track", ".", "--pixels", "1,2 3,4"), "--pixels and --places belong together"),
         (("track", ".", "--pixels", "1,2", "--places", "1,2"), "--pixels must be four points"),
@@ -179,3 +185,30 @@ def test_without_opencv_images_are_tracked_all_the_same(tmp_path):
         "no tracked.mp4: writing a video needs OpenCV: pip install 'robsim[camera]'" in run.stderr
     )
     assert len(robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")) == 1
+
+
+def test_figures_of_another_run_do_not_stay(tmp_path):
+    (tmp_path / "robsim-run").mkdir()
+    (tmp_path / "robsim-run" / "parameters.png").write_text("old")
+    (tmp_path / "robsim-run" / "mine.txt").write_text("mine")
+    assert cli("run", "--steps", "3", cwd=tmp_path).returncode == 0
+    names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
+    assert names == {"camera.png", "traces.png", "trace.npz", "mine.txt"}
+
+
+def test_a_callback_that_ends_the_program_keeps_the_steps(mine):
+    (mine / "control.py").write_text(
+        "def control(step):\n    if step.k == 3:\n        exit()\n    return 0, 0\n"
+    )
+    cli("run", "mine", "--steps", "9", cwd=mine.parent)
+    assert len(robsim.Trace.load(mine.parent / "robsim-run" / "cut-short.npz")) == 3
+
+
+def test_unknown_numbers_are_null_in_json(tmp_path):
+    frame = robsim.Simulation(camera=(400, 400), seed=1).frame
+    robsim.write_picture(tmp_path / "frame0.png", frame.image)
+    run = cli(
+        "track", ".", "--area", "1200x1200", "--out", "out", "--no-video", "--json", cwd=tmp_path
+    )
+    assert json.loads(run.stdout)["tracking"]["rms_xy"] is None
+    assert "NaN" not in run.stdout

@@ -124,3 +124,14 @@ def test_other_endings(tmp_path, name):
 def test_a_width_of_another_kind(width):
     with pytest.raises(TypeError, match="width must be an int, got "):
         robsim.Clip([np.zeros((20, 20, 3), np.uint8)], fps=5, width=width)
+
+
+def test_a_gif_keeps_the_time_of_frames_that_come_twice(tmp_path):
+    a, b = (np.full((20, 20, 3), value, np.uint8) for value in (50, 200))
+    robsim.Clip([a, a, a, b], fps=5).save(tmp_path / "a.gif")
+    with Image.open(tmp_path / "a.gif") as gif:
+        times = []
+        for frame in range(gif.n_frames):
+            gif.seek(frame)
+            times.append(gif.info["duration"])
+    assert times == [600, 200]

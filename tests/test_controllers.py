@@ -222,6 +222,11 @@ def test_the_options_are_fixed_and_the_waypoints_are_copied():
     assert repr(FollowPath([(1, 2)])).startswith("FollowPath(waypoints=array([[1., 2.]]), max_")
 
 
+def test_waypoints_are_within_reach():
+    with pytest.raises(ValueError, match=r"waypoints must be finite, within 1e\+06 px, got"):
+        FollowPath([(1e200, 0)])
+
+
 OPTIONS = [
     "max_voltage", "max_speed", "distance_gain", "speed_gain", "heading_gain", "turn_gain",
     "min_voltage",

@@ -128,3 +128,35 @@ def test_a_look_at_the_model_finds_the_folders_helpers(tmp_path):
         "    return robsim.RobotModel(robsim.RobotParameters(dt=DT))\n"
     )
     assert robsim.Simulation.from_folder(tmp_path).model.dt == 0.5
+
+
+def test_a_keyword_beats_the_file_but_true_does_not(tmp_path):
+    new_folder(tmp_path)
+    (tmp_path / "control.py").write_text("def control(step):\n    return 0.1, 0.2\n")
+    (tmp_path / "measure.py").write_text("def measure(step):\n    return None\n")
+    sim = robsim.Simulation.from_folder(
+        tmp_path, control=lambda step: (0.3, 0.4), evaluate_model=robsim.Unicycle(), measure=True
+    )
+    trace = sim.run(40)
+    alone = robsim.Simulation(control=lambda step: (0.3, 0.4), evaluate_model=robsim.Unicycle())
+    np.testing.assert_array_equal(trace.pose_true, alone.run(40).pose_true)
+    assert not trace.valid.any()
+
+
+def test_a_reset_that_fails_keeps_the_trace(tmp_path):
+    new_folder(tmp_path)
+    sim = robsim.Simulation.from_folder(tmp_path)
+    sim.run(5)
+    (tmp_path / "control.py").write_text("def control(step:\n")
+    with pytest.raises(SyntaxError):
+        sim.reset()
+    assert len(sim.trace) == 5
+
+
+def test_a_callback_that_is_false_is_one_all_the_same(tmp_path):
+    (tmp_path / "control.py").write_text(
+        "class Empty(list):\n    def __call__(self, step):\n        return 0.5, 0.5\n\n\n"
+        "control = Empty()\n"
+    )
+    trace = robsim.Simulation.from_folder(tmp_path).run(3)
+    np.testing.assert_array_equal(trace.u, [(0.5, 0.5)] * 3)

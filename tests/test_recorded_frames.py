@@ -214,3 +214,21 @@ def test_frames_that_come_only_once_cannot_be_reset(run):
     with pytest.raises(RuntimeError, match="come only once: give a list or a Recording"):
         sim.reset()
     assert len(sim.trace) == 3
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        {"noise": "gaussian", "noise_percent": 5},
+        {"dropout": 0.5},
+        {"boundary": "unlimited"},
+        {"start": (1, 2, 3)},
+        {"background": np.zeros((9, 9, 3), np.uint8)},
+        {"evaluate_model": robsim.Unicycle()},
+    ],
+    ids=lambda option: next(iter(option)),
+)
+def test_options_of_the_simulated_world_are_refused(run, option):
+    name = next(iter(option))
+    with pytest.raises(ValueError, match=f"^{name} needs a simulated world, got it with frames"):
+        robsim.Simulation(frames=run[0], **option)

@@ -153,3 +153,29 @@ def test_what_is_called_once_is_watched_too(slot):
     with pytest.raises(TimeoutError, match=r"longer than time_limit = 0\.2 s") as caught:
         sim.run(1)
     assert caught.value.__notes__ == [f"in the callback {slot} at the start"]
+
+
+def test_a_callback_that_catches_everything_is_interrupted_again():
+    def stubborn(step):
+        for _ in range(3):
+            try:
+                time.sleep(20)
+            except:  # noqa: E722
+                pass
+        return 0, 0
+
+    start = time.monotonic()
+    with pytest.raises(TimeoutError):
+        robsim.Simulation(control=stubborn, time_limit=0.2).run(1)
+    assert time.monotonic() - start < 40  # one interrupt would leave 40 s
+
+
+def test_a_run_within_a_run_is_refused_and_leaves_the_limit():
+    def control(step):
+        with pytest.raises(RuntimeError):
+            sim.run(1)
+        time.sleep(20)
+
+    sim = robsim.Simulation(control=control, time_limit=0.2)
+    with pytest.raises(TimeoutError):
+        sim.run(1)

@@ -75,8 +75,10 @@ class Clip:
 
     def _gif(self) -> bytes:
         with Image.open(io.BytesIO(self._webp)) as clip:
-            pictures = [picture.convert("RGB") for picture in ImageSequence.Iterator(clip)]
-        return _animation("GIF", pictures, self._milliseconds)
+            shown = [(p.convert("RGB"), p.info["duration"]) for p in ImageSequence.Iterator(clip)]
+        # What comes twice is one frame of WebP, of twice the time.
+        pictures, times = zip(*shown, strict=True)
+        return _animation("GIF", list(pictures), list(times))
 
     def _repr_html_(self) -> str:
         width, height = self._size
@@ -108,7 +110,7 @@ def _reduced(frames: Iterable[Frame | Pixels], width: int) -> Iterator[Image.Ima
         )
 
 
-def _animation(kind: str, pictures: list[Image.Image], milliseconds: int) -> bytes:
+def _animation(kind: str, pictures: list[Image.Image], milliseconds: int | list[int]) -> bytes:
     buffer = io.BytesIO()
     pictures[0].save(
         buffer,

@@ -112,7 +112,8 @@ class GoToPoint(_Drive):
     """Drives the robot to a point and stops it there; it may do so backwards.
 
     It goes by the estimated pose if a state estimator runs, else by the measured one. Where the
-    robot is not seen, it lets it coast: (0, 0).
+    robot is not seen, it lets it coast: (0, 0). It remembers the last pose: make one for each
+    simulation.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from robsim._core import DriveAround, Spin
-from robsim.results import Results, write_results
+from robsim.results import Results, check_folder, write_results
 from robsim.simulation import Simulation
 
 #: Steps that the robot spins before it drives around.
@@ -28,7 +28,7 @@ def run_demo(out: Path, *, steps: int = 1000, seed: int = 2008, progress: bool =
     """
     if steps <= SPIN_STEPS + 10:
         raise ValueError(f"steps must be above {SPIN_STEPS + 10}, got {steps}")
-    out.mkdir(parents=True, exist_ok=True)
+    check_folder(out)
     simulation = Simulation(
         boundary="unlimited", measure=True, estimate_parameters=True, control=Spin(), seed=seed
     )

@@ -143,7 +143,7 @@ class CallbackFolder:
         for name, slot in _misspelt(sources).items():
             if name not in imported:
                 message = f"{self.path / name}.py is no callback: did you mean {slot}.py?"
-                warnings.warn_explicit(message, UserWarning, str(self._place / f"{name}.py"), 1)
+                warnings.warn_explicit(message, UserWarning, str(self._place / f"{name}.py"), 0)
         modules = _Modules(self.path, self._place, sources)
         with modules.importable():
             callbacks = {
@@ -219,12 +219,13 @@ class _Modules(MetaPathFinder, Loader):
         names = {*self._helpers, *map(_module_name, ARGUMENTS)}
         with _LOCK:
             others = {name: sys.modules.pop(name) for name in names & sys.modules.keys()}
-            sys.modules.update(self._loaded)
-            sys.meta_path.insert(0, self)
             try:
+                sys.modules.update(self._loaded)
+                sys.meta_path.insert(0, self)
                 yield
             finally:
-                sys.meta_path.remove(self)
+                if self in sys.meta_path:
+                    sys.meta_path.remove(self)
                 for name in names & sys.modules.keys():
                     self._loaded[name] = sys.modules.pop(name)
                 sys.modules.update(others)

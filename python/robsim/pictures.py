@@ -15,9 +15,8 @@ Pixels = NDArray[np.uint8]
 
 _WHITE = 65535  # of a picture with 16 bits a pixel
 
-# What Pillow raises for broken files; a bomb is a small file that claims to be a huge picture.
+# What Pillow says of a small file that claims to be a huge picture.
 _BOMBS = (Image.DecompressionBombError, Image.DecompressionBombWarning)
-_BROKEN = (OSError, SyntaxError, ValueError)
 
 
 def read_picture(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
@@ -52,7 +51,7 @@ def read_picture(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
             raise ValueError(f"{path} is not a picture of a kind that Pillow reads") from error
         except _BOMBS as error:
             raise ValueError(f"{path} has too many pixels: {error}") from error
-        except _BROKEN as error:
+        except Exception as error:  # Pillow's readers raise what they like
             raise ValueError(f"{path} cannot be read as a picture: {error}") from error
 
 

@@ -13,6 +13,11 @@ from robsim.identification import BatchEstimate, batch_estimate
 from robsim.simulation import Simulation
 from robsim.trace import TrackingStatistics
 
+
+def _known(numbers: dict[str, Any]) -> dict[str, Any]:
+    return {name: None if value != value else value for name, value in numbers.items()}
+
+
 _FIGURES = ("camera.png", "traces.png", "parameters.png", "batch.png")
 
 
@@ -38,11 +43,17 @@ class Results:
         """Return the numbers: {"parameters": ..., "tracking": ...}; None = not there."""
         return {
             "parameters": self.report.to_dict() if self.report else None,
-            "tracking": asdict(self.tracking) if self.tracking else None,
+            "tracking": _known(asdict(self.tracking)) if self.tracking else None,
         }
 
     def __str__(self) -> str:
         return "\n".join(str(part) for part in (self.report, self.tracking) if part)
+
+
+def check_folder(out: Path) -> None:
+    """Refuse a folder for results that is none."""
+    if out.exists() and not out.is_dir():
+        raise NotADirectoryError(f"{out} is a file, not a folder: give another name")
 
 
 def write_results(out: Path, simulation: Simulation) -> Results:

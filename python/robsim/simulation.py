@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from os import PathLike
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -32,7 +32,7 @@ from robsim.time_limit import TimeLimit
 from robsim.trace import RunInfo, Trace
 
 if TYPE_CHECKING:
-    from robsim.folders import CallbackFolder
+    from robsim.folders import CallbackFolder, Callbacks
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -41,10 +41,23 @@ STEP_SLOTS = ("evaluate_model", "estimate_parameters", "measure", "estimate_stat
 SOURCES = ("truth", "measurement", "estimate")
 _AREA = (1200, 1200)
 _ENDLESS = 2**62 - 1
+DT_TOLERANCE = 2e-3  # relative; video files round their rate
 _SIMULATED = {"pose_true": 3, "u": 2, "bounced": 1}
 _RECORDED = {"t": 1, "measured": 3}
 OPTIONAL_SLOTS = ("estimate_parameters", "measure", "estimate_state")
 
+
+_WORLD_OPTIONS = {
+    "boundary": "bounce",
+    "rotation": "phases",
+    "noise": "none",
+    "noise_percent": None,
+    "dropout": 0,
+    "background": None,
+    "start": None,
+    "evaluate_model": None,
+    "adjust_background": None,
+}
 
 # Stages that the core does without Python: they need no time limit.
 _NATIVE = (Spin, DriveAround, Unicycle)
@@ -196,16 +209,20 @@ class Simulation:
         control: Callable[[Step], Sequence[float]] | Controller | None = None,
     ) -> None:
         given = locals()
+        if frames is not None:
+            _check_no_world(given)
         self.robot = as_robot(robot)
         self._source = _as_frames(frames)
         self._frame_dt = float(getattr(frames, "dt", 0.0))  # s, 0 = not known
         self.area = size("area", _default_area(frames) if area is None else area)
         self.camera = self.area if camera is None else size("camera", camera)
-        self.boundary = choice("boundary", boundary, ("bounce", "unlimited"))
+        choice("boundary", boundary, ("bounce", "unlimited"))
+        self.boundary = boundary if frames is None else "recorded"
         if identify_from is None:
             identify_from = "truth" if frames is None else "measurement"
         self.identify_from = choice("identify_from", identify_from, SOURCES)
         self._time_limit = None if time_limit is None else TimeLimit(time_limit)
+        self._is_guarded = False
         self._folder: CallbackFolder | None = None
         self._from_folder: set[str] = set()
         self.colors = as_colors(colors)
@@ -250,8 +267,8 @@ class Simulation:
         """Return a simulation with the callbacks of a folder, as ``robsim new`` writes one.
 
         When a file of the folder has changed, the next run or reset reads all of them anew. If one
-        of them fails, the simulation stays as it was. A file beats what is given here for its slot,
-        unless it has ``ENABLED = False``.
+        of them fails, the simulation stays as it was. What is given here for a slot beats the
+        file, but for True: that is for a folder without the file, or with ``ENABLED = False``.
 
         Parameters
         ----------
@@ -278,12 +295,17 @@ class Simulation:
 
     def _load_folder(self) -> None:
         assert self._folder is not None
-        callbacks = self._folder.load()
+        self._use(self._folder.load())
+
+    def _use(self, callbacks: Callbacks) -> None:
+        """Fill the slots with the callbacks of the folder."""
         for slot in ONCE_SLOTS + STEP_SLOTS:
             is_fixed = slot in ONCE_SLOTS and self._core.has_started
-            if slot in self._from_folder | callbacks.keys() and not is_fixed:
+            is_open = self._given[slot] is None or self._given[slot] is True
+            if slot in self._from_folder | callbacks.keys() and is_open and not is_fixed:
                 # A file that is switched off is as good as none.
-                self._set_slot(slot, callbacks.get(slot) or self._given[slot])
+                callback = callbacks.get(slot, False)
+                self._set_slot(slot, self._given[slot] if callback is False else callback)
         self._from_folder = set(callbacks)
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -325,7 +347,10 @@ class Simulation:
         @functools.wraps(define_model)
         def checked() -> Any:
             model = define_model()
-            if isinstance(model, _core.RobotModel) and not math.isclose(model.dt, self._frame_dt):
+            is_close = isinstance(model, _core.RobotModel) and math.isclose(
+                model.dt, self._frame_dt, rel_tol=DT_TOLERANCE
+            )
+            if isinstance(model, _core.RobotModel) and not is_close:
                 raise ValueError(
                     f"the model's dt is {model.dt:g} s, but the frames are {self._frame_dt:g} s "
                     "apart: give the model that dt, or the recording another"
@@ -449,7 +474,12 @@ class Simulation:
     @contextmanager
     def _guarded(self) -> Iterator[None]:
         """Let callbacks import their folder's helpers, and watch the time they take."""
+        if self._is_guarded:  # the core refuses what runs already
+            yield
+            return
+        self._is_guarded = True
         with ExitStack() as stack:
+            stack.callback(setattr, self, "_is_guarded", False)
             if self._folder is not None:
                 stack.enter_context(self._folder.importable())
             if self._time_limit is not None:
@@ -470,11 +500,12 @@ class Simulation:
             raise RuntimeError(
                 "the frames come only once: give a list or a Recording to be able to reset"
             )
+        callbacks = self._folder.load() if self._folder else None
         self._core.reset()
         if self._source is not None:
             self._restart_frames()
-        if self._folder is not None:
-            self._load_folder()
+        if callbacks is not None:
+            self._use(callbacks)
         self._rng = np.random.default_rng(stream(self._seed, "user"))
 
     def _check_stages(self) -> None:
@@ -527,7 +558,7 @@ class Simulation:
             seed=seed_record(self._seed),
             identify_from=self.identify_from,
             area=self.area,
-            boundary=self.boundary if self._source is None else "recorded",
+            boundary=self.boundary,
             robot=self.robot.name,
         )
 
@@ -589,6 +620,14 @@ def _update_estimator(step: Step) -> ArrayLike | None:
         return None
     update: ArrayLike = step.estimator.update(step.sample.phi, step.sample.y)
     return update
+
+
+def _check_no_world(given: Mapping[str, Any]) -> None:
+    """Refuse options of a simulated world beside frames that come from elsewhere."""
+    for name, default in _WORLD_OPTIONS.items():
+        value = given[name]
+        if not (value is default or (isinstance(value, (str, float, int)) and value == default)):
+            raise ValueError(f"{name} needs a simulated world, got it with frames=...")
 
 
 def _as_frames(frames: Any) -> Iterable[Frame] | None:

@@ -75,23 +75,28 @@ class TimeLimit:
         self._deadline, self._is_up = math.inf, False
         is_main = threading.current_thread() is threading.main_thread()
         self._is_awakened = is_main and _WAKE_UP is not None
-        before = signal.signal(_WAKE_UP, _interrupt) if self._is_awakened else None
+        before = signal.getsignal(_WAKE_UP) if self._is_awakened else None
         done = threading.Event()
         watch = threading.Thread(target=self._watch, args=(done,), daemon=True)
-        watch.start()
         try:
+            if self._is_awakened:
+                signal.signal(_WAKE_UP, _interrupt)
+            watch.start()
             yield
         finally:
             done.set()
-            watch.join()
+            if watch.ident is not None:
+                watch.join()
             if self._is_awakened:
                 signal.signal(_WAKE_UP, before)
 
     def _watch(self, done: threading.Event) -> None:
         while not done.wait(min(self.seconds / 4, 0.05)):
             with self._lock:
-                if time.monotonic() > self._deadline and not self._is_up:
+                if time.monotonic() > self._deadline:
                     self._is_up = True
+                    # once more, should the callback catch it and go on
+                    self._deadline = time.monotonic() + self.seconds
                     self._interrupt_callback()
 
     def _interrupt_callback(self) -> None:

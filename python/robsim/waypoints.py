@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike
 
 from robsim.numbers import Floats
 
+FARTHEST = 1e6  # px
+
 
 def nearest_on_segment(place: Floats, start: Floats, end: Floats) -> Floats:
     """Return the point (2,) of the segment start -> end that is nearest to a place (2,)."""
@@ -28,8 +30,8 @@ def as_waypoints(waypoints: ArrayLike) -> Floats:
         raise TypeError(f"{expected}, got {waypoints!r}")
     if points.ndim != 2 or points.shape[1] != 2 or not len(points):
         raise ValueError(f"{expected}, got shape {points.shape}")
-    if not np.isfinite(points).all():
-        raise ValueError(f"waypoints must be finite, got {waypoints!r}")
+    if not (np.abs(points) <= FARTHEST).all():  # NaN is not, either
+        raise ValueError(f"waypoints must be finite, within {FARTHEST:g} px, got {waypoints!r}")
     points = points.astype(np.float64)
     points.setflags(write=False)
     return points

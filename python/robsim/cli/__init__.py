@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from importlib.metadata import version
 from typing import Annotated
 
 import typer
 
-from robsim.cli import demo, notebooks, robots, run, track
+from robsim.cli import demo, errors, notebooks, robots, run, track
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -38,4 +39,6 @@ def _root(
 
 def main() -> None:
     """Run the command line: the entry point ``robsim``."""
-    app(prog_name="robsim")
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda message, *_: errors.note(f"warning: {message}")
+        app(prog_name="robsim")

@@ -28,8 +28,17 @@ def told(folder: Path | None = None) -> Iterator[None]:
             raise typer.Exit(code=1) from error
         if not isinstance(error, (ValueError, TypeError, OSError, ImportError, RuntimeError)):
             raise
-        tell(error)
-        raise typer.Exit(code=2) from error
+        tell(_sentence(error))
+        is_callback = "in the callback" in str(error) or getattr(error, "__notes__", None)
+        raise typer.Exit(code=1 if is_callback else 2) from error
+
+
+def _sentence(error: BaseException) -> str:
+    """Return what an error says, and where."""
+    text = str(error)
+    if isinstance(error, OSError) and error.filename and error.strerror:
+        text = f"{error.filename}: {error.strerror}"
+    return "\n".join([text, *getattr(error, "__notes__", [])])
 
 
 def _in_callbacks(error: BaseException, folder: Path) -> str | None:

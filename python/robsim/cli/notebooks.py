@@ -12,7 +12,7 @@ from robsim.cli import errors
 EXAMPLE = "Example: robsim notebooks coursework"
 HELP = (
     "Copy the notebooks for students into a folder.\n\n"
-    "They need Jupyter: pip install notebook 'robsim[notebook]'. Then: jupyter notebook FOLDER"
+    "They need Jupyter: pip install notebook 'robsim\\[notebook]'. Then: jupyter notebook FOLDER"
 )
 
 

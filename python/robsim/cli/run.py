@@ -112,6 +112,7 @@ def run(
     ] = False,
 ) -> None:
     """Run a simulation."""
+    from robsim.results import check_folder
     from robsim.simulation import Simulation
     from robsim.video import VideoWriter
 
@@ -136,8 +137,12 @@ def run(
             simulation = Simulation(**options)
         else:
             simulation = Simulation.from_folder(folder, **options)
+        # What would be wrong after the run is said now.
+        check_folder(out)
         for file in filter(None, (video, record)):
-            VideoWriter(file, fps=1)  # says now what would be wrong with it after the run
+            VideoWriter(file, fps=1)
+        if video and record and video.resolve() == record.resolve():
+            raise ValueError(f"--video and --record must be two files, got {video} for both")
         run_kept(simulation, steps, out)
     finish(simulation, out, as_json=as_json, video=video, record=record)
 
@@ -148,7 +153,7 @@ def run_kept(simulation: Simulation, steps: int | None, out: Path) -> None:
         simulation.run(steps, progress=True)
     except KeyboardInterrupt:
         errors.note(f"stopped after {len(simulation.trace)} steps")
-    except Exception:
+    except BaseException:
         if trace := simulation.trace:
             out.mkdir(parents=True, exist_ok=True)
             trace.save(out / "cut-short.npz")
@@ -174,7 +179,7 @@ def finish(
         results = write_results(out, simulation)
         _write_videos(simulation, video, record)
     if as_json:
-        print(json.dumps(results.to_dict(), indent=2))
+        print(json.dumps(results.to_dict(), indent=2, allow_nan=False))
         return
     if text := str(results):
         print(text)
@@ -205,4 +210,4 @@ def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Tra
     from robsim.video import write_video
 
     shown = tqdm(frames, total=len(trace), unit="frame", desc=file.name)
-    write_video(file, shown, fps=1 / trace.info.dt)
+    write_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from robsim.recordings import Recording
     from robsim.simulation import Simulation
 
+VIDEO = "tracked.mp4"
 EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
 HELP = (
     "Track the robot in a video file or a folder of images.\n\n"
@@ -54,7 +55,10 @@ def track(
         typer.Option("--places", metavar="POINTS", help="Where they are on the floor."),
     ] = None,
     dt: Annotated[
-        float | None, typer.Option("--dt", help="Seconds between two frames: as the video says.")
+        float | None,
+        typer.Option(
+            "--dt", help="Seconds between two frames. Default: as the video says, 0.2 for images."
+        ),
     ] = None,
     out: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(
         "robsim-track"
@@ -69,9 +73,13 @@ def track(
     """Track the robot in a video file or a folder of images."""
     from robsim.four_points import plane_map_from_points
     from robsim.recordings import Recording
+    from robsim.results import check_folder
     from robsim.simulation import Simulation
 
     with errors.told():
+        check_folder(out)
+        if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
+            raise ValueError(f"--out {out} would overwrite {source}: give another folder")
         plane_map = None
         if pixels is not None and places is not None:
             seen, there = points("--pixels", pixels), points("--places", places)
@@ -89,7 +97,7 @@ def track(
         failure = error
     finish(simulation, out, as_json=as_json)
     if video and len(simulation.trace):
-        _write_video(simulation, recording, out / "tracked.mp4")
+        _write_video(simulation, recording, out / VIDEO)
     if failure is not None:
         errors.note(f"the {len(simulation.trace)} frames before the error are tracked")
         with errors.told():

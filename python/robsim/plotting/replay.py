@@ -74,6 +74,8 @@ def play(
 ) -> Clip:
     """Return a run as a clip that plays in a notebook, in the time that the robot takes.
 
+    With a `dt` below 1/60 s or above 10 s it plays slower or faster.
+
     Parameters
     ----------
     simulation : Simulation
