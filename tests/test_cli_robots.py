@@ -68,13 +68,13 @@ def rows(text):
 def test_list():
     table = rows(done("list"))
     assert list(table) == ["robot", "lab", "robot2", "sheep"]
-    assert table["lab"] == ["120 px", "90°, faces up", "43.0 px", "ships with robsim", "in use"]
-    assert table["sheep"][-1] == "ships with robsim"
+    assert table["lab"] == ["120 px", "90°, faces up", "43.0 px", "shipped", "in use"]
+    assert table["sheep"][-1] == "shipped"
     add_robot("mine", "lab", alignment=-30)
     use_robot("mine")
     table = rows(done("list"))
     assert table["mine"] == ["120 px", "-30°", "43.0 px", "yours", "in use"]
-    assert table["lab"][-1] == "ships with robsim"
+    assert table["lab"][-1] == "shipped"
 
 
 def test_a_damaged_robot_is_listed_with_its_error(user_folder):
@@ -116,6 +116,8 @@ def test_the_longest_names_fit_in_80_columns():
     use_robot("x" * 40)
     lines = done("list").splitlines()
     assert max(map(len, lines)) <= 80
+    name = [line.split()[0] for line in lines if line.strip().startswith("x")]
+    assert "".join(name) == "x" * 40
     assert any("-123.456°" in line and "in use" in line for line in lines)
 
 
@@ -171,7 +173,7 @@ def test_show_with_other_colours(tmp_path):
     (tmp_path / "colors.toml").write_text("[red]\nv = [250, 255]\n[blue]\nu = [160, 255]\n")
     result = robots("show", "lab", "--colors", tmp_path / "colors.toml")
     assert result.exit_code == 0
-    assert "error: red marker: 0 % of its polygon has the colour red" in result.stderr
+    assert "error: red marker: 0.0 % of its polygon has the colour red" in result.stderr
     assert "none.toml" in refused("show", "lab", "--colors", "none.toml")
 
 
@@ -247,7 +249,7 @@ def test_add_from_a_robot():
         (("mine", "lab", "--outline", "0,0 400,0 0,400 400,400"), "outline must not cross itself"),
         (("mine", "lab", "--outline", "0,0 600,0 0,470"), "outline must lie within the picture of"),
         (("mine", "lab", "--red", "120,260 190,260 150,330"), "red and blue markers must not over"),
-        (("mine", "lab", "--red", "230,100 250,100 240,120"), "red marker: 0 % of its polygon has"),
+        (("mine", "lab", "--red", "230,100 250,100 240,120"), "red marker: 0.0 % of its polygon"),
         (("mine", "lab", "--size", "12"), "red marker: it is too small to be seen"),
         (("mine", "grey.png"), "red marker: nothing in the picture has the colour red"),
         (("mine", "lab", "--colors", "none.toml"), "none.toml"),

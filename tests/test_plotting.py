@@ -173,7 +173,7 @@ def test_heading_is_in_degrees_from_0_to_360_and_its_line_breaks_at_the_wrap(usu
     assert np.nanmin(values) >= 0
     assert np.nanmax(values) <= 360
     assert np.nanmax(np.abs(np.diff(values))) < 11
-    assert axes.get_ylim() == (0, 360)
+    assert axes.get_ylim() == (-8, 368)
 
 
 def test_estimated_poses_are_blue(rich):
@@ -209,7 +209,7 @@ def test_histograms_are_made_from_the_longest_valid_record():
     trace = make_trace(300, seen=seen, first_step=1000)
     figure = plot_traces(trace)
     record = longest_run(trace.valid)
-    assert histograms(figure)[0].get_title() == "errors of steps 1051..1249, n = 199"
+    assert histograms(figure)[0].get_title() == "longest record: 1051..1249, n = 199"
     for axis, axes in enumerate(histograms(figure)):
         bars = [bar for bar in axes.patches if bar.get_width() > 0]
         assert sum(bar.get_width() for bar in bars) == 199
@@ -296,7 +296,7 @@ def test_one_valid_step_and_none():
     seen[4] = True
     trace = make_trace(20, seen=seen)
     first = histograms(plot_traces(trace))[0]
-    assert first.get_title() == "errors of steps 4..4, n = 1"
+    assert first.get_title() == "longest record: 4..4, n = 1"
     assert not lines(first, style.FITTED)
     figure = render(plot_traces(trace[5:]), layout=False)  # held, but not seen
     assert histograms(figure)[0].get_title() == "no valid measurement"

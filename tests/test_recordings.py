@@ -1,5 +1,6 @@
 import os
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -215,7 +216,14 @@ class TestVideo:
                 with pytest.raises(ValueError, match=r"half\.mp4 is not a video, or .* cut off"):
                     Recording(half)
             else:
-                assert 0 < len(list(Recording(half))) <= 10
+                with warnings.catch_warnings(record=True) as caught:
+                    warnings.simplefilter("always")
+                    count = len(list(Recording(half)))
+                assert 0 < count <= 10
+                told = [str(warning.message) for warning in caught]
+                assert told == [
+                    f"{half} ends after {count} of 10 frames: it is cut off or damaged"
+                ] * (count < 10)
         assert capfd.readouterr().err == ""
 
     def test_without_opencv(self, video, monkeypatch):

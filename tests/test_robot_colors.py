@@ -44,7 +44,9 @@ def test_random_robots_have_no_problem(seed):
 def test_a_marker_of_another_colour(picture):
     green = filled(picture, BLUE, (20, 160, 30, 255))
     (problem,) = check_colors(robot(green))
-    assert problem.startswith("blue marker: 0 % of its polygon has the colour blue, 60 % is needed")
+    assert problem.startswith(
+        "blue marker: 0.0 % of its polygon has the colour blue, 60 % is needed"
+    )
     # Y = (38 20 + 75 160 + 15 30)/128, U = 128 + (-22 20 - 42 160 + 64 30)/128, V likewise
     assert "Y 103, U 87, V 68, but blue is Y 0..255, U 160..255, V 0..140" in problem
 
@@ -52,14 +54,14 @@ def test_a_marker_of_another_colour(picture):
 def test_a_transparent_marker(picture):
     clear = filled(picture, RED, (*COLORS["red"][:3], 0))
     (problem,) = check_colors(robot(clear))
-    assert "red marker: 0 %" in problem
+    assert "red marker: 0.0 %" in problem
     assert "Y 128, U 128, V 128" in problem
 
 
 def test_other_colours(picture):
     classes = (ColorClass("red", v=(240, 255)), *load_colors()[1:])
     (problem,) = check_colors(robot(picture), classes)
-    assert "red marker: 0 %" in problem
+    assert "red marker: 0.0 %" in problem
     assert "V 240..255" in problem
     (problem,) = check_colors(robot(picture), load_colors()[:1])
     assert problem == "blue marker: the colours have no blue, but red"
@@ -82,7 +84,7 @@ def test_a_polygon_larger_or_smaller_than_its_blob(picture):
     (problem,) = check_colors(robot(picture, red=box(250, 250, 309, 309)))
     assert "red marker: the blob seen there has 576 px of the work area, its polygon 313" in problem
     (problem,) = check_colors(robot(picture, red=box(215, 215, 344, 344)))
-    assert "red marker: 40 % of its polygon has the colour" in problem
+    assert "red marker: 39.9 % of its polygon has the colour" in problem
 
 
 def test_a_robot_with_two_such_markers(picture):
@@ -120,4 +122,4 @@ def test_a_marker_that_only_the_light_shows(picture):
     # V is 171 in the light and 162 in the shadow; red is 164 and more
     pale = filled(picture, RED, (160, 74, 74, 255))
     (problem,) = check_colors(robot(pale))
-    assert problem.startswith("in the shadow: red marker: 0 % of its polygon has the colour red")
+    assert problem.startswith("in the shadow: red marker: 0.0 % of its polygon has the colour red")

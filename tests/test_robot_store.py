@@ -211,7 +211,7 @@ def test_sources_that_are_none(tmp_path):
 def test_colours_that_are_not_seen(user_folder, photo, tmp_path):
     colors = tmp_path / "colors.toml"
     colors.write_text("[red]\nv = [250, 255]\n[blue]\nu = [160, 255]\nv = [0, 140]\n")
-    with pytest.raises(ValueError, match=r"red marker: 0 % .* ignore_colors=True") as caught:
+    with pytest.raises(ValueError, match=r"red marker: 0.0 % .* ignore_colors=True") as caught:
         add_robot("mine", "lab", colors=colors)
     assert "V 250..255" in str(caught.value)
     with pytest.raises(ValueError, match="red marker: nothing in the picture has the colour red"):

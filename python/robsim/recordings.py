@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from collections.abc import Generator, Iterator
 from contextlib import closing
 from os import PathLike
@@ -20,6 +21,7 @@ from robsim.numbers import number
 from robsim.opencv import load_opencv, quiet
 from robsim.pictures import Pixels, read_picture
 
+_WHOLE = 0.95  # share of the frames; some files only estimate their number
 HIGHEST_RATE = 1000.0  # files that do not know their rate often say this one, or more (1/s)
 
 # Pillow knows these by name, but reads no picture from them.
@@ -68,6 +70,11 @@ class Recording:
         If the file is not a video, has no frames or no plausible frame rate, if the folder has no
         images, if `dt` or `area` is not positive. While going through the frames: if one is
         damaged, or of another size than the first.
+
+    Warns
+    -----
+    UserWarning
+        If a video ends early, cut off or damaged.
 
     Examples
     --------
@@ -184,6 +191,12 @@ class _Video:
         finally:
             with quiet():
                 capture.release()
+        known = self.count()
+        if known is not None and index < _WHOLE * known:
+            warnings.warn(
+                f"{self.file} ends after {index} of {known} frames: it is cut off or damaged",
+                stacklevel=4,
+            )
 
     def _open(self) -> Any:
         # More threads are no faster, and print what they have against a file at any time.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from os import PathLike
 
@@ -151,14 +152,23 @@ def _adjusted(adjust_background: Callable[[Pixels], Pixels], shown: Pixels) -> P
     try:
         adjusted = adjust_background(shown.copy())
         expected = f"adjust_background must return a uint8 array of shape {shown.shape}"
+        place = _place(adjust_background)
         if not isinstance(adjusted, np.ndarray):
-            raise TypeError(f"{expected}, got {adjusted!r}")
+            raise TypeError(f"{expected}, got {adjusted!r}{place}")
         if adjusted.dtype != np.uint8 or adjusted.shape != shown.shape:
-            raise ValueError(f"{expected}, got {adjusted.dtype} of shape {adjusted.shape}")
+            raise ValueError(f"{expected}, got {adjusted.dtype} of shape {adjusted.shape}{place}")
     except Exception as error:
         error.add_note("in the callback adjust_background at the start")
         raise
     return adjusted
+
+
+def _place(callback: Callable[..., object]) -> str:
+    """Return where a function is defined, as in a traceback, if it is one of Python."""
+    code = getattr(inspect.unwrap(callback), "__code__", None)
+    if code is None:
+        return ""
+    return f'\n  File "{code.co_filename}", line {code.co_firstlineno}, in {code.co_name}'
 
 
 def _sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[float, float], float]:

@@ -326,6 +326,9 @@ class Simulation:
         else:
             is_checked = slot == "define_model" and callable(callback) and self._frame_dt
             stage = self._with_frame_dt(callback) if is_checked else callback
+            has_own = slot == "estimate_parameters" and self._callbacks["init_parameter_estimator"]
+            if stage is True and has_own and self._time_limit:
+                stage = _update_estimator
             self._core.set_stage(slot, self._limited(stage))
         self._callbacks[slot] = callback
         if slot == "init_parameter_estimator" and (
@@ -334,8 +337,6 @@ class Simulation:
             self._set_slot("estimate_parameters", True)
 
     def _limited(self, callback: Any) -> Any:
-        if callback is True and self._callbacks["init_parameter_estimator"] and self._time_limit:
-            callback = _update_estimator
         is_native = type(callback) in _NATIVE
         if self._time_limit is None or is_native or not callable(callback):
             return callback

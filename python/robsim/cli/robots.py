@@ -37,6 +37,7 @@ def list_robots() -> None:
     """List all robots, and which one is in use."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     from robsim.robots.choice import chosen_robot, gone
@@ -50,13 +51,14 @@ def list_robots() -> None:
             wrong.append(gone(chosen_robot()))
     except ValueError as error:
         wrong.append(error)
-    table = Table("robot", box=SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table.add_column("robot", overflow="fold", min_width=16)
     for title in ("size", "alignment", "markers apart", "whose", ""):
         table.add_column(title, no_wrap=True)
-    for whose, robots in (("ships with robsim", shipped_robots()), ("yours", own_robots())):
+    for whose, robots in (("shipped", shipped_robots()), ("yours", own_robots())):
         for name, folder in robots.items():
             numbers = _numbers_of(folder, wrong)
-            table.add_row(name, *numbers, whose, "in use" if folder == chosen else "")
+            table.add_row(escape(name), *numbers, whose, "in use" if folder == chosen else "")
             if folder != find_folder(name):
                 wrong.append(f"{folder}: another robot of this name comes first: rename the folder")
     Console().print(table)

@@ -53,6 +53,7 @@ def plot_robot(definition: RobotDefinition, *, ax: Axes | None = None) -> Axes:
         f"{definition.name}: {definition.size:g} px wide on the work area, "
         f"alignment {definition.alignment:g}°",
         loc="left",
+        parse_math=False,
     )
     below = offset_copy(ax.transAxes, ax.figure.figure, y=-36, units="points")
     ax.legend(
@@ -121,6 +122,11 @@ def _draw_heading(axes: Axes, definition: RobotDefinition) -> None:
     angle = -np.deg2rad(definition.alignment)
     length = 0.8 * definition.radius / definition.unit
     tip = definition.centre + length * np.array((np.cos(angle), np.sin(angle)))
+    margin = 0.05 * definition.radius / definition.unit
+    left, right = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    axes.set(xlim=(min(left, tip[0] - margin), max(right, tip[0] + margin)))
+    axes.set(ylim=(max(bottom, tip[1] + margin), min(top, tip[1] - margin)))
     axes.annotate(
         "",
         tuple(tip),

@@ -75,12 +75,14 @@ def _untracked_title(trace: Trace) -> str:
 def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> None:
     k, size = trace.k, style.dot_size(len(trace))
     held = np.where(trace.valid[:, np.newaxis], np.nan, trace.held)
-    dots = {"linestyle": "none", "marker": ".", "markersize": size}
+    near: dict[str, Any] = {"near": trace.pose_true[:, 2]}
+    dots = {"linestyle": "none", "marker": ".", "markersize": size, **near}
     _draw_poses(panels, k, trace.pose_true, color=style.TRUE, linewidth=3.0, label="true")
     if show_blobs:
         _draw_blobs(panels[:2], trace)
     _draw_poses(panels, k, trace.measured, color=style.MEASURED, label="measured", **dots)
-    _draw_poses(panels, k, trace.estimated, color=style.ESTIMATED, linewidth=0.8, label="estimated")
+    line = {"color": style.ESTIMATED, "linewidth": 0.8, **near}
+    _draw_poses(panels, k, trace.estimated, label="estimated", **line)
     _draw_poses(panels, k, held, color=style.HELD, label="not seen: last pose held", **dots)
     for panel, label in zip(panels, ("x (px)", "y (px)", "heading (deg)"), strict=True):
         panel.set_ylabel(label)
@@ -89,16 +91,27 @@ def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> N
         low, high = panel.get_ylim()
         if high - low < 2:  # a robot that stands still: a line, not the noise of its last digits
             panel.set_ylim((low + high) / 2 - 1, (low + high) / 2 + 1)
-    panels[2].set(ylim=(0, 360), yticks=(0, 90, 180, 270, 360))
+    panels[2].set(ylim=(-8, 368), yticks=(0, 90, 180, 270, 360))
 
 
-def _draw_poses(panels: Sequence[Axes], k: NDArray[np.int64], poses: Floats, **look: Any) -> None:
-    """Draw x, y and the heading over the steps, if there is a pose at all."""
+def _draw_poses(
+    panels: Sequence[Axes],
+    k: NDArray[np.int64],
+    poses: Floats,
+    *,
+    near: Floats | None = None,
+    **look: Any,
+) -> None:
+    """Draw x, y and the heading, `near` others if given, over the steps; nothing without a pose."""
     if not np.isfinite(poses).any():
         return
     panels[0].plot(k, poses[:, 0], **look)
     panels[1].plot(k, poses[:, 1], **look)
     degrees = np.rad2deg(poses[:, 2]) % 360.0
+    if near is not None:  # a measurement of 359.9 degrees beside a truth of 0 stands at -0.1
+        truth = np.rad2deg(near) % 360.0
+        close = truth + (degrees - truth + 180.0) % 360.0 - 180.0
+        degrees = np.where(np.isfinite(truth), close, degrees)
     # No line from 360 down to 0 degrees.
     wraps = np.flatnonzero(np.abs(np.diff(degrees)) > 180.0) + 1
     panels[2].plot(
@@ -152,7 +165,7 @@ def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trac
         _draw_histogram(histograms[axis], errors[record, axis], unit)
     k = trace.k[record]
     histograms[0].set_title(
-        f"errors of steps {k[0]}..{k[-1]}, n = {len(k)}" if len(k) else "no valid measurement"
+        f"longest record: {k[0]}..{k[-1]}, n = {len(k)}" if len(k) else "no valid measurement"
     )
     histograms[-1].set_xlabel("steps per bin")
 

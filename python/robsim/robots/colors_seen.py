@@ -117,7 +117,7 @@ class _View:
         if share < _LEAST_SHARE:
             y, u, v = inside.mean(axis=0)
             return (
-                f"{100 * share:.0f} % of its polygon has the colour {color.name}, "
+                f"{100 * share:.1f} % of its polygon has the colour {color.name}, "
                 f"{100 * _LEAST_SHARE:.0f} % is needed; the mean there is Y {y:.0f}, U {u:.0f}, "
                 f"V {v:.0f}, but {color.name} is {ranges(color)}"
             )

@@ -152,7 +152,7 @@ def _marker(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Floats:
     if not blobs:
         raise ValueError(
             f"{name} marker: nothing in the picture has the colour {name} ({ranges(found[0])}): "
-            f"give its polygon, {name}, or other colours"
+            f"give its polygon ({name}) or other colours"
         )
     return _polygon_around(_pixels_of(blobs[0], pixels, found[0]), blobs[0])
 
