@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim.slots import STEP
 
-STEP_SLOTS = ("evaluate_model", "estimate_parameters", "measure", "estimate_state", "control")
 SMALL = {"camera": (240, 240)}
 GOOD = {
     "evaluate_model": lambda world: world.last,
@@ -29,7 +29,7 @@ def failing_at_5(slot, result):
     return robsim.Simulation(**{slot: my_callback}, **SMALL), my_callback
 
 
-@pytest.mark.parametrize("slot", STEP_SLOTS)
+@pytest.mark.parametrize("slot", STEP)
 def test_an_exception_reaches_the_user_as_it_is_with_a_note(slot):
     mistake = ZeroDivisionError("my own mistake")
     sim, _ = failing_at_5(slot, mistake)
@@ -130,7 +130,7 @@ def test_a_run_goes_on_with_the_stage_that_failed_and_does_nothing_twice():
     np.testing.assert_array_equal(trace.pose_true, undisturbed.pose_true)
 
 
-@pytest.mark.parametrize("slot", [*STEP_SLOTS, "define_model", "adjust_background"])
+@pytest.mark.parametrize("slot", [*STEP, "define_model", "adjust_background"])
 def test_what_is_not_callable_is_refused_at_once(slot):
     with pytest.raises(TypeError, match=f"{slot} must be callable, got 3"):
         robsim.Simulation(**{slot: 3})

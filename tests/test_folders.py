@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.folders import ARGUMENTS, CallbackFolder, new_folder
-from robsim.simulation import ONCE_SLOTS, OPTIONAL_SLOTS, STEP_SLOTS
+from robsim.folders import CallbackFolder, new_folder
+from robsim.slots import ARGUMENTS, ONCE, OPTIONAL, STEP
 
 SLOTS = list(ARGUMENTS)
 SMALL = {"area": (300, 300)}
@@ -74,7 +74,7 @@ def load_error(folder):
 
 
 def test_the_slots_are_those_of_the_simulation():
-    assert sorted(SLOTS) == sorted((*ONCE_SLOTS, *STEP_SLOTS))
+    assert sorted(SLOTS) == sorted((*ONCE, *STEP))
 
 
 def test_a_new_folder_has_a_file_for_each_slot(tmp_path):
@@ -89,8 +89,8 @@ def test_a_new_folder_has_a_file_for_each_slot(tmp_path):
 def test_the_optional_callbacks_are_off_at_first(mine):
     callbacks = CallbackFolder(mine).load()
     assert list(callbacks) == SLOTS
-    assert {slot for slot in SLOTS if callbacks[slot] is False} == set(OPTIONAL_SLOTS)
-    assert all(callable(callbacks[slot]) for slot in set(SLOTS) - set(OPTIONAL_SLOTS))
+    assert {slot for slot in SLOTS if callbacks[slot] is False} == set(OPTIONAL)
+    assert all(callable(callbacks[slot]) for slot in set(SLOTS) - set(OPTIONAL))
 
 
 def test_a_new_folder_overwrites_nothing(tmp_path):
@@ -181,7 +181,7 @@ def suggestions(text):
 
 @pytest.mark.parametrize("slot", SLOTS)
 def test_what_a_file_suggests_to_try_works_and_changes_something(mine, slot):
-    for optional in OPTIONAL_SLOTS:
+    for optional in OPTIONAL:
         enable(mine / f"{optional}.py")
     options = {"camera": (600, 600), "start": (600, 600, 1.55)}
     plain = simulation(CallbackFolder(mine).load(), **options)
@@ -349,7 +349,7 @@ def test_a_wrong_result_is_told_with_slot_and_file(mine, slot):
         sim.run(5)
     text = "".join(traceback.format_exception(caught.value))
     assert re.search({"init_parameter_estimator": "estimator.* must have"}.get(slot, slot), text)
-    if slot in STEP_SLOTS:
+    if slot in STEP:
         assert f'File "{file}", line 3, in {slot}' in text
 
 

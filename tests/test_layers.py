@@ -24,8 +24,9 @@ CPP = {
 
 # Each layer of modules imports from the layers above it only: there are no cycles.
 PYTHON = [
-    {"_core", "files", "numbers", "opencv", "pictures", "seeds", "templates"},
-    {"four_points", "frames", "light", "options", "shipped", "time_limit", "trace", "waypoints"},
+    {"_core", "files", "numbers", "opencv", "pictures", "seeds", "slots", "templates"},
+    {"four_points", "frame_source", "frames", "light", "options", "shipped", "time_limit"},
+    {"folder_modules", "spelling", "trace", "waypoints"},
     {"clip", "colors", "controllers", "folders", "identification", "path_score", "recordings"},
     {"robots", "video"},
     {"scene"},

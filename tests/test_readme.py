@@ -49,10 +49,10 @@ def test_the_first_block_is_five_lines_and_ends_with_a_picture():
 
 
 def test_the_table_of_callbacks_names_every_slot():
-    from robsim.simulation import ONCE_SLOTS, STEP_SLOTS
+    from robsim.slots import ARGUMENTS
 
     rows = re.findall(r"^\| `(\w+)` \|.*\|.*\|.*\|$", README, re.MULTILINE)
-    assert rows == [*ONCE_SLOTS, *STEP_SLOTS]
+    assert rows == [*ARGUMENTS]
 
 
 @pytest.mark.skipif(

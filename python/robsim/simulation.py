@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import functools
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from os import PathLike
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -12,9 +10,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim import _core
+from robsim import _core, slots
 from robsim._core import ColorClass, Controller, DriveAround, Frame, Locator, Spin, Step, Unicycle
 from robsim.colors import as_colors
+from robsim.frame_source import FrameSource, check_no_world
 from robsim.numbers import number, whole
 from robsim.options import (
     choice,
@@ -36,28 +35,12 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-ONCE_SLOTS = ("define_model", "init_parameter_estimator", "adjust_background")
-STEP_SLOTS = ("evaluate_model", "estimate_parameters", "measure", "estimate_state", "control")
 SOURCES = ("truth", "measurement", "estimate")
 _AREA = (1200, 1200)
 _ENDLESS = 2**62 - 1
-DT_TOLERANCE = 2e-3  # relative; video files round their rate
 _SIMULATED = {"pose_true": 3, "u": 2, "bounced": 1}
 _RECORDED = {"t": 1, "measured": 3}
-OPTIONAL_SLOTS = ("estimate_parameters", "measure", "estimate_state")
 
-
-_WORLD_OPTIONS = {
-    "boundary": "bounce",
-    "rotation": "phases",
-    "noise": "none",
-    "noise_percent": None,
-    "dropout": 0,
-    "background": None,
-    "start": None,
-    "evaluate_model": None,
-    "adjust_background": None,
-}
 
 # Stages that the core does without Python: they need no time limit.
 _NATIVE = (Spin, DriveAround, Unicycle)
@@ -210,11 +193,11 @@ class Simulation:
     ) -> None:
         given = locals()
         if frames is not None:
-            _check_no_world(given)
+            check_no_world(given)
         self.robot = as_robot(robot)
-        self._source = _as_frames(frames)
-        self._frame_dt = float(getattr(frames, "dt", 0.0))  # s, 0 = not known
-        self.area = size("area", _default_area(frames) if area is None else area)
+        self._source = None if frames is None else FrameSource(frames)
+        default_area = (self._source and self._source.area) or _AREA
+        self.area = size("area", default_area if area is None else area)
         self.camera = self.area if camera is None else size("camera", camera)
         choice("boundary", boundary, ("bounce", "unlimited"))
         self.boundary = boundary if frames is None else "recorded"
@@ -231,7 +214,7 @@ class Simulation:
         self._background = as_floor(background, self.area)
         self._seed = seed_sequence(seed)
         self._rng = np.random.default_rng(stream(self._seed, "user"))
-        self._callbacks: dict[str, Any] = dict.fromkeys((*ONCE_SLOTS, *STEP_SLOTS))
+        self._callbacks: dict[str, Any] = dict.fromkeys(slots.ARGUMENTS)
         self._given = {slot: given[slot] for slot in self._callbacks}
         self._core = _core.Simulation(
             area=self.area,
@@ -249,15 +232,12 @@ class Simulation:
             dropout_seed=stream_number(self._seed, "dropout"),
         )
         self._core.set_stage("make_renderer", self._make_renderer)
-        if frames is not None:
-            self._restart_frames()
-            self._core.set_stage("take_frame", self._take_frame)
+        if self._source is not None:
+            self._core.set_stage("take_frame", self._source.take)
+            self._core.set_stage("define_model", self._source.define_model)
             self._core.set_stage("control", None)
             if measure is None:
                 self._given["measure"] = True
-            if self._frame_dt:
-                parameters = _core.RobotParameters(dt=self._frame_dt)
-                self._core.set_stage("define_model", lambda: _core.RobotModel(parameters))
         for slot in self._callbacks:
             if self._given[slot] is not None:
                 self._set_slot(slot, self._given[slot])
@@ -299,8 +279,8 @@ class Simulation:
 
     def _use(self, callbacks: Callbacks) -> None:
         """Fill the slots with the callbacks of the folder."""
-        for slot in ONCE_SLOTS + STEP_SLOTS:
-            is_fixed = slot in ONCE_SLOTS and self._core.has_started
+        for slot in slots.ARGUMENTS:
+            is_fixed = slot in slots.ONCE and self._core.has_started
             is_open = self._given[slot] is None or self._given[slot] is True
             if slot in self._from_folder | callbacks.keys() and is_open and not is_fixed:
                 # A file that is switched off is as good as none.
@@ -318,57 +298,33 @@ class Simulation:
         super().__setattr__(name, value)
 
     def _set_slot(self, slot: str, callback: Any) -> None:
-        if slot in ONCE_SLOTS and self._core.has_started:
+        if slot in slots.ONCE and self._core.has_started:
             raise RuntimeError(f"{slot} comes once, at the start: call sim.reset() before")
         if slot == "adjust_background":
             if callback is not None and not callable(callback):
                 raise TypeError(f"adjust_background must be callable, got {callback!r}")
         else:
-            is_checked = slot == "define_model" and callable(callback) and self._frame_dt
-            stage = self._with_frame_dt(callback) if is_checked else callback
-            has_own = slot == "estimate_parameters" and self._callbacks["init_parameter_estimator"]
-            if stage is True and has_own and self._time_limit:
-                stage = _update_estimator
-            self._core.set_stage(slot, self._limited(stage))
+            self._core.set_stage(slot, self._limited(self._stage(slot, callback)))
         self._callbacks[slot] = callback
-        if slot == "init_parameter_estimator" and (
-            self._callbacks["estimate_parameters"] in (None, True)
-        ):  # whoever brings an estimator wants it to be used
+        update = self._callbacks["estimate_parameters"]
+        if slot == "init_parameter_estimator" and (update is None or update is True):
+            # Whoever brings an estimator wants it to be used.
             self._set_slot("estimate_parameters", True)
+
+    def _stage(self, slot: str, callback: Any) -> Any:
+        """Return what the core gets for a callback."""
+        if slot == "define_model" and self._source and callable(callback):
+            return self._source.checked(callback)
+        has_own = slot == "estimate_parameters" and self._callbacks["init_parameter_estimator"]
+        if callback is True and has_own and self._time_limit:
+            return _update_estimator  # in Python, where its time is taken
+        return callback
 
     def _limited(self, callback: Any) -> Any:
         is_native = type(callback) in _NATIVE
         if self._time_limit is None or is_native or not callable(callback):
             return callback
         return self._time_limit.limited(callback)
-
-    def _with_frame_dt(self, define_model: Callable[[], Any]) -> Callable[[], Any]:
-        """Return define_model with a check that the frames come in the model's time steps."""
-
-        @functools.wraps(define_model)
-        def checked() -> Any:
-            model = define_model()
-            is_close = isinstance(model, _core.RobotModel) and math.isclose(
-                model.dt, self._frame_dt, rel_tol=DT_TOLERANCE
-            )
-            if isinstance(model, _core.RobotModel) and not is_close:
-                raise ValueError(
-                    f"the model's dt is {model.dt:g} s, but the frames are {self._frame_dt:g} s "
-                    "apart: give the model that dt, or the recording another"
-                )
-            return model
-
-        return checked
-
-    def _restart_frames(self) -> None:
-        assert self._source is not None
-        self._frames = iter(self._source)
-
-    def _take_frame(self, k: int) -> Frame | None:
-        frame = next(self._frames, None)
-        if frame is not None and not isinstance(frame, Frame):
-            raise TypeError(f"frames must give Frame objects, got {frame!r} at step {k}")
-        return frame
 
     def _start_pose(self, start: ArrayLike | str | None) -> ArrayLike:
         width, height = self.area
@@ -464,7 +420,7 @@ class Simulation:
 
     def _prepare(self) -> None:
         if self._folder is not None and (changed := self._folder.changed):
-            late = changed & set(ONCE_SLOTS) if self._core.has_started else set()
+            late = changed & slots.ONCE.keys() if self._core.has_started else set()
             for slot in late:
                 raise RuntimeError(
                     f"{slot}.py has changed, and comes once, at the start: call sim.reset() before"
@@ -497,14 +453,14 @@ class Simulation:
         RuntimeError
             If frames that come from elsewhere have come, and can't come again.
         """
-        if self._source is not None and self._core.rows and iter(self._source) is self._source:
+        if self._source and self._core.rows and self._source.comes_once:
             raise RuntimeError(
                 "the frames come only once: give a list or a Recording to be able to reset"
             )
         callbacks = self._folder.load() if self._folder else None
         self._core.reset()
         if self._source is not None:
-            self._restart_frames()
+            self._source.restart()
         if callbacks is not None:
             self._use(callbacks)
         self._rng = np.random.default_rng(stream(self._seed, "user"))
@@ -608,7 +564,7 @@ class Simulation:
         return self._core.newest
 
     def __repr__(self) -> str:
-        stages = [slot for slot in OPTIONAL_SLOTS if self._callbacks[slot]]
+        stages = [slot for slot in slots.OPTIONAL if self._callbacks[slot]]
         return (
             f"<Simulation: robot {self.robot.name!r}, {len(self.trace)} steps done, "
             f"stages on: {', '.join(stages) or 'none'}>"
@@ -621,25 +577,6 @@ def _update_estimator(step: Step) -> ArrayLike | None:
         return None
     update: ArrayLike = step.estimator.update(step.sample.phi, step.sample.y)
     return update
-
-
-def _check_no_world(given: Mapping[str, Any]) -> None:
-    """Refuse options of a simulated world beside frames that come from elsewhere."""
-    for name, default in _WORLD_OPTIONS.items():
-        value = given[name]
-        if not (value is default or (isinstance(value, (str, float, int)) and value == default)):
-            raise ValueError(f"{name} needs a simulated world, got it with frames=...")
-
-
-def _as_frames(frames: Any) -> Iterable[Frame] | None:
-    if frames is not None and not isinstance(frames, Iterable):
-        raise TypeError(f"frames must be an iterable of Frame objects, got {frames!r}")
-    return frames
-
-
-def _default_area(frames: Any) -> tuple[int, int]:
-    area: tuple[int, int] = getattr(frames, "area", _AREA)
-    return area
 
 
 def _as_locator(locator: Locator | RobotDefinition | str | PathLike[str]) -> Locator:
