@@ -1,19 +1,13 @@
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import robsim
+from commands import cli
 
 FILES = ["camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"]
-
-
-def cli(*arguments, cwd=None):
-    command = [sys.executable, "-m", "robsim", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=100)
 
 
 @pytest.fixture(scope="module")

@@ -1,23 +1,14 @@
 """The commands new, run and track, as a student types them."""
 
 import json
-import os
 import shutil
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 
 import robsim
-
-
-def cli(*arguments, cwd):
-    command = [sys.executable, "-m", "robsim", *arguments]
-    environment = {**os.environ, "COLUMNS": "200"}
-    return subprocess.run(
-        command, capture_output=True, text=True, cwd=cwd, timeout=100, env=environment
-    )
+from commands import cli
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ import nbformat
 import pytest
 
 import robsim
+from commands import cli
 from robsim.shipped import NOTEBOOKS
-from test_cli_run import cli
 
 SHIPPED = sorted(NOTEBOOKS.glob("*.ipynb"))
 each = pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from robsim.cli import errors
+from robsim.cli.text import point, points
 
 if TYPE_CHECKING:
     from robsim.robots import RobotDefinition
@@ -154,10 +155,10 @@ def add(
             source,
             size=size,
             alignment=alignment,
-            centre=_point("--centre", centre),
-            outline=_points("--outline", outline),
-            red=_points("--red", red),
-            blue=_points("--blue", blue),
+            centre=point("--centre", centre),
+            outline=points("--outline", outline),
+            red=points("--red", red),
+            blue=points("--blue", blue),
             colors=colors,
             overwrite=overwrite,
             ignore_colors=anyway,
@@ -245,26 +246,3 @@ def _described(robot: RobotDefinition) -> str:
         f"  markers    {locator.distance:.1f} px apart, {offset}\n"
         f"  areas      red {locator.red_area:.0f}, blue {locator.blue_area:.0f} px of the work area"
     )
-
-
-def _points(option: str, text: str | None) -> Any:
-    """Return the points of a text such as 120,40 180,40 180,90."""
-    if text is None:
-        return None
-    try:
-        return [(float(right), float(down)) for right, down in map(_pair, text.split())]
-    except ValueError:
-        raise ValueError(
-            f"{option} must be points right,down such as '120,40 180,40 180,90', got {text!r}"
-        ) from None
-
-
-def _point(option: str, text: str | None) -> Any:
-    points = _points(option, text)
-    if points is not None and len(points) != 1:
-        raise ValueError(f"{option} must be one point right,down such as '240,250', got {text!r}")
-    return points and points[0]
-
-
-def _pair(text: str) -> list[str]:
-    return text.split(",")

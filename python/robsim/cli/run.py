@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from robsim.cli import errors
+from robsim.cli.outcome import finish
+from robsim.cli.text import size
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from robsim import Frame, Simulation, Trace
-    from robsim.pictures import Pixels
+    from robsim import Simulation
 
 NEW_EXAMPLE = "Example: robsim new mine"
 NEW_HELP = (
@@ -39,16 +37,6 @@ def new(
         files = new_folder(folder)
     print(f"written to {folder}: {', '.join(file.name for file in files)}")
     print(f"edit them, then: robsim run {folder}")
-
-
-def size(name: str, text: str | None) -> tuple[int, int] | None:
-    """Return width and height from text such as 640x480."""
-    if text is None:
-        return None
-    width, _, height = text.lower().partition("x")
-    if not (width.isdecimal() and height.isdecimal()):
-        raise ValueError(f"{name} must be a size such as 640x480, got {text!r}")
-    return int(width), int(height)
 
 
 def run(
@@ -86,6 +74,9 @@ def run(
     locator: Annotated[
         str | None, typer.Option("--locator", help="Robot whose markers to look for.")
     ] = None,
+    colors: Annotated[
+        Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")
+    ] = None,
     area: Annotated[
         str | None,
         typer.Option("--area", metavar="WxH", help="Work area in px: 1200x1200."),
@@ -120,6 +111,7 @@ def run(
         options: dict[str, Any] = {
             "robot": robot,
             "locator": locator,
+            "colors": colors,
             "area": size("--area", area),
             "camera": size("--camera", camera),
             "boundary": boundary,
@@ -159,55 +151,3 @@ def run_kept(simulation: Simulation, steps: int | None, out: Path) -> None:
             trace.save(out / "cut-short.npz")
             errors.note(f"the {len(trace)} steps until then are kept in {out / 'cut-short.npz'}")
         raise
-
-
-def finish(
-    simulation: Simulation,
-    out: Path,
-    *,
-    as_json: bool,
-    video: Path | None = None,
-    record: Path | None = None,
-) -> None:
-    """Write the results of a run, and say what they are."""
-    from robsim.results import write_results
-
-    if not len(simulation.trace):
-        errors.note("no steps, no results")
-        return
-    with errors.told():
-        results = write_results(out, simulation)
-        _write_videos(simulation, video, record)
-    if as_json:
-        print(json.dumps(results.to_dict(), indent=2, allow_nan=False))
-        return
-    if text := str(results):
-        print(text)
-    print(f"written to {out}: {', '.join(file.name for file in results.files)}")
-    for file in filter(None, (video, record)):
-        print(f"written: {file}")
-
-
-def _write_videos(simulation: Simulation, video: Path | None, record: Path | None) -> None:
-    from robsim.plotting.replay import annotated_frames
-
-    trace, robot, colors = simulation.trace, simulation.robot, simulation.colors
-    if video:
-        frames = annotated_frames(_frames(simulation), trace, robot=robot, colors=colors)
-        write_with_progress(video, frames, trace)
-    if record:
-        write_with_progress(record, _frames(simulation), trace)
-
-
-def _frames(simulation: Simulation) -> Iterator[Frame]:
-    return (simulation.frame_of(int(k)) for k in simulation.trace.k)
-
-
-def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Trace) -> None:
-    """Write the frames of a run to a video file, with a progress bar."""
-    from tqdm.auto import tqdm
-
-    from robsim.video import write_video
-
-    shown = tqdm(frames, total=len(trace), unit="frame", desc=file.name)
-    write_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
-from robsim.cli.run import finish, size, write_with_progress
+from robsim.cli.outcome import finish, write_with_progress
+from robsim.cli.text import points, size
 
 if TYPE_CHECKING:
     from robsim.recordings import Recording
@@ -21,17 +22,6 @@ HELP = (
     "Gives its trace, the figures and an annotated video. A camera that looks at the floor at an "
     "angle needs four points whose places are known."
 )
-
-
-def points(name: str, text: str) -> list[list[float]]:
-    """Return points from text such as "10,20 600,25 590,440 15,450"."""
-    try:
-        pairs = [[float(number) for number in pair.split(",")] for pair in text.split()]
-    except ValueError:
-        pairs = []
-    if len(pairs) != 4 or any(len(pair) != 2 for pair in pairs):
-        raise ValueError(f'{name} must be four points such as "0,0 9,0 9,9 0,9", got {text!r}')
-    return pairs
 
 
 def track(
@@ -81,11 +71,11 @@ def track(
         if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
             raise ValueError(f"--out {out} would overwrite {source}: give another folder")
         plane_map = None
-        if pixels is not None and places is not None:
-            seen, there = points("--pixels", pixels), points("--places", places)
-            plane_map = plane_map_from_points(seen, there)
-        elif pixels is not None or places is not None:
+        if (pixels is None) != (places is None):
             raise ValueError("--pixels and --places belong together: give both, or none")
+        seen, there = points("--pixels", pixels, count=4), points("--places", places, count=4)
+        if seen and there:
+            plane_map = plane_map_from_points(seen, there)
         recording = Recording(source, plane_map=plane_map, area=size("--area", area), dt=dt)
         simulation = Simulation(frames=recording, robot=robot, colors=colors)
     failure = None
@@ -95,12 +85,14 @@ def track(
         errors.note(f"stopped after {len(simulation.trace)} frames")
     except Exception as error:
         failure = error
-    finish(simulation, out, as_json=as_json)
-    if video and len(simulation.trace):
-        _write_video(simulation, recording, out / VIDEO)
-    if failure is not None:
-        errors.note(f"the {len(simulation.trace)} frames before the error are tracked")
-        with errors.told():
+    if count := len(simulation.trace):
+        finish(simulation, out, as_json=as_json)
+        if video:
+            _write_video(simulation, recording, out / VIDEO)
+        if failure is not None:
+            errors.note(f"the {count} frames before the error are tracked")
+    with errors.told():
+        if failure is not None:
             raise failure
 
 

@@ -1,0 +1,67 @@
+"""Results of a run, told."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from robsim.cli import errors
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from robsim import Frame, Simulation, Trace
+    from robsim.pictures import Pixels
+
+
+def finish(
+    simulation: Simulation,
+    out: Path,
+    *,
+    as_json: bool,
+    video: Path | None = None,
+    record: Path | None = None,
+) -> None:
+    """Write the results of a run, and say what they are."""
+    from robsim.results import write_results
+
+    if not len(simulation.trace):
+        errors.note("no steps, no results")
+        return
+    with errors.told():
+        results = write_results(out, simulation)
+        _write_videos(simulation, video, record)
+    if as_json:
+        print(json.dumps(results.to_dict(), indent=2, allow_nan=False))
+        return
+    if text := str(results):
+        print(text)
+    print(f"written to {out}: {', '.join(file.name for file in results.files)}")
+    for file in filter(None, (video, record)):
+        print(f"written: {file}")
+
+
+def _write_videos(simulation: Simulation, video: Path | None, record: Path | None) -> None:
+    from robsim.plotting.replay import annotated_frames
+
+    trace, robot, colors = simulation.trace, simulation.robot, simulation.colors
+    if video:
+        frames = annotated_frames(_frames(simulation), trace, robot=robot, colors=colors)
+        write_with_progress(video, frames, trace)
+    if record:
+        write_with_progress(record, _frames(simulation), trace)
+
+
+def _frames(simulation: Simulation) -> Iterator[Frame]:
+    return (simulation.frame_of(int(k)) for k in simulation.trace.k)
+
+
+def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Trace) -> None:
+    """Write the frames of a run to a video file, with a progress bar."""
+    from tqdm.auto import tqdm
+
+    from robsim.video import write_video
+
+    shown = tqdm(frames, total=len(trace), unit="frame", desc=file.name)
+    write_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))
