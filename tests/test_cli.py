@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 import robsim
-from commands import cli
+from commands import cli, command
 
 FILES = ["camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"]
 
@@ -75,11 +75,13 @@ def test_the_demo_shows_progress_and_prints_the_table(tmp_path):
         (("dance",), "No such command 'dance'"),
     ],
 )
-def test_a_wrong_call_says_what_is_wrong(arguments, message, tmp_path):
-    run = cli(*arguments, cwd=tmp_path)
-    assert run.returncode == 2
+def test_a_wrong_call_says_what_is_wrong(arguments, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run = command(*arguments)
+    assert run.exit_code == 2
+    assert isinstance(run.exception, SystemExit)
     assert message in run.stderr.replace("\n", " ")
-    assert "Traceback" not in run.stderr
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_out_folder_that_is_a_file(tmp_path):

@@ -38,6 +38,7 @@ def typed(lines):
     return list(dict.fromkeys(line for line in commands if line.startswith("robsim ")))
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(300)
 def test_all_of_them_work_one_after_the_other(tmp_path):
     shutil.copy(ASSETS / "robots/sheep/robot.png", tmp_path / "photo.png")
