@@ -130,3 +130,12 @@ def test_a_pixel_may_belong_to_several_classes():
 def test_two_classes_of_one_name_are_refused():
     with pytest.raises(ValueError, match="'red' twice"):
         robsim.find_blobs(painted(np.ones((8, 8), bool)), [CLASSES[0], CLASSES[0]])
+
+
+def test_32_classes_and_no_more(rng):
+    image = rng.integers(0, 256, (20, 70, 3), dtype=np.uint8)
+    classes = [robsim.ColorClass(f"y{i}", y=(8 * i, 8 * i + 7)) for i in range(32)]
+    found = robsim.find_blobs(image, classes, minimum_area=1, maximum_count=9999)
+    assert sum(blob.area for blobs in found.values() for blob in blobs) == 20 * 70
+    with pytest.raises(ValueError, match="colors must be at most 32 classes, got 33"):
+        robsim.find_blobs(image, [*classes, robsim.ColorClass("one more")])

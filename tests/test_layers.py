@@ -12,13 +12,14 @@ ROOT = Path(__file__).parent.parent
 
 # Each room and the rooms that it may include.
 CPP = {
+    "cpu": set(),
     "geometry": set(),
     "random": set(),
     "estimation": set(),
     "imaging": {"geometry"},
     "model": {"geometry"},
     "world": {"geometry", "imaging", "model", "random"},
-    "vision": {"geometry", "imaging", "model"},
+    "vision": {"cpu", "geometry", "imaging", "model"},
     "simulation": {"geometry", "random", "estimation", "imaging", "model", "world", "vision"},
 }
 

@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'find_blobs', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
+__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
@@ -872,6 +872,14 @@ class Simulation:
         """
         int: steps recorded by now.
         """
+def cpu_path() -> str:
+    """
+    Return which instructions the hot loops use: "baseline" or "avx2".
+    """
+def cpu_paths() -> list[str]:
+    """
+    Return those that this processor can use, the fastest last.
+    """
 def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, minimum_area: typing.SupportsInt | typing.SupportsIndex = 12, maximum_count: typing.SupportsInt | typing.SupportsIndex = 64) -> dict[str, list[Blob]]:
     """
     Find the blobs of every colour class in one pass over an image.
@@ -896,6 +904,20 @@ def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], 
     ------
     TypeError, ValueError
         For an image of another kind, and for two colours of one name.
+    """
+def force_cpu_path(path: str) -> None:
+    """
+    Use other instructions from now on. The results are the same, bit for bit.
+    
+    Parameters
+    ----------
+    path : str
+        One of `cpu_paths`.
+    
+    Raises
+    ------
+    ValueError
+        If this processor does not have it.
     """
 def least_squares(phi: typing.Any, y: typing.Any) -> LeastSquaresFit:
     """

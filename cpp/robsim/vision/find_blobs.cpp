@@ -1,8 +1,6 @@
 #include "robsim/vision/find_blobs.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <set>
 #include <stdexcept>
 #include <tuple>
@@ -37,30 +35,13 @@ std::size_t join(Regions& regions, std::size_t i, std::size_t j) {
   return i;
 }
 
-// The next place from `u` on where the mask is `wanted`, or width. Skips 8 pixels at a time.
-int next_place(const std::uint8_t* mask, int u, int width, std::uint8_t wanted) {
-  const std::uint64_t other = wanted ? 0 : 0x0101010101010101ULL;
-  while (u + 8 <= width) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, mask + u, 8);
-    if (word != other) break;
-    u += 8;
-  }
-  while (u < width && mask[u] != wanted) ++u;
-  return u;
-}
-
-std::array<std::uint8_t, 3> bytes(const std::array<int, 3>& limits) {
-  return {static_cast<std::uint8_t>(limits[0]), static_cast<std::uint8_t>(limits[1]),
-          static_cast<std::uint8_t>(limits[2])};
-}
-
 }  // namespace
 
 BlobFinder::BlobFinder(std::vector<ColorClass> colors, const BlobOptions& options)
     : colors_(std::move(colors)),
       options_(options),
-      masks_(colors_.size()),
+      classifier_(colors_),
+      bits_(colors_.size()),
       components_(colors_.size()) {
   std::set<std::string> names;
   for (const ColorClass& color : colors_) {
@@ -81,14 +62,12 @@ BlobFinder::BlobFinder(std::vector<ColorClass> colors, const BlobOptions& option
 }
 
 BlobsByColor BlobFinder::find(const ImageView& image) {
-  yuv_.resize(std::size_t{3} * static_cast<std::size_t>(image.width));
-  for (std::size_t i = 0; i < colors_.size(); ++i) {
-    masks_[i].resize(static_cast<std::size_t>(image.width));
-    components_[i].runs.clear();
-    components_[i].regions.clear();
+  for (Components& c : components_) {
+    c.runs.clear();
+    c.regions.clear();
   }
   for (int v = 0; v < image.height; ++v) {
-    classify(image.row(v), image.width);
+    classifier_.classify(image.row(v), image.width, bits_);
     for (std::size_t i = 0; i < colors_.size(); ++i) add_row(i, v, image.width);
   }
   BlobsByColor found;
@@ -96,37 +75,12 @@ BlobsByColor BlobFinder::find(const ImageView& image) {
   return found;
 }
 
-void BlobFinder::classify(const std::uint8_t* row, int width) {
-  const auto size = static_cast<std::size_t>(width);
-  std::uint8_t* y = yuv_.data();
-  std::uint8_t* u = y + size;
-  std::uint8_t* v = u + size;
-  for (std::size_t i = 0; i < size; ++i, row += 3) {
-    const Yuv yuv = rgb_to_yuv(row);
-    y[i] = static_cast<std::uint8_t>(yuv.y);
-    u[i] = static_cast<std::uint8_t>(yuv.u);
-    v[i] = static_cast<std::uint8_t>(yuv.v);
-  }
-  for (std::size_t color = 0; color < colors_.size(); ++color) {
-    std::uint8_t* mask = masks_[color].data();
-    const auto [y0, u0, v0] = bytes(colors_[color].lower);
-    const auto [y1, u1, v1] = bytes(colors_[color].upper);
-    // & instead of && keeps the loop without branches: the compiler does 16 pixels at a time.
-    for (std::size_t i = 0; i < size; ++i) {
-      mask[i] =
-          (y[i] >= y0) & (y[i] <= y1) & (u[i] >= u0) & (u[i] <= u1) & (v[i] >= v0) & (v[i] <= v1);
-    }
-  }
-}
-
 void BlobFinder::add_row(std::size_t color, int v, int width) {
   Components& c = components_[color];
-  const std::uint8_t* mask = masks_[color].data();
   std::swap(c.above, c.runs);
   c.runs.clear();
   std::size_t first_above = 0;
-  for (int left = next_place(mask, 0, width, 1); left < width;) {
-    const int right = next_place(mask, left, width, 0);
+  for_each_run(bits_[color], width, [&](int left, int right) {
     const std::int64_t length = right - left;
     // sum of u over the run = length (left + right - 1) / 2
     const std::int64_t sum_u = length * (left + right - 1) / 2;
@@ -137,8 +91,7 @@ void BlobFinder::add_row(std::size_t color, int v, int width) {
       region = join(c.regions, c.above[i].region, region);
     }
     c.runs.push_back({left, right, region});
-    left = next_place(mask, right, width, 1);
-  }
+  });
 }
 
 std::vector<Blob> BlobFinder::blobs(std::size_t color, const ImageView& image) const {

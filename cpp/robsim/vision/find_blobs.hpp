@@ -7,7 +7,7 @@
 
 #include "robsim/geometry/pose.hpp"
 #include "robsim/imaging/image.hpp"
-#include "robsim/vision/color_class.hpp"
+#include "robsim/vision/classify.hpp"
 
 namespace robsim {
 
@@ -60,15 +60,14 @@ class BlobFinder {
     std::vector<Region> regions;
   };
 
-  void classify(const std::uint8_t* row, int width);
   void add_row(std::size_t color, int v, int width);
   std::vector<Blob> blobs(std::size_t color, const ImageView& image) const;
 
   std::vector<ColorClass> colors_;
   BlobOptions options_;
-  std::vector<std::uint8_t> yuv_;                 // of one row: all Y, all U, all V
-  std::vector<std::vector<std::uint8_t>> masks_;  // per colour, of one row
-  std::vector<Components> components_;            // per colour
+  Classifier classifier_;
+  std::vector<BitRow> bits_;            // per colour, of one row
+  std::vector<Components> components_;  // per colour
 };
 
 }  // namespace robsim

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#ifdef _MSC_VER
+#include <intrin.h>
+#endif
+
+namespace robsim {
+
+/// One bit a pixel, 64 pixels a word, the first in the lowest bit; bits beyond the row are 0.
+using BitRow = std::vector<std::uint64_t>;
+
+inline std::size_t words_of(int width) { return (static_cast<std::size_t>(width) + 63) / 64; }
+
+/// The number of zeros below the lowest bit that is set; there must be one.
+inline int lowest_bit(std::uint64_t word) {
+#ifdef _MSC_VER
+  unsigned long place = 0;
+  _BitScanForward64(&place, word);
+  return static_cast<int>(place);
+#else
+  return __builtin_ctzll(word);
+#endif
+}
+
+/// Calls f(left, right) for each run left <= u < right of set bits.
+template <typename F>
+void for_each_run(const BitRow& row, int width, F&& f) {
+  std::uint64_t before = 0;  // the last bit of the word before
+  int left = 0;
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const std::uint64_t word = row[i];
+    // A bit that differs from the one before it begins or ends a run.
+    std::uint64_t edges = word ^ ((word << 1) | before);
+    before = word >> 63;
+    for (; edges != 0; edges &= edges - 1) {
+      const int bit = lowest_bit(edges);
+      const int u = static_cast<int>(64 * i) + bit;
+      if ((word >> bit) & 1) {
+        left = u;
+      } else {
+        f(left, u);
+      }
+    }
+  }
+  if (before) f(left, width);
+}
+
+}  // namespace robsim

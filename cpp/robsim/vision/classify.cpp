@@ -1,0 +1,231 @@
+#include "robsim/vision/classify.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include "robsim/cpu/cpu_path.hpp"
+
+#if ROBSIM_HAS_AVX2_CODE
+#include <immintrin.h>
+#endif
+
+namespace robsim {
+
+namespace {
+
+std::vector<ChannelLimits> limits_of(const ColorClass& color) {
+  std::vector<ChannelLimits> limits;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    const int lower = color.lower[channel];
+    const int upper = color.upper[channel];
+    if (lower == 0 && upper == 255) continue;
+    limits.push_back({channel, static_cast<std::uint8_t>(lower), static_cast<std::uint8_t>(upper)});
+  }
+  return limits;
+}
+
+// The pixels of a row in 64s, the last of them filled up with black ones.
+class PaddedRow {
+ public:
+  PaddedRow(const std::uint8_t* rgb, int width) : whole_(static_cast<std::size_t>(width) / 64) {
+    const std::size_t left = 3 * static_cast<std::size_t>(width % 64);
+    std::memcpy(padded_, rgb + 192 * whole_, left);
+    std::memset(padded_ + left, 0, sizeof padded_ - left);
+  }
+
+  const std::uint8_t* pixels(const std::uint8_t* rgb, std::size_t word) const {
+    return word < whole_ ? rgb + 192 * word : padded_;
+  }
+
+ private:
+  std::size_t whole_;
+  std::uint8_t padded_[192];
+};
+
+// 64 pixels, channel by channel: loops that a compiler does several pixels at a time.
+struct Planes {
+  std::uint8_t channel[3][64];
+};
+
+void convert_plain(const std::uint8_t* rgb, Planes& planes) {
+  for (int i = 0; i < 64; ++i) {
+    const Yuv yuv = rgb_to_yuv(rgb + 3 * i);
+    planes.channel[0][i] = static_cast<std::uint8_t>(yuv.y);
+    planes.channel[1][i] = static_cast<std::uint8_t>(yuv.u);
+    planes.channel[2][i] = static_cast<std::uint8_t>(yuv.v);
+  }
+}
+
+std::uint64_t members_plain(const Planes& planes, const std::vector<ChannelLimits>& limits) {
+  std::uint8_t is_member[64];
+  std::fill_n(is_member, 64, std::uint8_t{1});
+  for (const ChannelLimits& limit : limits) {
+    const std::uint8_t* values = planes.channel[limit.channel];
+    const std::uint8_t lower = limit.lower;
+    const std::uint8_t upper = limit.upper;
+    for (int i = 0; i < 64; ++i) is_member[i] &= (values[i] >= lower) & (values[i] <= upper);
+  }
+  std::uint64_t word = 0;
+  for (int i = 0; i < 64; i += 8) {
+    std::uint64_t eight = 0;
+    for (int j = 0; j < 8; ++j) eight |= std::uint64_t{is_member[i + j]} << (8 * j);
+    // The product brings bit 8 j, that of byte j, to bit 56 + j.
+    word |= (eight * 0x0102040810204080ULL) >> 56 << i;
+  }
+  return word;
+}
+
+void classify_plain(const std::uint8_t* rgb, int width,
+                    const std::vector<std::vector<ChannelLimits>>& limits,
+                    std::vector<BitRow>& bits) {
+  const PaddedRow row(rgb, width);
+  for (std::size_t word = 0; word < words_of(width); ++word) {
+    Planes planes;
+    convert_plain(row.pixels(rgb, word), planes);
+    for (std::size_t i = 0; i < limits.size(); ++i) {
+      bits[i][word] = members_plain(planes, limits[i]);
+    }
+  }
+}
+
+#if ROBSIM_HAS_AVX2_CODE
+
+ROBSIM_AVX2_INLINE __m256i both_lanes(const std::uint8_t* low, const std::uint8_t* high) {
+  const __m128i a = _mm_loadu_si128(reinterpret_cast<const __m128i*>(low));
+  const __m128i b = _mm_loadu_si128(reinterpret_cast<const __m128i*>(high));
+  return _mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1);
+}
+
+// 16 pixels: 8 in each lane, as pairs of bytes (r, g) and (b, 0).
+struct Pairs {
+  __m256i rg;
+  __m256i b0;
+};
+
+// Each lane holds 24 bytes of pixels, loaded as bytes 0..15 and 8..23.
+ROBSIM_AVX2_INLINE Pairs pairs(const std::uint8_t* low, const std::uint8_t* high) {
+  const __m256i first = both_lanes(low, high);
+  const __m256i second = both_lanes(low + 8, high + 8);
+  const __m256i rg_of_first = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(0, 1, 3, 4, 6, 7, 9, 10, 12, 13, -1, -1, -1, -1, -1, -1));
+  const __m256i rg_of_second = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 7, 8, 10, 11, 13, 14));
+  const __m256i b_of_first = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(2, -1, 5, -1, 8, -1, 11, -1, 14, -1, -1, -1, -1, -1, -1, -1));
+  const __m256i b_of_second = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 9, -1, 12, -1, 15, -1));
+  return {_mm256_or_si256(_mm256_shuffle_epi8(first, rg_of_first),
+                          _mm256_shuffle_epi8(second, rg_of_second)),
+          _mm256_or_si256(_mm256_shuffle_epi8(first, b_of_first),
+                          _mm256_shuffle_epi8(second, b_of_second))};
+}
+
+// (wr r + wg g + wb b) >> 7, 16 bits a pixel
+ROBSIM_AVX2_INLINE __m256i weighted(const Pairs& pixels, int wr, int wg, int wb) {
+  const auto weights = static_cast<short>((wr & 0xFF) | (wg << 8));
+  const __m256i sum =
+      _mm256_add_epi16(_mm256_maddubs_epi16(pixels.rg, _mm256_set1_epi16(weights)),
+                       _mm256_maddubs_epi16(pixels.b0, _mm256_set1_epi16(short(wb & 0xFF))));
+  return _mm256_srai_epi16(sum, 7);
+}
+
+// The Y, U and V of 32 pixels.
+ROBSIM_AVX2_INLINE void convert_block(const std::uint8_t* rgb, __m256i* yuv) {
+  // Packing joins lanes: pixels 0..7 and 16..23 go with 8..15 and 24..31.
+  const Pairs even = pairs(rgb, rgb + 48);
+  const Pairs odd = pairs(rgb + 24, rgb + 72);
+  const __m256i neutral = _mm256_set1_epi8(static_cast<char>(128));
+  yuv[0] = _mm256_packus_epi16(weighted(even, 38, 75, 15), weighted(odd, 38, 75, 15));
+  yuv[1] = _mm256_add_epi8(
+      neutral, _mm256_packs_epi16(weighted(even, -22, -42, 64), weighted(odd, -22, -42, 64)));
+  yuv[2] = _mm256_add_epi8(
+      neutral, _mm256_packs_epi16(weighted(even, 64, -54, -10), weighted(odd, 64, -54, -10)));
+}
+
+// What a class asks of a channel, 32 times over.
+struct WideLimits {
+  __m256i lower;
+  __m256i upper;
+  std::size_t channel;
+};
+
+constexpr std::size_t most_limits = 3 * Classifier::most_classes;
+
+// Bit i = pixel i lies within the limits.
+ROBSIM_AVX2_INLINE std::uint32_t members(const __m256i* yuv, const WideLimits* begin,
+                                         const WideLimits* end) {
+  __m256i outside = _mm256_setzero_si256();
+  for (const WideLimits* limit = begin; limit != end; ++limit) {
+    const __m256i value = yuv[limit->channel];
+    outside = _mm256_or_si256(outside, _mm256_subs_epu8(value, limit->upper));
+    outside = _mm256_or_si256(outside, _mm256_subs_epu8(limit->lower, value));
+  }
+  return static_cast<std::uint32_t>(
+      _mm256_movemask_epi8(_mm256_cmpeq_epi8(outside, _mm256_setzero_si256())));
+}
+
+ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
+                               const std::vector<std::vector<ChannelLimits>>& limits,
+                               std::vector<BitRow>& bits) {
+  WideLimits wide[most_limits];
+  std::size_t first[Classifier::most_classes + 1] = {0};
+  std::uint64_t* rows[Classifier::most_classes];
+  const std::size_t count = limits.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    first[i + 1] = first[i];
+    rows[i] = bits[i].data();
+    for (const ChannelLimits& limit : limits[i]) {
+      wide[first[i + 1]++] = {_mm256_set1_epi8(static_cast<char>(limit.lower)),
+                              _mm256_set1_epi8(static_cast<char>(limit.upper)), limit.channel};
+    }
+  }
+  const PaddedRow row(rgb, width);
+  for (std::size_t word = 0; word < words_of(width); ++word) {
+    const std::uint8_t* pixels = row.pixels(rgb, word);
+    __m256i low[3];
+    __m256i high[3];
+    convert_block(pixels, low);
+    convert_block(pixels + 96, high);
+    for (std::size_t i = 0; i < count; ++i) {
+      const WideLimits* begin = wide + first[i];
+      const WideLimits* end = wide + first[i + 1];
+      rows[i][word] = members(low, begin, end) | (std::uint64_t{members(high, begin, end)} << 32);
+    }
+  }
+}
+
+#endif
+
+void classify_words(const std::uint8_t* rgb, int width,
+                    const std::vector<std::vector<ChannelLimits>>& limits,
+                    std::vector<BitRow>& bits) {
+#if ROBSIM_HAS_AVX2_CODE
+  if (cpu_path() == CpuPath::avx2) {
+    classify_avx2(rgb, width, limits, bits);
+    return;
+  }
+#endif
+  classify_plain(rgb, width, limits, bits);
+}
+
+}  // namespace
+
+Classifier::Classifier(const std::vector<ColorClass>& classes) {
+  if (classes.size() > most_classes) {
+    throw std::invalid_argument("colors must be at most " + std::to_string(most_classes) +
+                                " classes, got " + std::to_string(classes.size()));
+  }
+  for (const ColorClass& color : classes) limits_.push_back(limits_of(color));
+}
+
+void Classifier::classify(const std::uint8_t* rgb, int width, std::vector<BitRow>& bits) const {
+  for (BitRow& row : bits) row.resize(words_of(width));
+  classify_words(rgb, width, limits_, bits);
+  const int left = width % 64;
+  if (left == 0) return;
+  for (BitRow& row : bits) row.back() &= (std::uint64_t{1} << left) - 1;
+}
+
+}  // namespace robsim

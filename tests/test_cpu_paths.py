@@ -1,0 +1,94 @@
+"""All paths of the hot loops give the same, bit for bit."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import robsim
+from robsim import _core
+
+PATHS = _core.cpu_paths()
+
+
+@pytest.fixture(autouse=True)
+def _path():
+    before = _core.cpu_path()
+    yield
+    _core.force_cpu_path(before)
+
+
+def on_each_path(function):
+    results = []
+    for path in PATHS:
+        _core.force_cpu_path(path)
+        assert _core.cpu_path() == path
+        results.append(function())
+    return results
+
+
+def blobs(image, classes):
+    found = robsim.find_blobs(image, classes, minimum_area=1, maximum_count=10_000)
+    return {
+        name: [(b.area, b.centroid.tolist(), b.bounding_box, b.at_border) for b in several]
+        for name, several in found.items()
+    }
+
+
+def test_the_fastest_path_is_the_default():
+    assert PATHS[0] == "baseline"
+    assert _core.cpu_path() == PATHS[-1]
+
+
+@pytest.mark.parametrize("path", ["sse9", "", "AVX2"])
+def test_a_path_that_there_is_not(path):
+    with pytest.raises(ValueError, match=f"path must be one that this processor has, got '{path}'"):
+        _core.force_cpu_path(path)
+
+
+limits = st.tuples(st.integers(0, 255), st.integers(0, 255)).map(sorted).map(tuple)
+
+
+@settings(max_examples=120, deadline=None)
+@given(
+    width=st.integers(1, 200),
+    height=st.integers(1, 4),
+    seed=st.integers(0, 2**32 - 1),
+    ranges=st.lists(st.tuples(limits, limits, limits), min_size=1, max_size=9),
+)
+def test_blobs_of_random_pixels_and_classes(width, height, seed, ranges):
+    image = np.random.default_rng(seed).integers(0, 256, (height, width, 3), dtype=np.uint8)
+    classes = [robsim.ColorClass(f"color{i}", y=y, u=u, v=v) for i, (y, u, v) in enumerate(ranges)]
+    first, *others = on_each_path(lambda: blobs(image, classes))
+    for other in others:
+        assert other == first
+
+
+def test_every_colour_that_there_is():
+    red, green = np.mgrid[0:256, 0:256].astype(np.uint8)
+    classes = [
+        robsim.ColorClass("low", u=(0, 127)),
+        robsim.ColorClass("mid", y=(60, 99), v=(90, 170)),
+    ]
+    for blue in range(0, 256, 15):
+        image = np.ascontiguousarray(np.dstack((red, green, np.full_like(red, blue))))
+        first, *others = on_each_path(lambda image=image: blobs(image, classes))
+        for other in others:
+            assert other == first
+
+
+def test_the_classes_are_those_of_rgb_to_yuv(rng):
+    image = rng.integers(0, 256, (60, 131, 3), dtype=np.uint8)
+    color = robsim.ColorClass("some", y=(40, 200), u=(90, 140), v=(120, 190))
+    y, u, v = np.moveaxis(robsim.rgb_to_yuv(image), 2, 0)
+    belongs = (y >= 40) & (y <= 200) & (u >= 90) & (u <= 140) & (v >= 120) & (v <= 190)
+    for found in on_each_path(lambda: blobs(image, [color])):
+        assert sum(area for area, *_ in found["some"]) == belongs.sum()
+
+
+def test_rows_with_a_stride_of_their_own(rng):
+    image = rng.integers(0, 256, (50, 300, 3), dtype=np.uint8)
+    part = image[5:40, 17:160]
+    colors = robsim.load_colors()
+    for found in on_each_path(lambda: blobs(part, colors)):
+        assert found == blobs(part.copy(), colors)
