@@ -92,3 +92,33 @@ def test_rows_with_a_stride_of_their_own(rng):
     colors = robsim.load_colors()
     for found in on_each_path(lambda: blobs(part, colors)):
         assert found == blobs(part.copy(), colors)
+
+
+@settings(max_examples=80, deadline=None)
+@given(
+    width=st.integers(1, 120),
+    height=st.integers(1, 4),
+    seed=st.integers(0, 2**64 - 1),
+    index=st.integers(0, 2**40),
+    kind=st.sampled_from(["uniform", "gaussian"]),
+    percent=st.one_of(st.floats(0.01, 100), st.floats(0.01, 1e6)),
+)
+def test_noise(width, height, seed, index, kind, percent):
+    clean = np.random.default_rng(seed).integers(0, 256, (height, width, 3), dtype=np.uint8)
+    noise = robsim.VisualNoise(kind, percent)
+    first, *others = on_each_path(lambda: noise.add(clean, seed, index))
+    for other in others:
+        np.testing.assert_array_equal(other, first)
+
+
+def test_a_run_in_noise():
+    def run():
+        sim = robsim.Simulation(
+            camera=(240, 240), noise="gaussian", noise_percent=10, measure=True, seed=5
+        )
+        return sim.run(20).measured, sim.frame.image
+
+    first, *others = on_each_path(run)
+    for other in others:
+        for a, b in zip(other, first, strict=True):
+            np.testing.assert_array_equal(a, b)

@@ -18,7 +18,7 @@ CPP = {
     "estimation": set(),
     "imaging": {"geometry"},
     "model": {"geometry"},
-    "world": {"geometry", "imaging", "model", "random"},
+    "world": {"cpu", "geometry", "imaging", "model", "random"},
     "vision": {"cpu", "geometry", "imaging", "model"},
     "simulation": {"geometry", "random", "estimation", "imaging", "model", "world", "vision"},
 }

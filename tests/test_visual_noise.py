@@ -29,6 +29,39 @@ def test_each_step_comes_as_often_as_theory_says(kind):
         assert (noise == k).mean() == pytest.approx(theory, abs=5 * deviation)
 
 
+def share(kind, k, scale):
+    """Probability that noise rounds to k, or beyond it at the ends of what a pixel can show."""
+
+    def cdf(x):
+        if kind == "uniform":
+            return min(1.0, max(0.0, 0.5 + x / (2 * scale)))
+        return 0.5 * math.erfc(-x / (scale * math.sqrt(2)))
+
+    return (cdf(k + 0.5) if k < 127 else 1.0) - (cdf(k - 0.5) if k > -128 else 0.0)
+
+
+@pytest.mark.parametrize("kind", ["uniform", "gaussian"])
+@pytest.mark.parametrize("percent", [0.2, 0.5, 1, 1.7, 2.4, 3.7, 5, 7, 10, 14, 20, 40, 80, 300])
+def test_the_whole_distribution_at_any_level(kind, percent):
+    noise = added(kind, percent, shape=(1200, 1200, 3))
+    found = np.bincount(noise.ravel() + 128, minlength=256) / noise.size
+    steps = np.arange(-128, 128)
+    theory = np.array([share(kind, k, 2.55 * percent) for k in steps])
+    # of 4.3 million draws themselves: about 0.4 sqrt(256 / 4.3e6) = 0.003
+    assert abs(found - theory).sum() / 2 < 0.005
+    assert found @ steps == pytest.approx(theory @ steps, abs=0.1)
+    assert found @ steps**2 == pytest.approx(theory @ steps**2, rel=0.006)
+    assert (found[theory > 1 / 8192] > 0).all()  # the finest share that is drawn
+
+
+@pytest.mark.parametrize("percent", [1, 1.7, 2.5, 3.7, 5, 7.5, 10, 12])
+def test_gaussian_tails(percent):
+    sigma = 2.55 * percent
+    beyond = (np.abs(added("gaussian", percent, shape=(1200, 1200, 3))) > 3 * sigma).mean()
+    theory = sum(share("gaussian", k, sigma) for k in range(-128, 128) if abs(k) > 3 * sigma)
+    assert beyond == pytest.approx(theory, rel=0.1)
+
+
 def test_gaussian_tails_and_uniform_limits():
     sigma = 2.55 * 5
     beyond = (np.abs(added("gaussian", 5)) > 3 * sigma).mean()
@@ -53,6 +86,16 @@ def test_pixels_channels_frames_and_seeds_are_independent(kind):
         "columns": (noise[:, 1:], noise[:, :-1]),
         "rows": (noise[1:], noise[:-1]),
         "channels": (noise[..., 0], noise[..., 1]),
+        "the next bytes of the same generator": (
+            noise.reshape(400, -1)[:, 32:],
+            noise.reshape(400, -1)[:, :-32],
+        ),
+        "the generator beside it": (
+            noise.reshape(400, -1)[:, 8:],
+            noise.reshape(400, -1)[:, :-8],
+        ),
+        "spread of columns": (noise[:, 1:] ** 2, noise[:, :-1] ** 2),
+        "spread of frames": (noise**2, added(kind, 10, index=1).astype(float) ** 2),
         "frames": (noise, added(kind, 10, index=1)),
         "seeds": (noise, added(kind, 10, seed=2)),
     }

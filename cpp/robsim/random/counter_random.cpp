@@ -23,9 +23,4 @@ double random_uniform(std::uint64_t seed, std::uint64_t counter) {
   return static_cast<double>(random_bits(seed, counter) >> 11) * 0x1.0p-53;
 }
 
-Xoshiro256::Xoshiro256(std::uint64_t seed, std::uint64_t counter) {
-  const std::uint64_t key = random_bits(seed, counter);
-  for (std::uint64_t i = 0; i < 4; ++i) state_[i] = random_bits(key, i);
-}
-
 }  // namespace robsim

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <optional>
 
 #include "robsim/imaging/image.hpp"
+#include "robsim/world/noise_tables.hpp"
 
 namespace robsim {
 
@@ -16,23 +17,16 @@ class VisualNoise {
   /// Throws std::invalid_argument for a level below 0 or not finite.
   explicit VisualNoise(NoiseKind kind = NoiseKind::none, double percent = 0);
 
-  bool is_off() const { return steps_.empty(); }
+  bool is_off() const { return !gaussian_ && !uniform_; }
 
   /// Writes clean + noise to `noisy`, which has the same size. The noise of frame `index` depends
   /// on the seed and on the index alone.
   void add(const ImageView& clean, std::uint64_t seed, std::uint64_t index, Image& noisy) const;
 
  private:
-  // A pixel is a whole number, so that rounding its sum with the noise is adding a whole number:
-  // the noise is drawn from the probabilities of the steps -255..255 by Walker's alias method.
-  struct Step {
-    std::uint32_t threshold;  // of 2^23
-    std::int16_t values[2];   // below the threshold, and from it on
-  };
-
-  std::uint8_t noisy_value(std::uint8_t value, std::uint32_t draw) const;
-
-  std::vector<Step> steps_;
+  // A pixel is a whole number, so that rounding its sum with the noise is adding a whole number.
+  std::optional<GaussianTables> gaussian_;
+  std::optional<UniformSteps> uniform_;
 };
 
 }  // namespace robsim
