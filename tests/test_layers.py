@@ -34,7 +34,7 @@ PYTHON = [
     {"simulation"},
     {"plotting"},
     {"results"},
-    {"demo"},
+    {"bench", "demo"},
     {"cli"},
     {"__main__"},
 ]

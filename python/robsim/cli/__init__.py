@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from robsim.cli import demo, errors, notebooks, robots, run, track
+from robsim.cli import bench, demo, errors, notebooks, robots, run, track
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -23,6 +23,7 @@ app.command(help=run.NEW_HELP, epilog=run.NEW_EXAMPLE)(run.new)
 app.command(help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
 app.command(help=track.HELP, epilog=track.EXAMPLE)(track.track)
 app.command(help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
+app.command(help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
 app.add_typer(robots.app, name="robots")
 
 
