@@ -131,13 +131,15 @@ ROBSIM_AVX2_INLINE __m256i weighted(const Pairs& pixels, int wr, int wg, int wb)
   return _mm256_srai_epi16(sum, 7);
 }
 
-// The Y, U and V of 32 pixels.
-ROBSIM_AVX2_INLINE void convert_block(const std::uint8_t* rgb, __m256i* yuv) {
+// The Y, U and V of 32 pixels; Y only if somebody asks for it.
+ROBSIM_AVX2_INLINE void convert_block(const std::uint8_t* rgb, bool needs_y, __m256i* yuv) {
   // Packing joins lanes: pixels 0..7 and 16..23 go with 8..15 and 24..31.
   const Pairs even = pairs(rgb, rgb + 48);
   const Pairs odd = pairs(rgb + 24, rgb + 72);
   const __m256i neutral = _mm256_set1_epi8(static_cast<char>(128));
-  yuv[0] = _mm256_packus_epi16(weighted(even, 38, 75, 15), weighted(odd, 38, 75, 15));
+  if (needs_y) {
+    yuv[0] = _mm256_packus_epi16(weighted(even, 38, 75, 15), weighted(odd, 38, 75, 15));
+  }
   yuv[1] = _mm256_add_epi8(
       neutral, _mm256_packs_epi16(weighted(even, -22, -42, 64), weighted(odd, -22, -42, 64)));
   yuv[2] = _mm256_add_epi8(
@@ -173,10 +175,12 @@ ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
   std::size_t first[Classifier::most_classes + 1] = {0};
   std::uint64_t* rows[Classifier::most_classes];
   const std::size_t count = limits.size();
+  bool needs_y = false;
   for (std::size_t i = 0; i < count; ++i) {
     first[i + 1] = first[i];
     rows[i] = bits[i].data();
     for (const ChannelLimits& limit : limits[i]) {
+      needs_y = needs_y || limit.channel == 0;
       wide[first[i + 1]++] = {_mm256_set1_epi8(static_cast<char>(limit.lower)),
                               _mm256_set1_epi8(static_cast<char>(limit.upper)), limit.channel};
     }
@@ -186,8 +190,8 @@ ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
     const std::uint8_t* pixels = row.pixels(rgb, word);
     __m256i low[3];
     __m256i high[3];
-    convert_block(pixels, low);
-    convert_block(pixels + 96, high);
+    convert_block(pixels, needs_y, low);
+    convert_block(pixels + 96, needs_y, high);
     for (std::size_t i = 0; i < count; ++i) {
       const WideLimits* begin = wide + first[i];
       const WideLimits* end = wide + first[i + 1];
