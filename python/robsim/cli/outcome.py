@@ -24,6 +24,7 @@ def finish(
     record: Path | None = None,
 ) -> None:
     """Write the results of a run, and say what they are."""
+    from robsim.not_seen import why_not_seen
     from robsim.results import write_results
 
     if not len(simulation.trace):
@@ -37,6 +38,10 @@ def finish(
         return
     if text := str(results):
         print(text)
+    if reason := why_not_seen(simulation.trace, simulation.locator):
+        errors.note(reason)
+    if results.tracking is None:
+        errors.note("not tracked: add --measure, or write a measure.py with ENABLED = True")
     print(f"written to {out}: {', '.join(file.name for file in results.files)}")
     for file in filter(None, (video, record)):
         print(f"written: {file}")

@@ -1,0 +1,69 @@
+"""The sentence on why no frame showed the robot."""
+
+import re
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.not_seen import why_not_seen
+
+SMALL = {"camera": (600, 600), "measure": True, "seed": 1}
+
+
+def reason(**options):
+    sim = robsim.Simulation(**SMALL, **options)
+    sim.run(3)
+    return why_not_seen(sim.trace, sim.locator)
+
+
+def test_a_robot_that_was_seen_needs_no_reason():
+    assert reason() is None
+    assert why_not_seen(robsim.Simulation().run(2), robsim.load_robot("lab").locator()) is None
+
+
+def test_another_robot():
+    wanted = r"the markers are 43\.0 px apart, but the red and blue blobs seen 7[01]\.\d px "
+    assert re.match(wanted, reason(robot="robot2", locator="lab"))
+
+
+def test_another_area():
+    frames = [robsim.Simulation(**SMALL).frame.image] * 2
+    sim = robsim.Simulation(frames=[robsim.Frame(image) for image in frames], area=(600, 600))
+    sim.run()
+    assert "43.0 px apart, but the red and blue blobs seen 21." in why_not_seen(
+        sim.trace, sim.locator
+    )
+
+
+@pytest.mark.parametrize("name", ["red", "blue"])
+def test_a_colour_that_nothing_has(name):
+    colors = [
+        robsim.ColorClass(c.name, y=c.y, u=c.u, v=(250, 255) if c.name == name else c.v)
+        for c in robsim.load_colors()
+    ]
+    assert reason(colors=colors) == (
+        f"no {name} blob was seen: look at the picture, and at the colours"
+    )
+
+
+def test_never_in_the_same_frame():
+    sim = robsim.Simulation(**SMALL)
+    image = sim.frame.image
+    red, blue = image.copy(), image.copy()
+    red[..., 2] = np.minimum(red[..., 2], red[..., 0])
+    blue[..., 0] = np.minimum(blue[..., 0], blue[..., 2])
+    sim = robsim.Simulation(frames=[robsim.Frame(red), robsim.Frame(blue)])
+    sim.run()
+    assert why_not_seen(sim.trace, sim.locator) == (
+        "red and blue blobs were not seen in the same frame"
+    )
+
+
+def test_markers_of_another_size():
+    def measure(step):
+        return None
+
+    sim = robsim.Simulation(camera=(600, 600), measure=measure, seed=1)
+    sim.run(2)
+    assert "px apart were seen, as the markers are, but" in why_not_seen(sim.trace, sim.locator)
