@@ -47,8 +47,9 @@ class PythonInterpreter : public Interpreter {
 std::unique_ptr<SlottedSimulation> make_simulation(
     std::pair<int, int> area, const std::string& boundary, double robot_radius,
     const py::object& start, const VisualNoise& noise, const std::vector<ColorClass>& colors,
-    const Locator& locator, const std::string& identify_from, std::uint64_t controller_seed,
-    std::uint64_t noise_seed, double dropout, int dropout_steps, std::uint64_t dropout_seed) {
+    const Locator& locator, int smoothing, const std::string& identify_from,
+    std::uint64_t controller_seed, std::uint64_t noise_seed, double dropout, int dropout_steps,
+    std::uint64_t dropout_seed) {
   SimulationOptions options;
   options.area = {
       area.first, area.second,
@@ -59,6 +60,7 @@ std::unique_ptr<SlottedSimulation> make_simulation(
   options.noise = noise;
   options.colors = colors;
   options.locator = locator;
+  options.blobs.smoothing = smoothing;
   options.identify_from = choice_from<IdentifyFrom>("identify_from", identify_from,
                                                     {{"truth", IdentifyFrom::truth},
                                                      {"measurement", IdentifyFrom::measurement},
@@ -329,9 +331,9 @@ void bind_simulation(py::module_& module) {
                                 py::custom_type_setup(&collect_garbage))
       .def(py::init(&make_simulation), py::kw_only(), py::arg("area"), py::arg("boundary"),
            py::arg("robot_radius"), py::arg("start"), py::arg("noise"), py::arg("colors"),
-           py::arg("locator"), py::arg("identify_from"), py::arg("controller_seed"),
-           py::arg("noise_seed"), py::arg("dropout"), py::arg("dropout_steps"),
-           py::arg("dropout_seed"))
+           py::arg("locator"), py::arg("smoothing"), py::arg("identify_from"),
+           py::arg("controller_seed"), py::arg("noise_seed"), py::arg("dropout"),
+           py::arg("dropout_steps"), py::arg("dropout_seed"))
       .def("set_stage", &SlottedSimulation::set_stage, py::arg("slot"), py::arg("value"),
            "Put a callable or a native component into a slot; None = the default.")
       .def("start", &SlottedSimulation::start, "Do what comes once, if that has not been done yet.")

@@ -41,9 +41,9 @@ ImageView view_of(const py::object& image) {
 }
 
 BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors,
-                  std::int64_t minimum_area, int maximum_count) {
+                  std::int64_t minimum_area, int maximum_count, int smoothing) {
   const ImageView view = view_of(image);
-  BlobFinder finder(colors, {minimum_area, maximum_count});
+  BlobFinder finder(colors, {minimum_area, maximum_count, smoothing});
   const py::gil_scoped_release native;
   return finder.find(view);
 }
@@ -93,7 +93,8 @@ A connected component (8 neighbours) of pixels of one colour class, in pixels of
   const BlobOptions defaults;
   module.def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
              py::arg("minimum_area") = defaults.minimum_area,
-             py::arg("maximum_count") = defaults.maximum_count, R"(
+             py::arg("maximum_count") = defaults.maximum_count,
+             py::arg("smoothing") = defaults.smoothing, R"(
 Find the blobs of every colour class in one pass over an image.
 
 Parameters
@@ -106,6 +107,9 @@ minimum_area : int
     Smaller blobs are dropped (px).
 maximum_count : int
     Only so many of the largest blobs of a colour are returned.
+smoothing : int
+    A pixel is judged by the mean of the window around it, so many px wide: 3, 5, ... 15, against
+    noise; between a quarter and three quarters of a marker's width. 1 = by itself.
 
 Returns
 -------
@@ -115,7 +119,7 @@ dict of str to list of Blob
 Raises
 ------
 TypeError, ValueError
-    For an image of another kind, and for two colours of one name.
+    For an image of another kind, for two colours of one name, and for options out of range.
 )");
 }
 

@@ -820,7 +820,7 @@ class Simulation:
     """
     The loop. Users take robsim.Simulation.
     """
-    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], locator: Locator, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_steps: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], locator: Locator, smoothing: typing.SupportsInt | typing.SupportsIndex, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_steps: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
         """
@@ -880,7 +880,7 @@ def cpu_paths() -> list[str]:
     """
     Return those that this processor can use, the fastest last.
     """
-def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, minimum_area: typing.SupportsInt | typing.SupportsIndex = 12, maximum_count: typing.SupportsInt | typing.SupportsIndex = 64) -> dict[str, list[Blob]]:
+def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, minimum_area: typing.SupportsInt | typing.SupportsIndex = 12, maximum_count: typing.SupportsInt | typing.SupportsIndex = 64, smoothing: typing.SupportsInt | typing.SupportsIndex = 1) -> dict[str, list[Blob]]:
     """
     Find the blobs of every colour class in one pass over an image.
     
@@ -894,6 +894,9 @@ def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], 
         Smaller blobs are dropped (px).
     maximum_count : int
         Only so many of the largest blobs of a colour are returned.
+    smoothing : int
+        A pixel is judged by the mean of the window around it, so many px wide: 3, 5, ... 15, against
+        noise; between a quarter and three quarters of a marker's width. 1 = by itself.
     
     Returns
     -------
@@ -903,7 +906,7 @@ def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], 
     Raises
     ------
     TypeError, ValueError
-        For an image of another kind, and for two colours of one name.
+        For an image of another kind, for two colours of one name, and for options out of range.
     """
 def force_cpu_path(path: str) -> None:
     """

@@ -118,6 +118,9 @@ class Simulation:
         The colours to look for. Default: red and blue as they ship with robsim.
     locator : Locator, RobotDefinition, str or path, optional
         What the default measurement takes the markers' geometry from. Default: the robot.
+    smoothing : int
+        Width of the window by whose mean a pixel's colour is judged (px of the frame): 3, 5, ...
+        15, against noise; a quarter to three quarters of a marker's width. 1 = off.
     identify_from : str, optional
         The data that samples are made of: ``"truth"``, the default in a simulated world,
         ``"measurement"`` or ``"estimate"``.
@@ -180,6 +183,7 @@ class Simulation:
         seed: Seed = None,
         colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
         locator: Locator | RobotDefinition | str | PathLike[str] | None = None,
+        smoothing: int = 1,
         identify_from: str | None = None,
         time_limit: float | None = None,
         define_model: Callable[[], _core.RobotModel] | None = None,
@@ -210,6 +214,7 @@ class Simulation:
         self._from_folder: set[str] = set()
         self.colors = as_colors(colors)
         self.locator = _as_locator(self.robot if locator is None else locator)
+        self.smoothing = whole("smoothing", smoothing, least=1, most=15)
         self._phases = phase_count(rotation, phases)
         self._background = as_floor(background, self.area)
         self._seed = seed_sequence(seed)
@@ -224,6 +229,7 @@ class Simulation:
             noise=visual_noise(noise, noise_percent),
             colors=self.colors,
             locator=self.locator,
+            smoothing=self.smoothing,
             identify_from=identify_from,
             controller_seed=stream_number(self._seed, "controller"),
             noise_seed=stream_number(self._seed, "noise"),

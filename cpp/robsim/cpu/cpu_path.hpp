@@ -14,9 +14,11 @@
 #if defined(__GNUC__) || defined(__clang__)
 #define ROBSIM_AVX2 __attribute__((target("avx2")))
 #define ROBSIM_AVX2_INLINE __attribute__((target("avx2"), always_inline)) inline
+#define ROBSIM_INLINE __attribute__((always_inline)) inline
 #else
 #define ROBSIM_AVX2
 #define ROBSIM_AVX2_INLINE __forceinline
+#define ROBSIM_INLINE __forceinline
 #endif
 
 namespace robsim {

@@ -26,6 +26,18 @@ inline int lowest_bit(std::uint64_t word) {
 #endif
 }
 
+/// Packs 64 bytes, each 0 or 1, into a word.
+inline std::uint64_t packed(const std::uint8_t* bytes) {
+  std::uint64_t word = 0;
+  for (int i = 0; i < 64; i += 8) {
+    std::uint64_t eight = 0;
+    for (int j = 0; j < 8; ++j) eight |= std::uint64_t{bytes[i + j]} << (8 * j);
+    // The product brings bit 8 j, that of byte j, to bit 56 + j.
+    word |= (eight * 0x0102040810204080ULL) >> 56 << i;
+  }
+  return word;
+}
+
 /// Calls f(left, right) for each run left <= u < right of set bits.
 template <typename F>
 void for_each_run(const BitRow& row, int width, F&& f) {

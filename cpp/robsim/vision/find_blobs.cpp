@@ -55,6 +55,7 @@ BlobFinder::BlobFinder(std::vector<ColorClass> colors, const BlobOptions& option
     throw std::invalid_argument("minimum_area must be at least 1 px, got " +
                                 std::to_string(options.minimum_area));
   }
+  if (options.smoothing != 1) smoothed_.emplace(colors_, options.smoothing);
   if (options.maximum_count < 1) {
     throw std::invalid_argument("maximum_count must be at least 1, got " +
                                 std::to_string(options.maximum_count));
@@ -66,8 +67,13 @@ BlobsByColor BlobFinder::find(const ImageView& image) {
     c.runs.clear();
     c.regions.clear();
   }
+  if (smoothed_) smoothed_->begin(image);
   for (int v = 0; v < image.height; ++v) {
-    classifier_.classify(image.row(v), image.width, bits_);
+    if (smoothed_) {
+      smoothed_->next_row(bits_);
+    } else {
+      classifier_.classify(image.row(v), image.width, bits_);
+    }
     for (std::size_t i = 0; i < colors_.size(); ++i) add_row(i, v, image.width);
   }
   BlobsByColor found;

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "robsim/geometry/pose.hpp"
 #include "robsim/imaging/image.hpp"
 #include "robsim/vision/classify.hpp"
+#include "robsim/vision/smoothed_classifier.hpp"
 
 namespace robsim {
 
@@ -26,6 +28,7 @@ using BlobsByColor = std::map<std::string, std::vector<Blob>>;
 struct BlobOptions {
   std::int64_t minimum_area = 12;  // px; smaller components are dropped
   int maximum_count = 64;          // of the largest blobs of a colour
+  int smoothing = 1;               // px; a pixel is judged by the mean of so wide a window
 };
 
 /// Finds the blobs of every colour class in one pass over the image: rows of pixels become runs,
@@ -66,6 +69,7 @@ class BlobFinder {
   std::vector<ColorClass> colors_;
   BlobOptions options_;
   Classifier classifier_;
+  std::optional<SmoothedClassifier> smoothed_;
   std::vector<BitRow> bits_;            // per colour, of one row
   std::vector<Components> components_;  // per colour
 };

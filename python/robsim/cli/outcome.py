@@ -50,9 +50,15 @@ def finish(
 def _write_videos(simulation: Simulation, video: Path | None, record: Path | None) -> None:
     from robsim.plotting.replay import annotated_frames
 
-    trace, robot, colors = simulation.trace, simulation.robot, simulation.colors
+    trace = simulation.trace
     if video:
-        frames = annotated_frames(_frames(simulation), trace, robot=robot, colors=colors)
+        frames = annotated_frames(
+            _frames(simulation),
+            trace,
+            robot=simulation.robot,
+            colors=simulation.colors,
+            smoothing=simulation.smoothing,
+        )
         write_with_progress(video, frames, trace)
     if record:
         write_with_progress(record, _frames(simulation), trace)

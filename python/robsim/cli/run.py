@@ -77,6 +77,9 @@ def run(
     colors: Annotated[
         Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")
     ] = None,
+    smoothing: Annotated[
+        int, typer.Option("--smoothing", help="Window against noise in px: 3, 5, ... 15.")
+    ] = 1,
     area: Annotated[
         str | None,
         typer.Option("--area", metavar="WxH", help="Work area in px: 1200x1200."),
@@ -112,6 +115,7 @@ def run(
             "robot": robot,
             "locator": locator,
             "colors": colors,
+            "smoothing": smoothing,
             "area": size("--area", area),
             "camera": size("--camera", camera),
             "boundary": boundary,

@@ -32,6 +32,9 @@ def track(
     colors: Annotated[
         Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")
     ] = None,
+    smoothing: Annotated[
+        int, typer.Option("--smoothing", help="Window against noise in px: 3, 5, ... 15.")
+    ] = 1,
     area: Annotated[
         str | None,
         typer.Option("--area", metavar="WxH", help="Work area in px: as the frames."),
@@ -77,7 +80,7 @@ def track(
         if seen and there:
             plane_map = plane_map_from_points(seen, there)
         recording = Recording(source, plane_map=plane_map, area=size("--area", area), dt=dt)
-        simulation = Simulation(frames=recording, robot=robot, colors=colors)
+        simulation = Simulation(frames=recording, robot=robot, colors=colors, smoothing=smoothing)
     failure = None
     try:
         simulation.run(progress=True)
@@ -105,7 +108,12 @@ def _write_video(simulation: Simulation, recording: Recording, file: Path) -> No
     except ImportError as error:
         errors.note(f"no {file.name}: {error}")
         return
-    robot, colors = simulation.robot, simulation.colors
-    shown = annotated_frames(recording, simulation.trace, robot=robot, colors=colors)
+    shown = annotated_frames(
+        recording,
+        simulation.trace,
+        robot=simulation.robot,
+        colors=simulation.colors,
+        smoothing=simulation.smoothing,
+    )
     with errors.told():
         write_with_progress(file, shown, simulation.trace)

@@ -21,6 +21,7 @@ def annotated_frames(
     *,
     robot: RobotDefinition,
     colors: Iterable[ColorClass],
+    smoothing: int = 1,
 ) -> Iterator[Pixels]:
     """Draw onto the frames of a run what was measured in them.
 
@@ -34,6 +35,8 @@ def annotated_frames(
         Its outline is drawn at the measured pose.
     colors : iterable of ColorClass
         The colours whose blobs are shown.
+    smoothing : int
+        As of `find_blobs`.
 
     Yields
     ------
@@ -41,6 +44,7 @@ def annotated_frames(
         RGB.
     """
     colors = list(colors)
+    is_tracked = "x_measured" in trace.names
     outline = robot.to_robot_frame(robot.outline)
     measured, estimated, covariance = trace.measured, trace.estimated, trace.covariance
     for i, frame in zip(range(len(trace)), frames, strict=False):
@@ -48,7 +52,7 @@ def annotated_frames(
         yield draw_overlay(
             frame,
             measurement=Measurement(measured[i]) if trace.valid[i] else None,
-            blobs=find_blobs(frame, colors) if "x_measured" in trace.names else None,
+            blobs=find_blobs(frame, colors, smoothing=smoothing) if is_tracked else None,
             outline=outline,
             path=measured[: i + 1, :2],
             estimate=Estimate(estimated[i], covariance[i]) if is_estimated else None,
@@ -95,6 +99,11 @@ def play(
     trace = simulation.trace[start:stop]
     frames: Iterable[Frame | Pixels] = (simulation.frame_of(int(k)) for k in trace.k)
     if overlay:
-        robot, colors = simulation.robot, simulation.colors
-        frames = annotated_frames(frames, trace, robot=robot, colors=colors)  # type: ignore[arg-type]
+        frames = annotated_frames(
+            frames,  # type: ignore[arg-type]
+            trace,
+            robot=simulation.robot,
+            colors=simulation.colors,
+            smoothing=simulation.smoothing,
+        )
     return Clip(frames, fps=min(60.0, max(0.1, 1 / trace.info.dt)), width=width)
