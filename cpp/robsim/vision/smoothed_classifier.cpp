@@ -31,16 +31,10 @@ ROBSIM_INLINE void add_up_body(const Sums* columns, std::size_t count, Sums* sum
   }
 }
 
-ROBSIM_INLINE void narrow_body(const Sums* sums, Sums lower, Sums upper, std::uint8_t* is_member) {
-  for (int i = 0; i < 64; ++i) {
-    is_member[i] &= static_cast<std::uint8_t>((sums[i] >= lower) & (sums[i] <= upper));
-  }
-}
-
 struct Loops {
   void (*exchange)(const std::uint8_t*, const std::uint8_t*, std::size_t, Sums*);
   void (*add_up)(const Sums*, std::size_t, Sums*);
-  void (*narrow)(const Sums*, Sums, Sums, std::uint8_t*);
+  std::uint64_t (*within)(const Sums*, Sums, Sums);
 };
 
 void exchange_plain(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
@@ -53,8 +47,13 @@ void add_up_plain(const Sums* columns, std::size_t count, Sums* sums) {
   add_up_body<window>(columns, count, sums);
 }
 
-void narrow_plain(const Sums* sums, Sums lower, Sums upper, std::uint8_t* is_member) {
-  narrow_body(sums, lower, upper, is_member);
+// Bit i = lower <= sum i <= upper, for 64 sums
+std::uint64_t within_plain(const Sums* sums, Sums lower, Sums upper) {
+  std::uint8_t is_within[64];
+  for (int i = 0; i < 64; ++i) {
+    is_within[i] = static_cast<std::uint8_t>((sums[i] >= lower) & (sums[i] <= upper));
+  }
+  return packed(is_within);
 }
 
 #if ROBSIM_HAS_AVX2_CODE
@@ -68,14 +67,30 @@ ROBSIM_AVX2 void add_up_avx2(const Sums* columns, std::size_t count, Sums* sums)
   add_up_body<window>(columns, count, sums);
 }
 
-ROBSIM_AVX2 void narrow_avx2(const Sums* sums, Sums lower, Sums upper, std::uint8_t* is_member) {
-  narrow_body(sums, lower, upper, is_member);
+// 16 numbers of all bits or none
+ROBSIM_AVX2_INLINE __m256i is_within(const Sums* sums, __m256i lower, __m256i range) {
+  const __m256i above =
+      _mm256_sub_epi16(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(sums)), lower);
+  return _mm256_cmpeq_epi16(_mm256_min_epu16(above, range), above);
+}
+
+ROBSIM_AVX2 std::uint64_t within_avx2(const Sums* sums, Sums lower, Sums upper) {
+  const __m256i least = _mm256_set1_epi16(static_cast<short>(lower));
+  const __m256i range = _mm256_set1_epi16(static_cast<short>(upper - lower));
+  std::uint64_t word = 0;
+  for (int i = 0; i < 64; i += 32) {
+    const __m256i bytes = _mm256_packs_epi16(is_within(sums + i, least, range),
+                                             is_within(sums + i + 16, least, range));
+    const __m256i in_order = _mm256_permute4x64_epi64(bytes, 0b11011000);  // packing joins lanes
+    word |= std::uint64_t{static_cast<std::uint32_t>(_mm256_movemask_epi8(in_order))} << i;
+  }
+  return word;
 }
 
 ROBSIM_AVX2 void convert_avx2(const std::uint8_t* rgb, int width, std::uint8_t* const* planes) {
   for (int u = 0; u + 32 <= width; u += 32) {
     __m256i yuv[3];
-    convert_block(rgb + std::ptrdiff_t{3} * u, true, yuv);
+    convert_block(rgb + std::ptrdiff_t{3} * u, planes[0] != nullptr, yuv);
     for (int channel = 0; channel < 3; ++channel) {
       if (!planes[channel]) continue;
       _mm256_storeu_si256(reinterpret_cast<__m256i*>(planes[channel] + u), yuv[channel]);
@@ -87,9 +102,9 @@ ROBSIM_AVX2 void convert_avx2(const std::uint8_t* rgb, int width, std::uint8_t* 
 template <int window>
 Loops loops_of() {
 #if ROBSIM_HAS_AVX2_CODE
-  if (cpu_path() == CpuPath::avx2) return {exchange_avx2, add_up_avx2<window>, narrow_avx2};
+  if (cpu_path() == CpuPath::avx2) return {exchange_avx2, add_up_avx2<window>, within_avx2};
 #endif
-  return {exchange_plain, add_up_plain<window>, narrow_plain};
+  return {exchange_plain, add_up_plain<window>, within_plain};
 }
 
 Loops loops_of(int window) {
@@ -218,13 +233,11 @@ void SmoothedClassifier::next_row(std::vector<BitRow>& bits) {
   for (std::size_t i = 0; i < limits_.size(); ++i) {
     bits[i].resize(words_of(image_.width));
     for (std::size_t word = 0; word < bits[i].size(); ++word) {
-      std::uint8_t is_member[64];
-      std::fill_n(is_member, 64, std::uint8_t{1});
+      bits[i][word] = ~std::uint64_t{0};
       for (const SumLimits& limit : limits_[i]) {
         const std::uint16_t* sums = channels_[limit.channel].sums.data() + 64 * word;
-        loops.narrow(sums, limit.lower, limit.upper, is_member);
+        bits[i][word] &= loops.within(sums, limit.lower, limit.upper);
       }
-      bits[i][word] = packed(is_member);
     }
     if (width % 64 != 0) bits[i].back() &= (std::uint64_t{1} << (width % 64)) - 1;
   }
