@@ -42,7 +42,7 @@ ROBSIM_AVX2_INLINE Pairs pairs(const std::uint8_t* low, const std::uint8_t* high
 
 // (wr r + wg g + wb b) >> 7, 16 bits a pixel
 ROBSIM_AVX2_INLINE __m256i weighted(const Pairs& pixels, int wr, int wg, int wb) {
-  const auto weights = static_cast<short>((wr & 0xFF) | (wg << 8));
+  const auto weights = static_cast<short>((wr & 0xFF) | ((wg & 0xFF) << 8));
   const __m256i sum =
       _mm256_add_epi16(_mm256_maddubs_epi16(pixels.rg, _mm256_set1_epi16(weights)),
                        _mm256_maddubs_epi16(pixels.b0, _mm256_set1_epi16(short(wb & 0xFF))));
