@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 import robsim
-from commands import cli, command
+from commands import cli
 
 FILES = ["camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"]
 
@@ -64,24 +64,6 @@ def test_the_demo_shows_progress_and_prints_the_table(tmp_path):
     assert "Batch estimate from truth" in run.stdout
     assert "tracking: 230 steps" in run.stdout
     assert f"written to {tmp_path}" in run.stdout
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("demo", "--steps", "20"), "steps must be above"),
-        (("demo", "--seed", "-1"), "seed must be at least 0"),
-        (("demo", "--steps", "many"), "Invalid value for '--steps'"),
-        (("dance",), "No such command 'dance'"),
-    ],
-)
-def test_a_wrong_call_says_what_is_wrong(arguments, message, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    run = command(*arguments)
-    assert run.exit_code == 2
-    assert isinstance(run.exception, SystemExit)
-    assert message in run.stderr.replace("\n", " ")
-    assert not list(tmp_path.iterdir())
 
 
 def test_an_out_folder_that_is_a_file(tmp_path):

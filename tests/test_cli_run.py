@@ -88,6 +88,10 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (("dance",), "No such command 'dance'"),
+        (("demo", "--steps", "20"), "steps must be above"),
+        (("demo", "--seed", "-1"), "seed must be at least 0"),
+        (("demo", "--steps", "many"), "Invalid value for '--steps'"),
         (("run", "none"), "no folder none: robsim new none makes one"),
         (("run", "--camera", "large"), "--camera must be a size such as 640x480, got 'large'"),
         (("run", "--noise", "loud"), "noise must be one of"),

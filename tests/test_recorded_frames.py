@@ -232,3 +232,19 @@ def test_options_of_the_simulated_world_are_refused(run, option):
     name = next(iter(option))
     with pytest.raises(ValueError, match=f"^{name} needs a simulated world, got it with frames"):
         robsim.Simulation(frames=run[0], **option)
+
+
+def test_frames_that_are_dt_apart_are_so_to_the_last_digit(run):
+    seen = []
+    sim = robsim.Simulation(
+        frames=timed(run[0], [0.2 * k for k in range(8)]),
+        estimate_state=lambda step: seen.append(step.dt) or robsim.Estimate((0, 0, 0), np.eye(3)),
+    )
+    sim.run()
+    assert seen == [0.2] * 8
+
+
+def test_a_frame_without_a_time_after_later_ones_is_refused(run):
+    sim = robsim.Simulation(frames=timed(run[0], (5.0, 0)))
+    with pytest.raises(ValueError, match=r"that of step 1 is of t = 0\.2"):
+        sim.run()

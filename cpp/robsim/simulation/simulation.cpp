@@ -176,17 +176,19 @@ bool Simulation::turn() {
 bool Simulation::take_frame() {
   std::optional<Frame> frame = stages_.take_frame(trace_.rows());
   if (!frame) return false;
-  const bool has_time = frame->t != 0;
-  const double gap = has_time && trace_.rows() > 0 ? frame->t - step_->t : model_->dt();
+  const std::int64_t k = trace_.rows();
+  const double dt = model_->dt();
+  const double t = frame->t != 0 ? frame->t : static_cast<double>(k) * dt;  // 0 = none of its own
+  const double gap = k > 0 ? t - step_->t : dt;
   if (!(gap > 0)) {
     throw std::invalid_argument("frames must come in the order of their times: that of step " +
-                                std::to_string(trace_.rows()) +
-                                " is of t = " + std::to_string(frame->t) +
+                                std::to_string(k) + " is of t = " + std::to_string(t) +
                                 " s, the one before of " + std::to_string(step_->t) + " s");
   }
   begin_step();
-  step_->dt = gap;
-  if (has_time) step_->t = frame->t;
+  step_->t = t;
+  // Frames that are dt apart are so but for rounding.
+  step_->dt = std::abs(gap - dt) < 1e-9 * std::max(1.0, t) ? dt : gap;
   step_->frame = std::move(*frame);
   return true;
 }

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from robsim.cli import errors
+from robsim.cli.shared import Json
 
 EXAMPLE = "Example: robsim bench"
 HELP = (
@@ -21,9 +22,7 @@ def bench(
     rounds: Annotated[
         int, typer.Option("--rounds", min=1, help="How often each is timed; the median counts.")
     ] = 25,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")
-    ] = False,
+    as_json: Json = False,
 ) -> None:
     """Measure how fast robsim is on this machine."""
     from robsim.bench import run_bench

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from robsim.cli import errors
+from robsim.cli.shared import Json
 
 EXAMPLE = "Example: robsim demo"
 HELP = (
@@ -27,9 +28,7 @@ def demo(
         int, typer.Option("--steps", help="Steps of the run; in the first 200 the robot spins.")
     ] = 1000,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the run.")] = 2008,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")
-    ] = False,
+    as_json: Json = False,
 ) -> None:
     """Drive a robot, track it by camera and find its parameters."""
     from robsim.demo import run_demo

@@ -9,6 +9,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.outcome import finish
+from robsim.cli.shared import Colors, Json, Robot, Smoothing
 from robsim.cli.text import size
 
 if TYPE_CHECKING:
@@ -68,18 +69,12 @@ def run(
     rotation: Annotated[
         str, typer.Option("--rotation", help="phases: 36 headings are shown. continuous: all.")
     ] = "phases",
-    robot: Annotated[
-        str | None, typer.Option("--robot", help="Name or folder. Default: the one in use.")
-    ] = None,
+    robot: Robot = None,
     locator: Annotated[
         str | None, typer.Option("--locator", help="Robot whose markers to look for.")
     ] = None,
-    colors: Annotated[
-        Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")
-    ] = None,
-    smoothing: Annotated[
-        int, typer.Option("--smoothing", help="Window against noise in px: 3, 5, ... 15.")
-    ] = 1,
+    colors: Colors = None,
+    smoothing: Smoothing = 1,
     area: Annotated[
         str | None,
         typer.Option("--area", metavar="WxH", help="Work area in px: 1200x1200."),
@@ -101,9 +96,7 @@ def run(
     record: Annotated[
         Path | None, typer.Option("--record", help="The same as the camera saw it, to practise on.")
     ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")
-    ] = False,
+    as_json: Json = False,
 ) -> None:
     """Run a simulation."""
     from robsim.results import check_folder

@@ -9,6 +9,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.outcome import finish, write_with_progress
+from robsim.cli.shared import Colors, Json, Robot, Smoothing
 from robsim.cli.text import points, size
 
 if TYPE_CHECKING:
@@ -26,15 +27,9 @@ HELP = (
 
 def track(
     source: Annotated[Path, typer.Argument(help="Video file, or folder of images.")],
-    robot: Annotated[
-        str | None, typer.Option("--robot", help="Name or folder. Default: the one in use.")
-    ] = None,
-    colors: Annotated[
-        Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")
-    ] = None,
-    smoothing: Annotated[
-        int, typer.Option("--smoothing", help="Window against noise in px: 3, 5, ... 15.")
-    ] = 1,
+    robot: Robot = None,
+    colors: Colors = None,
+    smoothing: Smoothing = 1,
     area: Annotated[
         str | None,
         typer.Option("--area", metavar="WxH", help="Work area in px: as the frames."),
@@ -59,9 +54,7 @@ def track(
     video: Annotated[
         bool, typer.Option(help="Write the annotated video, tracked.mp4, too.")
     ] = True,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")
-    ] = False,
+    as_json: Json = False,
 ) -> None:
     """Track the robot in a video file or a folder of images."""
     from robsim.four_points import plane_map_from_points
