@@ -15,24 +15,6 @@ def drive(robot, *, steps=60, **options):
     return sim.run(steps)
 
 
-def crossings(polygon):
-    """Pairs of sides that cross, neighbours left out."""
-    a, b = polygon, np.roll(polygon, -1, axis=0)
-    count = len(polygon)
-
-    def turns(p, q, r):
-        (qx, qy), (rx, ry) = q - p, r - p
-        return np.sign(qx * ry - qy * rx)
-
-    return [
-        (i, j)
-        for i in range(count)
-        for j in range(i + 2, count - (i == 0))
-        if turns(a[i], b[i], a[j]) != turns(a[i], b[i], b[j])
-        and turns(a[j], b[j], a[i]) != turns(a[j], b[j], b[i])
-    ]
-
-
 def inside(polygon, right, down):
     """Even-odd rule, for arrays of places."""
     odd = np.zeros(np.shape(right), bool)
@@ -54,17 +36,6 @@ def test_the_definition_fits_its_folder(name):
     robot = robsim.load_robot(name)
     assert robot.name == name
     assert (shipped_robots()[name] / "robot.png").stat().st_size < 250_000
-
-
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("polygon", ["outline", "red", "blue"])
-def test_no_polygon_crosses_itself(name, polygon):
-    assert crossings(getattr(robsim.load_robot(name), polygon)) == []
-
-
-def test_crossings_are_noticed():
-    assert crossings(np.array([[0, 0], [9, 9], [9, 0], [0, 9]])) == [(0, 2)]
-    assert crossings(np.array([[0, 0], [9, 0], [9, 9], [0, 9]])) == []
 
 
 @pytest.mark.parametrize("name", NAMES)
