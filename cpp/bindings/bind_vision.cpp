@@ -1,5 +1,7 @@
 #include <pybind11/stl.h>
 
+#include <tuple>
+
 #include "numpy.hpp"
 #include "robsim/imaging/frame.hpp"
 #include "robsim/vision/locate.hpp"
@@ -40,12 +42,40 @@ ImageView view_of(const py::object& image) {
   return image_view(image, "image");
 }
 
+using Corners = std::tuple<int, int, int, int>;
+
 BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors,
-                  std::int64_t minimum_area, int maximum_count, int smoothing) {
+                  std::int64_t minimum_area, int maximum_count, int smoothing,
+                  const std::optional<Corners>& region) {
   const ImageView view = view_of(image);
   BlobFinder finder(colors, {minimum_area, maximum_count, smoothing});
+  PixelBox part{0, 0, view.width, view.height};
+  if (region) std::tie(part.left, part.top, part.right, part.bottom) = *region;
   const py::gil_scoped_release native;
-  return finder.find(view);
+  return finder.find(view, part);
+}
+
+std::map<std::string, py::array_t<bool>> masks_of(const py::object& image,
+                                                  const std::vector<ColorClass>& colors,
+                                                  int smoothing) {
+  const ImageView view = view_of(image);
+  RowClassifier classifier(colors, smoothing);
+  std::map<std::string, py::array_t<bool>> masks;
+  std::vector<bool*> next;
+  for (const ColorClass& color : colors) {
+    py::array_t<bool>& mask =
+        masks.try_emplace(color.name, Shape{view.height, view.width}).first->second;
+    next.push_back(mask.mutable_data());
+  }
+  const py::gil_scoped_release native;
+  classifier.begin(view);
+  for (int v = 0; v < view.height; ++v) {
+    const std::vector<BitRow>& bits = classifier.next_row();
+    for (std::size_t i = 0; i < colors.size(); ++i) {
+      for (int u = 0; u < view.width; ++u) *next[i]++ = has(bits[i], u);
+    }
+  }
+  return masks;
 }
 
 py::array_t<std::uint8_t> yuv_of(const py::object& image) {
@@ -94,7 +124,7 @@ A connected component (8 neighbours) of pixels of one colour class, in pixels of
   module.def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
              py::arg("minimum_area") = defaults.minimum_area,
              py::arg("maximum_count") = defaults.maximum_count,
-             py::arg("smoothing") = defaults.smoothing, R"(
+             py::arg("smoothing") = defaults.smoothing, py::arg("region") = py::none(), R"(
 Find the blobs of every colour class in one pass over an image.
 
 Parameters
@@ -110,11 +140,39 @@ maximum_count : int
 smoothing : int
     A pixel is judged by the mean of the window around it, so many px wide: 3, 5, ... 15, against
     noise; between a quarter and three quarters of a marker's width. 1 = by itself.
+region : tuple of int, optional
+    (left, top, right, bottom) in px: only the columns left <= u < right of the rows
+    top <= v < bottom are looked at, as if the image ended there. Places remain those in the whole
+    image.
 
 Returns
 -------
 dict of str to list of Blob
     Per colour the blobs, the largest first.
+
+Raises
+------
+TypeError, ValueError
+    For an image of another kind, for two colours of one name, and for options out of range.
+)");
+
+  module.def("classify", &masks_of, py::arg("image"), py::arg("colors"), py::kw_only(),
+             py::arg("smoothing") = defaults.smoothing, R"(
+Tell which pixels belong to which colour class: what `find_blobs` makes its blobs of.
+
+Parameters
+----------
+image : Frame or array (H, W, 3) of uint8
+    RGB; rows may lie at any distance in memory.
+colors : list of ColorClass
+    The colours; a pixel may belong to several.
+smoothing : int
+    As for `find_blobs`.
+
+Returns
+-------
+dict of str to array (H, W) of bool
+    Per colour, True for its pixels.
 
 Raises
 ------

@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
+__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'classify', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
@@ -872,6 +872,29 @@ class Simulation:
         """
         int: steps recorded by now.
         """
+def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, smoothing: typing.SupportsInt | typing.SupportsIndex = 1) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
+    """
+    Tell which pixels belong to which colour class: what `find_blobs` makes its blobs of.
+    
+    Parameters
+    ----------
+    image : Frame or array (H, W, 3) of uint8
+        RGB; rows may lie at any distance in memory.
+    colors : list of ColorClass
+        The colours; a pixel may belong to several.
+    smoothing : int
+        As for `find_blobs`.
+    
+    Returns
+    -------
+    dict of str to array (H, W) of bool
+        Per colour, True for its pixels.
+    
+    Raises
+    ------
+    TypeError, ValueError
+        For an image of another kind, for two colours of one name, and for options out of range.
+    """
 def cpu_path() -> str:
     """
     Return which instructions the hot loops use: "baseline" or "avx2".
@@ -880,7 +903,7 @@ def cpu_paths() -> list[str]:
     """
     Return those that this processor can use, the fastest last.
     """
-def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, minimum_area: typing.SupportsInt | typing.SupportsIndex = 12, maximum_count: typing.SupportsInt | typing.SupportsIndex = 64, smoothing: typing.SupportsInt | typing.SupportsIndex = 1) -> dict[str, list[Blob]]:
+def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, minimum_area: typing.SupportsInt | typing.SupportsIndex = 12, maximum_count: typing.SupportsInt | typing.SupportsIndex = 64, smoothing: typing.SupportsInt | typing.SupportsIndex = 1, region: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] | None = None) -> dict[str, list[Blob]]:
     """
     Find the blobs of every colour class in one pass over an image.
     
@@ -897,6 +920,10 @@ def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], 
     smoothing : int
         A pixel is judged by the mean of the window around it, so many px wide: 3, 5, ... 15, against
         noise; between a quarter and three quarters of a marker's width. 1 = by itself.
+    region : tuple of int, optional
+        (left, top, right, bottom) in px: only the columns left <= u < right of the rows
+        top <= v < bottom are looked at, as if the image ended there. Places remain those in the whole
+        image.
     
     Returns
     -------

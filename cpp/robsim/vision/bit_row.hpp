@@ -15,6 +15,10 @@ using BitRow = std::vector<std::uint64_t>;
 
 inline std::size_t words_of(int width) { return (static_cast<std::size_t>(width) + 63) / 64; }
 
+inline bool has(const BitRow& row, int u) {
+  return (row[static_cast<std::size_t>(u) / 64] >> (u % 64)) & 1;
+}
+
 /// The number of zeros below the lowest bit that is set; there must be one.
 inline int lowest_bit(std::uint64_t word) {
 #ifdef _MSC_VER

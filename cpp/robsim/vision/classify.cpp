@@ -1,11 +1,11 @@
 #include "robsim/vision/classify.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
 #include <string>
 
 #include "robsim/cpu/cpu_path.hpp"
+#include "robsim/vision/padded_row.hpp"
 #include "robsim/vision/yuv_avx2.hpp"
 
 namespace robsim {
@@ -22,24 +22,6 @@ std::vector<ChannelLimits> limits_of(const ColorClass& color) {
   }
   return limits;
 }
-
-// The pixels of a row in 64s, the last of them filled up with black ones.
-class PaddedRow {
- public:
-  PaddedRow(const std::uint8_t* rgb, int width) : whole_(static_cast<std::size_t>(width) / 64) {
-    const std::size_t left = 3 * static_cast<std::size_t>(width % 64);
-    std::memcpy(padded_, rgb + 192 * whole_, left);
-    std::memset(padded_ + left, 0, sizeof padded_ - left);
-  }
-
-  const std::uint8_t* pixels(const std::uint8_t* rgb, std::size_t word) const {
-    return word < whole_ ? rgb + 192 * word : padded_;
-  }
-
- private:
-  std::size_t whole_;
-  std::uint8_t padded_[192];
-};
 
 // 64 pixels, channel by channel: loops that a compiler does several pixels at a time.
 struct Planes {
@@ -69,9 +51,10 @@ std::uint64_t members_plain(const Planes& planes, const std::vector<ChannelLimit
 
 void classify_plain(const std::uint8_t* rgb, int width,
                     const std::vector<std::vector<ChannelLimits>>& limits,
-                    std::vector<BitRow>& bits) {
+                    const std::vector<std::uint8_t>& may_hold, std::vector<BitRow>& bits) {
   const PaddedRow row(rgb, width);
-  for (std::size_t word = 0; word < words_of(width); ++word) {
+  for (std::size_t word = 0; word < may_hold.size(); ++word) {
+    if (!may_hold[word]) continue;
     Planes planes;
     convert_plain(row.pixels(rgb, word), planes);
     for (std::size_t i = 0; i < limits.size(); ++i) {
@@ -106,6 +89,7 @@ ROBSIM_AVX2_INLINE std::uint32_t members(const __m256i* yuv, const WideLimits* b
 
 ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
                                const std::vector<std::vector<ChannelLimits>>& limits,
+                               const std::vector<std::uint8_t>& may_hold,
                                std::vector<BitRow>& bits) {
   WideLimits wide[most_limits];
   std::size_t first[Classifier::most_classes + 1] = {0};
@@ -122,7 +106,8 @@ ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
     }
   }
   const PaddedRow row(rgb, width);
-  for (std::size_t word = 0; word < words_of(width); ++word) {
+  for (std::size_t word = 0; word < may_hold.size(); ++word) {
+    if (!may_hold[word]) continue;
     const std::uint8_t* pixels = row.pixels(rgb, word);
     __m256i low[3];
     __m256i high[3];
@@ -140,19 +125,19 @@ ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
 
 void classify_words(const std::uint8_t* rgb, int width,
                     const std::vector<std::vector<ChannelLimits>>& limits,
-                    std::vector<BitRow>& bits) {
+                    const std::vector<std::uint8_t>& may_hold, std::vector<BitRow>& bits) {
 #if ROBSIM_HAS_AVX2_CODE
   if (cpu_path() == CpuPath::avx2) {
-    classify_avx2(rgb, width, limits, bits);
+    classify_avx2(rgb, width, limits, may_hold, bits);
     return;
   }
 #endif
-  classify_plain(rgb, width, limits, bits);
+  classify_plain(rgb, width, limits, may_hold, bits);
 }
 
 }  // namespace
 
-Classifier::Classifier(const std::vector<ColorClass>& classes) {
+Classifier::Classifier(const std::vector<ColorClass>& classes) : screen_(classes) {
   if (classes.size() > most_classes) {
     throw std::invalid_argument("colors must be at most " + std::to_string(most_classes) +
                                 " classes, got " + std::to_string(classes.size()));
@@ -160,9 +145,10 @@ Classifier::Classifier(const std::vector<ColorClass>& classes) {
   for (const ColorClass& color : classes) limits_.push_back(limits_of(color));
 }
 
-void Classifier::classify(const std::uint8_t* rgb, int width, std::vector<BitRow>& bits) const {
-  for (BitRow& row : bits) row.resize(words_of(width));
-  classify_words(rgb, width, limits_, bits);
+void Classifier::classify(const std::uint8_t* rgb, int width, std::vector<BitRow>& bits) {
+  for (BitRow& row : bits) row.assign(words_of(width), 0);
+  screen_.look(rgb, width, may_hold_);
+  classify_words(rgb, width, limits_, may_hold_, bits);
   const int left = width % 64;
   if (left == 0) return;
   for (BitRow& row : bits) row.back() &= (std::uint64_t{1} << left) - 1;

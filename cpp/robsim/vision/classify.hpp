@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "robsim/vision/bit_row.hpp"
+#include "robsim/vision/chroma_screen.hpp"
 #include "robsim/vision/color_class.hpp"
 
 namespace robsim {
@@ -25,10 +26,12 @@ class Classifier {
   explicit Classifier(const std::vector<ColorClass>& classes);
 
   /// Sets, for each class, the bits of the pixels of a row of RGB8 that belong to it.
-  void classify(const std::uint8_t* rgb, int width, std::vector<BitRow>& bits) const;
+  void classify(const std::uint8_t* rgb, int width, std::vector<BitRow>& bits);
 
  private:
   std::vector<std::vector<ChannelLimits>> limits_;  // per class
+  ChromaScreen screen_;
+  std::vector<std::uint8_t> may_hold_;  // a member, per 64 pixels
 };
 
 }  // namespace robsim

@@ -2,14 +2,13 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "robsim/geometry/pose.hpp"
 #include "robsim/imaging/image.hpp"
-#include "robsim/vision/classify.hpp"
-#include "robsim/vision/smoothed_classifier.hpp"
+#include "robsim/vision/components.hpp"
+#include "robsim/vision/row_classifier.hpp"
 
 namespace robsim {
 
@@ -31,8 +30,8 @@ struct BlobOptions {
   int smoothing = 1;               // px; a pixel is judged by the mean of so wide a window
 };
 
-/// Finds the blobs of every colour class in one pass over the image: rows of pixels become runs,
-/// runs are joined to components by union-find, the moments are summed at the root.
+/// Finds the blobs of every colour class in one pass over the image: rows of pixels become bits,
+/// bits become runs, runs are joined to components.
 /// Keeps its memory from frame to frame.
 class BlobFinder {
  public:
@@ -40,38 +39,22 @@ class BlobFinder {
   explicit BlobFinder(std::vector<ColorClass> colors, const BlobOptions& options = {});
 
   const std::vector<ColorClass>& colors() const { return colors_; }
-  BlobsByColor find(const ImageView& image);
+
+  BlobsByColor find(const ImageView& image) {
+    return find(image, {0, 0, image.width, image.height});
+  }
+
+  /// Looks at a part of the image only, as if the image ended there; places are those in the whole
+  /// image. Throws std::invalid_argument unless the part lies within it and is not empty.
+  BlobsByColor find(const ImageView& image, const PixelBox& part);
 
  private:
-  struct Run {
-    int left;
-    int right;
-    std::size_t region;
-  };
-
-  struct Region {
-    std::size_t parent;
-    std::int64_t area;
-    std::int64_t sum_u;
-    std::int64_t sum_v;
-    PixelBox box;
-  };
-
-  struct Components {
-    std::vector<Run> above;  // the runs of the row above
-    std::vector<Run> runs;
-    std::vector<Region> regions;
-  };
-
-  void add_row(std::size_t color, int v, int width);
-  std::vector<Blob> blobs(std::size_t color, const ImageView& image) const;
+  std::vector<Blob> blobs(std::size_t color, const PixelBox& part);
 
   std::vector<ColorClass> colors_;
   BlobOptions options_;
-  Classifier classifier_;
-  std::optional<SmoothedClassifier> smoothed_;
-  std::vector<BitRow> bits_;            // per colour, of one row
-  std::vector<Components> components_;  // per colour
+  RowClassifier classifier_;
+  std::vector<ComponentFinder> components_;  // per colour
 };
 
 }  // namespace robsim

@@ -6,12 +6,15 @@
 
 #include "robsim/imaging/image.hpp"
 #include "robsim/vision/bit_row.hpp"
+#include "robsim/vision/chroma_screen.hpp"
 #include "robsim/vision/color_class.hpp"
+#include "robsim/vision/window_sums.hpp"
 
 namespace robsim {
 
 /// Tells which pixels belong to which class by the mean of the window of pixels around them, in
 /// every channel that a class limits. Beyond the border of the image its outermost pixels go on.
+/// Where the window holds grey pixels only, no mean is worked out.
 class SmoothedClassifier {
  public:
   static constexpr int largest_window = 15;
@@ -29,28 +32,42 @@ class SmoothedClassifier {
   // lower <= sum of the window <= upper
   struct SumLimits {
     std::size_t channel;
-    std::uint16_t lower;
-    std::uint16_t upper;
+    WindowSums::Sum lower;
+    WindowSums::Sum upper;
   };
 
   struct Channel {
     bool is_needed = false;
-    std::vector<std::uint8_t> rows;      // the newest ones, in turns
-    std::vector<std::uint16_t> columns;  // sums of the window's rows, with a margin on both sides
-    std::vector<std::uint16_t> sums;     // of the window
+    std::vector<std::uint8_t> rows;        // the newest ones, in turns
+    std::vector<WindowSums::Sum> columns;  // sums of the window's rows, with a margin on both sides
+    std::vector<WindowSums::Sum> sums;     // of the window
   };
 
+  // A flag for each 64 pixels of a row
+  using Flags = std::vector<std::uint8_t>;
+
+  Flags& may_hold(int v);
   std::uint8_t* row(Channel& channel, int v);
   int within(int v) const;
-  void convert(int v);
-  void move_down();
+  void look(int v);
+  void look_down();
+  void find_active();
+  void convert(int v, std::size_t first, std::size_t last);
+  void fill(std::size_t first, std::size_t last);
+  void move_down(std::size_t first, std::size_t last);
+  void classify(std::size_t first, std::size_t last, std::vector<BitRow>& bits);
 
   int window_;
   std::vector<std::vector<SumLimits>> limits_;  // per class
+  ChromaScreen screen_;
   Channel channels_[3];
   ImageView image_;
-  std::size_t padded_width_ = 0;  // a multiple of 64
-  int v_ = 0;
+  std::size_t words_ = 0;         // 64 pixels each
+  int v_ = 0;                     // the row at hand
+  std::vector<Flags> may_hold_;   // a member, of the newest rows, in turns
+  std::vector<int> suspects_;     // how many rows of the window may hold one
+  Flags active_;                  // the means decide
+  Flags is_summed_, was_summed_;  // the sums of the columns are those of row v, of the row above
 };
 
 }  // namespace robsim

@@ -1,0 +1,138 @@
+"""Which pixel belongs to which class: exact on every path, also where most of an image is grey."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import robsim
+from robsim import _core
+
+RED_AND_BLUE = [
+    robsim.ColorClass("red", u=(0, 150), v=(156, 255)),
+    robsim.ColorClass("blue", u=(156, 255), v=(0, 140)),
+]
+ALSO_GREY = [
+    robsim.ColorClass("dark", y=(0, 90)),
+    robsim.ColorClass("neutral", u=(118, 136)),
+    robsim.ColorClass("all"),
+]
+
+
+def mask_of(image, color, window=1):
+    """The pixels of a class, by the mean of the window around each, the slow way."""
+    reach = window // 2
+    margin = ((reach, reach), (reach, reach), (0, 0))
+    padded = np.pad(robsim.rgb_to_yuv(image).astype(int), margin, "edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (window, window), axis=(0, 1))
+    mean = windows.sum(axis=(-2, -1)) // window**2
+    limits = np.array((color.y, color.u, color.v))
+    return ((mean >= limits[:, 0]) & (mean <= limits[:, 1])).all(axis=2)
+
+
+def grey_with_some_color(random, width, height):
+    """A grey image with a few rectangles of any colour, some of them a pixel small."""
+    grey = random.integers(0, 256, (height, width, 1))
+    image = np.clip(grey + random.integers(-8, 9, (height, width, 3)), 0, 255).astype(np.uint8)
+    for _ in range(random.integers(0, 5)):
+        u, v = random.integers(width), random.integers(height)
+        wide, high = random.integers(1, 30, 2)
+        image[v : v + high, u : u + wide] = random.integers(0, 256, 3)
+    return image
+
+
+def any_pixels(random, width, height):
+    return random.integers(0, 256, (height, width, 3), dtype=np.uint8)
+
+
+@pytest.fixture(autouse=True)
+def _path():
+    before = _core.cpu_path()
+    yield
+    _core.force_cpu_path(before)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    width=st.integers(1, 400),
+    height=st.integers(1, 40),
+    window=st.sampled_from([1, 3, 5, 7, 9, 11, 13, 15]),
+    draw=st.sampled_from([grey_with_some_color, any_pixels]),
+    seed=st.integers(0, 2**32 - 1),
+    colors=st.sampled_from([RED_AND_BLUE, RED_AND_BLUE + ALSO_GREY]),
+    path=st.sampled_from(_core.cpu_paths()),
+)
+def test_the_masks_are_those_of_the_slow_way(width, height, window, draw, seed, colors, path):
+    _core.force_cpu_path(path)
+    image = draw(np.random.default_rng(seed), width, height)
+    masks = robsim.classify(image, colors, smoothing=window)
+    for color in colors:
+        np.testing.assert_array_equal(masks[color.name], mask_of(image, color, window))
+
+
+@pytest.mark.parametrize("path", _core.cpu_paths())
+def test_no_colour_that_belongs_to_a_class_is_taken_for_grey(path):
+    # Classes at every distance from grey, on every colour in steps of 5.
+    _core.force_cpu_path(path)
+    values = np.arange(0, 256, 5, dtype=np.uint8)
+    image = np.stack(np.meshgrid(values, values, values), axis=-1).reshape(-1, len(values), 3)
+    yuv = robsim.rgb_to_yuv(image)
+    for limit in range(100, 160, 3):
+        for channel, name in ((1, "u"), (2, "v")):
+            above = robsim.ColorClass("above", **{name: (limit, 255)})
+            below = robsim.ColorClass("below", **{name: (0, limit)})
+            masks = [robsim.classify(image, [c])[c.name] for c in (above, below)]
+            np.testing.assert_array_equal(masks[0], yuv[..., channel] >= limit)
+            np.testing.assert_array_equal(masks[1], yuv[..., channel] <= limit)
+
+
+def test_a_view_of_the_classes_of_a_frame():
+    frame = robsim.Simulation(robot="lab", camera=(480, 480), seed=1).frame
+    masks = robsim.classify(frame, robsim.load_colors())
+    found = robsim.find_blobs(frame, robsim.load_colors(), minimum_area=1)
+    assert list(masks) == ["blue", "red"]
+    for name, mask in masks.items():
+        assert mask.shape == (480, 480)
+        assert mask.dtype == bool
+        assert mask.sum() == sum(blob.area for blob in found[name]) > 0
+
+
+@pytest.mark.parametrize("smoothing", [1, 5])
+def test_a_region_is_an_image_of_its_own(rng, smoothing):
+    image = rng.integers(0, 256, (60, 150, 3), dtype=np.uint8)
+    colors = [robsim.ColorClass("some", u=(150, 255)), robsim.ColorClass("other", v=(0, 120))]
+    left, top, right, bottom = region = (13, 7, 120, 41)
+
+    def blobs(image, region=None):
+        return robsim.find_blobs(
+            image, colors, minimum_area=2, smoothing=smoothing, region=region, maximum_count=999
+        )
+
+    cut = blobs(np.ascontiguousarray(image[top:bottom, left:right]))
+    found = blobs(image, region)
+    for color in colors:
+        assert len(found[color.name]) == len(cut[color.name]) > 0
+        for a, b in zip(found[color.name], cut[color.name], strict=True):
+            assert (a.area, a.at_border) == (b.area, b.at_border)
+            np.testing.assert_allclose(
+                a.centroid, np.add(b.centroid, (left, top)), rtol=0, atol=1e-9
+            )
+            assert a.bounding_box == tuple(np.add(b.bounding_box, (left, top, left, top)))
+
+
+@pytest.mark.parametrize(
+    "region", [(0, 0, 0, 5), (-1, 0, 5, 5), (0, 0, 11, 5), (0, 3, 5, 9), (4, 2, 3, 5)]
+)
+def test_a_region_outside_the_image(region):
+    image = np.zeros((8, 10, 3), np.uint8)
+    with pytest.raises(ValueError, match=r"region must be left < right, top < bottom within the "):
+        robsim.find_blobs(image, RED_AND_BLUE, region=region)
+
+
+@pytest.mark.parametrize("smoothing", [0, 2, 17])
+def test_classify_refuses_what_find_blobs_refuses(smoothing):
+    image = np.zeros((8, 10, 3), np.uint8)
+    with pytest.raises(ValueError, match="smoothing must be 1 = off, or a window"):
+        robsim.classify(image, RED_AND_BLUE, smoothing=smoothing)
+    with pytest.raises(ValueError, match="colors must have different names, got 'red' twice"):
+        robsim.classify(image, RED_AND_BLUE[:1] * 2)
