@@ -50,6 +50,11 @@ SmoothedClassifier::SmoothedClassifier(const std::vector<ColorClass>& classes, i
                                 static_cast<WindowSums::Sum>((upper + 1) * area - 1)});
       channels_[channel].is_needed = true;
     }
+    // First what a neutral pixel, with 128 in every channel, does not fulfil.
+    std::stable_partition(limits_.back().begin(), limits_.back().end(),
+                          [&](const SumLimits& limit) {
+                            return limit.lower > 128 * area || limit.upper < 128 * area;
+                          });
   }
 }
 
@@ -97,7 +102,15 @@ void SmoothedClassifier::next_row(std::vector<BitRow>& bits) {
   ++v_;
 }
 
-void SmoothedClassifier::look(int v) { screen_.look(image_.row(v), image_.width, may_hold(v)); }
+void SmoothedClassifier::look(int v) {
+  // In noise every pixel is colourful: a look at every eighth row finds out when that ends.
+  const auto is_set = [](std::uint8_t flag) { return flag != 0; };
+  if (v % 8 != 0 && std::all_of(may_hold(v - 1).begin(), may_hold(v - 1).end(), is_set)) {
+    may_hold(v).assign(words_, 1);
+  } else {
+    screen_.look(image_.row(v), image_.width, may_hold(v));
+  }
+}
 
 void SmoothedClassifier::look_down() {
   const int reach = window_ / 2;
@@ -165,6 +178,7 @@ void SmoothedClassifier::classify(std::size_t first, std::size_t last, std::vect
     for (std::size_t word = first; word < last; ++word) {
       std::uint64_t members = ~std::uint64_t{0};
       for (const SumLimits& limit : limits_[i]) {
+        if (members == 0) break;
         const WindowSums::Sum* sums = channels_[limit.channel].sums.data() + 64 * word;
         members &= loops.within(sums, limit.lower, limit.upper);
       }
