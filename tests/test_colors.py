@@ -41,8 +41,8 @@ def color_file(tmp_path):
 def test_the_shipped_colors_are_red_and_blue():
     red, blue = load_colors()
     assert (red.name, blue.name) == ("red", "blue")
-    assert ranges(red) == {"y": (0, 255), "u": (0, 150), "v": (164, 255)}
-    assert ranges(blue) == {"y": (0, 255), "u": (160, 255), "v": (0, 140)}
+    assert ranges(red) == {"y": (0, 255), "u": (0, 150), "v": (154, 255)}
+    assert ranges(blue) == {"y": (0, 255), "u": (154, 255), "v": (0, 140)}
 
 
 @pytest.mark.parametrize(

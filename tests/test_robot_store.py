@@ -283,7 +283,7 @@ def test_a_saved_robot_can_be_read_by_people(tmp_path):
     assert "\n    [239.50, 26.47], [308.40, 32.50], [312.53, 33.61], [314.37, 34.47],\n" in text
     assert max(map(len, text.splitlines())) <= 100
     assert set(tomllib.loads(text)) == {"name", "image", "size", "alignment", "centre"} | {
-        *("outline", "red", "blue")
+        *("outline", "red", "blue", "maximum_blobs")
     }
 
 
@@ -531,3 +531,13 @@ def test_a_robot_made_up_on_the_spot(seed, tmp_path):
     remove_robot("drawn")
     assert load_robot().name == "lab"
     assert "drawn" not in robot_names()
+
+
+def test_the_number_of_blobs_is_kept(tmp_path):
+    few = replace(load_robot("lab"), maximum_blobs=3)
+    save_robot(few, tmp_path / "few")
+    assert load_robot(tmp_path / "few").locator().maximum_blobs == 3
+    file = tmp_path / "few/robot.toml"
+    file.write_text(file.read_text().replace("maximum_blobs = 3", "maximum_blobs = 0"))
+    with pytest.raises(ValueError, match=r"robot\.toml: maximum_blobs must lie within 1..100000"):
+        load_robot(tmp_path / "few")

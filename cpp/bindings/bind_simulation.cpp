@@ -47,7 +47,7 @@ class PythonInterpreter : public Interpreter {
 std::unique_ptr<SlottedSimulation> make_simulation(
     std::pair<int, int> area, const std::string& boundary, double robot_radius,
     const py::object& start, const VisualNoise& noise, const std::vector<ColorClass>& colors,
-    const Locator& locator, int smoothing, const std::string& identify_from,
+    const Locator& locator, std::optional<int> smoothing, const std::string& identify_from,
     std::uint64_t controller_seed, std::uint64_t noise_seed, double dropout, int dropout_steps,
     std::uint64_t dropout_seed) {
   SimulationOptions options;
@@ -60,7 +60,7 @@ std::unique_ptr<SlottedSimulation> make_simulation(
   options.noise = noise;
   options.colors = colors;
   options.locator = locator;
-  options.blobs.smoothing = smoothing;
+  options.smoothing = smoothing;
   options.identify_from = choice_from<IdentifyFrom>("identify_from", identify_from,
                                                     {{"truth", IdentifyFrom::truth},
                                                      {"measurement", IdentifyFrom::measurement},
@@ -336,6 +336,17 @@ void bind_simulation(py::module_& module) {
            py::arg("dropout_steps"), py::arg("dropout_seed"))
       .def("set_stage", &SlottedSimulation::set_stage, py::arg("slot"), py::arg("value"),
            "Put a callable or a native component into a slot; None = the default.")
+      .def_property_readonly(
+          "minimum_area",
+          [](const SlottedSimulation& self) { return self.blob_options().minimum_area; },
+          "int: of the blobs in the newest frame (px).")
+      .def_property_readonly(
+          "maximum_count",
+          [](const SlottedSimulation& self) { return self.blob_options().maximum_count; },
+          "int: of the blobs of a colour.")
+      .def_property_readonly(
+          "smoothing", [](const SlottedSimulation& self) { return self.blob_options().smoothing; },
+          "int: window of the newest frame (px); 1 = off.")
       .def("start", &SlottedSimulation::start, "Do what comes once, if that has not been done yet.")
       .def(
           "run",

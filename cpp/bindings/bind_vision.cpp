@@ -4,7 +4,7 @@
 
 #include "numpy.hpp"
 #include "robsim/imaging/frame.hpp"
-#include "robsim/vision/locate.hpp"
+#include "robsim/vision/marker_blobs.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -42,13 +42,23 @@ ImageView view_of(const py::object& image) {
   return image_view(image, "image");
 }
 
+PlaneMap plane_map_of(const py::object& image) {
+  return py::isinstance<Frame>(image) ? image.cast<const Frame&>().plane_map : PlaneMap();
+}
+
 using Corners = std::tuple<int, int, int, int>;
 
 BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors,
-                  std::int64_t minimum_area, int maximum_count, int smoothing,
+                  const std::optional<Locator>& locator, std::optional<std::int64_t> minimum_area,
+                  std::optional<int> maximum_count, std::optional<int> smoothing,
                   const std::optional<Corners>& region) {
   const ImageView view = view_of(image);
-  BlobFinder finder(colors, {minimum_area, maximum_count, smoothing});
+  BlobOptions options;
+  if (locator) options = marker_blobs(*locator, plane_map_of(image), view.width, view.height);
+  if (minimum_area) options.minimum_area = *minimum_area;
+  if (maximum_count) options.maximum_count = *maximum_count;
+  if (smoothing) options.smoothing = *smoothing;
+  BlobFinder finder(colors, options);
   PixelBox part{0, 0, view.width, view.height};
   if (region) std::tie(part.left, part.top, part.right, part.bottom) = *region;
   const py::gil_scoped_release native;
@@ -93,11 +103,86 @@ py::array_t<std::uint8_t> yuv_of(const py::object& image) {
   return result;
 }
 
-Locator with_tolerances(Locator locator, double distance_tolerance, double area_tolerance) {
+Locator with_options(Locator locator, double distance_tolerance, double area_tolerance,
+                     int maximum_blobs) {
   locator.distance_tolerance = distance_tolerance;
   locator.area_tolerance = area_tolerance;
+  locator.maximum_blobs = maximum_blobs;
   check_locator(locator);
   return locator;
+}
+
+void bind_locator(py::module_& module) {
+  const Locator defaults;
+  py::class_<Locator>(module, "Locator", R"(
+Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
+
+The line from blue to red lies across the heading, red on the robot's right. Markers in other
+places: see `from_markers`.
+
+Parameters
+----------
+distance : float
+    Between the centroids of the two markers (work-area px).
+offset : float
+    From the midpoint of the markers forward to the robot's centre (work-area px).
+distance_tolerance : float
+    Greatest deviation of a pair's distance, as a share of the distance.
+area_tolerance : float
+    Greatest factor between a blob's area and the marker's; where the areas are not known, between
+    the two blobs of a pair.
+maximum_blobs : int
+    So many of the largest blobs of a colour are looked at.
+)")
+      .def(py::init([](double distance, double offset, double distance_tolerance,
+                       double area_tolerance, int maximum_blobs) {
+             return with_options(Locator::across(distance, offset), distance_tolerance,
+                                 area_tolerance, maximum_blobs);
+           }),
+           py::arg("distance"), py::arg("offset"), py::kw_only(),
+           py::arg("distance_tolerance") = defaults.distance_tolerance,
+           py::arg("area_tolerance") = defaults.area_tolerance,
+           py::arg("maximum_blobs") = defaults.maximum_blobs)
+      .def_static(
+          "from_markers",
+          [](const py::object& red, const py::object& blue, double distance_tolerance,
+             double area_tolerance, int maximum_blobs) {
+            return with_options(
+                Locator::from_markers(polygon_from(red, "red"), polygon_from(blue, "blue")),
+                distance_tolerance, area_tolerance, maximum_blobs);
+          },
+          py::arg("red"), py::arg("blue"), py::kw_only(),
+          py::arg("distance_tolerance") = defaults.distance_tolerance,
+          py::arg("area_tolerance") = defaults.area_tolerance,
+          py::arg("maximum_blobs") = defaults.maximum_blobs, R"(
+Return the locator of a robot with these markers; it knows their areas, too.
+
+Parameters
+----------
+red, blue : array (N, 2)
+    Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
+distance_tolerance, area_tolerance, maximum_blobs
+    As for `Locator`.
+)")
+      .def_property_readonly("distance", &Locator::distance,
+                             "float: between the markers' centroids (work-area px).")
+      .def_property_readonly("offset", &Locator::offset,
+                             "float: from the markers' midpoint forward to the centre (px).")
+      .def_property_readonly(
+          "red", [](const Locator& self) { return to_array(self.red); },
+          "array (2,): the red marker's place, forward and right of the centre (px).")
+      .def_property_readonly(
+          "blue", [](const Locator& self) { return to_array(self.blue); },
+          "array (2,): the blue marker's place, forward and right of the centre (px).")
+      .def_readonly("red_area", &Locator::red_area, "float: px^2, NaN = not known.")
+      .def_readonly("blue_area", &Locator::blue_area, "float: px^2, NaN = not known.")
+      .def_readonly("distance_tolerance", &Locator::distance_tolerance, "float: share.")
+      .def_readonly("area_tolerance", &Locator::area_tolerance, "float: factor.")
+      .def_readonly("maximum_blobs", &Locator::maximum_blobs, "int: of the largest of a colour.")
+      .def("__repr__", [](const Locator& self) {
+        return "<Locator: markers " + std::to_string(self.distance()) + " px apart, centre " +
+               std::to_string(self.offset()) + " px ahead of their midpoint>";
+      });
 }
 
 void bind_blobs(py::module_& module) {
@@ -122,9 +207,9 @@ A connected component (8 neighbours) of pixels of one colour class, in pixels of
 
   const BlobOptions defaults;
   module.def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
-             py::arg("minimum_area") = defaults.minimum_area,
-             py::arg("maximum_count") = defaults.maximum_count,
-             py::arg("smoothing") = defaults.smoothing, py::arg("region") = py::none(), R"(
+             py::arg("locator") = py::none(), py::arg("minimum_area") = py::none(),
+             py::arg("maximum_count") = py::none(), py::arg("smoothing") = py::none(),
+             py::arg("region") = py::none(), R"(
 Find the blobs of every colour class in one pass over an image.
 
 Parameters
@@ -133,13 +218,19 @@ image : Frame or array (H, W, 3) of uint8
     RGB; rows may lie at any distance in memory.
 colors : list of ColorClass
     The colours to look for; a pixel may belong to several.
-minimum_area : int
-    Smaller blobs are dropped (px).
-maximum_count : int
-    Only so many of the largest blobs of a colour are returned.
-smoothing : int
+locator : Locator, optional
+    The robot whose markers are looked for: the defaults of the other options are those with which
+    they are found, in noise, too. Its lengths count as px of an array, or by the plane map of a
+    Frame.
+minimum_area : int, optional
+    Smaller blobs are dropped (px). Default: 12, or an eighth of the locator's smaller marker.
+maximum_count : int, optional
+    Only so many of the largest blobs of a colour are returned. Default: 64, or as the locator
+    says.
+smoothing : int, optional
     A pixel is judged by the mean of the window around it, so many px wide: 3, 5, ... 15, against
-    noise; between a quarter and three quarters of a marker's width. 1 = by itself.
+    noise; between a quarter and three quarters of a marker's width. 1 = by itself. Default: 1, or
+    0.28 of the width of the locator's smaller marker, at most 7.
 region : tuple of int, optional
     (left, top, right, bottom) in px: only the columns left <= u < right of the rows
     top <= v < bottom are looked at, as if the image ended there. Places remain those in the whole
@@ -167,7 +258,7 @@ image : Frame or array (H, W, 3) of uint8
 colors : list of ColorClass
     The colours; a pixel may belong to several.
 smoothing : int
-    As for `find_blobs`.
+    A pixel is judged by the mean of so wide a window, as in `find_blobs`; 1 = by itself.
 
 Returns
 -------
@@ -198,72 +289,6 @@ pose : array (3,)
       .def("__repr__", [](const Measurement& self) {
         return "Measurement(" + py::repr(to_array(self.pose).attr("tolist")()).cast<std::string>() +
                ")";
-      });
-
-  const Locator defaults;
-  py::class_<Locator>(module, "Locator", R"(
-Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
-
-The line from blue to red lies across the heading, red on the robot's right. Markers in other
-places: see `from_markers`.
-
-Parameters
-----------
-distance : float
-    Between the centroids of the two markers (work-area px).
-offset : float
-    From the midpoint of the markers forward to the robot's centre (work-area px).
-distance_tolerance : float
-    Greatest deviation of a pair's distance, as a share of the distance.
-area_tolerance : float
-    Greatest factor between a blob's area and the marker's; where the areas are not known, between
-    the two blobs of a pair.
-)")
-      .def(py::init([](double distance, double offset, double distance_tolerance,
-                       double area_tolerance) {
-             return with_tolerances(Locator::across(distance, offset), distance_tolerance,
-                                    area_tolerance);
-           }),
-           py::arg("distance"), py::arg("offset"), py::kw_only(),
-           py::arg("distance_tolerance") = defaults.distance_tolerance,
-           py::arg("area_tolerance") = defaults.area_tolerance)
-      .def_static(
-          "from_markers",
-          [](const py::object& red, const py::object& blue, double distance_tolerance,
-             double area_tolerance) {
-            return with_tolerances(
-                Locator::from_markers(polygon_from(red, "red"), polygon_from(blue, "blue")),
-                distance_tolerance, area_tolerance);
-          },
-          py::arg("red"), py::arg("blue"), py::kw_only(),
-          py::arg("distance_tolerance") = defaults.distance_tolerance,
-          py::arg("area_tolerance") = defaults.area_tolerance, R"(
-Return the locator of a robot with these markers; it knows their areas, too.
-
-Parameters
-----------
-red, blue : array (N, 2)
-    Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
-distance_tolerance, area_tolerance : float
-    As for `Locator`.
-)")
-      .def_property_readonly("distance", &Locator::distance,
-                             "float: between the markers' centroids (work-area px).")
-      .def_property_readonly("offset", &Locator::offset,
-                             "float: from the markers' midpoint forward to the centre (px).")
-      .def_property_readonly(
-          "red", [](const Locator& self) { return to_array(self.red); },
-          "array (2,): the red marker's place, forward and right of the centre (px).")
-      .def_property_readonly(
-          "blue", [](const Locator& self) { return to_array(self.blue); },
-          "array (2,): the blue marker's place, forward and right of the centre (px).")
-      .def_readonly("red_area", &Locator::red_area, "float: px^2, NaN = not known.")
-      .def_readonly("blue_area", &Locator::blue_area, "float: px^2, NaN = not known.")
-      .def_readonly("distance_tolerance", &Locator::distance_tolerance, "float: share.")
-      .def_readonly("area_tolerance", &Locator::area_tolerance, "float: factor.")
-      .def("__repr__", [](const Locator& self) {
-        return "<Locator: markers " + std::to_string(self.distance()) + " px apart, centre " +
-               std::to_string(self.offset()) + " px ahead of their midpoint>";
       });
 
   module.def(
@@ -335,6 +360,7 @@ Returns
 array (H, W, 3) of uint8
     Y, U, V.
 )");
+  bind_locator(module);
   bind_blobs(module);
   bind_locate(module);
 }

@@ -361,6 +361,88 @@ class ColorClass:
         """
         tuple of int: luma.
         """
+class Locator:
+    """
+    Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
+    
+    The line from blue to red lies across the heading, red on the robot's right. Markers in other
+    places: see `from_markers`.
+    
+    Parameters
+    ----------
+    distance : float
+        Between the centroids of the two markers (work-area px).
+    offset : float
+        From the midpoint of the markers forward to the robot's centre (work-area px).
+    distance_tolerance : float
+        Greatest deviation of a pair's distance, as a share of the distance.
+    area_tolerance : float
+        Greatest factor between a blob's area and the marker's; where the areas are not known, between
+        the two blobs of a pair.
+    maximum_blobs : int
+        So many of the largest blobs of a colour are looked at.
+    """
+    @staticmethod
+    def from_markers(red: typing.Any, blue: typing.Any, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> Locator:
+        """
+        Return the locator of a robot with these markers; it knows their areas, too.
+        
+        Parameters
+        ----------
+        red, blue : array (N, 2)
+            Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
+        distance_tolerance, area_tolerance, maximum_blobs
+            As for `Locator`.
+        """
+    def __init__(self, distance: typing.SupportsFloat | typing.SupportsIndex, offset: typing.SupportsFloat | typing.SupportsIndex, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def area_tolerance(self) -> float:
+        """
+        float: factor.
+        """
+    @property
+    def blue(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): the blue marker's place, forward and right of the centre (px).
+        """
+    @property
+    def blue_area(self) -> float:
+        """
+        float: px^2, NaN = not known.
+        """
+    @property
+    def distance(self) -> float:
+        """
+        float: between the markers' centroids (work-area px).
+        """
+    @property
+    def distance_tolerance(self) -> float:
+        """
+        float: share.
+        """
+    @property
+    def maximum_blobs(self) -> int:
+        """
+        int: of the largest of a colour.
+        """
+    @property
+    def offset(self) -> float:
+        """
+        float: from the markers' midpoint forward to the centre (px).
+        """
+    @property
+    def red(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): the red marker's place, forward and right of the centre (px).
+        """
+    @property
+    def red_area(self) -> float:
+        """
+        float: px^2, NaN = not known.
+        """
 class Blob:
     """
     A connected component (8 neighbours) of pixels of one colour class, in pixels of its frame.
@@ -409,81 +491,6 @@ class Measurement:
     def pose(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).
-        """
-class Locator:
-    """
-    Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
-    
-    The line from blue to red lies across the heading, red on the robot's right. Markers in other
-    places: see `from_markers`.
-    
-    Parameters
-    ----------
-    distance : float
-        Between the centroids of the two markers (work-area px).
-    offset : float
-        From the midpoint of the markers forward to the robot's centre (work-area px).
-    distance_tolerance : float
-        Greatest deviation of a pair's distance, as a share of the distance.
-    area_tolerance : float
-        Greatest factor between a blob's area and the marker's; where the areas are not known, between
-        the two blobs of a pair.
-    """
-    @staticmethod
-    def from_markers(red: typing.Any, blue: typing.Any, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.08, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 1.6) -> Locator:
-        """
-        Return the locator of a robot with these markers; it knows their areas, too.
-        
-        Parameters
-        ----------
-        red, blue : array (N, 2)
-            Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
-        distance_tolerance, area_tolerance : float
-            As for `Locator`.
-        """
-    def __init__(self, distance: typing.SupportsFloat | typing.SupportsIndex, offset: typing.SupportsFloat | typing.SupportsIndex, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.08, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 1.6) -> None:
-        ...
-    def __repr__(self) -> str:
-        ...
-    @property
-    def area_tolerance(self) -> float:
-        """
-        float: factor.
-        """
-    @property
-    def blue(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (2,): the blue marker's place, forward and right of the centre (px).
-        """
-    @property
-    def blue_area(self) -> float:
-        """
-        float: px^2, NaN = not known.
-        """
-    @property
-    def distance(self) -> float:
-        """
-        float: between the markers' centroids (work-area px).
-        """
-    @property
-    def distance_tolerance(self) -> float:
-        """
-        float: share.
-        """
-    @property
-    def offset(self) -> float:
-        """
-        float: from the markers' midpoint forward to the centre (px).
-        """
-    @property
-    def red(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (2,): the red marker's place, forward and right of the centre (px).
-        """
-    @property
-    def red_area(self) -> float:
-        """
-        float: px^2, NaN = not known.
         """
 class RecursiveLeastSquares:
     """
@@ -820,7 +827,7 @@ class Simulation:
     """
     The loop. Users take robsim.Simulation.
     """
-    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], locator: Locator, smoothing: typing.SupportsInt | typing.SupportsIndex, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_steps: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], locator: Locator, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_steps: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
         """
@@ -862,6 +869,16 @@ class Simulation:
     def is_running(self) -> bool:
         ...
     @property
+    def maximum_count(self) -> int:
+        """
+        int: of the blobs of a colour.
+        """
+    @property
+    def minimum_area(self) -> int:
+        """
+        int: of the blobs in the newest frame (px).
+        """
+    @property
     def model(self) -> RobotModel:
         ...
     @property
@@ -871,6 +888,11 @@ class Simulation:
     def rows(self) -> int:
         """
         int: steps recorded by now.
+        """
+    @property
+    def smoothing(self) -> int:
+        """
+        int: window of the newest frame (px); 1 = off.
         """
 def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, smoothing: typing.SupportsInt | typing.SupportsIndex = 1) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """
@@ -883,7 +905,7 @@ def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *,
     colors : list of ColorClass
         The colours; a pixel may belong to several.
     smoothing : int
-        As for `find_blobs`.
+        A pixel is judged by the mean of so wide a window, as in `find_blobs`; 1 = by itself.
     
     Returns
     -------
@@ -903,7 +925,7 @@ def cpu_paths() -> list[str]:
     """
     Return those that this processor can use, the fastest last.
     """
-def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, minimum_area: typing.SupportsInt | typing.SupportsIndex = 12, maximum_count: typing.SupportsInt | typing.SupportsIndex = 64, smoothing: typing.SupportsInt | typing.SupportsIndex = 1, region: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] | None = None) -> dict[str, list[Blob]]:
+def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, locator: Locator | None = None, minimum_area: typing.SupportsInt | typing.SupportsIndex | None = None, maximum_count: typing.SupportsInt | typing.SupportsIndex | None = None, smoothing: typing.SupportsInt | typing.SupportsIndex | None = None, region: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] | None = None) -> dict[str, list[Blob]]:
     """
     Find the blobs of every colour class in one pass over an image.
     
@@ -913,13 +935,19 @@ def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], 
         RGB; rows may lie at any distance in memory.
     colors : list of ColorClass
         The colours to look for; a pixel may belong to several.
-    minimum_area : int
-        Smaller blobs are dropped (px).
-    maximum_count : int
-        Only so many of the largest blobs of a colour are returned.
-    smoothing : int
+    locator : Locator, optional
+        The robot whose markers are looked for: the defaults of the other options are those with which
+        they are found, in noise, too. Its lengths count as px of an array, or by the plane map of a
+        Frame.
+    minimum_area : int, optional
+        Smaller blobs are dropped (px). Default: 12, or an eighth of the locator's smaller marker.
+    maximum_count : int, optional
+        Only so many of the largest blobs of a colour are returned. Default: 64, or as the locator
+        says.
+    smoothing : int, optional
         A pixel is judged by the mean of the window around it, so many px wide: 3, 5, ... 15, against
-        noise; between a quarter and three quarters of a marker's width. 1 = by itself.
+        noise; between a quarter and three quarters of a marker's width. 1 = by itself. Default: 1, or
+        0.28 of the width of the locator's smaller marker, at most 7.
     region : tuple of int, optional
         (left, top, right, bottom) in px: only the columns left <= u < right of the rows
         top <= v < bottom are looked at, as if the image ended there. Places remain those in the whole

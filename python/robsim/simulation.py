@@ -118,9 +118,10 @@ class Simulation:
         The colours to look for. Default: red and blue as they ship with robsim.
     locator : Locator, RobotDefinition, str or path, optional
         What the default measurement takes the markers' geometry from. Default: the robot.
-    smoothing : int
+    smoothing : int, optional
         Width of the window by whose mean a pixel's colour is judged (px of the frame): 3, 5, ...
-        15, against noise; a quarter to three quarters of a marker's width. 1 = off.
+        15, against noise; a quarter to three quarters of a marker's width. 1 = off, as in the
+        program of 2008. Default: 0.28 of the width of the locator's smaller marker, at most 7.
     identify_from : str, optional
         The data that samples are made of: ``"truth"``, the default in a simulated world,
         ``"measurement"`` or ``"estimate"``.
@@ -183,7 +184,7 @@ class Simulation:
         seed: Seed = None,
         colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
         locator: Locator | RobotDefinition | str | PathLike[str] | None = None,
-        smoothing: int = 1,
+        smoothing: int | None = None,
         identify_from: str | None = None,
         time_limit: float | None = None,
         define_model: Callable[[], _core.RobotModel] | None = None,
@@ -214,7 +215,9 @@ class Simulation:
         self._from_folder: set[str] = set()
         self.colors = as_colors(colors)
         self.locator = _as_locator(self.robot if locator is None else locator)
-        self.smoothing = whole("smoothing", smoothing, least=1, most=15)
+        self._smoothing = (
+            None if smoothing is None else whole("smoothing", smoothing, least=1, most=15)
+        )
         self._phases = phase_count(rotation, phases)
         self._background = as_floor(background, self.area)
         self._seed = seed_sequence(seed)
@@ -229,7 +232,7 @@ class Simulation:
             noise=visual_noise(noise, noise_percent),
             colors=self.colors,
             locator=self.locator,
-            smoothing=self.smoothing,
+            smoothing=self._smoothing,
             identify_from=identify_from,
             controller_seed=stream_number(self._seed, "controller"),
             noise_seed=stream_number(self._seed, "noise"),
@@ -331,6 +334,21 @@ class Simulation:
         if self._time_limit is None or is_native or not callable(callback):
             return callback
         return self._time_limit.limited(callback)
+
+    def find_blobs(self, frame: Frame) -> dict[str, list[_core.Blob]]:
+        """Return the blobs of a frame, found as the loop finds them.
+
+        Parameters
+        ----------
+        frame : Frame
+            The frame.
+
+        Returns
+        -------
+        dict of str to list of Blob
+            Per colour the blobs, the largest first.
+        """
+        return _core.find_blobs(frame, self.colors, locator=self.locator, smoothing=self._smoothing)
 
     def _start_pose(self, start: ArrayLike | str | None) -> ArrayLike:
         width, height = self.area

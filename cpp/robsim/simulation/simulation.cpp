@@ -74,7 +74,7 @@ class Simulation::NativeWork {
 Simulation::Simulation(SimulationOptions options, Stages stages)
     : options_(std::move(options)),
       stages_(std::move(stages)),
-      finder_(options_.colors, options_.blobs) {
+      finder_(options_.colors, {12, 64, options_.smoothing.value_or(1)}) {
   if (!is_finite(options_.start)) {
     throw std::invalid_argument("start must be a finite pose, got NaN or inf");
   }
@@ -431,9 +431,17 @@ const BlobsByColor& Simulation::blobs() {
   newest();
   if (!step_->blobs) {
     const NativeWork native(*this);
-    step_->blobs = finder_.find(frame().image.view());
+    suit_finder(frame());
+    step_->blobs = finder_.find(step_->frame->image.view());
   }
   return *step_->blobs;
+}
+
+void Simulation::suit_finder(const Frame& frame) {
+  BlobOptions options =
+      marker_blobs(options_.locator, frame.plane_map, frame.image.width(), frame.image.height());
+  if (options_.smoothing) options.smoothing = *options_.smoothing;
+  if (!(options == finder_.options())) finder_ = BlobFinder(options_.colors, options);
 }
 
 bool Simulation::needs_interpreter() const {

@@ -9,7 +9,7 @@
 
 #include "robsim/simulation/stages.hpp"
 #include "robsim/simulation/trace.hpp"
-#include "robsim/vision/find_blobs.hpp"
+#include "robsim/vision/marker_blobs.hpp"
 #include "robsim/world/visual_noise.hpp"
 #include "robsim/world/work_area.hpp"
 
@@ -31,8 +31,8 @@ struct SimulationOptions {
   Pose start;
   VisualNoise noise;
   std::vector<ColorClass> colors;
-  BlobOptions blobs;
-  Locator locator;  // of the default measurement
+  Locator locator;               // of the default measurement
+  std::optional<int> smoothing;  // px; otherwise as the markers of the locator need it
   IdentifyFrom identify_from = IdentifyFrom::truth;
   std::uint64_t controller_seed = 0;
   std::uint64_t noise_seed = 0;
@@ -82,6 +82,9 @@ class Simulation {
   const Frame& frame();
   const BlobsByColor& blobs();
 
+  /// How blobs are found in the newest frame.
+  const BlobOptions& blob_options() const { return finder_.options(); }
+
   /// The frame of a recorded step, drawn anew. Throws std::out_of_range if there is no such step,
   /// std::runtime_error if the world is not simulated.
   Frame frame_of(std::int64_t k);
@@ -125,6 +128,7 @@ class Simulation {
 
   WorldState world_state(std::int64_t k) const;
   void move_view();
+  void suit_finder(const Frame& frame);
   Frame draw_frame(std::int64_t k, double t, const Pose& pose, const Pan& pan);
   void begin_step();
   std::optional<Sample> newest_sample() const;

@@ -28,6 +28,11 @@ struct BlobOptions {
   std::int64_t minimum_area = 12;  // px; smaller components are dropped
   int maximum_count = 64;          // of the largest blobs of a colour
   int smoothing = 1;               // px; a pixel is judged by the mean of so wide a window
+
+  bool operator==(const BlobOptions& other) const {
+    return minimum_area == other.minimum_area && maximum_count == other.maximum_count &&
+           smoothing == other.smoothing;
+  }
 };
 
 /// Finds the blobs of every colour class in one pass over the image: rows of pixels become bits,
@@ -39,6 +44,7 @@ class BlobFinder {
   explicit BlobFinder(std::vector<ColorClass> colors, const BlobOptions& options = {});
 
   const std::vector<ColorClass>& colors() const { return colors_; }
+  const BlobOptions& options() const { return options_; }
 
   BlobsByColor find(const ImageView& image) {
     return find(image, {0, 0, image.width, image.height});

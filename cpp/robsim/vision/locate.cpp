@@ -113,6 +113,10 @@ void check_locator(const Locator& locator) {
                                   std::to_string(area));
     }
   }
+  if (locator.maximum_blobs < 1) {
+    throw std::invalid_argument("maximum_blobs must be at least 1, got " +
+                                std::to_string(locator.maximum_blobs));
+  }
   if (!(locator.distance_tolerance > 0)) {
     throw std::invalid_argument("distance_tolerance must be above 0, got " +
                                 std::to_string(locator.distance_tolerance));

@@ -21,8 +21,9 @@ struct Locator {
   Point blue;
   double red_area = std::numeric_limits<double>::quiet_NaN();   // work-area px^2, NaN = not known
   double blue_area = std::numeric_limits<double>::quiet_NaN();  // work-area px^2, NaN = not known
-  double distance_tolerance = 0.08;  // of the distance between the markers
-  double area_tolerance = 1.6;       // greatest factor between an area and its expected value
+  double distance_tolerance = 0.12;  // of the distance between the markers
+  double area_tolerance = 2;         // greatest factor between an area and its expected value
+  int maximum_blobs = 64;            // so many of the largest blobs of a colour are looked at
 
   /// As the manual has it: the line from blue to red lies across the heading, red on the robot's
   /// right; the centre lies `offset` px ahead of its midpoint.

@@ -55,9 +55,7 @@ def _write_videos(simulation: Simulation, video: Path | None, record: Path | Non
         frames = annotated_frames(
             _frames(simulation),
             trace,
-            robot=simulation.robot,
-            colors=simulation.colors,
-            smoothing=simulation.smoothing,
+            simulation=simulation,
         )
         write_with_progress(video, frames, trace)
     if record:

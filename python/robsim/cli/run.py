@@ -74,7 +74,7 @@ def run(
         str | None, typer.Option("--locator", help="Robot whose markers to look for.")
     ] = None,
     colors: Colors = None,
-    smoothing: Smoothing = 1,
+    smoothing: Smoothing = None,
     area: Annotated[
         str | None,
         typer.Option("--area", metavar="WxH", help="Work area in px: 1200x1200."),

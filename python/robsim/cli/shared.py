@@ -14,6 +14,10 @@ Colors = Annotated[
     Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")
 ]
 Smoothing = Annotated[
-    int, typer.Option("--smoothing", help="Window against noise in px: 3, 5, ... 15; 1 = off.")
+    int | None,
+    typer.Option(
+        "--smoothing",
+        help="Window against noise in px: 3, 5, ... 15; 1 = off. Default: by the marker's size.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")]

@@ -29,7 +29,7 @@ def track(
     source: Annotated[Path, typer.Argument(help="Video file, or folder of images.")],
     robot: Robot = None,
     colors: Colors = None,
-    smoothing: Smoothing = 1,
+    smoothing: Smoothing = None,
     area: Annotated[
         str | None,
         typer.Option("--area", metavar="WxH", help="Work area in px: as the frames."),
@@ -104,9 +104,7 @@ def _write_video(simulation: Simulation, recording: Recording, file: Path) -> No
     shown = annotated_frames(
         recording,
         simulation.trace,
-        robot=simulation.robot,
-        colors=simulation.colors,
-        smoothing=simulation.smoothing,
+        simulation=simulation,
     )
     with errors.told():
         write_with_progress(file, shown, simulation.trace)

@@ -6,11 +6,10 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from robsim._core import ColorClass, Estimate, Frame, Measurement, find_blobs
+from robsim._core import Estimate, Frame, Measurement
 from robsim.clip import Clip
 from robsim.pictures import Pixels
 from robsim.plotting.overlay import draw_overlay
-from robsim.robots import RobotDefinition
 from robsim.simulation import Simulation
 from robsim.trace import Trace
 
@@ -19,9 +18,7 @@ def annotated_frames(
     frames: Iterable[Frame],
     trace: Trace,
     *,
-    robot: RobotDefinition,
-    colors: Iterable[ColorClass],
-    smoothing: int = 1,
+    simulation: Simulation,
 ) -> Iterator[Pixels]:
     """Draw onto the frames of a run what was measured in them.
 
@@ -31,19 +28,15 @@ def annotated_frames(
         The frames, one for each step of the trace.
     trace : Trace
         The run.
-    robot : RobotDefinition
-        Its outline is drawn at the measured pose.
-    colors : iterable of ColorClass
-        The colours whose blobs are shown.
-    smoothing : int
-        As of `find_blobs`.
+    simulation : Simulation
+        The simulation that ran: its robot's outline is drawn, and the blobs that it finds.
 
     Yields
     ------
     array (H, W, 3) of uint8
         RGB.
     """
-    colors = list(colors)
+    robot = simulation.robot
     is_tracked = "x_measured" in trace.names
     outline = robot.to_robot_frame(robot.outline)
     measured, estimated, covariance = trace.measured, trace.estimated, trace.covariance
@@ -52,7 +45,7 @@ def annotated_frames(
         yield draw_overlay(
             frame,
             measurement=Measurement(measured[i]) if trace.valid[i] else None,
-            blobs=find_blobs(frame, colors, smoothing=smoothing) if is_tracked else None,
+            blobs=simulation.find_blobs(frame) if is_tracked else None,
             outline=outline,
             path=measured[: i + 1, :2],
             estimate=Estimate(estimated[i], covariance[i]) if is_estimated else None,
@@ -102,8 +95,6 @@ def play(
         frames = annotated_frames(
             frames,  # type: ignore[arg-type]
             trace,
-            robot=simulation.robot,
-            colors=simulation.colors,
-            smoothing=simulation.smoothing,
+            simulation=simulation,
         )
     return Clip(frames, fps=min(60.0, max(0.1, 1 / trace.info.dt)), width=width)

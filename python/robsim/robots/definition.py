@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import Locator
-from robsim.numbers import Floats, number
+from robsim.numbers import Floats, number, whole
 from robsim.pictures import Pixels
 from robsim.robots.geometry import geometry_problems
 from robsim.robots.values import numbers, polygon
@@ -33,6 +33,8 @@ class RobotDefinition:
         the top left pixel.
     centre : array (2,), optional
         The robot's centre in picture pixels. Default: the centre of the picture.
+    maximum_blobs : int
+        The locator looks at so many of the largest blobs of a colour.
 
     Raises
     ------
@@ -49,6 +51,7 @@ class RobotDefinition:
     red: Floats = field(repr=False)
     blue: Floats = field(repr=False)
     centre: Floats | None = None
+    maximum_blobs: int = 64
 
     def __post_init__(self) -> None:
         image = np.asarray(self.image)
@@ -61,6 +64,7 @@ class RobotDefinition:
             raise TypeError(f"name must be text, got {self.name!r}")
         number("size", self.size, "work-area px", least=1, most=10_000)
         number("alignment", self.alignment, "degrees")
+        whole("maximum_blobs", self.maximum_blobs, least=1, most=100_000)
         height, width = image.shape[:2]
         centre = ((width - 1) / 2, (height - 1) / 2) if self.centre is None else self.centre
         object.__setattr__(self, "image", image)
@@ -116,4 +120,8 @@ class RobotDefinition:
 
     def locator(self) -> Locator:
         """Return the locator that finds this robot by its markers."""
-        return Locator.from_markers(self.to_robot_frame(self.red), self.to_robot_frame(self.blue))
+        return Locator.from_markers(
+            self.to_robot_frame(self.red),
+            self.to_robot_frame(self.blue),
+            maximum_blobs=self.maximum_blobs,
+        )

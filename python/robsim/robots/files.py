@@ -19,7 +19,8 @@ from robsim.robots.definition import RobotDefinition
 TOML = "robot.toml"
 PICTURE = "robot.png"
 
-_KEYS = {"name", "image", "size", "alignment", "centre", "outline", "red", "blue"}
+_KEYS = {"name", "image", "size", "alignment", "outline", "red", "blue"}
+_OPTIONAL = {"centre", "maximum_blobs"}
 
 _TEXT = """\
 # What a robot looks like from above. Written by robsim, and free to be edited by hand;
@@ -42,6 +43,9 @@ red = {red}
 
 # Around the blue marker:
 blue = {blue}
+
+# So many of the largest blobs of a colour are looked at:
+maximum_blobs = {maximum_blobs}
 """
 
 
@@ -81,8 +85,8 @@ def save_robot(definition: RobotDefinition, folder: str | PathLike[str]) -> None
 
 
 def _from_values(folder: Path, values: dict[str, Any]) -> RobotDefinition:
-    missing = _KEYS - {"centre"} - set(values)
-    unknown = set(values) - _KEYS
+    missing = _KEYS - set(values)
+    unknown = set(values) - _KEYS - _OPTIONAL
     if missing or unknown:
         what = [f"{key} is missing" for key in sorted(missing)]
         what += [f"{key} is not known" for key in sorted(unknown)]
@@ -109,6 +113,7 @@ def _as_text(definition: RobotDefinition) -> str:
         outline=_points(definition.outline),
         red=_points(definition.red),
         blue=_points(definition.blue),
+        maximum_blobs=definition.maximum_blobs,
     )
 
 

@@ -1,0 +1,35 @@
+#include "robsim/vision/marker_blobs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace robsim {
+
+namespace {
+
+// A quarter of the marker's width is the least that helps, 7 px are enough for the strongest noise;
+// more would blur the shape of large markers.
+constexpr double window_share = 0.28;
+constexpr double widest = 7;
+constexpr double least_share = 1.0 / 8;  // of the marker's area
+
+// The odd number of pixels next to a width.
+int odd_window(double width) { return 2 * static_cast<int>(std::min(width, widest) / 2) + 1; }
+
+}  // namespace
+
+BlobOptions marker_blobs(const Locator& locator, const PlaneMap& plane_map, int width, int height) {
+  BlobOptions options;
+  options.maximum_count = locator.maximum_blobs;
+  const double marker = std::min(locator.red_area, locator.blue_area);
+  const double scale = plane_map.area_scale({(width - 1) / 2.0, (height - 1) / 2.0});
+  const double area = marker / scale;  // px^2 of the frame
+  if (!std::isfinite(area)) return options;
+  const double pixels = static_cast<double>(width) * height;
+  options.smoothing = odd_window(window_share * std::sqrt(area));
+  options.minimum_area =
+      std::max<std::int64_t>(1, std::llround(std::min(least_share * area, pixels)));
+  return options;
+}
+
+}  // namespace robsim
