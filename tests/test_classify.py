@@ -108,7 +108,7 @@ def test_a_region_is_an_image_of_its_own(rng, smoothing):
             image, colors, minimum_area=2, smoothing=smoothing, region=region, maximum_count=999
         )
 
-    cut = blobs(np.ascontiguousarray(image[top:bottom, left:right]))
+    cut = blobs(np.ascontiguousarray(image[top : bottom + 1, left : right + 1]))
     found = blobs(image, region)
     for color in colors:
         assert len(found[color.name]) == len(cut[color.name]) > 0
@@ -121,11 +121,11 @@ def test_a_region_is_an_image_of_its_own(rng, smoothing):
 
 
 @pytest.mark.parametrize(
-    "region", [(0, 0, 0, 5), (-1, 0, 5, 5), (0, 0, 11, 5), (0, 3, 5, 9), (4, 2, 3, 5)]
+    "region", [(-1, 0, 5, 5), (0, 0, 10, 5), (0, 3, 5, 8), (4, 2, 3, 5), (4, 3, 6, 2)]
 )
 def test_a_region_outside_the_image(region):
     image = np.zeros((8, 10, 3), np.uint8)
-    with pytest.raises(ValueError, match=r"region must be left < right, top < bottom within the "):
+    with pytest.raises(ValueError, match=r"region must be \(left, top, right, bottom\) within the image of 10 x 8 px, got"):
         robsim.find_blobs(image, RED_AND_BLUE, region=region)
 
 

@@ -1,9 +1,13 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "numpy.hpp"
 #include "robsim/imaging/frame.hpp"
+#include "robsim/vision/color_training.hpp"
 #include "robsim/vision/marker_blobs.hpp"
 
 namespace py = pybind11;
@@ -13,6 +17,8 @@ using namespace robsim::bindings;
 namespace {
 
 using Range = std::pair<int, int>;
+
+constexpr double most_pixels = 1e15;  // of histograms: their sums are exact
 
 ColorClass color_from(const py::str& name, Range y, Range u, Range v) {
   const ColorClass color{name, {y.first, u.first, v.first}, {y.second, u.second, v.second}};
@@ -46,12 +52,21 @@ PlaneMap plane_map_of(const py::object& image) {
   return py::isinstance<Frame>(image) ? image.cast<const Frame&>().plane_map : PlaneMap();
 }
 
-using Corners = std::tuple<int, int, int, int>;
+PixelBox region_from(const py::object& region) {
+  try {
+    const auto [left, top, right, bottom] = region.cast<std::tuple<int, int, int, int>>();
+    constexpr int most = std::numeric_limits<int>::max() - 1;
+    return {left, top, std::min(right, most) + 1, std::min(bottom, most) + 1};
+  } catch (const py::cast_error&) {
+    throw py::type_error("region must be (left, top, right, bottom), four ints, got " +
+                         describe(region));
+  }
+}
 
 BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors,
                   const std::optional<Locator>& locator, std::optional<std::int64_t> minimum_area,
                   std::optional<int> maximum_count, std::optional<int> smoothing,
-                  const std::optional<Corners>& region) {
+                  const py::object& region) {
   const ImageView view = view_of(image);
   BlobOptions options;
   if (locator) options = marker_blobs(*locator, plane_map_of(image), view.width, view.height);
@@ -59,8 +74,8 @@ BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors
   if (maximum_count) options.maximum_count = *maximum_count;
   if (smoothing) options.smoothing = *smoothing;
   BlobFinder finder(colors, options);
-  PixelBox part{0, 0, view.width, view.height};
-  if (region) std::tie(part.left, part.top, part.right, part.bottom) = *region;
+  const PixelBox part =
+      region.is_none() ? PixelBox{0, 0, view.width, view.height} : region_from(region);
   const py::gil_scoped_release native;
   return finder.find(view, part);
 }
@@ -99,6 +114,31 @@ py::array_t<std::uint8_t> yuv_of(const py::object& image) {
       to[1] = static_cast<std::uint8_t>(yuv.u);
       to[2] = static_cast<std::uint8_t>(yuv.v);
     }
+  }
+  return result;
+}
+
+ColorHistograms histograms_from(const py::object& histograms) {
+  const std::string expected = "counts of shape (3, 256), as from color_histograms";
+  const Doubles counts = doubles_from(histograms, "histograms", Shape{3, 256}, expected);
+  ColorHistograms result{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t value = 0; value < 256; ++value) {
+      const double count = counts.at(i, value);
+      if (count < 0 || count > most_pixels || count != std::floor(count)) {
+        throw py::value_error("histograms must be " + expected + ", got " + std::to_string(count));
+      }
+      result[i][value] = static_cast<std::int64_t>(count);
+    }
+  }
+  return result;
+}
+
+py::array_t<std::int64_t> histograms_of(const py::object& image, const py::object& region) {
+  const ColorHistograms histograms = color_histograms(view_of(image), region_from(region));
+  py::array_t<std::int64_t> result({3, 256});
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::copy(histograms[i].begin(), histograms[i].end(), result.mutable_data(i));
   }
   return result;
 }
@@ -232,9 +272,8 @@ smoothing : int, optional
     noise; between a quarter and three quarters of a marker's width. 1 = by itself. Default: 1, or
     0.28 of the width of the locator's smaller marker, at most 7.
 region : tuple of int, optional
-    (left, top, right, bottom) in px: only the columns left <= u < right of the rows
-    top <= v < bottom are looked at, as if the image ended there. Places remain those in the whole
-    image.
+    (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
+    pixels are looked at, as if the image ended there. Places remain those in the whole image.
 
 Returns
 -------
@@ -318,10 +357,111 @@ Measurement or None
 )");
 }
 
+void bind_color_training(py::module_& module, py::class_<ColorClass>& color_class) {
+  const TrainingOptions defaults;
+  color_class
+      .def_static(
+          "from_region",
+          [](const py::object& image, const py::object& region, const py::str& name,
+             double percentile, int margin, bool limit_y) {
+            return color_from_histograms(name,
+                                         color_histograms(view_of(image), region_from(region)),
+                                         {percentile, margin, limit_y});
+          },
+          py::arg("image"), py::arg("region"), py::kw_only(), py::arg("name"),
+          py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
+          py::arg("limit_y") = defaults.limit_y, R"(
+Return the colour class of a region of an image, such as that of a marker.
+
+Parameters
+----------
+image : Frame or array (H, W, 3) of uint8
+    RGB. Better one with little noise.
+region : tuple of four ints
+    Its outermost pixels (left, top, right, bottom), both ends included, as in
+    `Blob.bounding_box`. Most of it must have the colour.
+name : str
+    Name of the colour.
+percentile : float
+    So many % of the pixels lie outside at each end of the range that is found in a channel.
+margin : int
+    What widens the ranges found (levels).
+limit_y : bool
+    Whether the class limits Y, too. Light and shadow change it, so by default any Y is right.
+
+Raises
+------
+TypeError, ValueError
+    For an image or a region of another kind, for a region that does not lie within the image,
+    for options out of range, and if the region is grey, so that Y alone tells it: `limit_y`.
+
+Notes
+-----
+Shadow and noise that is clipped at black and white take U and V towards neutral, 128, never away
+from it. So a range that lies to one side of neutral is open at its far end. And the channel
+farthest from neutral keeps 28 levels off it, or half of what it has: greys do not belong to the
+class, however large the margin.
+)")
+      .def_static(
+          "from_histograms",
+          [](const py::object& histograms, const py::str& name, double percentile, int margin,
+             bool limit_y) {
+            return color_from_histograms(name, histograms_from(histograms),
+                                         {percentile, margin, limit_y});
+          },
+          py::arg("histograms"), py::kw_only(), py::arg("name"),
+          py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
+          py::arg("limit_y") = defaults.limit_y, R"(
+Return the colour class of regions with these histograms: those of several images add up.
+
+Parameters
+----------
+histograms : array (3, 256)
+    As from `color_histograms`, or a sum of such.
+name, percentile, margin, limit_y
+    As for `from_region`.
+)")
+      .def("widened", &widened, py::arg("margin"), R"(
+Return the class with wider ranges.
+
+Parameters
+----------
+margin : int
+    By how many levels each end moves outwards; negative: inwards. Ends at 0 and 255 are open and
+    stay.
+
+Raises
+------
+ValueError
+    If nothing is left of a range.
+)");
+
+  module.def("color_histograms", &histograms_of, py::arg("image"), py::arg("region"), R"(
+Return how many pixels of a region have each value of Y, U and V.
+
+Parameters
+----------
+image : Frame or array (H, W, 3) of uint8
+    RGB.
+region : tuple of four ints
+    Its outermost pixels (left, top, right, bottom), both ends included.
+
+Returns
+-------
+array (3, 256) of int64
+    Rows Y, U, V. Those of several images add up.
+
+Raises
+------
+TypeError, ValueError
+    For an image or a region of another kind, or a region that does not lie within the image.
+)");
+}
+
 }  // namespace
 
 void bind_vision(py::module_& module) {
-  py::class_<ColorClass>(module, "ColorClass", R"(
+  py::class_<ColorClass> color_class(module, "ColorClass", R"(
 A named colour: a pixel belongs to it when its Y, U and V lie within the ranges.
 
 Parameters
@@ -330,7 +470,8 @@ name : str
     Name of the colour.
 y, u, v : tuple of two ints
     Lower and upper end of the range, both included, within 0..255.
-)")
+)");
+  color_class
       .def(py::init(&color_from), py::arg("name"), py::kw_only(), py::arg("y") = Range(0, 255),
            py::arg("u") = Range(0, 255), py::arg("v") = Range(0, 255))
       .def_readonly("name", &ColorClass::name, "str: name of the colour.")
@@ -360,6 +501,7 @@ Returns
 array (H, W, 3) of uint8
     Y, U, V.
 )");
+  bind_color_training(module, color_class);
   bind_locator(module);
   bind_blobs(module);
   bind_locate(module);

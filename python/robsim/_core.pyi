@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'classify', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
+__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
@@ -337,10 +337,71 @@ class ColorClass:
     y, u, v : tuple of two ints
         Lower and upper end of the range, both included, within 0..255.
     """
+    @staticmethod
+    def from_histograms(histograms: typing.Any, *, name: str, percentile: typing.SupportsFloat | typing.SupportsIndex = 33.0, margin: typing.SupportsInt | typing.SupportsIndex = 50, limit_y: bool = False) -> ColorClass:
+        """
+        Return the colour class of regions with these histograms: those of several images add up.
+        
+        Parameters
+        ----------
+        histograms : array (3, 256)
+            As from `color_histograms`, or a sum of such.
+        name, percentile, margin, limit_y
+            As for `from_region`.
+        """
+    @staticmethod
+    def from_region(image: typing.Any, region: typing.Any, *, name: str, percentile: typing.SupportsFloat | typing.SupportsIndex = 33.0, margin: typing.SupportsInt | typing.SupportsIndex = 50, limit_y: bool = False) -> ColorClass:
+        """
+        Return the colour class of a region of an image, such as that of a marker.
+        
+        Parameters
+        ----------
+        image : Frame or array (H, W, 3) of uint8
+            RGB. Better one with little noise.
+        region : tuple of four ints
+            Its outermost pixels (left, top, right, bottom), both ends included, as in
+            `Blob.bounding_box`. Most of it must have the colour.
+        name : str
+            Name of the colour.
+        percentile : float
+            So many % of the pixels lie outside at each end of the range that is found in a channel.
+        margin : int
+            What widens the ranges found (levels).
+        limit_y : bool
+            Whether the class limits Y, too. Light and shadow change it, so by default any Y is right.
+        
+        Raises
+        ------
+        TypeError, ValueError
+            For an image or a region of another kind, for a region that does not lie within the image,
+            for options out of range, and if the region is grey, so that Y alone tells it: `limit_y`.
+        
+        Notes
+        -----
+        Shadow and noise that is clipped at black and white take U and V towards neutral, 128, never away
+        from it. So a range that lies to one side of neutral is open at its far end. And the channel
+        farthest from neutral keeps 28 levels off it, or half of what it has: greys do not belong to the
+        class, however large the margin.
+        """
     def __init__(self, name: str, *, y: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), u: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), v: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255)) -> None:
         ...
     def __repr__(self) -> str:
         ...
+    def widened(self, margin: typing.SupportsInt | typing.SupportsIndex) -> ColorClass:
+        """
+        Return the class with wider ranges.
+        
+        Parameters
+        ----------
+        margin : int
+            By how many levels each end moves outwards; negative: inwards. Ends at 0 and 255 are open and
+            stay.
+        
+        Raises
+        ------
+        ValueError
+            If nothing is left of a range.
+        """
     @property
     def name(self) -> str:
         """
@@ -917,6 +978,27 @@ def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *,
     TypeError, ValueError
         For an image of another kind, for two colours of one name, and for options out of range.
     """
+def color_histograms(image: typing.Any, region: typing.Any) -> numpy.typing.NDArray[numpy.int64]:
+    """
+    Return how many pixels of a region have each value of Y, U and V.
+    
+    Parameters
+    ----------
+    image : Frame or array (H, W, 3) of uint8
+        RGB.
+    region : tuple of four ints
+        Its outermost pixels (left, top, right, bottom), both ends included.
+    
+    Returns
+    -------
+    array (3, 256) of int64
+        Rows Y, U, V. Those of several images add up.
+    
+    Raises
+    ------
+    TypeError, ValueError
+        For an image or a region of another kind, or a region that does not lie within the image.
+    """
 def cpu_path() -> str:
     """
     Return which instructions the hot loops use: "baseline" or "avx2".
@@ -925,7 +1007,7 @@ def cpu_paths() -> list[str]:
     """
     Return those that this processor can use, the fastest last.
     """
-def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, locator: Locator | None = None, minimum_area: typing.SupportsInt | typing.SupportsIndex | None = None, maximum_count: typing.SupportsInt | typing.SupportsIndex | None = None, smoothing: typing.SupportsInt | typing.SupportsIndex | None = None, region: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] | None = None) -> dict[str, list[Blob]]:
+def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, locator: Locator | None = None, minimum_area: typing.SupportsInt | typing.SupportsIndex | None = None, maximum_count: typing.SupportsInt | typing.SupportsIndex | None = None, smoothing: typing.SupportsInt | typing.SupportsIndex | None = None, region: typing.Any = None) -> dict[str, list[Blob]]:
     """
     Find the blobs of every colour class in one pass over an image.
     
@@ -949,9 +1031,8 @@ def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], 
         noise; between a quarter and three quarters of a marker's width. 1 = by itself. Default: 1, or
         0.28 of the width of the locator's smaller marker, at most 7.
     region : tuple of int, optional
-        (left, top, right, bottom) in px: only the columns left <= u < right of the rows
-        top <= v < bottom are looked at, as if the image ended there. Places remain those in the whole
-        image.
+        (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
+        pixels are looked at, as if the image ended there. Places remain those in the whole image.
     
     Returns
     -------

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <stdexcept>
+#include <string>
 
 namespace robsim {
 
@@ -12,6 +14,18 @@ constexpr std::size_t pooled_images = 4;
 PixelBox intersection(const PixelBox& a, const PixelBox& b) {
   return {std::max(a.left, b.left), std::max(a.top, b.top), std::min(a.right, b.right),
           std::min(a.bottom, b.bottom)};
+}
+
+void check_region(const PixelBox& region, const ImageView& image) {
+  if (!region.empty() && region.left >= 0 && region.top >= 0 && region.right <= image.width &&
+      region.bottom <= image.height) {
+    return;
+  }
+  throw std::invalid_argument("region must be (left, top, right, bottom) within the image of " +
+                              std::to_string(image.width) + " x " + std::to_string(image.height) +
+                              " px, got (" + std::to_string(region.left) + ", " +
+                              std::to_string(region.top) + ", " + std::to_string(region.right - 1) +
+                              ", " + std::to_string(region.bottom - 1) + ")");
 }
 
 Image::Image(int width, int height)

@@ -29,6 +29,9 @@ struct PixelBox {
 
 PixelBox intersection(const PixelBox& a, const PixelBox& b);
 
+/// Throws std::invalid_argument unless a region has pixels and lies within the image.
+void check_region(const PixelBox& region, const ImageView& image);
+
 /// An RGB8 image whose buffer is shared by its copies. The last holder frees it.
 class Image {
  public:

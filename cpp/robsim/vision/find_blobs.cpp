@@ -13,18 +13,6 @@ PixelBox moved(const PixelBox& box, int u, int v) {
   return {box.left + u, box.top + v, box.right + u, box.bottom + v};
 }
 
-void check_part(const PixelBox& part, const ImageView& image) {
-  if (part.left >= 0 && part.top >= 0 && part.right <= image.width && part.bottom <= image.height &&
-      !part.empty()) {
-    return;
-  }
-  throw std::invalid_argument("region must be left < right, top < bottom within the image of " +
-                              std::to_string(image.width) + " x " + std::to_string(image.height) +
-                              " px, got (" + std::to_string(part.left) + ", " +
-                              std::to_string(part.top) + ", " + std::to_string(part.right) + ", " +
-                              std::to_string(part.bottom) + ")");
-}
-
 }  // namespace
 
 BlobFinder::BlobFinder(std::vector<ColorClass> colors, const BlobOptions& options)
@@ -43,7 +31,7 @@ BlobFinder::BlobFinder(std::vector<ColorClass> colors, const BlobOptions& option
 }
 
 BlobsByColor BlobFinder::find(const ImageView& image, const PixelBox& part) {
-  check_part(part, image);
+  check_region(part, image);
   const ImageView seen{image.row(part.top) + std::ptrdiff_t{3} * part.left, part.right - part.left,
                        part.bottom - part.top, image.stride};
   for (ComponentFinder& components : components_) components.begin(options_.minimum_area);

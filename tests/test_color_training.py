@@ -1,0 +1,247 @@
+"""Colours trained on regions of images."""
+
+import re
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim import ColorClass, VisualNoise, load_colors, rgb_to_yuv
+from robsim._core import color_histograms
+from robsim.light import darkened
+
+CHANNELS = ("y", "u", "v")
+RED, BLUE, FLOOR = (198, 36, 40), (30, 60, 220), (150, 148, 146)
+
+
+def ranges(color):
+    return [getattr(color, channel) for channel in CHANNELS]
+
+
+def same(colors, others):
+    assert [(c.name, *ranges(c)) for c in colors] == [(c.name, *ranges(c)) for c in others]
+
+
+def plain(rgb, size=20):
+    return np.full((size, size, 3), rgb, np.uint8)
+
+
+def single(y, u, v):
+    """Histograms of pixels that are all alike."""
+    histograms = np.zeros((3, 256), np.int64)
+    histograms[np.arange(3), (y, u, v)] = 100
+    return histograms
+
+
+def scene():
+    """A grey floor with a red and a blue square of 24 x 24 px."""
+    image = plain(FLOOR, 120)
+    image[30:54, 30:54] = RED
+    image[70:94, 70:94] = BLUE
+    return image
+
+
+REGIONS = {"red": (30, 30, 53, 53), "blue": (70, 70, 93, 93)}
+
+
+# --- histograms
+
+
+def test_histograms_by_hand():
+    image = np.zeros((4, 5, 3), np.uint8)
+    image[1, 2] = 255
+    image[2, 2] = (255, 0, 0)
+    histograms = color_histograms(image, (2, 1, 3, 2))
+    assert histograms.dtype == np.int64
+    assert histograms.shape == (3, 256)
+    # black twice: Y, U, V = 0, 128, 128; white: 255, 128, 128; red: 75, 84, 255
+    assert np.flatnonzero(histograms[0]).tolist() == [0, 75, 255]
+    assert np.flatnonzero(histograms[1]).tolist() == [84, 128]
+    assert histograms[1, 128] == 3
+    assert np.flatnonzero(histograms[2]).tolist() == [128, 255]
+
+
+def test_histograms_count_the_pixels_of_the_region(rng):
+    image = rng.integers(0, 256, (40, 50, 3), dtype=np.uint8)
+    yuv = rgb_to_yuv(image)[5:21, 10:31].reshape(-1, 3)
+    expected = [np.bincount(channel, minlength=256) for channel in yuv.T]
+    np.testing.assert_array_equal(color_histograms(image, (10, 5, 30, 20)), expected)
+    frame = robsim.Frame(image)
+    np.testing.assert_array_equal(color_histograms(frame, (10, 5, 30, 20)), expected)
+    np.testing.assert_array_equal(color_histograms(image[::-1], (10, 19, 30, 34)), expected)
+
+
+def test_a_blobs_box_is_a_region():
+    blob = robsim.find_blobs(scene(), load_colors())["red"][0]
+    assert blob.bounding_box == REGIONS["red"]
+    assert color_histograms(scene(), blob.bounding_box).sum() == 3 * 24**2
+
+
+@pytest.mark.parametrize(
+    "region",
+    [
+        *((-1, 0, 5, 5), (0, -1, 5, 5), (0, 0, 20, 5), (0, 0, 5, 20), (6, 0, 5, 5), (0, 6, 5, 5)),
+        *((0, 0, 2**31 - 1, 5), (0, 0, 5, 2**31 - 1), (-(2**31), 0, 5, 5), (2**31 - 1,) * 4),
+    ],
+)
+def test_regions_lie_within_the_image(region):
+    with pytest.raises(ValueError, match=r"region must be .* within the image of 20 x 20 px, got"):
+        color_histograms(plain(RED), region)
+
+
+@pytest.mark.parametrize(
+    "region", [None, 5, "0,0,5,5", (1, 2, 3), (1, 2, 3, 4, 5), (0, 0, 5.5, 5), (0, 0, 5, 2**31)]
+)
+def test_regions_are_four_ints(region):
+    for call in (color_histograms, lambda i, r: ColorClass.from_region(i, r, name="red")):
+        with pytest.raises(TypeError, match=r"region must be \(left, top, right, bottom\)"):
+            call(plain(RED), region)
+
+
+# --- the ranges
+
+
+def test_red_and_blue_by_hand():
+    # RED is Y 84, U 102, V 208: open away from 128, 50 wider towards it, at most to 156
+    red = ColorClass.from_region(plain(RED), (0, 0, 19, 19), name="red")
+    assert (red.name, *ranges(red)) == ("red", (0, 255), (0, 152), (158, 255))
+    red = ColorClass.from_region(plain(RED), (0, 0, 19, 19), name="red", margin=60)
+    assert ranges(red) == [(0, 255), (0, 162), (156, 255)]
+    blue = ColorClass.from_histograms(single(74, 201, 95), name="blue")
+    assert ranges(blue) == [(0, 255), (156, 255), (0, 145)]
+
+
+@pytest.mark.parametrize(
+    ("uv", "margin", "expected"),
+    [
+        *(((102, 208), 0, [(0, 102), (208, 255)]), ((102, 208), 255, [(0, 255), (156, 255)])),
+        # a pale colour keeps half of what it has
+        *(((128, 150), 50, [(78, 178), (139, 255)]), ((106, 128), 50, [(0, 117), (78, 178)])),
+        # as far on both sides: V counts
+        (((90, 90)), 50, [(0, 140), (0, 109)]),
+    ],
+)
+def test_chroma_ranges(uv, margin, expected):
+    color = ColorClass.from_histograms(single(80, *uv), name="any", margin=margin)
+    assert ranges(color)[1:] == expected
+
+
+def test_percentiles_leave_out_so_many_pixels():
+    histograms = single(80, 128, 200)
+    histograms[2, :] = 0
+    histograms[2, 190:200] = 10  # ten values of 10 % each
+    for percentile, lowest in ((0, 190), (9.9, 190), (10, 191), (25, 192), (49.9, 194)):
+        color = ColorClass.from_histograms(histograms, name="red", percentile=percentile, margin=0)
+        assert color.v == (lowest, 255), percentile
+
+
+@pytest.mark.parametrize("percentile", [0, 0.1, 5, 10, 25, 33.3, 49.99])
+def test_percentiles_leave_out_no_more(percentile, rng):
+    counts = rng.integers(0, 5, 256) * (rng.random(256) < 0.2)
+    color = ColorClass.from_histograms(
+        np.stack((counts, counts, counts)), name="x", percentile=percentile, margin=0, limit_y=True
+    )
+    lower, upper = color.y
+    outside = percentile / 100 * counts.sum()
+    assert counts[:lower].sum() <= outside + 1e-9
+    assert counts[upper + 1 :].sum() <= outside + 1e-9
+    assert lower == 0 or counts[: lower + 1].sum() > outside - 1e-9
+    assert upper == 255 or counts[upper:].sum() > outside - 1e-9
+
+
+def test_brightness_is_limited_if_asked_for():
+    red = ColorClass.from_region(plain(RED), (0, 0, 19, 19), name="red", margin=20, limit_y=True)
+    assert ranges(red) == [(64, 104), (0, 122), (188, 255)]
+    white = ColorClass.from_region(
+        plain((250, 250, 250)), (0, 0, 9, 9), name="white", margin=20, limit_y=True
+    )
+    assert ranges(white) == [(230, 255), (108, 148), (108, 148)]
+
+
+def test_a_region_without_a_colour_is_refused():
+    with pytest.raises(ValueError, match=r"hardly any colour: U 126\.\.126 and V 129\.\.129"):
+        ColorClass.from_region(plain((150, 148, 146)), (0, 0, 19, 19), name="red")
+    weakest = single(80, 128, 144)
+    assert ColorClass.from_histograms(weakest, name="red").v == (136, 255)
+    with pytest.raises(ValueError, match="hardly any colour"):
+        ColorClass.from_histograms(single(80, 128, 143), name="red")
+
+
+def test_histograms_of_several_pictures_add_up():
+    light, dark = plain(RED), darkened(plain(RED))
+    box = (0, 0, 19, 19)
+    both = color_histograms(light, box) + color_histograms(dark, box)
+    color = ColorClass.from_histograms(both, name="red", percentile=10, margin=5)
+    ends = [rgb_to_yuv(image)[0, 0, 2] for image in (light, dark)]
+    assert color.v == (min(ends) - 5, 255)
+    one = ColorClass.from_histograms(color_histograms(light, box), name="red")
+    same([one], [ColorClass.from_region(light, box, name="red")])
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        *(("percentile", value) for value in (-1, 50, np.nan, np.inf, None, "5")),
+        *(("margin", value) for value in (-1, 256, 1.5, None, 2**40)),
+        ("name", ""),
+    ],
+)
+def test_wrong_options(option, value):
+    options = {"name": "red"} | {option: value}
+    with pytest.raises((TypeError, ValueError), match=option):
+        ColorClass.from_region(plain(RED), (0, 0, 9, 9), **options)
+
+
+@pytest.mark.parametrize(
+    "histograms",
+    [
+        *(None, 5, "x", np.zeros((3, 255)), np.zeros((256, 3)), np.zeros(256), np.zeros((3, 256))),
+        *(np.full((3, 256), value) for value in (-1, 0.5, np.nan, np.inf, 1e300)),
+    ],
+    ids=lambda value: re.sub(r"\s+", " ", repr(value))[:30],
+)
+def test_wrong_histograms(histograms):
+    with pytest.raises((TypeError, ValueError), match="histograms must"):
+        ColorClass.from_histograms(histograms, name="red")
+
+
+def test_widened():
+    color = ColorClass("red", y=(10, 255), u=(0, 150), v=(160, 200))
+    same([color.widened(20)], [ColorClass("red", u=(0, 170), v=(140, 220))])
+    same([color.widened(-10)], [ColorClass("red", y=(20, 255), u=(0, 140), v=(170, 190))])
+    same([color.widened(0)], [color])
+    same([color.widened(255)], [ColorClass("red")])
+    with pytest.raises(ValueError, match=r"v of colour class 'red' .* got \[181, 179\]"):
+        color.widened(-21)
+    for margin in (-256, 256, 2**31 - 1, -(2**31)):
+        with pytest.raises(ValueError, match=r"margin must lie within -255\.\.255"):
+            color.widened(margin)
+
+
+# --- what trained colours find
+
+
+@pytest.mark.parametrize("light", ["light", "shadow"])
+def test_trained_in_light_they_find_the_markers_in_shadow_and_noise(light):
+    image = scene()
+    colors = [ColorClass.from_region(image, box, name=name) for name, box in REGIONS.items()]
+    shown = darkened(image) if light == "shadow" else image
+    for noise in ("none", "uniform", "gaussian"):
+        noisy = VisualNoise(noise, 40).add(shown, 1)
+        blobs = robsim.find_blobs(noisy, colors, minimum_area=60, smoothing=7)
+        for name, (left, top, *_) in REGIONS.items():
+            (blob,) = blobs[name]
+            assert abs(blob.centroid - (left + 11.5, top + 11.5)).max() < 2
+            assert 400 < blob.area < 750
+
+
+def test_trained_on_a_frame_they_come_near_to_the_shipped_ones():
+    frame = robsim.Simulation(robot="lab", start=(600, 600, 0), seed=1).frame
+    red = ColorClass.from_region(frame, (578, 613, 594, 630), name="red")
+    blue = ColorClass.from_region(frame, (578, 570, 594, 587), name="blue")
+    # 156 and 150, 140 hold in noise of 40 %
+    assert red.y == blue.y == (0, 255)
+    assert red.v == pytest.approx((156, 255), abs=2)
+    assert red.u == pytest.approx((0, 150), abs=5)
+    assert blue.u == pytest.approx((156, 255), abs=2)
+    assert blue.v == pytest.approx((0, 140), abs=8)
