@@ -1,0 +1,179 @@
+"""Colour classes as text, and in colour files that are there already."""
+
+import random
+import re
+import tomllib
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from robsim import ColorClass, load_colors
+from robsim.colors import color_text, save_colors
+
+CHANNELS = ("y", "u", "v")
+
+
+def ranges(color):
+    return [getattr(color, channel) for channel in CHANNELS]
+
+
+def same(colors, others):
+    assert [(c.name, *ranges(c)) for c in colors] == [(c.name, *ranges(c)) for c in others]
+
+
+NAMES = st.text(st.characters(codec="utf-8"), min_size=1, max_size=8)
+RANGE = st.tuples(st.integers(0, 255), st.integers(0, 255)).map(lambda ends: tuple(sorted(ends)))
+COLOR = st.builds(lambda name, y, u, v: ColorClass(name, y=y, u=u, v=v), NAMES, RANGE, RANGE, RANGE)
+
+
+def test_the_text_of_a_colour():
+    text = color_text(ColorClass("red", u=(0, 150), v=(156, 255)))
+    assert text.strip() == "[red]\ny = [0, 255]\nu = [0, 150]\nv = [156, 255]"
+
+
+@settings(max_examples=30)
+@given(colors=st.lists(COLOR, max_size=4, unique_by=lambda color: color.name))
+def test_text_is_read_back(tmp_path_factory, colors):
+    tables = tomllib.loads(color_text(colors))
+    assert [(name, *map(tuple, table.values())) for name, table in tables.items()] == [
+        (color.name, *ranges(color)) for color in colors
+    ]
+    path = tmp_path_factory.mktemp("text") / "new" / "colors.toml"
+    if colors:
+        save_colors(path, colors)
+        same(load_colors(path), colors)
+        save_colors(path, colors[::-1])
+        same(load_colors(path), colors)
+
+
+KEPT = """\
+# mine
+[red]   # the marker
+y = [0, 255]
+u = [0, 150]  # bluer is no red
+v = [156, 255]
+
+# the other
+[green]
+v = [0, 90]
+"""
+
+
+def test_saving_keeps_comments_and_other_colours(tmp_path):
+    path = tmp_path / "colors.toml"
+    path.write_text(KEPT)
+    save_colors(path, ColorClass("red", u=(0, 140), v=(156, 255)))
+    assert path.read_text() == KEPT.replace("150", "140")
+    save_colors(path, ColorClass("blue", u=(156, 255)))
+    text = path.read_text()
+    assert text.startswith(KEPT.replace("150", "140"))
+    assert [color.name for color in load_colors(path)] == ["red", "green", "blue"]
+    save_colors(path, ColorClass("green", u=(5, 6)))
+    assert load_colors(path)[1].u == (5, 6)
+    assert load_colors(path)[1].v == (0, 255)
+    assert path.read_text().startswith("# mine\n[red]   # the marker\n")
+    assert [file.name for file in tmp_path.iterdir()] == ["colors.toml"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *(
+            "red.u = [0, 9]\nred.v = [5, 6]\n",
+            "red = {u = [0, 9]}\n",
+            "red = {}",
+            "[red]",
+            "[ red ]",
+        ),
+        *("[red]\r\nu = [0, 9]\r\n[blue]\r\n", "\ufeff[red]\nu = [0, 9]\n", "['red']\nu=[0,9]#x"),
+        *("[red]\nu = [\n  0, # low\n  9,\n]\n", "[blue]\nu=[1,2]\n[red]\nv=[1,2]", "blue={}"),
+        *("blue.u = [1, 2]\nred.v = [1, 2]\nblue.v = [3, 4]\n", '"red" = {v = [0, 9], u = [1, 2]}'),
+    ],
+)
+def test_any_form_of_a_colour_file_can_be_changed(tmp_path, text):
+    path = tmp_path / "colors.toml"
+    path.write_bytes(text.encode())
+    before = {color.name: color for color in load_colors(path)}
+    new = ColorClass("red", y=(1, 200), u=(2, 100), v=(3, 50))
+    save_colors(path, new)
+    same(load_colors(path), (before | {"red": new}).values())
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"oops", b"\xff\xfe", b"[red]\nu = [1]", b"", b"[red]\nu=[0,9", b"\x89PNG\r\n\x1a\n"],
+)
+def test_what_is_no_colour_file_stays_as_it_is(tmp_path, content):
+    path = tmp_path / "colors.toml"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=re.escape(str(path))):
+        save_colors(path, load_colors())
+    assert path.read_bytes() == content
+
+
+def test_wrong_colours_are_not_saved(tmp_path):
+    path = tmp_path / "colors.toml"
+    for colors in (5, "red", [1], None):
+        with pytest.raises(TypeError, match="colors must be"):
+            save_colors(path, colors)
+    red = ColorClass("red")
+    with pytest.raises(ValueError, match="different names, got red, red"):
+        save_colors(path, [red, red])
+    with pytest.raises(ValueError, match="different names"):
+        color_text([red, red])
+    assert not path.exists()
+
+
+# --- files that somebody damaged
+
+FILES = [
+    KEPT,
+    "red.u = [0, 9]\nblue.v = [1, 2]\nred.v = [5, 6]\n",
+    "red = {u = [0, 9], v = [1, 2]}\nblue = {}\n",
+    "\ufeff[red]\r\nu = [\r\n  0, # low\r\n  0xff,\r\n]\r\n['a b']\r\n",
+]
+PIECES = [
+    *("nan", "inf", "1e400", "9" * 400, "-1", "256", "1.5", "true", "2020-01-01", "[[1, 2]]"),
+    *("[", "]", "{", "}", "=", ".", "#", "\n", "\r", "\0", '"""', "\x7f", "\u2028", "\U0001f600"),
+    *("[red]", "[[red]]", "[red.u]", "red.u = [1, 2]", "red", "''", "[" * 3000, "a.b.c = 1\n"),
+]  # fmt: skip
+
+
+def damaged(random, text):
+    for _ in range(random.choice([0, 1, 2, 4])):
+        i = random.randrange(len(text) + 1)
+        what = random.choice(["insert", "insert", "cut", "drop", "swap"])
+        if what == "insert":
+            text = text[:i] + random.choice(PIECES) + text[i:]
+        elif what == "cut":
+            text = text[:i]
+        elif what == "drop":
+            text = text[:i] + text[i + random.randrange(1, 9) :]
+        else:
+            text = text[:i] + chr(random.randrange(0xD800)) + text[i + 1 :]
+    content = bytearray(text.encode())
+    if content and random.random() < 0.2:
+        content[random.randrange(len(content))] = random.randrange(256)
+    return bytes(content)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_damaged_file_is_changed_as_a_whole_or_not_at_all(tmp_path, seed):
+    source, path = random.Random(seed), tmp_path / "colors.toml"
+    new = ColorClass("red", y=(1, 200), u=(2, 100), v=(3, 50))
+    count = 0
+    for _ in range(60):
+        content = damaged(source, source.choice(FILES))
+        path.write_bytes(content)
+        try:
+            before = {color.name: color for color in load_colors(path)}
+        except ValueError:
+            with pytest.raises(ValueError, match=re.escape(str(path))):
+                save_colors(path, new)
+            assert path.read_bytes() == content
+        else:
+            save_colors(path, new)
+            same(load_colors(path), (before | {"red": new}).values())
+            count += 1
+    assert 0 < count < 60
