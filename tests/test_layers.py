@@ -38,7 +38,7 @@ PYTHON = [
         "path_score",
         "recordings",
     },
-    {"robots", "video"},
+    {"color_picture", "robots", "video"},
     {"scene"},
     {"simulation"},
     {"plotting"},

@@ -1,10 +1,11 @@
-"""Figures of a run: traces, parameters, the batch estimate, a frame; a robot; clips.
+"""Figures of a run: traces, parameters, the batch estimate, a frame; a robot; colours; clips.
 
 The colours mean the same in all of them, see `robsim.plotting.style`. Places are in work-area
 pixels with the y axis downwards, as the camera sees the area; angles are in degrees.
 """
 
 from robsim.plotting.batch import plot_batch
+from robsim.plotting.colors import plot_color_histograms
 from robsim.plotting.frame import plot_frame
 from robsim.plotting.overlay import draw_overlay
 from robsim.plotting.parameters import plot_parameters
@@ -17,6 +18,7 @@ __all__ = [
     "draw_overlay",
     "play",
     "plot_batch",
+    "plot_color_histograms",
     "plot_frame",
     "plot_parameters",
     "plot_robot",
