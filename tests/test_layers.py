@@ -38,7 +38,7 @@ PYTHON = [
         "path_score",
         "recordings",
     },
-    {"color_picture", "robots", "video"},
+    {"color_picture", "color_score", "robots", "video"},
     {"scene"},
     {"simulation"},
     {"plotting"},
