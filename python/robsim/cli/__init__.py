@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from robsim.cli import bench, demo, errors, notebooks, robots, run, track
+from robsim.cli import bench, colors, demo, errors, notebooks, robots, run, track
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -25,6 +25,7 @@ app.command(help=track.HELP, epilog=track.EXAMPLE)(track.track)
 app.command(help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
 app.command(help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
 app.add_typer(robots.app, name="robots")
+app.add_typer(colors.app, name="colors")
 
 
 @app.callback(invoke_without_command=True)

@@ -1,6 +1,8 @@
-"""Text into sizes and points."""
+"""Text into sizes, regions and points."""
 
 from __future__ import annotations
+
+import re
 
 Points = list[tuple[float, float]]
 
@@ -13,6 +15,17 @@ def size(option: str, text: str | None) -> tuple[int, int] | None:
     if not (width.isdecimal() and height.isdecimal()):
         raise ValueError(f"{option} must be a size such as 640x480, got {text!r}")
     return int(width), int(height)
+
+
+def region(option: str, text: str) -> tuple[int, int, int, int]:
+    """Return left, top, right, bottom from text such as 573,609,599,634."""
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != 4 or not all(re.fullmatch(r"\d{1,5}", part) for part in parts):
+        raise ValueError(
+            f"{option} must be left,top,right,bottom in px, such as 573,609,599,634, got {text!r}"
+        )
+    left, top, right, bottom = map(int, parts)
+    return left, top, right, bottom
 
 
 def points(option: str, text: str | None, *, count: int | None = None) -> Points | None:

@@ -1,0 +1,342 @@
+"""The commands ``robsim colors``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from robsim._core import ColorClass, color_histograms, find_blobs
+from robsim.cli import errors
+from robsim.cli.shared import Colors, Json, Robot
+from robsim.cli.text import point, region
+from robsim.color_picture import class_masks, paint_classes
+from robsim.color_score import ColorScore, Region, score_color
+from robsim.colors import SHIPPED_COLORS, color_text, load_colors, save_colors
+from robsim.pictures import Pixels, read_picture, write_picture
+from robsim.robots.polygons import area_and_centroid, mask
+from robsim.simulation import Simulation
+
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    help="Show, train and test the colours that robsim looks for.\n\n"
+    "A colour is a name with ranges of Y (brightness), U and V; a colour file has some of them. "
+    "Most commands take it: --colors FILE.",
+    epilog="Start with: robsim colors frame",
+)
+
+_INSIDE = 0.8  # least share of a region that lies in the marker
+
+_SMOOTHING = "Window against noise in px: 3, 5, ... 15; 1 = off."
+
+Images = Annotated[list[Path], typer.Argument(help="Pictures.", show_default=False)]
+
+
+@app.command(
+    help="Write a picture of the simulated robot, to train and test colours on.\n\n"
+    "Says where its markers are.",
+    epilog="Example: robsim colors frame frame.png",
+)
+def frame(
+    file: Annotated[Path, typer.Argument(help="The picture.")] = Path("frame.png"),
+    robot: Robot = None,
+    at: Annotated[
+        str | None,
+        typer.Option("--at", metavar="X,Y", help="Where it stands. Default: in the middle."),
+    ] = None,
+    heading: Annotated[
+        float, typer.Option("--heading", help="Degrees clockwise from facing right.")
+    ] = 0.0,
+    noise: Annotated[
+        str, typer.Option("--noise", help="Noise of the camera: none, uniform, gaussian.")
+    ] = "none",
+    noise_percent: Annotated[
+        float | None, typer.Option("--noise-percent", help="Its level, such as 10.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="Seed of the noise.")] = None,
+) -> None:
+    """Write a picture of the simulated robot."""
+    with errors.told():
+        x, y = point("--at", at) or (600.0, 600.0)
+        start = x, y, float(np.deg2rad(heading))
+        simulation = Simulation(
+            robot=robot,
+            start=start,
+            rotation="continuous",
+            noise=noise,
+            noise_percent=noise_percent,
+            adjust_background=lambda background: background,  # no red square beside the marker
+            seed=seed,
+        )
+        _write_picture(file, simulation.frame.image)
+    print(f"drawn in {file}: the robot {simulation.robot.name}")
+    for name in ("red", "blue"):
+        print(f"  {name:<4} marker: {_marker_region(simulation, name, start)}")
+
+
+@app.command(epilog="Example: robsim colors show")
+def show(
+    file: Annotated[
+        Path | None, typer.Argument(help="Colour file.", show_default="that of robsim")
+    ] = None,
+) -> None:
+    """Show the ranges of the colours in a file."""
+    with errors.told():
+        colors = load_colors(file)
+    _print_table(
+        ("colour", "Y", "U", "V"),
+        [(c.name, *map(_range, (c.y, c.u, c.v))) for c in colors],
+    )
+    print(f"from {file or SHIPPED_COLORS}")
+
+
+@app.command(
+    help="Find the ranges of a colour in pictures of it.\n\n"
+    "Prints them as the lines of a colour file; --to writes them into one, beside its other "
+    "colours. Of several pictures, each needs a region.",
+    epilog="Example: robsim colors train frame.png --region 578,613,594,630 --name red "
+    "--to colors.toml",
+)
+def train(
+    images: Images,
+    regions: Annotated[
+        list[str],
+        typer.Option(
+            "--region",
+            metavar="L,T,R,B",
+            help="Box in px around pixels of the colour: left,top,right,bottom. Can be repeated.",
+        ),
+    ],
+    name: Annotated[str, typer.Option("--name", help="Name of the colour: red, blue, ...")],
+    to: Annotated[
+        Path | None, typer.Option("--to", help="Colour file to write to; made if there is none.")
+    ] = None,
+    margin: Annotated[
+        int, typer.Option("--margin", help="What widens the ranges found, in levels.")
+    ] = 50,
+    limit_y: Annotated[
+        bool, typer.Option("--limit-y", help="Limit the brightness, too: for black and white.")
+    ] = False,
+    figure: Annotated[
+        Path | None, typer.Option("--figure", help="File for the histograms, such as red.png.")
+    ] = None,
+) -> None:
+    """Find the ranges of a colour in pictures of it."""
+    with errors.told():
+        boxes = [region("--region", text) for text in regions]
+        histograms, others = _histograms(images, boxes)
+        color = ColorClass.from_histograms(histograms, name=name, margin=margin, limit_y=limit_y)
+        if figure:
+            _write_histograms(figure, histograms, color, others)
+        if to:
+            save_colors(to, color)
+    print(color_text(color))
+    for file, what in ((to, "written to"), (figure, "histograms in")):
+        if file:
+            print(f"{what} {file}")
+
+
+@app.command(
+    "test",
+    help="Look for colours in pictures.\n\n"
+    "With --region, how robustly a colour is found in one picture in other light and in noise, "
+    "and by how much wider ranges would do better.",
+    epilog="Example: robsim colors test frame.png --colors colors.toml --out seen.png "
+    "--region red=578,613,594,630",
+)
+def try_colors(
+    images: Images,
+    colors: Colors = None,
+    smoothing: Annotated[int, typer.Option("--smoothing", help=_SMOOTHING)] = 7,
+    regions: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--region",
+            metavar="NAME=L,T,R,B",
+            help="Where the colour NAME is, and nowhere else. Can be repeated.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            help="Picture that paints which pixel belongs to which colour; a folder for those of "
+            "several.",
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Look for colours in pictures."""
+    with errors.told():
+        classes = load_colors(colors)
+        places = _places(images, classes, regions or [])
+        painted = _painted_files(images, out)
+        found = {
+            str(image): _found(image, classes, smoothing, painted.get(image)) for image in images
+        }
+        scores = [_score(images[0], color, places, smoothing) for color in classes]
+    _print_test(found, [score for score in scores if score], as_json=as_json)
+    if out and not as_json:
+        print(f"painted in {out}")
+
+
+def _marker_region(simulation: Simulation, name: str, start: tuple[float, float, float]) -> str:
+    """Return where a marker is in the frame, as an option, or in words."""
+    robot, (x, y, heading) = simulation.robot, start
+    sine, cosine = np.sin(heading), np.cos(heading)
+    # forward and right of the robot are (cos, sin) and (-sin, cos) in the frame
+    turn = np.array(((cosine, sine), (-sine, cosine)))
+    polygon = robot.to_robot_frame(getattr(robot, name)) @ turn + (x, y)
+    area, centroid = area_and_centroid(polygon)
+    # So far the middle of a square reaches in any direction, and farther in a disc.
+    reach = 0.35 * np.sqrt(area)
+    left, top = np.rint(centroid - reach).astype(int)
+    right, bottom = np.rint(centroid + reach).astype(int)
+    height, width = simulation.frame.image.shape[:2]
+    is_inside = mask(polygon, width, height)[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
+    if not is_inside.size or is_inside.mean() < _INSIDE:
+        return "see the picture"
+    return f"--region {left},{top},{right},{bottom}"
+
+
+def _histograms(images: list[Path], regions: list[Region]) -> tuple[Any, Any]:
+    """Return the sum of the regions' histograms, and that of the whole pictures."""
+    if len(images) > 1 and len(images) != len(regions):
+        raise ValueError(
+            f"--region must be given once for each of the {len(images)} pictures, in their "
+            f"order, got {len(regions)}"
+        )
+    pictures = [read_picture(image) for image in images]
+    shown = pictures if len(pictures) > 1 else pictures * len(regions)
+    inside = sum(color_histograms(p, r) for p, r in zip(shown, regions, strict=True))
+    whole = sum(color_histograms(p, (0, 0, p.shape[1] - 1, p.shape[0] - 1)) for p in pictures)
+    return inside, whole
+
+
+def _write_histograms(file: Path, histograms: Any, color: ColorClass, others: Any) -> None:
+    from robsim.plotting import plot_color_histograms
+
+    file.parent.mkdir(parents=True, exist_ok=True)
+    plot_color_histograms(histograms, color, others=others).savefig(file)
+
+
+def _places(
+    images: list[Path], classes: tuple[ColorClass, ...], texts: list[str]
+) -> dict[str, list[Region]]:
+    """Return the regions of each colour from texts such as red=578,613,594,630."""
+    names = [color.name for color in classes]
+    places: dict[str, list[Region]] = {}
+    for text in texts:
+        name, equals, box = text.rpartition("=")
+        if not equals or name not in names:
+            raise ValueError(
+                f"--region must begin with one of the colours, {', '.join(names)}, such as "
+                f"{names[0]}=578,613,594,630, got {text!r}"
+            )
+        places.setdefault(name, []).append(region("--region", box))
+    if places and len(images) > 1:
+        raise ValueError(f"--region goes with one picture, got {len(images)}")
+    return places
+
+
+def _painted_files(images: list[Path], out: Path | None) -> dict[Path, Path]:
+    """Return the picture to paint for each image."""
+    if out is None:
+        return {}
+    if len(images) == 1:
+        files = {images[0]: out}
+    else:
+        files = {image: out / f"{image.stem}.png" for image in images}
+    if len(set(files.values())) < len(images):
+        raise ValueError("--out: the pictures must have different names")
+    for image in images:
+        if image.resolve() in [file.resolve() for file in files.values()]:
+            raise ValueError(f"--out {out} would overwrite {image}: give another name")
+    return files
+
+
+def _found(
+    image: Path, classes: tuple[ColorClass, ...], smoothing: int, painted: Path | None
+) -> dict[str, Any]:
+    """Return the blobs of each colour in a picture, and how many pixels have the colour."""
+    pixels = read_picture(image)
+    blobs = find_blobs(pixels, classes, smoothing=smoothing)
+    masks = class_masks(pixels, classes, smoothing=smoothing)
+    if painted:
+        _write_picture(painted, paint_classes(pixels, masks))
+    return {
+        name: {
+            "pixels": int(masks[name].sum()),
+            "blobs": [
+                {
+                    "area": blob.area,
+                    "centroid": blob.centroid.tolist(),
+                    "bounding_box": blob.bounding_box,
+                }
+                for blob in found
+            ],
+        }
+        for name, found in blobs.items()
+    }
+
+
+def _score(
+    image: Path, color: ColorClass, places: dict[str, list[Region]], smoothing: int
+) -> ColorScore | None:
+    if color.name not in places:
+        return None
+    return score_color(read_picture(image), color, places[color.name], smoothing=smoothing)
+
+
+def _print_test(
+    found: dict[str, dict[str, Any]], scores: list[ColorScore], *, as_json: bool
+) -> None:
+    if as_json:
+        result = {"found": found, "scores": [score.to_dict() for score in scores]}
+        print(json.dumps(result, indent=2))
+        return
+    rows = [
+        (image, name, str(seen["pixels"]), str(len(seen["blobs"])), *_largest(seen["blobs"]))
+        for image, colors in found.items()
+        for name, seen in colors.items()
+    ]
+    _print_table(("picture", "colour", "pixels", "blobs", "largest", "at"), rows)
+    for score in scores:
+        print(score)
+        if score.margin:
+            print(f"\nbetter:\n{color_text(score.proposed)}")
+
+
+def _largest(blobs: list[dict[str, Any]]) -> tuple[str, str]:
+    if not blobs:
+        return "", ""
+    right, down = blobs[0]["centroid"]
+    return f"{blobs[0]['area']} px", f"({right:.1f}, {down:.1f})"
+
+
+def _range(limits: tuple[int, int]) -> str:
+    return "any" if limits == (0, 255) else f"{limits[0]} .. {limits[1]}"
+
+
+def _print_table(titles: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for title in titles:
+        table.add_column(title, overflow="fold")
+    for row in rows:
+        table.add_row(*map(escape, row))
+    Console().print(table)
+
+
+def _write_picture(file: Path, pixels: Pixels) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    write_picture(file, pixels)

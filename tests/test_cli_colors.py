@@ -1,0 +1,310 @@
+"""The commands ``robsim colors``."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+import robsim
+from robsim import ColorClass, load_colors, read_picture
+from robsim.cli import app
+from robsim.color_picture import class_masks
+from robsim.color_score import score_color
+from robsim.colors import SHIPPED_COLORS, color_text, save_colors
+
+pytestmark = pytest.mark.usefixtures("user_folder", "_here")
+
+RED, BLUE, FLOOR = (198, 36, 40), (30, 60, 220), (150, 148, 146)
+REGION = (30, 40, 49, 59)
+
+
+@pytest.fixture
+def _here(tmp_path, monkeypatch):
+    """Commands run in an empty folder."""
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+
+
+def colors(*arguments):
+    """Run ``robsim colors`` in this process, in a terminal of 80 columns."""
+    return CliRunner(env={"COLUMNS": "80"}).invoke(app, ["colors", *map(str, arguments)])
+
+
+def done(*arguments):
+    result = colors(*arguments)
+    assert result.exit_code == 0, result.output
+    assert result.stderr == ""
+    return result.stdout
+
+
+def refused(*arguments):
+    """The sentence of a command that ends with status 2."""
+    result = colors(*arguments)
+    assert result.exit_code == 2, result.output
+    assert isinstance(result.exception, SystemExit)
+    assert result.stdout == ""
+    assert result.stderr.startswith("error: ")
+    return result.stderr.removeprefix("error: ").strip()
+
+
+def rows(text):
+    """The rows of a table by their first two cells."""
+    lines = [re.split(r"\s{2,}", line.strip()) for line in text.splitlines()]
+    return {tuple(line[:2]): line[2:] for line in lines if len(line) > 1}
+
+
+def picture(name, *, rgb=RED, light=1.0):
+    image = np.full((100, 120, 3), FLOOR, np.uint8)
+    image[40:60, 30:50] = rgb
+    Image.fromarray(np.rint(image * light).astype(np.uint8)).save(name)
+    return Path(name)
+
+
+# --- frame
+
+
+def test_frame_says_where_the_markers_are():
+    lines = done("frame", "--robot", "lab", "--at", "300,400", "--heading", "45").splitlines()
+    assert lines[0] == "drawn in frame.png: the robot lab"
+    image = read_picture("frame.png")
+    assert image.shape == (1200, 1200, 3)
+    blobs = robsim.find_blobs(image, load_colors())
+    for line, name in zip(lines[1:], ("red", "blue"), strict=True):
+        place, text = re.fullmatch(r"  (\w+) +marker: --region (\S+)", line).groups()
+        assert place == name
+        left, top, right, bottom = map(int, text.split(","))
+        (blob,) = blobs[name]
+        assert abs(blob.centroid - ((left + right) / 2, (top + bottom) / 2)).max() < 1
+        mask = class_masks(image, load_colors())[name]
+        assert mask[top : bottom + 1, left : right + 1].all()
+
+
+def test_frame_in_noise():
+    done("frame", "a/clean.png", "--seed", 1)
+    done("frame", "noisy.png", "--noise", "gaussian", "--noise-percent", 10, "--seed", 1)
+    difference = read_picture("noisy.png") - read_picture("a/clean.png").astype(float)
+    assert difference.std() == pytest.approx(25.5, rel=0.1)
+
+
+def test_frame_of_a_robot_whose_markers_are_not_plain():
+    # The markers of robot2 are the clothes and the sky around a head.
+    lines = done("frame", "--robot", "robot2").splitlines()
+    left, top, right, bottom = map(int, lines[1].split()[-1].split(","))
+    red = class_masks(read_picture("frame.png"), load_colors())["red"]
+    assert red[top : bottom + 1, left : right + 1].mean() > 0.8
+    assert lines[2] == "  blue marker: see the picture"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--robot", "none"), "no robot 'none'"),
+        (("--at", "5"), "--at must be one point"),
+        (("--at", "-500,0"), "start"),
+        (("--noise", "white"), "noise must be one of"),
+        (("--heading", "nan"), "start"),
+        (("frame.xyz",), "xyz"),
+    ],
+)
+def test_frame_refuses(arguments, sentence):
+    assert sentence in refused("frame", *arguments)
+
+
+# --- show
+
+
+def test_show():
+    text = done("show")
+    table = rows(text)
+    assert [name for name, _ in table][:1] == ["colour"]
+    names = [line.split()[0] for line in text.splitlines() if line.strip()]
+    assert names[0] == "colour"
+    assert {"red", "blue"} <= set(names)
+    for color in load_colors():
+        line = next(line for line in text.splitlines() if line.strip().startswith(color.name))
+        assert "any" in line
+        assert f"{color.u[0]} .. {color.u[1]}" in line
+        assert f"{color.v[0]} .. {color.v[1]}" in line
+    assert str(SHIPPED_COLORS) in text
+
+
+def test_show_a_file():
+    save_colors("mine.toml", [ColorClass("green [dark]", y=(0, 90)), ColorClass("x")])
+    text = done("show", "mine.toml")
+    assert "green [dark]   0 .. 90   any" in text
+    assert "from mine.toml" in text
+    assert "none.toml" in refused("show", "none.toml")
+    Path("bad.toml").write_text("[red]\nu = [1]")
+    assert "colour file bad.toml: u of [red] must be [lower, upper]" in refused("show", "bad.toml")
+
+
+# --- train
+
+
+def test_train_prints_what_it_finds():
+    picture("a.png")
+    text = done("train", "a.png", "--region", "30,40,49,59", "--name", "red")
+    color = ColorClass.from_region(read_picture("a.png"), REGION, name="red")
+    assert text == color_text(color) + "\n"
+    assert [path.name for path in Path().iterdir()] == ["a.png"]
+    wide = done("train", "a.png", "--region", "30,40,49,59", "--name", "red", "--margin", 0)
+    assert "v = [208, 255]" in wide
+    limited = done("train", "a.png", "--region", "30,40,49,59", "--name", "red", "--limit-y")
+    assert "y = [34, 134]" in limited
+
+
+def test_train_writes_a_file_and_a_figure():
+    picture("a.png")
+    picture("b.png", rgb=BLUE)
+    region = "--region", "30,40,49,59"
+    text = done(
+        "train", "a.png", *region, "--name", "red", "--to", "x/c.toml", "--figure", "y/h.png"
+    )
+    assert text.splitlines()[-2:] == ["written to x/c.toml", "histograms in y/h.png"]
+    with Image.open("y/h.png") as figure:
+        assert min(figure.size) > 200
+    done("train", "b.png", *region, "--name", "blue", "--to", "x/c.toml")
+    red, blue = load_colors("x/c.toml")
+    assert (red.name, blue.name) == ("red", "blue")
+    blobs = robsim.find_blobs(read_picture("b.png"), [red, blue])
+    assert [len(blobs[name]) for name in ("red", "blue")] == [0, 1]
+
+
+def test_train_on_several_pictures():
+    picture("light.png")
+    picture("dark.png", light=0.5)
+    region = "--region", "30,40,49,59"
+    text = done("train", "light.png", "dark.png", *region, *region, "--name", "red", "--margin", 0)
+    # V is 208 in one and 168 in the other
+    low, high = map(int, re.search(r"v = \[(\d+), (\d+)\]", text).groups())
+    assert (low, high) == (168, 255)
+    once = done(
+        *("train", "light.png", "--region", "30,40,39,59", "--region", "40,40,49,59"),
+        *("--name", "red"),
+    )
+    assert once == done("train", "light.png", *region, "--name", "red")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("a.png", "--region", "0,0,9,9"), "the region has hardly any colour"),
+        (("a.png", "--region", "0,0,9"), "--region must be left,top,right,bottom in px, such as"),
+        (("a.png", "--region", "30 40 49 59"), "--region must be left,top,right,bottom"),
+        (("a.png", "--region", "-5,0,9,9"), "--region must be left,top,right,bottom"),
+        (("a.png", "--region", "0,0,9," + "9" * 5000), "--region must be"),
+        (("a.png", "--region", "30,40,49,100"), "within the image of 120 x 100 px, got (30, 40, "),
+        (("a.png", "a.png", "--region", "30,40,49,59"), "once for each of the 2 pictures"),
+        (("none.png", "--region", "30,40,49,59"), "none.png"),
+        (("c.toml", "--region", "30,40,49,59"), "c.toml is not a picture"),
+        (("a.png", "--region", "30,40,49,59", "--margin", "-1"), "margin must lie within 0..255"),
+        (("a.png", "--region", "30,40,49,59", "--figure", "h.xyz"), "xyz"),
+        (("a.png", "--region", "30,40,49,59", "--to", "bad.toml"), "bad.toml is not a TOML file"),
+    ],
+)  # fmt: skip
+def test_train_refuses_and_writes_nothing(arguments, sentence):
+    picture("a.png")
+    save_colors("c.toml", ColorClass("green"))
+    Path("bad.toml").write_text("oops")
+    before = sorted((path.name, path.read_bytes()) for path in Path().iterdir())
+    where = () if "--to" in arguments else ("--to", "c.toml")
+    assert sentence in refused("train", *arguments, "--name", "red", *where)
+    assert sorted((path.name, path.read_bytes()) for path in Path().iterdir()) == before
+
+
+# --- test
+
+
+def test_test_counts_blobs_and_paints():
+    picture("a.png")
+    text = done("test", "a.png", "--smoothing", 1, "--out", "seen/a.png")
+    table = rows(text)
+    assert table["a.png", "red"] == ["400", "1", "400 px", "(39.5, 49.5)"]
+    assert table["a.png", "blue"] == ["0", "0"]
+    assert text.splitlines()[-1] == "painted in seen/a.png"
+    painted = read_picture("seen/a.png")
+    assert painted.shape == (100, 120, 3)
+    assert painted[50, 40].tolist() == [255, 0, 0]
+    assert painted[5, 5].tolist() == [74] * 3
+
+
+def test_test_on_several_pictures():
+    picture("a.png")
+    picture("b.png", rgb=BLUE)
+    table = rows(done("test", "a.png", "b.png", "--smoothing", 1, "--out", "seen"))
+    assert table["a.png", "red"][0] == table["b.png", "blue"][0] == "400"
+    assert sorted(path.name for path in Path("seen").iterdir()) == ["a.png", "b.png"]
+    assert read_picture("seen/b.png")[50, 40].tolist() == [0, 0, 255]
+
+
+def test_test_as_json():
+    picture("a.png")
+    result = json.loads(done("test", "a.png", "--json", "--smoothing", 1, "--out", "seen.png"))
+    assert result["scores"] == []
+    assert list(result["found"]) == ["a.png"]
+    red = result["found"]["a.png"]["red"]
+    assert red == {
+        "pixels": 400,
+        "blobs": [{"area": 400, "centroid": [39.5, 49.5], "bounding_box": [30, 40, 49, 59]}],
+    }
+    assert Path("seen.png").is_file()
+
+
+def test_test_scores_a_colour():
+    picture("a.png")
+    weak = ColorClass("red", v=(170, 255))
+    save_colors("weak.toml", [weak, ColorClass("blue", u=(156, 255))])
+    arguments = "test", "a.png", "--colors", "weak.toml", "--region", "red=30,40,49,59"
+    score = score_color(read_picture("a.png"), weak, [REGION])
+    text = done(*arguments)
+    assert str(score) in text
+    assert f"better:\n{color_text(score.proposed)}" in text
+    result = json.loads(done(*arguments, "--json"))
+    assert result["scores"] == [json.loads(json.dumps(score.to_dict()))]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("none.png",), "none.png"),
+        (("a.png", "--colors", "none.toml"), "none.toml"),
+        (("a.png", "--smoothing", "4"), "smoothing must"),
+        (("a.png", "--region", "30,40,49,59"), "--region must begin with one of the colours, red,"),
+        (("a.png", "--region", "green=30,40,49,59"), "--region must begin with one of the colours"),
+        (("a.png", "--region", "red=1,2"), "--region must be left,top,right,bottom"),
+        (("a.png", "--region", "red=90,90,120,99"), "region must be (left, top, right, bottom) wi"),
+        (("a.png", "a.png", "--region", "red=30,40,49,59"), "--region goes with one picture, got "),
+        (("a.png", "--out", "a.png"), "--out a.png would overwrite a.png"),
+        (("a.png", "b/a.png", "--out", "seen"), "the pictures must have different names"),
+        (("a.png", "b/c.png", "--out", "b"), "would overwrite b/c.png"),
+        (("a.png", "--out", "seen.xyz"), "xyz"),
+    ],
+)  # fmt: skip
+def test_test_refuses(arguments, sentence):
+    Path("b").mkdir()
+    for name in ("a.png", "b/a.png", "b/c.png"):
+        picture(name)
+    assert sentence in refused("test", *arguments)
+
+
+# --- help
+
+
+def test_the_examples_of_the_help_work_one_after_the_other():
+    for command in ("frame", "train", "show", "test"):
+        text = done(command, "--help")
+        assert max(map(len, text.splitlines())) <= 80
+        example = re.search(r"Example: robsim colors (.+)", text, flags=re.DOTALL)[1].split()
+        assert example[0] == command
+        done(*example)
+    assert [color.name for color in load_colors("colors.toml")] == ["red"]
+    assert Path("seen.png").is_file()
+
+
+def test_help_names_all_commands():
+    text = done("--help")
+    assert all(f" {command} " in text for command in ("frame", "show", "train", "test"))
