@@ -66,6 +66,7 @@ def refuses_in_words(name, call, *arguments, **options):
 IMAGE_TAKERS = {
     "find_blobs": lambda image: find_blobs(image, COLORS),
     "rgb_to_yuv": rgb_to_yuv,
+    "color_histograms": lambda image: robsim.color_histograms(image, (0, 0, 0, 0)),
     "Frame": Frame,
     "VisualNoise.add": lambda image: VisualNoise("uniform", 5).add(image, 1),
     "VisualNoise.add, off": lambda image: VisualNoise("none", 0).add(image, 1),

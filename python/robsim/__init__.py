@@ -25,6 +25,7 @@ from robsim._core import (
     VisualNoise,
     WorldState,
     classify,
+    color_histograms,
     find_blobs,
     least_squares,
     locate,
@@ -33,7 +34,9 @@ from robsim._core import (
     wrap_angle,
 )
 from robsim.clip import Clip
-from robsim.colors import load_colors
+from robsim.color_picture import paint_classes
+from robsim.color_score import ColorScore, score_color
+from robsim.colors import color_text, load_colors, save_colors
 from robsim.controllers import FollowPath, GoToPoint
 from robsim.four_points import plane_map_from_points
 from robsim.identification import BatchEstimate, batch_estimate
@@ -66,6 +69,7 @@ if TYPE_CHECKING:
         draw_overlay,
         play,
         plot_batch,
+        plot_color_histograms,
         plot_frame,
         plot_parameters,
         plot_robot,
@@ -80,6 +84,7 @@ __all__ = [
     "Blob",
     "Clip",
     "ColorClass",
+    "ColorScore",
     "Controller",
     "DriveAround",
     "Estimate",
@@ -115,6 +120,8 @@ __all__ = [
     "check_colors",
     "chosen_robot",
     "classify",
+    "color_histograms",
+    "color_text",
     "copy_notebooks",
     "draw_overlay",
     "draw_red_square",
@@ -123,9 +130,11 @@ __all__ = [
     "load_colors",
     "load_robot",
     "locate",
+    "paint_classes",
     "plane_map_from_points",
     "play",
     "plot_batch",
+    "plot_color_histograms",
     "plot_frame",
     "plot_parameters",
     "plot_robot",
@@ -138,7 +147,9 @@ __all__ = [
     "robot_from_picture",
     "robot_names",
     "rotate_robot",
+    "save_colors",
     "save_robot",
+    "score_color",
     "score_path",
     "use_robot",
     "wrap_angle",
