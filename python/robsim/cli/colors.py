@@ -98,7 +98,7 @@ def show(
 @app.command(
     help="Find the ranges of a colour in pictures of it.\n\n"
     "Prints them as the lines of a colour file; --to writes them into one, beside its other "
-    "colours. Of several pictures, each needs a region.",
+    "colours. Of several pictures, each needs a region. Image viewers show where pixels are.",
     epilog="Example: robsim colors train frame.png --region 578,613,594,630 --name red "
     "--to colors.toml",
 )
