@@ -225,7 +225,7 @@ NO_INTS = (None, "5", 1.5, NAN, 1j, [1])
 
 
 @pytest.mark.parametrize("name", ["minimum_area", "maximum_count"])
-@pytest.mark.parametrize("value", [0, -1, *NO_INTS, *BEYOND_INT[2:]], ids=short)
+@pytest.mark.parametrize("value", [0, -1, *NO_INTS[1:], *BEYOND_INT[2:]], ids=short)
 def test_find_blobs_options(name, value):
     refuses(name, find_blobs, IMAGE, COLORS, **{name: value})
 

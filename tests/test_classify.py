@@ -125,7 +125,10 @@ def test_a_region_is_an_image_of_its_own(rng, smoothing):
 )
 def test_a_region_outside_the_image(region):
     image = np.zeros((8, 10, 3), np.uint8)
-    with pytest.raises(ValueError, match=r"region must be \(left, top, right, bottom\) within the image of 10 x 8 px, got"):
+    with pytest.raises(
+        ValueError,
+        match=r"region must be \(left, top, right, bottom\) within the image of 10 x 8 px, got",
+    ):
         robsim.find_blobs(image, RED_AND_BLUE, region=region)
 
 

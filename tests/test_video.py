@@ -242,7 +242,7 @@ def run():
 def measured_in(path):
     colors, locator = robsim.load_colors(), robsim.load_robot("lab").locator()
     found = [
-        robsim.locate(robsim.find_blobs(frame, colors), locator, frame.plane_map)
+        robsim.locate(robsim.find_blobs(frame, colors, locator=locator), locator, frame.plane_map)
         for frame in Recording(path)
     ]
     return np.array([measurement.pose for measurement in found])

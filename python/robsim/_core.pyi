@@ -338,7 +338,7 @@ class ColorClass:
         Lower and upper end of the range, both included, within 0..255.
     """
     @staticmethod
-    def from_histograms(histograms: typing.Any, *, name: str, percentile: typing.SupportsFloat | typing.SupportsIndex = 33.0, margin: typing.SupportsInt | typing.SupportsIndex = 50, limit_y: bool = False) -> ColorClass:
+    def from_histograms(histograms: typing.Any, *, name: str, percentile: typing.SupportsFloat | typing.SupportsIndex = 33.0, margin: typing.SupportsInt | typing.SupportsIndex = 52, limit_y: bool = False) -> ColorClass:
         """
         Return the colour class of regions with these histograms: those of several images add up.
         
@@ -350,7 +350,7 @@ class ColorClass:
             As for `from_region`.
         """
     @staticmethod
-    def from_region(image: typing.Any, region: typing.Any, *, name: str, percentile: typing.SupportsFloat | typing.SupportsIndex = 33.0, margin: typing.SupportsInt | typing.SupportsIndex = 50, limit_y: bool = False) -> ColorClass:
+    def from_region(image: typing.Any, region: typing.Any, *, name: str, percentile: typing.SupportsFloat | typing.SupportsIndex = 33.0, margin: typing.SupportsInt | typing.SupportsIndex = 52, limit_y: bool = False) -> ColorClass:
         """
         Return the colour class of a region of an image, such as that of a marker.
         

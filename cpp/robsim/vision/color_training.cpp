@@ -10,9 +10,9 @@ namespace {
 
 constexpr int neutral = 128;
 
-// Levels from neutral that no grey reaches: four standard deviations of the mean of 7 x 7 grey
+// Levels from neutral that grey hardly reaches: 3.7 standard deviations of the mean of 7 x 7 grey
 // pixels in Gaussian noise of 40 %.
-constexpr int beyond_grey = 28;
+constexpr int beyond_grey = 26;
 
 // What is nearer to neutral has hardly a colour: floors and walls.
 constexpr int least_chroma = 16;

@@ -17,7 +17,7 @@ ColorHistograms color_histograms(const ImageView& image, const PixelBox& region)
 
 struct TrainingOptions {
   double percentile = 33;  // % of the pixels; so many lie outside at each end of a channel's range
-  int margin = 50;         // levels; what widens the ranges found
+  int margin = 52;         // levels; what widens the ranges found
   bool limit_y = false;    // light and shadow change Y, so any Y is right
 };
 

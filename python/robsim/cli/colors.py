@@ -10,11 +10,11 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from robsim._core import ColorClass, color_histograms, find_blobs
+from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
 from robsim.cli.shared import Colors, Json, Robot
 from robsim.cli.text import point, region
-from robsim.color_picture import class_masks, paint_classes
+from robsim.color_picture import paint_classes
 from robsim.color_score import ColorScore, Region, score_color
 from robsim.colors import SHIPPED_COLORS, color_text, load_colors, save_colors
 from robsim.pictures import Pixels, read_picture, write_picture
@@ -118,7 +118,7 @@ def train(
     ] = None,
     margin: Annotated[
         int, typer.Option("--margin", help="What widens the ranges found, in levels.")
-    ] = 50,
+    ] = 52,
     limit_y: Annotated[
         bool, typer.Option("--limit-y", help="Limit the brightness, too: for black and white.")
     ] = False,
@@ -266,7 +266,7 @@ def _found(
     """Return the blobs of each colour in a picture, and how many pixels have the colour."""
     pixels = read_picture(image)
     blobs = find_blobs(pixels, classes, smoothing=smoothing)
-    masks = class_masks(pixels, classes, smoothing=smoothing)
+    masks = classify(pixels, classes, smoothing=smoothing)
     if painted:
         _write_picture(painted, paint_classes(pixels, masks))
     return {
