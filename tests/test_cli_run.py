@@ -95,6 +95,7 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
         (("run", "none"), "no folder none: robsim new none makes one"),
         (("run", "--camera", "large"), "--camera must be a size such as 640x480, got 'large'"),
         (("run", "--noise", "loud"), "noise must be one of"),
+        (("run", "--control", "dance"), "control must be one of 'spin', 'drive-around', "),
         (("run", "--noise", "uniform"), "noise='uniform' needs a level"),
         (("run", "--robot", "nobody"), "no robot 'nobody'"),
         (("run", "--dropout", "2"), "dropout must lie within 0..1"),

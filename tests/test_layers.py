@@ -32,6 +32,7 @@ PYTHON = [
         "clip",
         "colors",
         "controllers",
+        "excitation",
         "folders",
         "identification",
         "not_seen",

@@ -24,7 +24,8 @@ NEW_HELP = (
 RUN_EXAMPLE = "Example: robsim run mine --steps 300 --measure"
 RUN_HELP = (
     "Run a simulation, with the callbacks of a folder if you name one.\n\n"
-    "Figures and the trace go to a folder. Without callbacks the robot spins."
+    "Figures and the trace go to a folder. Without a controller, yours or --control, the robot "
+    "spins."
 )
 
 
@@ -51,6 +52,14 @@ def run(
         bool,
         typer.Option("--estimate-parameters", help="The same for its parameters."),
     ] = False,
+    control: Annotated[
+        str | None,
+        typer.Option(
+            "--control",
+            help="A ready controller in place of the folder's: spin, drive-around, "
+            "pseudo-random-binary, multi-sine, chirp.",
+        ),
+    ] = None,
     noise: Annotated[
         str, typer.Option("--noise", help="Noise of the camera: none, uniform, gaussian.")
     ] = "none",
@@ -99,6 +108,7 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a simulation."""
+    from robsim.excitation import controller_named
     from robsim.results import check_folder
     from robsim.simulation import Simulation
     from robsim.video import VideoWriter
@@ -121,6 +131,7 @@ def run(
             "time_limit": time_limit,
             "measure": measure or None,
             "estimate_parameters": estimate_parameters or None,
+            "control": None if control is None else controller_named(control),
         }
         if folder is None:
             simulation = Simulation(**options)

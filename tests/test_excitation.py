@@ -1,0 +1,251 @@
+"""Excitation controllers against what the theory says of their signals."""
+
+from dataclasses import FrozenInstanceError, replace
+from itertools import pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import robsim
+from commands import cli
+from robsim.excitation import Chirp, MultiSine, PseudoRandomBinary, controller_named
+
+DT = 0.2
+KINDS = [PseudoRandomBinary, MultiSine, Chirp]
+
+
+def voltages(control, steps, *, dt=DT):
+    """Return the voltages of steps 0, 1, ...: array (steps, 2)."""
+    return np.array([control(SimpleNamespace(k=k, t=k * dt, dt=dt)) for k in range(steps)])
+
+
+def autocorrelation(x, y):
+    """Return the mean of x(i) y(i + shift) over a period, for every shift."""
+    return np.array([np.mean(x * np.roll(y, -shift)) for shift in range(len(x))])
+
+
+# --- pseudo-random binary sequences
+
+
+@pytest.mark.parametrize("order", range(3, 13))
+def test_a_sequence_is_balanced_and_of_maximum_length(order):
+    length = 2**order - 1
+    control = PseudoRandomBinary(low=0, high=1, hold=1, order=order)
+    assert control.period == length
+    bits = voltages(control, 2 * length)
+    np.testing.assert_array_equal(bits[:length], bits[length:])
+    for motor in bits[:length].T:
+        assert motor.sum() == 2 ** (order - 1)
+        # Every window of `order` bits but 0 .. 0 comes once: there is no shorter period.
+        windows = np.lib.stride_tricks.sliding_window_view(np.append(motor, motor), order)
+        assert len(np.unique(windows[:length], axis=0)) == length
+
+
+@pytest.mark.parametrize("seed", [0, 5])
+def test_a_sequence_looks_like_white_noise(seed):
+    control = PseudoRandomBinary(low=-1, high=1, hold=1, order=7, seed=seed)
+    left, right = voltages(control, 127).T
+    for motor in (left, right):
+        correlation = autocorrelation(motor, motor)
+        assert correlation[0] == 1
+        np.testing.assert_allclose(correlation[1:], -1 / 127)
+    between = autocorrelation(left, right)
+    assert np.flatnonzero(between > 0).tolist() == [127 - 63]
+    assert between[0] == pytest.approx(-1 / 127)
+
+
+def test_a_voltage_is_held():
+    fast = voltages(PseudoRandomBinary(hold=1, order=5), 31)
+    held = voltages(PseudoRandomBinary(hold=4, order=5), 4 * 31)
+    np.testing.assert_array_equal(held, np.repeat(fast, 4, axis=0))
+
+
+# --- sums of sines
+
+
+def crest_factor(signal):
+    return np.abs(signal).max() / np.sqrt(np.mean(signal**2))
+
+
+def test_the_sines_are_where_they_should_be_and_nowhere_else():
+    control = MultiSine(low=-1, high=1, lowest_frequency=0.0125, highest_frequency=0.4)
+    left, right = control.frequencies
+    np.testing.assert_allclose(left, 0.0125 * np.arange(1, 33, 2))
+    np.testing.assert_allclose(right, 0.0125 * np.arange(2, 33, 2))
+    period = 400
+    u = voltages(control, period)
+    spectrum = np.abs(np.fft.rfft(u, axis=0)) / (period / 2)
+    frequencies = np.fft.rfftfreq(period, DT)
+    for motor, lines in zip(spectrum.T, (left, right), strict=True):
+        found = np.flatnonzero(motor > 1e-9)
+        np.testing.assert_allclose(frequencies[found], lines, atol=1e-12)
+        np.testing.assert_allclose(motor[found], motor[found[0]])
+    assert abs(np.mean(u[:, 0] * u[:, 1])) < 1e-12
+
+
+@pytest.mark.parametrize("highest", [0.1, 0.3, 1.0])
+def test_the_peaks_are_low(highest):
+    control = MultiSine(low=-1, high=1, highest_frequency=highest, seed=3)
+    fine = voltages(control, 20_000, dt=80 / 20_000)
+    for motor, lines in zip(fine.T, control.frequencies, strict=True):
+        zero_phases = np.cos(2 * np.pi * np.outer(np.arange(20_000) / 250, lines)).sum(axis=1)
+        assert crest_factor(zero_phases) == pytest.approx(np.sqrt(2 * len(lines)))
+        assert crest_factor(motor) < 2.05
+        # the limits are used
+        assert 0.99 < np.abs(motor).max() < 1
+
+
+def test_the_sines_repeat_after_a_period():
+    u = voltages(MultiSine(seed=2), 800)
+    np.testing.assert_allclose(u[400:], u[:400], atol=1e-12)
+
+
+# --- swept sines
+
+
+def test_the_frequency_of_a_chirp_is_what_it_says():
+    control = Chirp(low=-1, high=1, lowest_frequency=0.02, highest_frequency=0.5, duration=80)
+    assert control.frequencies(0) == pytest.approx((0.02, 0.5))
+    assert control.frequencies(40) == pytest.approx((0.1, 0.1))
+    assert control.frequencies(80 - 1e-9) == pytest.approx((0.5, 0.02))
+    dt = 0.001
+    t = dt * np.arange(80_000)
+    for motor, u in enumerate(voltages(control, len(t), dt=dt).T):
+        # Between two crossings of zero a sine does half a turn.
+        before = np.flatnonzero(u[1:] * u[:-1] < 0)
+        crossings = t[before] + dt * u[before] / (u[before] - u[before + 1])
+        turned = [
+            (end - begin) * np.mean([control.frequencies(x)[motor] for x in inside])
+            for begin, end in pairwise(crossings)
+            for inside in [begin + (end - begin) * (np.arange(50) + 0.5) / 50]
+        ]
+        assert len(turned) > 20
+        np.testing.assert_allclose(turned, 0.5, atol=1e-3)
+
+
+def test_a_chirp_starts_anew_after_its_duration():
+    u = voltages(Chirp(duration=20), 300)
+    np.testing.assert_allclose(u[100:200], u[:100], atol=1e-9)
+    np.testing.assert_allclose(u[200:], u[:100], atol=1e-9)
+
+
+# --- all of them
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("limits", [(-0.5, 1.5), (0.1, 0.7), (-3, -1)])
+def test_the_limits_are_kept_and_reached(kind, limits):
+    u = voltages(kind(low=limits[0], high=limits[1]), 800)
+    assert u.min() >= limits[0]
+    assert u.max() <= limits[1]
+    middle, reach = (limits[1] + limits[0]) / 2, (limits[1] - limits[0]) / 2
+    assert (np.abs(u - middle).max(axis=0) > 0.95 * reach).all()
+
+
+@pytest.mark.parametrize("kind", [PseudoRandomBinary, MultiSine])
+def test_the_seed_decides(kind):
+    first = voltages(kind(seed=7), 200)
+    np.testing.assert_array_equal(voltages(kind(seed=7), 200), first)
+    assert (voltages(kind(seed=8), 200) != first).any()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_step_says_it_all(kind):
+    """One object serves any number of runs, at any step."""
+    control = kind()
+    u = voltages(control, 50)
+    step = SimpleNamespace(k=31, t=31 * DT, dt=DT)
+    np.testing.assert_array_equal(control(step), u[31])
+    np.testing.assert_array_equal(kind()(step), u[31])
+    assert control == kind()
+    assert control != replace(control, high=2.0)
+    with pytest.raises(FrozenInstanceError):
+        control.high = 2.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_from_the_truth_each_gives_all_parameters(kind):
+    options = {"boundary": "unlimited", "estimate_parameters": True, "seed": 1}
+    trace = robsim.Simulation(control=kind(), **options).run(800)
+    assert np.isin(trace.u, voltages(kind(), 800)).all()
+    report = robsim.batch_estimate(trace)
+    assert (report.rank == 5).all()
+    truth = report.theta_true
+    np.testing.assert_allclose(report.batch[:, :4], truth[:, :4], rtol=1e-6)
+    np.testing.assert_allclose(report.batch[:, 4], truth[:, 4], atol=1e-9)
+
+
+def test_a_binary_sequence_tells_more_than_held_random_voltages():
+    def errors(control):
+        trace = robsim.Simulation(boundary="unlimited", control=control, seed=1).run(800)
+        phi, _ = robsim.regression_samples(trace.pose_true, trace.u)
+        information = np.einsum("nai,naj->aij", phi, phi)
+        return np.sqrt(np.diagonal(np.linalg.inv(information), axis1=1, axis2=2))
+
+    binary, held = errors(PseudoRandomBinary()), errors(robsim.DriveAround())
+    # b1, b2 of every axis: by about the ratio of the powers, sqrt(3)
+    assert (held[:, 2:4] / binary[:, 2:4] > 1.4).all()
+
+
+WRONG = [
+    (PseudoRandomBinary, {"low": 1, "high": 1}, "low must be below high (V), got low=1 and high=1"),
+    (MultiSine, {"low": 2}, "low must be below high (V), got low=2 and high=1.5"),
+    (Chirp, {"high": np.nan}, "high must be finite (V), got nan"),
+    (PseudoRandomBinary, {"hold": 0}, "hold must lie within 1..2147483647, got 0"),
+    (PseudoRandomBinary, {"order": 2}, "order must lie within 3..12, got 2"),
+    (PseudoRandomBinary, {"seed": -1}, "seed must lie within 0.."),
+    (MultiSine, {"seed": -1}, "seed must lie within 0.."),
+    (MultiSine, {"lowest_frequency": 0}, "lowest_frequency must be finite and above 0 (Hz), got 0"),
+    (MultiSine, {"highest_frequency": 0.02}, "highest_frequency must be 2..1000 times lowest_freq"),
+    (MultiSine, {"lowest_frequency": 1e-5}, "highest_frequency must be 2..1000 times lowest_freq"),
+    (Chirp, {"lowest_frequency": 1}, "lowest_frequency must be below highest_frequency (Hz), got"),
+    (Chirp, {"duration": 0}, "duration must be finite and above 0 (s), got 0"),
+]
+
+
+@pytest.mark.parametrize(("kind", "options", "message"), WRONG)
+def test_wrong_options_are_named(kind, options, message):
+    with pytest.raises(ValueError, match="^" + message.replace("(", r"\(").replace(")", r"\)")):
+        kind(**options)
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "name"),
+    [
+        (PseudoRandomBinary, {"hold": 2.5}, "hold"),
+        (PseudoRandomBinary, {"seed": None}, "seed"),
+        (MultiSine, {"low": "0"}, "low"),
+        (Chirp, {"duration": None}, "duration"),
+    ],
+)
+def test_wrong_types_are_named(kind, options, name):
+    with pytest.raises(TypeError, match=f"^{name} must be"):
+        kind(**options)
+
+
+@pytest.mark.parametrize("kind", [MultiSine, Chirp])
+def test_a_frequency_must_be_below_half_the_sampling_frequency(kind):
+    control = kind(highest_frequency=2.5)
+    with pytest.raises(ValueError, match=r"below half the sampling frequency, 2.5 Hz for dt = 0.2"):
+        robsim.Simulation(control=control).run(1)
+    voltages(control, 3, dt=0.1)
+
+
+# --- by name
+
+
+def test_a_controller_by_its_name():
+    assert controller_named("chirp") == Chirp()
+    assert isinstance(controller_named("drive-around"), robsim.DriveAround)
+    with pytest.raises(ValueError, match=r"^control must be one of 'spin', .*, got 'dance'$"):
+        controller_named("dance")
+
+
+def test_on_the_command_line_it_takes_the_place_of_the_folders(tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/control.py").write_text("def control(step):\n    return 0.0, 0.0\n")
+    run = cli("run", "mine", "--steps", "40", "--control", "multi-sine", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    trace = robsim.Trace.load(tmp_path / "robsim-run/trace.npz")
+    np.testing.assert_array_equal(trace.u, voltages(MultiSine(), 40))
