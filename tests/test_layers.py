@@ -44,6 +44,7 @@ PYTHON = [
     {"simulation"},
     {"plotting"},
     {"results"},
+    {"bench_estimation"},
     {"bench", "demo"},
     {"cli"},
     {"__main__"},
