@@ -38,6 +38,7 @@ from robsim.color_picture import paint_classes
 from robsim.color_score import ColorScore, score_color
 from robsim.colors import color_text, load_colors, save_colors
 from robsim.controllers import FollowPath, GoToPoint
+from robsim.excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.four_points import plane_map_from_points
 from robsim.identification import BatchEstimate, batch_estimate
 from robsim.path_score import PathScore, score_path
@@ -82,6 +83,7 @@ __all__ = [
     "PARAMETER_NAMES",
     "BatchEstimate",
     "Blob",
+    "Chirp",
     "Clip",
     "ColorClass",
     "ColorScore",
@@ -94,8 +96,10 @@ __all__ = [
     "LeastSquaresFit",
     "Locator",
     "Measurement",
+    "MultiSine",
     "PathScore",
     "PlaneMap",
+    "PseudoRandomBinary",
     "Recording",
     "RecursiveLeastSquares",
     "Renderer",
