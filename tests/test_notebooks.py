@@ -22,6 +22,7 @@ def test_there_are_notebooks():
     assert [file.name for file in SHIPPED] == [
         "01_first_drive.ipynb",
         "02_write_a_controller.ipynb",
+        "04_state_estimation.ipynb",
     ]
 
 
@@ -56,7 +57,8 @@ def test_the_command_copies_them_and_never_overwrites(tmp_path):
         assert (tmp_path / "coursework" / file.name).read_bytes() == file.read_bytes()
     mine = tmp_path / "coursework" / SHIPPED[0].name
     mine.write_text("my work")
-    (tmp_path / "coursework" / SHIPPED[1].name).unlink()
+    for file in SHIPPED[1:]:
+        (tmp_path / "coursework" / file.name).unlink()
     again = cli("notebooks", "coursework", cwd=tmp_path)
     assert again.returncode == 2
     assert f"coursework has {mine.name} already: nothing was written" in again.stderr
