@@ -15,7 +15,7 @@ from robsim.reference.noise import MEASUREMENT_NOISE, PROCESS_NOISE, three
 from robsim.seeds import Seed, seed_sequence
 
 #: With fewer effective particles after a measurement, the cloud is drawn anew.
-FEWEST = 100
+FEWEST = 200
 
 
 class ParticleFilter(StateEstimator):
@@ -29,7 +29,7 @@ class ParticleFilter(StateEstimator):
     model, process_noise, measurement_noise, prior
         As of `ExtendedKalmanFilter`. The process noise is what keeps the particles apart.
     count : int
-        Number of particles, at least 500.
+        Number of particles, at least 1000.
     seed : int, SeedSequence, Generator or None
         What its random numbers come from; the same in each run.
 
@@ -76,7 +76,7 @@ class ParticleFilter(StateEstimator):
         self.motion = RobotMotion(model)
         self.process_noise = three("process_noise", process_noise, least=0)
         self.measurement_noise = three("measurement_noise", measurement_noise, above=0)
-        self.count = whole("count", count, least=500, most=10**7)
+        self.count = whole("count", count, least=1000, most=10**7)
         self._seed = seed_sequence(seed)
         super().__init__(prior)
 
