@@ -26,20 +26,32 @@ CPP = {
 # Each layer of modules imports from the layers above it only: there are no cycles.
 PYTHON = [
     {"_core", "files", "numbers", "opencv", "pictures", "seeds", "slots", "templates"},
-    {"four_points", "frame_source", "frames", "light", "options", "shipped", "time_limit"},
-    {"folder_modules", "spelling", "trace", "waypoints"},
+    {
+        "chi_square",
+        "four_points",
+        "frame_source",
+        "frames",
+        "light",
+        "options",
+        "shipped",
+        "time_limit",
+    },
+    {"folder_modules", "spelling", "trace", "waypoints", "whiteness"},
     {
         "clip",
         "colors",
         "controllers",
         "excitation",
+        "convergence",
+        "cramer_rao",
         "folders",
         "identification",
+        "metrics",
         "not_seen",
         "path_score",
         "recordings",
     },
-    {"color_picture", "color_score", "robots", "video"},
+    {"color_picture", "color_score", "consistency", "robots", "video"},
     {"scene"},
     {"simulation"},
     {"plotting"},
@@ -111,7 +123,7 @@ def test_python_modules_import_only_what_lies_below_them():
 CHECK = """
 import sys
 import robsim
-late = {"matplotlib", "cv2", "pandas", "typer", "rich", "tqdm", "tomlkit", "platformdirs"}
+late = {"matplotlib", "cv2", "pandas", "scipy", "typer", "rich", "tqdm", "tomlkit", "platformdirs"}
 print(sorted(late & set(sys.modules)))
 robsim.plot_traces
 print("matplotlib" in sys.modules, "matplotlib.pyplot" in sys.modules)

@@ -1,0 +1,639 @@
+import json
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import robsim
+from robsim.chi_square import chi_square_band
+from robsim.consistency import nees, nees_report, nis, nis_report, pose_consistency
+from robsim.convergence import convergence_time, parameter_convergence
+from robsim.cramer_rao import (
+    cramer_rao_bound,
+    parameter_bounds,
+    pose_bounds,
+    posterior_cramer_rao_bound,
+)
+from robsim.metrics import error_report, pose_errors, wrapped_error
+from robsim.whiteness import whiteness_report
+
+NAN = np.nan
+PI = np.pi
+
+
+def trace_of(pose_true, *, boundary="unlimited", bounced=None, **groups):
+    """A trace of these true poses."""
+    pose_true = np.asarray(pose_true, dtype=float)
+    rows = len(pose_true)
+    groups = {
+        "pose_true": pose_true,
+        "u": np.zeros((rows, 2)),
+        "bounced": np.zeros((rows, 1)) if bounced is None else np.asarray(bounced)[:, None],
+        **groups,
+    }
+    info = robsim.RunInfo(dt=0.5, theta_true=robsim.RobotModel().theta, boundary=boundary)
+    return robsim.Trace(groups, info)
+
+
+def driven(steps=60, **options):
+    options = {"boundary": "unlimited", "seed": 3, **options}
+    return robsim.Simulation(control=robsim.DriveAround(), **options).run(steps)
+
+
+# errors
+
+
+def test_the_error_of_a_heading_goes_the_short_way():
+    error = wrapped_error([1.0, 5.0, 3.1], [0.0, 7.0, -3.1])
+    np.testing.assert_allclose(error, [1.0, -2.0, 6.2 - 2 * PI])
+    # (-pi, pi]: half a turn is +pi
+    assert wrapped_error([0, 0, PI], [0, 0, 0])[2] == PI
+    assert wrapped_error([0, 0, 0], [0, 0, PI])[2] == PI
+    np.testing.assert_allclose(
+        wrapped_error([[6.0, 6.0]], [0.0, 0.0], angles=[0])[0, 0], 6 - 2 * PI
+    )
+    assert wrapped_error([7.0], [0.0], angles=()) == 7.0
+
+
+def test_error_report_against_hand_computed_values():
+    truth = np.zeros((4, 3))
+    estimate = [[1, 0, 0.1], [-3, 0, 0.1], [NAN, NAN, NAN], [5, 0, 2 * PI - 0.2]]
+    report = error_report(estimate, truth)
+    np.testing.assert_array_equal(report.known, [3, 3, 3])
+    assert report.total == 4
+    np.testing.assert_allclose(report.rmse, [np.sqrt(35 / 3), 0, np.sqrt(0.02)])
+    np.testing.assert_allclose(report.bias, [1, 0, 0], atol=1e-15)
+    np.testing.assert_allclose(report.sd, [np.sqrt(32 / 3), 0, np.sqrt(0.02)])
+    np.testing.assert_allclose(report.largest, [5, 0, 0.2])
+    np.testing.assert_allclose(report.sd**2 + report.bias**2, report.rmse**2)
+    assert np.isnan(report.claimed_rms).all()
+
+
+def test_error_report_over_runs():
+    truth = np.zeros((2, 3, 1))
+    estimate = np.array([[3.0, NAN, 1.0], [4.0, 2.0, NAN]])[..., None]
+    report = error_report(estimate, truth, names=["z"], units=["m"], source="student")
+    np.testing.assert_array_equal(report.known, [4])
+    np.testing.assert_allclose(report.rmse_of_steps[:, 0], [np.sqrt(12.5), 2.0, 1.0])
+    np.testing.assert_allclose(report.rmse, np.sqrt(30 / 4))
+    assert str(report).splitlines()[0] == "student minus truth over 2 runs"
+    assert "4 of 6" in str(report)
+
+
+def test_what_is_claimed_stands_beside_the_error():
+    covariance = np.broadcast_to(np.diag([4.0, 9.0, 0.01]), (5, 3, 3))
+    report = error_report(np.ones((5, 3)), np.zeros((5, 3)), covariance=covariance)
+    np.testing.assert_allclose(report.claimed_rms, [2, 3, 0.1])
+    with pytest.raises(ValueError, match="no negative variance, got -4"):
+        error_report(np.ones((5, 3)), np.zeros((5, 3)), covariance=-covariance[:, :, :] * 4 / 9)
+
+
+def test_error_report_reads_well_and_goes_into_json():
+    report = error_report([[1.0, NAN, PI / 180]], [[0.0, 0.0, 0.0]])
+    lines = str(report).splitlines()
+    assert lines[0] == "estimate minus truth"
+    assert lines[2].split() == ["x", "(px)", "1", "1", "0", "1", "-", "1", "of", "1"]
+    assert lines[3].split() == ["y", "(px)", "-", "-", "-", "-", "-", "0", "of", "1"]
+    assert lines[4].split()[:3] == ["heading", "(deg)", "1"]
+    values = json.loads(json.dumps(report.to_dict()))
+    assert values["heading"]["rmse"] == pytest.approx(PI / 180)
+    assert values["heading"]["unit"] == "rad"
+    assert values["y"] == {
+        "unit": "px",
+        "known": 0,
+        "total": 1,
+        **dict.fromkeys(("rmse", "bias", "sd", "largest", "claimed_rms")),
+    }
+    assert report._repr_html_().count("<tr>") == 4
+
+
+def test_pose_errors_of_a_trace_agree_with_its_own():
+    trace = driven(40, measure=lambda step: robsim.Measurement((600, 600, 3)), camera=(120, 120))
+    report = pose_errors(trace, of="measurement")
+    np.testing.assert_array_equal(report.error[0], trace.error)
+    statistics = trace.tracking()
+    assert np.hypot(*report.rmse[:2]) == pytest.approx(statistics.rms_xy)
+    assert np.rad2deg(report.rmse[2]) == pytest.approx(statistics.rms_heading_deg)
+    np.testing.assert_array_equal(pose_errors(trace[10:], of="measurement").k, np.arange(10, 40))
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda: wrapped_error(np.ones((2, 3)), np.ones((3, 3))), ValueError, "same shape, got"),
+        (lambda: wrapped_error([1.0, 2.0], [0.0, 0.0]), ValueError, "among the 2 numbers"),
+        (lambda: error_report([1.0], [0.0], units=["px"], names=["x"]), ValueError, "must be of"),
+        (lambda: pose_errors(driven(5), of="guess"), ValueError, "'estimate' or 'measurement'"),
+        (lambda: pose_errors(driven(5)), ValueError, r"with estimate_state=\.\.\."),
+        (lambda: pose_errors(driven(5), of="measurement"), ValueError, "with measure=True"),
+        (lambda: pose_errors([driven(5), driven(6)]), ValueError, r"got lengths \[5, 6\]"),
+        (lambda: pose_errors([]), TypeError, "a sequence of them"),
+        (lambda: pose_consistency(driven(5)), ValueError, r"estimate_state=\.\.\."),
+        (lambda: pose_consistency("run"), TypeError, "must be a Trace"),
+        (lambda: parameter_convergence(driven(5)), ValueError, "estimate_parameters=True"),
+        (lambda: parameter_bounds(driven(5), sigma=1.0), ValueError, "must be 3 numbers"),
+    ],
+)
+def test_wrong_input_is_refused(call, error, message):
+    with pytest.raises(error, match=message):
+        call()
+
+
+# chi-square
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 6])
+@pytest.mark.parametrize("runs", [1, 20, 5000])
+def test_the_band_is_that_of_scipy_stats(n, runs):
+    for level in (0.5, 0.95, 0.999):
+        expected = stats.chi2(n * runs).interval(level)
+        np.testing.assert_allclose(
+            chi_square_band(n, runs=runs, level=level), np.array(expected) / runs, rtol=1e-9
+        )
+
+
+def test_the_band_of_a_table():
+    # Bar-Shalom et al., 5.4.2: 50 runs of 2 degrees of freedom, [1.5, 2.6]; one run, [0.05, 7.38]
+    np.testing.assert_allclose(chi_square_band(2, runs=50), [1.484, 2.591], atol=1e-3)
+    np.testing.assert_allclose(chi_square_band(2), [0.0506, 7.378], atol=1e-3)
+    band = chi_square_band(3, runs=[1, 0, 4])
+    assert band.shape == (3, 2)
+    assert np.isnan(band[1]).all()
+    assert band[2, 1] < band[0, 1]
+
+
+@pytest.mark.parametrize("arguments", [{"n": 0}, {"n": 2, "runs": -1}, {"n": 2, "level": 1.0}])
+def test_a_band_needs_sensible_numbers(arguments):
+    with pytest.raises(ValueError, match="must"):
+        chi_square_band(**arguments)
+
+
+# NEES and NIS
+
+
+def test_nees_by_hand():
+    # e' P^-1 e with P = [[2, 1], [1, 2]], P^-1 = [[2, -1], [-1, 2]]/3
+    assert nees([1.0, 0.0], [[2, 1], [1, 2]]) == pytest.approx(2 / 3)
+    assert nees([1.0, 1.0], [[2, 1], [1, 2]]) == pytest.approx(2 / 3)
+    assert nis([3.0], [[4.0]]) == pytest.approx(9 / 4)
+    values = nees([[1.0, 0.0], [NAN, 0.0], [0.0, 0.0]], np.eye(2))
+    np.testing.assert_array_equal(values, [1.0, NAN, 0.0])
+
+
+def test_nees_of_very_different_units_is_that_of_a_plain_solve():
+    rng = np.random.default_rng(5)
+    root = rng.normal(size=(50, 3, 3)) * np.array([1e4, 1.0, 1e-5])[:, None]
+    P = root @ np.swapaxes(root, 1, 2)
+    P = (P + np.swapaxes(P, 1, 2)) / 2
+    w = rng.normal(size=(50, 3))
+    # e = root w, so e' P^-1 e = w' w
+    np.testing.assert_allclose(nees(np.einsum("kij,kj->ki", root, w), P), (w**2).sum(1), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("P", "message"),
+    [
+        ([[1.0, 2.0], [2.0, 1.0]], "positive definite"),
+        ([[1.0, 0.0], [0.0, 0.0]], "positive definite"),
+        ([[-1.0, 0.0], [0.0, 1.0]], "positive definite"),
+        ([[1.0, 0.5], [0.0, 1.0]], "symmetric"),
+        ([[np.inf, 0.0], [0.0, 1.0]], "finite"),
+    ],
+)
+def test_a_wrong_covariance_is_named_with_its_step(P, message):
+    covariances = np.tile(np.eye(2), (4, 1, 1))
+    covariances[2] = P
+    with pytest.raises(ValueError, match=rf"covariance\[2\] must be {message}"):
+        nees(np.zeros((4, 2)), covariances)
+    with pytest.raises(ValueError, match=r"S must be of shape \(4, 2, 2\) or \(2, 2\)"):
+        nis(np.zeros((4, 2)), np.eye(3))
+
+
+def test_the_band_is_wider_where_fewer_runs_are_known():
+    error = np.ones((3, 4, 2))
+    error[0, 1] = NAN
+    error[:, 2] = NAN
+    report = nees_report(error, np.eye(2))
+    np.testing.assert_array_equal(report.counts, [3, 2, 0, 3])
+    np.testing.assert_allclose(report.values, [2, 2, NAN, 2])
+    np.testing.assert_allclose(report.band[1], stats.chi2(4).ppf([0.025, 0.975]) / 2)
+    assert report.unknown == 4
+    assert report.inside == 1.0
+    assert str(report).startswith("NEES: the filter is consistent; 4 values not known\n")
+
+
+def test_shares_and_mean_by_hand():
+    # n = 1: the band is 0.00098..5.02
+    report = nees_report(np.array([[0.0], [1.0], [2.0], [3.0], [NAN]]), [[1.0]])
+    assert (report.below, report.inside, report.above) == (0.25, 0.5, 0.25)
+    assert report.mean == pytest.approx(14 / 4)
+    assert np.isnan(report.mean_error)
+    runs = nees_report(np.array([[[1.0], [1.0]], [[2.0], [NAN]]]), [[1.0]])
+    assert runs.mean == pytest.approx(2.0)  # of the three values that are known
+    assert runs.mean_error == pytest.approx(np.std([1, 4], ddof=1) / np.sqrt(2))
+
+
+def test_nothing_known_is_said():
+    report = nees_report(np.full((5, 3), NAN), np.eye(3))
+    assert report.verdict == "not known"
+    assert "nothing is known of the filter" in str(report)
+    assert json.loads(json.dumps(report.to_dict()))["mean"] is None
+
+
+def test_white_noise_lies_in_the_band_as_often_as_the_band_says():
+    rng = np.random.default_rng(11)
+    L = np.array([[2.0, 0.0], [0.7, 0.5]])
+    innovation = rng.normal(size=(20_000, 2)) @ L.T
+    report = nis_report(innovation, L @ L.T)
+    # 4 standard deviations of a share of 95 % in 20 000 trials
+    assert abs(report.inside - 0.95) < 4 * np.sqrt(0.95 * 0.05 / 20_000)
+    assert abs(report.above - 0.025) < 4 * np.sqrt(0.025 / 20_000)
+    assert report.verdict == "consistent"
+    assert report.whiteness.is_white
+
+
+# a linear filter, right and wrong
+
+
+DT = 0.2
+F = np.array([[1.0, DT], [0.0, 1.0]])
+Q = np.array([[DT**3 / 3, DT**2 / 2], [DT**2 / 2, DT]])
+H = np.array([[1.0, 0.0]])
+R = np.array([[1.0]])
+P0 = np.eye(2)
+
+
+def filtered(trials, steps, *, q=1.0, r=1.0, seed=0):
+    """Errors (trials, steps, 2), P, innovations, S of a Kalman filter that assumes q Q and r R."""
+    rng = np.random.default_rng(seed)
+    x = rng.normal(size=(trials, 2)) @ np.linalg.cholesky(P0).T
+    process_noise = rng.normal(size=(steps, trials, 2)) @ np.linalg.cholesky(Q).T
+    estimate, P = np.zeros((trials, 2)), P0
+    errors, innovations = np.empty((trials, steps, 2)), np.empty((trials, steps, 1))
+    covariances, S = np.empty((steps, 2, 2)), np.empty((steps, 1, 1))
+    for k in range(steps):
+        if k > 0:
+            x = x @ F.T + process_noise[k]
+            estimate, P = estimate @ F.T, F @ P @ F.T + q * Q
+        innovations[:, k] = x @ H.T + rng.normal(size=(trials, 1)) - estimate @ H.T
+        S[k] = H @ P @ H.T + r * R
+        K = P @ H.T / S[k]
+        estimate, P = estimate + innovations[:, k] @ K.T, (np.eye(2) - K @ H) @ P
+        errors[:, k], covariances[k] = estimate - x, P
+    return errors, covariances, innovations, S
+
+
+def test_the_nees_of_single_runs_of_a_right_filter_lies_in_the_band():
+    errors, P, _, _ = filtered(400, 200, seed=1)
+    (low, high), values = chi_square_band(2), nees(errors, P)
+    shares = np.mean((values >= low) & (values <= high), axis=1)
+    assert (shares >= 0.8).sum() >= 399
+    assert abs(shares.mean() - 0.95) < 0.005
+    for error, share in zip(errors[:20], shares, strict=False):
+        report = nees_report(error, P)
+        assert report.inside == pytest.approx(share)
+        assert report.verdict == ("consistent" if share >= 0.8 else "too confident")
+
+
+def test_the_mean_nees_in_time_would_fail_right_filters():
+    errors, P, _, _ = filtered(400, 200, seed=2)
+    low, high = chi_square_band(2, runs=200)
+    means = nees(errors, P).mean(axis=1)
+    assert 0.25 < np.mean((means < low) | (means > high)) < 0.5
+
+
+def test_the_mean_nis_fails_five_percent():
+    _, _, innovations, S = filtered(400, 200, seed=3)
+    (low, high), means = chi_square_band(1, runs=200), nis(innovations, S).mean(axis=1)
+    is_right = (means >= low) & (means <= high)
+    # 3.2 standard deviations of a share of 5 % in 400 trials
+    assert abs(np.mean(~is_right) - 0.05) < 0.035
+    for one, expected in zip(innovations[:20], is_right, strict=False):
+        assert (nis_report(one, S).verdict == "consistent") == expected
+
+
+@pytest.mark.parametrize(
+    ("q", "r", "verdict"),
+    [
+        (1, 1, "consistent"),
+        (4, 1, "too cautious"),
+        (1, 4, "too cautious"),
+        (0.25, 1, "too confident"),
+        (1, 0.25, "too confident"),
+    ],
+)
+def test_a_wrong_q_or_r_is_called(q, r, verdict):
+    errors, P, innovations, S = filtered(100, 200, q=q, r=r, seed=4)
+    for runs in np.split(np.arange(100), 5):
+        report = nees_report(errors[runs], P)
+        assert report.verdict == verdict, str(report)
+        assert verdict in str(report)
+    assert nis_report(innovations, S).verdict == verdict
+
+
+def test_one_run_cannot_show_a_cautious_filter_and_says_so():
+    errors, P, innovations, S = filtered(1, 200, r=4, seed=5)
+    report = nees_report(errors[0], P)
+    assert report.verdict == "consistent"
+    assert "too cautious shows only over 20 runs" in str(report)
+    assert nis_report(innovations[0], S).verdict == "too cautious"
+
+
+def test_a_mean_that_is_off_is_called_with_most_steps_in_the_band():
+    # errors 15 % too small in the square: 20 runs, white, so 4 standard errors are 6 %
+    rng = np.random.default_rng(6)
+    errors = rng.normal(size=(20, 500, 3)) * np.sqrt(0.85)
+    report = nees_report(errors, np.eye(3))
+    assert report.inside > 0.8
+    assert report.verdict == "too cautious"
+    assert nees_report(errors[:19], np.eye(3)).verdict == "consistent"
+    assert nees_report(errors / np.sqrt(0.85), np.eye(3)).verdict == "consistent"
+
+
+# whiteness
+
+
+def test_autocorrelation_and_ljung_box_by_hand():
+    w = np.array([1.0, -1.0, 2.0, 0.0, 1.0])
+    result = whiteness_report(w[:, None], lags=2)
+    square = 7 / 5
+    r = [(-1 - 2 + 0 + 0) / 4 / square, (2 + 0 + 2) / 3 / square]
+    np.testing.assert_allclose(result.autocorrelation[:, 0], r)
+    np.testing.assert_array_equal(result.pairs[:, 0], [4, 3])
+    # the textbook's form: N (N + 2) sum rho_k^2/(N - k), rho_k = sum w(t) w(t+k)/sum w(t)^2
+    Q = 5 * 7 * ((-3 / 7) ** 2 / 4 + (4 / 7) ** 2 / 3)
+    assert result.ljung_box == pytest.approx(Q)
+    assert result.p_value == pytest.approx(stats.chi2(2).sf(Q))
+
+
+def test_no_pair_is_made_with_a_step_that_was_not_seen():
+    result = whiteness_report(np.array([[1.0], [NAN], [2.0], [3.0]]), lags=3)
+    np.testing.assert_array_equal(result.pairs[:, 0], [1, 1, 1])
+    np.testing.assert_allclose(result.autocorrelation[:, 0], np.array([6, 2, 3]) / (14 / 3))
+    # nor across the runs
+    runs = whiteness_report(np.ones((3, 2, 1)), lags=1)
+    np.testing.assert_array_equal(runs.pairs, [[3]])
+
+
+def test_white_innovations_pass_in_95_percent():
+    rng = np.random.default_rng(8)
+    results = [whiteness_report(rng.normal(size=(200, 2)), lags=10) for _ in range(400)]
+    # 4 standard deviations of a share of 5 % in 400 trials
+    assert abs(np.mean([not result.is_white for result in results]) - 0.05) < 0.044
+    assert abs(np.mean([result.share_outside for result in results]) - 0.05) < 0.01
+
+
+def test_what_is_not_white_is_called():
+    rng = np.random.default_rng(9)
+    noise = rng.normal(size=(500, 1))
+    for values in (noise[1:] + 0.5 * noise[:-1], noise + 0.5, np.cumsum(noise, axis=0)):
+        assert not whiteness_report(values).is_white
+    assert "not white" in str(whiteness_report(noise + 0.5))
+    _, _, innovations, S = filtered(1, 500, q=1 / 64, seed=10)
+    assert not nis_report(innovations[0], S).whiteness.is_white
+
+
+def test_an_innovation_whose_numbers_depend_on_each_other_is_whitened_first():
+    rng = np.random.default_rng(12)
+    S = np.array([[1.0, 0.99], [0.99, 1.0]])
+    innovations = rng.multivariate_normal(np.zeros(2), S, (200, 100))
+    p = [whiteness_report(one, S, lags=10).p_value for one in innovations]
+    assert stats.kstest(p, "uniform").pvalue > 0.001
+
+
+@pytest.mark.parametrize("values", [np.zeros((50, 1)), np.full((50, 1), NAN), np.ones((1, 1))])
+def test_whiteness_needs_values(values):
+    with pytest.raises(ValueError, match="must have known values, not all 0"):
+        whiteness_report(values)
+
+
+def test_a_short_record_has_no_whiteness():
+    assert nis_report(np.ones((3, 1)), np.eye(1)).whiteness is None
+
+
+# convergence
+
+
+def test_convergence_is_when_the_estimate_enters_and_stays():
+    history = np.array([9.0, 1.05, 3.0, 1.05, 0.95, 1.0])
+    assert convergence_time(history, 1.0, 0.1) == 3
+    assert convergence_time(history, 1.0, 0.1, t=np.arange(6) / 5) == pytest.approx(0.6)
+    assert convergence_time(history, 1.0, 10.0) == 0
+    assert np.isnan(convergence_time([1.0, 2.0], 1.0, 0.1))
+    assert np.isnan(convergence_time([1.0, NAN], 1.0, 0.1))
+    assert convergence_time([1.0, NAN, 1.0], 1.0, 0.1) == 2
+    both = np.column_stack((history, history[::-1]))
+    np.testing.assert_array_equal(convergence_time(both, [1.0, 9.0], [0.1, 0.0]), [3, 5])
+
+
+def test_parameter_convergence_of_a_run():
+    trace = driven(300, estimate_parameters=True)
+    report = parameter_convergence(trace[100:])
+    near = np.abs(trace.parameters[100:] - report.theta_true) <= report.tolerance
+    assert near[-1].all()
+    for axis, parameter in np.ndindex(3, 5):
+        row = round(report.time[axis, parameter] / 0.2)
+        assert near[row:, axis, parameter].all()
+        assert row == 0 or not near[row - 1, axis, parameter]
+    np.testing.assert_allclose(
+        report.tolerance[0], [0.019375, 0.009375, 0.0020833, 0.0020833, 1e-3], rtol=1e-4
+    )
+    assert len(str(report).splitlines()) == 17
+    assert report._repr_html_().count("<tr>") == 16
+
+
+def test_a_robot_that_spins_does_not_converge_in_x_and_y():
+    trace = robsim.Simulation(boundary="unlimited", seed=1, estimate_parameters=True).run(200)
+    report = parameter_convergence(trace)
+    assert np.isnan(report.time[:2, :4]).any()
+    assert "not near at the end" in str(report)
+    assert None in [values["time"] for values in json.loads(json.dumps(report.to_dict())).values()]
+
+
+# Cramér-Rao bounds
+
+
+def test_the_bound_of_a_mean_and_of_a_line():
+    np.testing.assert_allclose(
+        cramer_rao_bound(np.ones((9, 1)), 3.0)[:, 0], 3 / np.sqrt(np.arange(1, 10))
+    )
+    phi = np.column_stack((np.arange(50.0), np.ones(50)))
+    bound = cramer_rao_bound(phi, 0.2)
+    np.testing.assert_allclose(bound[0], [np.inf, 0.2])
+    for k in (1, 7, 49):
+        covariance = 0.04 * np.linalg.inv(phi[: k + 1].T @ phi[: k + 1])
+        np.testing.assert_allclose(bound[k], np.sqrt(np.diag(covariance)), rtol=1e-9)
+
+
+def test_a_number_that_is_determined_among_others_that_are_not():
+    # theta0 + theta1 and theta2 are seen
+    phi = np.array([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0], [0.0, 0.0, 2.0], [NAN, 1.0, 5.0]])
+    bound = cramer_rao_bound(phi, 1.0)
+    np.testing.assert_allclose(bound[2], [np.inf, np.inf, 0.5])
+    np.testing.assert_allclose(bound[3], bound[2])
+
+
+def test_least_squares_reaches_the_bound():
+    rng = np.random.default_rng(13)
+    phi = rng.normal(size=(60, 3)) * [1.0, 100.0, 0.01]
+    theta = np.array([1.0, 2.0, 3.0])
+    fits = [robsim.least_squares(phi, phi @ theta + 0.5 * rng.normal(size=60)) for _ in range(1000)]
+    sd = np.std([fit.theta for fit in fits], axis=0)
+    np.testing.assert_allclose(sd, cramer_rao_bound(phi, 0.5)[-1], rtol=0.1)
+
+
+def test_parameter_bounds_of_a_drive():
+    trace = driven(200)
+    sigma = np.array([0.1, 0.2, 0.005])
+    bounds = parameter_bounds(trace, sigma=sigma)
+    assert bounds.shape == (200, 3, 5)
+    assert np.isinf(bounds[:2]).all()
+    phi, _ = robsim.regression_samples(trace.pose_true, trace.u)
+    for axis in range(3):
+        Phi = phi[:, axis]
+        # the pseudo-inverse of columns of length 1 is well enough conditioned
+        length = np.linalg.norm(Phi, axis=0)
+        rows = np.linalg.pinv(Phi / length) / length[:, None]
+        np.testing.assert_allclose(
+            bounds[-1, axis], sigma[axis] * np.linalg.norm(rows, axis=1), rtol=1e-6
+        )
+    assert (np.diff(bounds[50:], axis=0) <= 1e-9 * bounds[50:-1]).all()
+
+
+def test_a_spin_does_not_excite_x_and_y():
+    trace = robsim.Simulation(boundary="unlimited", seed=1).run(100)
+    bounds = parameter_bounds(trace, sigma=(0.1, 0.1, 0.005))
+    assert np.isinf(bounds[-1, :2, 2:4]).all()
+
+
+def test_samples_across_a_bounce_say_nothing():
+    control = robsim.DriveAround(low=0.5, high=1.5, hold=3)
+    trace = robsim.Simulation(control=control, seed=1).run(300)
+    assert trace.bounced[2:-1].any()
+    bounds = parameter_bounds(trace, sigma=(0.1, 0.1, 0.005))
+    k = int(np.flatnonzero(trace.bounced & (trace.k > 100))[0])
+    np.testing.assert_allclose(bounds[k], bounds[k - 1])
+    np.testing.assert_allclose(bounds[k + 1], bounds[k - 1])
+    assert (bounds[k + 2] < bounds[k + 1]).any()
+
+
+def information_form(seen):
+    """The recursion as Tichavsky et al. write it, with D11, D12 and D22."""
+    J = np.linalg.inv(P0)
+    J = J + H.T @ np.linalg.inv(R) @ H if seen[0] else J
+    yield np.linalg.inv(J)
+    inverse = np.linalg.inv(Q)
+    for is_seen in seen[1:]:
+        D11 = F.T @ inverse @ F
+        D12 = -F.T @ inverse
+        D22 = inverse + (H.T @ np.linalg.inv(R) @ H if is_seen else 0.0)
+        J = D22 - D12.T @ np.linalg.inv(J + D11) @ D12
+        yield np.linalg.inv(J)
+
+
+def test_the_posterior_bound_of_a_linear_system_is_the_kalman_covariance():
+    _, P, _, _ = filtered(1, 200)
+    bounds = posterior_cramer_rao_bound(F, H, Q=Q, R=R, P0=P0, seen=np.ones(200, dtype=bool))
+    np.testing.assert_allclose(bounds, P, rtol=1e-10)
+    each = posterior_cramer_rao_bound(np.tile(F, (199, 1, 1)), H, Q=Q, R=R, P0=P0)
+    np.testing.assert_array_equal(each, bounds)
+
+
+def test_the_posterior_bound_agrees_with_the_form_of_the_paper():
+    seen = np.random.default_rng(14).random(80) < 0.6
+    seen[0] = False
+    bounds = posterior_cramer_rao_bound(F, H, Q=Q, R=R, P0=P0, seen=seen)
+    np.testing.assert_allclose(bounds, list(information_form(seen)), rtol=1e-10)
+
+
+def test_the_derivative_of_the_robot_model_in_the_bound():
+    trace = driven(30)
+    R3 = np.diag([0.25, 0.25, 0.01])
+    Q3 = np.diag([0.01, 0.04, 1e-4])
+    start = np.diag([4.0, 4.0, 0.1, 5.0, 5.0, 0.2])
+    bounds = pose_bounds(trace, Q=Q3, R=R3, P0=start)
+    model = robsim.RobotModel()
+
+    def step(state, u):
+        return np.concatenate((model.predict(state[:3], state[3:], u), state[:3]))
+
+    P, H6, noise = start, np.eye(3, 6), np.zeros((6, 6))
+    noise[:3, :3] = Q3
+    for k in range(30):
+        if k > 0:
+            before = trace.pose_true[max(k - 2, 0)]
+            state = np.concatenate((trace.pose_true[k - 1], before))
+            ends = [
+                [step(state + sign * d, trace.u[k - 1]) for d in 1e-5 * np.eye(6)]
+                for sign in (1, -1)
+            ]
+            derivative = (np.array(ends[0]) - ends[1]).T / 2e-5
+            P = derivative @ P @ derivative.T + noise
+        P = np.linalg.inv(np.linalg.inv(P) + H6.T @ np.linalg.inv(R3) @ H6)
+        np.testing.assert_allclose(bounds[k], P[:3, :3], rtol=1e-5, atol=1e-10)
+
+
+def test_steps_without_a_measurement_do_not_count():
+    def measure(step):
+        return None if step.k >= 5 else robsim.Measurement((0, 0, 0))
+
+    trace = driven(10, measure=measure, camera=(120, 120))
+    options = {"Q": np.diag([0.1, 0.1, 0.01]), "R": np.eye(3), "P0": np.eye(3)}
+    bounds = pose_bounds(trace, **options)
+    assert (np.diff(bounds[4:, 0, 0]) > 0).all()
+    untracked = trace_of(trace.pose_true, u=trace.u)
+    np.testing.assert_array_equal(pose_bounds(untracked, **options)[:5], bounds[:5])
+    assert (pose_bounds(untracked, **options)[5:, 0, 0] < bounds[5:, 0, 0]).all()
+
+
+def test_a_bound_across_a_bounce_is_refused():
+    trace = trace_of(np.zeros((4, 3)), boundary="bounce", bounced=[0, 0, 1, 0])
+    with pytest.raises(ValueError, match=r"no bounce, .* got one at step 2"):
+        pose_bounds(trace, Q=np.eye(3), R=np.eye(3), P0=np.eye(3))
+    with pytest.raises(ValueError, match=r"P0 must be of shape \(6, 6\), got \(2, 2\)"):
+        pose_bounds(trace[2:], Q=np.eye(3), R=np.eye(3), P0=np.eye(2))
+    with pytest.raises(ValueError, match="true poses"):
+        pose_bounds(trace_of(np.full((3, 3), NAN)), Q=np.eye(3), R=np.eye(3), P0=np.eye(3))
+
+
+# a trace with estimates
+
+
+def estimated(runs, *, claimed=1.0):
+    """Runs whose estimates have the covariance diag(4, 4, 0.01), and claim it times a factor."""
+    rng = np.random.default_rng(15)
+    P = np.diag([4.0, 4.0, 0.01])
+    pose_true = np.column_stack((np.arange(100.0), np.zeros(100), np.full(100, PI - 0.01)))
+    for _ in range(runs):
+        poses = pose_true + rng.multivariate_normal(np.zeros(3), P, 100)
+        poses[:, 2] = robsim.wrap_angle(poses[:, 2])
+        covariance = np.broadcast_to(claimed * P, (100, 3, 3))
+        yield trace_of(pose_true, estimated=poses, covariance=covariance)
+
+
+def test_consistency_of_traces():
+    assert pose_consistency(next(estimated(1))).verdict == "consistent"
+    report = pose_consistency(list(estimated(20)))
+    assert report.verdict == "consistent"
+    assert (report.n, report.runs, len(report.values)) == (3, 20, 100)
+    assert report.mean == pytest.approx(3, abs=4 * np.sqrt(6 / 2000))
+    assert pose_consistency(list(estimated(20, claimed=4))).verdict == "too cautious"
+    assert pose_consistency(list(estimated(20, claimed=0.25))).verdict == "too confident"
+    part = pose_consistency(next(estimated(1))[30:])
+    np.testing.assert_array_equal(part.k, np.arange(30, 100))
+
+
+def test_errors_of_traces_have_the_claim():
+    report = pose_errors(list(estimated(20)))
+    np.testing.assert_allclose(report.claimed_rms, [2, 2, 0.1])
+    np.testing.assert_allclose(report.rmse, [2, 2, 0.1], rtol=0.05)
+
+
+def test_a_consistency_report_reads_well():
+    report = pose_consistency(list(estimated(20, claimed=0.25)))
+    lines = str(report).splitlines()
+    assert lines[0] == "NEES: the filter is too confident"
+    assert lines[1] == "20 runs of 100 steps, 3 degrees of freedom"
+    assert lines[2].endswith("0.0 % below")
+    assert report._repr_html_().startswith("<p><b>NEES: the filter is too confident</b></p>")
+    assert json.loads(json.dumps(report.to_dict()))["verdict"] == "too confident"
