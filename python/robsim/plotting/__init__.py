@@ -1,4 +1,4 @@
-"""Figures of a run: traces, parameters, the batch estimate, a frame; a robot; colours; clips.
+"""Figures of a run: traces, parameters, errors, consistency, a frame; a robot; colours; clips.
 
 The colours mean the same in all of them, see `robsim.plotting.style`. Places are in work-area
 pixels with the y axis downwards, as the camera sees the area; angles are in degrees.
@@ -6,6 +6,9 @@ pixels with the y axis downwards, as the camera sees the area; angles are in deg
 
 from robsim.plotting.batch import plot_batch
 from robsim.plotting.colors import plot_color_histograms
+from robsim.plotting.consistency import plot_consistency
+from robsim.plotting.ellipses import plot_ellipses
+from robsim.plotting.errors import plot_errors
 from robsim.plotting.frame import plot_frame
 from robsim.plotting.overlay import draw_overlay
 from robsim.plotting.parameters import plot_parameters
@@ -19,6 +22,9 @@ __all__ = [
     "play",
     "plot_batch",
     "plot_color_histograms",
+    "plot_consistency",
+    "plot_ellipses",
+    "plot_errors",
     "plot_frame",
     "plot_parameters",
     "plot_robot",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robsim.numbers import Floats
 from robsim.plotting import style
@@ -15,7 +15,9 @@ from robsim.trace import Trace
 
 
 @style.applied
-def plot_parameters(trace: Trace, *, axes: Any = None) -> Figure:
+def plot_parameters(
+    trace: Trace, *, standard_errors: ArrayLike | None = None, axes: Any = None
+) -> Figure:
     """Draw the history of the 15 online parameter estimates beside their true values.
 
     The true value is a dotted line that ends in a cross. The limits of each panel hold it and
@@ -25,6 +27,9 @@ def plot_parameters(trace: Trace, *, axes: Any = None) -> Figure:
     ----------
     trace : Trace
         A run with ``estimate_parameters=True``.
+    standard_errors : array (N, 3, 5), optional
+        Of the estimates in each step, as from `robsim.parameter_bounds`: a band of two of them to
+        both sides of the true value, where 95 % of the estimates should lie; inf = no band.
     axes : array_like (5, 3) of matplotlib.axes.Axes, optional
         Where to draw: rows a1, a2, b1, b2, d1, columns X, Y, P (heading). Default: a new figure.
 
@@ -36,7 +41,7 @@ def plot_parameters(trace: Trace, *, axes: Any = None) -> Figure:
     Raises
     ------
     ValueError
-        If the trace has no parameter estimates, or `axes` is not of shape (5, 3).
+        If the trace has no parameter estimates, or an array is not of its shape.
     """
     if not np.isfinite(trace.parameters).any():
         raise ValueError(
@@ -44,17 +49,21 @@ def plot_parameters(trace: Trace, *, axes: Any = None) -> Figure:
         )
     if axes is None:
         figure = style.NotebookFigure(figsize=(9, 7))
-        figure.suptitle(f"Online parameter estimation from {trace.info.identify_from}")
+        shaded = "" if standard_errors is None else "; shaded: true value +- 2 standard errors"
+        figure.suptitle(f"Online parameter estimation from {trace.info.identify_from}{shaded}")
         axes = figure.subplots(5, 3, sharex=True)
     axes = np.asarray(axes, dtype=object)
     if axes.shape != (5, 3):
         raise ValueError(f"axes: expected an array of 5 x 3 axes, got the shape {axes.shape}")
+    bands = None if standard_errors is None else _bands(standard_errors, trace.parameters.shape)
     for i, true in enumerate(np.ravel(trace.info.theta_true)):
         axis, parameter = divmod(i, 5)
         panel = axes[parameter, axis]
         style.show_steps(panel, trace)
         panel.set_ylabel(style.PARAMETER_LABELS[i])
         _draw_parameter(panel, trace.k, trace.parameters[:, axis, parameter], float(true))
+        if bands is not None:
+            _draw_band(panel, trace.k, float(true), bands[:, axis, parameter])
     for panel, name in zip(axes[0], ("X", "Y", "P (heading)"), strict=True):
         panel.text(0.5, 1.24, name, transform=panel.transAxes, ha="center", size=9.5, weight="bold")
     for panel in axes[:-1].flat:
@@ -75,6 +84,19 @@ def _draw_parameter(axes: Axes, k: NDArray[np.int64], history: Floats, true: flo
     axes.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
     last = f"{history[-1]:.5g}" if np.isfinite(history[-1]) else "none"
     axes.set_title(f"true {true:.5g}, last {last}", loc="right", fontsize=7.5, pad=3)
+
+
+def _bands(standard_errors: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    errors = np.asarray(standard_errors, dtype=np.float64)
+    if errors.shape != shape:
+        raise ValueError(f"standard_errors must be of shape {shape}, got {errors.shape}")
+    return 2.0 * errors
+
+
+def _draw_band(axes: Axes, k: NDArray[np.int64], true: float, reach: Floats) -> None:
+    reach = np.where(np.isfinite(reach), reach, np.nan)
+    look: dict[str, Any] = {"color": style.CLAIMED, "linewidth": 0, "zorder": 0.5}
+    axes.fill_between(k, true - reach, true + reach, **look)
 
 
 def _limits(history: Floats, true: float) -> tuple[float, float]:

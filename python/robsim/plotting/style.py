@@ -24,6 +24,8 @@ HELD = "#000000"  # not seen: the last valid pose, repeated
 ESTIMATED = "#1f5fe0"  # the state estimate, the online parameter estimate
 BATCH = "#e07b00"  # the batch parameter estimate
 FITTED = "#333333"  # the bell curve
+CLAIMED = "#d5e1f8"  # where 95 % should lie: the claim of an estimator, the band of a test
+BOUND = "#b3541e"  # the Cramér-Rao bound
 RECORD = "#eef1f5"  # background of the steps that the histograms are made from
 GUIDE = "#9aa0a6"  # lines and notes that are no data
 
@@ -103,6 +105,11 @@ def draw_path(axes: Axes, true: Floats, measured: Floats) -> None:
         axes.plot(*true.T, color=TRUE, linewidth=3.0, label="true path")
     size = dot_size(len(true))
     axes.plot(*measured.T, ".", color=MEASURED, markersize=size, label="measured path")
+
+
+def shown_unit(unit: str) -> tuple[float, str]:
+    """Return the factor and the unit that numbers are drawn in: degrees for rad."""
+    return (math.degrees(1.0), "deg") if unit == "rad" else (1.0, unit)
 
 
 def drawn_color(name: str) -> str:

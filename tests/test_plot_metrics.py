@@ -1,0 +1,254 @@
+"""The figures of errors, consistency and bounds: what stands where, on hand-made traces."""
+
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import same_color
+from matplotlib.figure import Figure
+
+import robsim
+from robsim.consistency import nees_report, nis_report
+from robsim.metrics import error_report, pose_errors
+from robsim.plotting import plot_consistency, plot_ellipses, plot_errors, plot_parameters, style
+from robsim.plotting.ellipses import ellipses
+
+NAN = np.nan
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _no_pyplot():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "matplotlib.pyplot", None)
+        yield
+
+
+def make_trace(steps=50, *, first_step=0, **groups):
+    """A robot that drives to the right and down, estimated 1 px beside its place."""
+    k = np.arange(steps)
+    true = np.column_stack((100.0 + 4 * k, 200.0 + 2 * k, np.full(steps, 0.5)))
+    groups = {
+        "pose_true": true,
+        "u": np.zeros((steps, 2)),
+        "bounced": np.zeros((steps, 1)),
+        "estimated": true + np.array((1.0, 0.0, 0.02)),
+        "covariance": np.broadcast_to(np.diag([4.0, 1.0, 1e-4]), (steps, 3, 3)),
+        **groups,
+    }
+    theta = robsim.RobotModel().theta
+    info = robsim.RunInfo(dt=0.2, theta_true=theta, boundary="unlimited")
+    return robsim.Trace(groups, info, first_step=first_step)
+
+
+def render(figure):
+    """Draw everything: a warning on the way is an error."""
+    assert isinstance(figure, Figure)
+    figure.set_layout_engine("none")
+    figure.draw_without_rendering()
+    return figure
+
+
+def line(axes, label):
+    return next(line for line in axes.get_lines() if line.get_label() == label)
+
+
+def labels(axes):
+    return axes.get_legend_handles_labels()[1]
+
+
+def top_of(band):
+    """The upper edge of a filled band at each of its places."""
+    vertices = band.get_paths()[0].vertices
+    return {x: vertices[vertices[:, 0] == x, 1].max() for x in np.unique(vertices[:, 0])}
+
+
+# errors
+
+
+def test_errors_stand_beside_their_histograms():
+    trace = make_trace(first_step=7)
+    figure = render(plot_errors(pose_errors(trace)))
+    panels, histograms = figure.axes[::2], figure.axes[1::2]
+    assert [panel.get_ylabel() for panel in panels] == ["x (px)", "y (px)", "heading (deg)"]
+    np.testing.assert_array_equal(line(panels[0], "error").get_xdata(), np.arange(7, 57))
+    np.testing.assert_allclose(line(panels[0], "error").get_ydata(), 1.0)
+    np.testing.assert_allclose(line(panels[2], "error").get_ydata(), np.rad2deg(0.02))
+    for panel, histogram in zip(panels, histograms, strict=True):
+        assert panel.get_ylim() == histogram.get_ylim()
+        assert sum(bar.get_width() for bar in histogram.patches) == 50
+    assert figure.get_suptitle() == "estimate minus truth: all 50 steps known"
+
+
+def test_the_claim_and_the_bound_are_drawn_at_two_standard_deviations():
+    bound = np.broadcast_to(np.diag([0.25, 0.25, 1e-6]), (50, 3, 3))
+    panel = plot_errors(pose_errors(make_trace()), bound=bound).axes[0]
+    assert labels(panel) == ["claimed (2 sd)", "error", "Cramér-Rao bound (2 sd)"]
+    assert set(top_of(panel.collections[0]).values()) == {4.0}
+    np.testing.assert_allclose(line(panel, "Cramér-Rao bound (2 sd)").get_ydata(), 1.0)
+    with pytest.raises(ValueError, match=r"bound must be of shape \(50, 3, 3\), got \(3, 3\)"):
+        plot_errors(pose_errors(make_trace()), bound=np.eye(3))
+
+
+def test_errors_of_measurements_are_green_and_unknown_ones_counted():
+    measured = make_trace().pose_true + np.array((0.5, 0.5, 0.0))
+    measured[10:20] = NAN
+    figure = render(plot_errors(pose_errors(make_trace(measured=measured), of="measurement")))
+    panel, histogram = figure.axes[:2]
+    assert same_color(line(panel, "error").get_color(), style.MEASURED)
+    assert figure.get_suptitle() == "measurement minus truth: known in 40 of 50 steps"
+    assert sum(bar.get_width() for bar in histogram.patches) == 40
+    assert labels(panel) == ["error"]
+
+
+def test_errors_of_runs_have_their_root_mean_square():
+    rng = np.random.default_rng(1)
+    errors = rng.normal(size=(10, 30, 1))
+    report = error_report(errors, np.zeros((10, 30, 1)), names=["z"], units=["m"])
+    figure = Figure()
+    axes = figure.subplots(1, 2, squeeze=False)
+    assert plot_errors(report, axes=axes) is figure
+    panel = axes[0, 0]
+    rmse = np.sqrt(np.mean(errors[..., 0] ** 2, axis=0))
+    np.testing.assert_allclose(line(panel, "2 rmse of the runs").get_ydata(), 2 * rmse)
+    assert sum(len(one.get_xdata()) == 30 for one in panel.get_lines()) >= 12
+    render(figure)
+    with pytest.raises(ValueError, match="an array of 1 x 2 axes"):
+        plot_errors(report, axes=panel)
+
+
+def test_an_error_far_outside_is_marked_at_the_edge():
+    trace = make_trace()
+    estimated = trace.estimated.copy()
+    estimated[:, 0] += np.sin(np.arange(50))
+    estimated[20, 0] += 1000
+    panel = plot_errors(pose_errors(make_trace(estimated=estimated))).axes[0]
+    assert panel.get_ylim()[1] < 100
+    assert "1 beyond" in [text.get_text() for text in panel.texts]
+
+
+# NEES and NIS
+
+
+def test_the_values_stand_with_their_band():
+    # n = 1: the band is 0.00098..5.02
+    report = nees_report(np.array([[1.0], [0.001], [NAN], [3.0], [1.5]]), [[1.0]])
+    axes = plot_consistency(report)
+    assert labels(axes) == ["95 % band", "50.0 % in", "25.0 % above", "25.0 % below"]
+    np.testing.assert_array_equal(line(axes, "50.0 % in").get_xdata(), [0, 4])
+    np.testing.assert_allclose(line(axes, "25.0 % above").get_xydata(), [[3, 9]])
+    np.testing.assert_allclose(line(axes, "25.0 % below").get_xydata(), [[1, 1e-6]])
+    assert axes.get_title(loc="left").endswith("1 value not known")
+    assert axes.get_yscale() == "log"
+    assert axes.get_ylabel() == "NEES (1 is right)"
+    render(axes.figure)
+    assert axes._repr_png_().startswith(b"\x89PNG")
+
+
+def test_the_verdict_is_the_title():
+    rng = np.random.default_rng(2)
+    axes = plot_consistency(nis_report(3 * rng.normal(size=(20, 80, 2)), np.eye(2)))
+    assert axes.get_title(loc="left") == "NIS: the filter is too confident"
+    assert axes.get_ylabel() == "NIS, mean of 20 runs (2 is right)"
+    render(axes.figure)
+
+
+def test_consistency_takes_axes():
+    axes = Figure().subplots()
+    assert plot_consistency(nees_report(np.ones((5, 2)), np.eye(2)), ax=axes) is axes
+
+
+def test_nothing_known_draws_nothing():
+    axes = plot_consistency(nees_report(np.full((5, 2), NAN), np.eye(2)))
+    assert "nothing is known" in axes.get_title(loc="left")
+    render(axes.figure)
+
+
+# ellipses
+
+
+def test_an_ellipse_holds_its_share():
+    P = np.array([[4.0, 1.5], [1.5, 1.0]])
+    corners = ellipses(P[np.newaxis], 0.95)[0]
+    # all corners at the same e' P^-1 e, the chi-square quantile of 2 degrees of freedom
+    values = np.einsum("ki,ij,kj->k", corners, np.linalg.inv(P), corners)
+    np.testing.assert_allclose(values, 5.991464547)
+    places = np.random.default_rng(3).multivariate_normal(np.zeros(2), P, 20_000)
+    inside = np.einsum("ki,ij,kj->k", places, np.linalg.inv(P), places) < values[0]
+    assert abs(inside.mean() - 0.95) < 0.007
+
+
+def drawn_ellipses(axes):
+    collection = next(c for c in axes.collections if isinstance(c, PolyCollection))
+    return np.array([path.vertices[:-1] for path in collection.get_paths()])
+
+
+def test_ellipses_lie_on_the_path_as_the_camera_sees_it():
+    axes = plot_ellipses(make_trace(), every=10, magnify=1)
+    drawn = drawn_ellipses(axes)
+    assert len(drawn) == 5
+    np.testing.assert_allclose(drawn.mean(axis=1), make_trace().estimated[::10, :2])
+    # sqrt(5.99) times the standard deviations 2 and 1
+    size = 2 * np.sqrt(5.9915) * np.array([2, 1])
+    np.testing.assert_allclose(np.ptp(drawn, axis=1)[0], size, rtol=1e-4)
+    true = line(axes, "true place").get_xydata()
+    np.testing.assert_allclose(true, make_trace().pose_true[::10, :2])
+    assert axes.yaxis_inverted()
+    assert axes.get_aspect() == 1
+    assert axes.get_title(loc="left") == ""
+    render(axes.figure)
+
+
+def test_errors_are_magnified_with_the_ellipses():
+    axes = plot_ellipses(make_trace(), every=10, magnify=5)
+    np.testing.assert_allclose(
+        line(axes, "true place").get_xydata(), make_trace().pose_true[::10, :2] - [4, 0]
+    )
+    assert "5 times as large" in axes.get_title(loc="left")
+    small = make_trace(covariance=np.broadcast_to(1e-6 * np.eye(3), (50, 3, 3)))
+    assert "2000 times as large" in plot_ellipses(small).get_title(loc="left")
+
+
+def test_only_steps_with_an_estimate_have_an_ellipse():
+    covariance = np.array(make_trace().covariance)
+    covariance[:13] = NAN
+    drawn = drawn_ellipses(plot_ellipses(make_trace(covariance=covariance), every=10, magnify=1))
+    np.testing.assert_allclose(drawn.mean(axis=1)[:, 0], 101.0 + 4 * np.array([13, 23, 33, 43]))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"every": 0}, "every must lie within 1"),
+        ({"level": 1.0}, "level must lie between 0 and 1"),
+        ({"magnify": 0.0}, "magnify must be finite and above 0"),
+    ],
+)
+def test_wrong_options_of_ellipses_are_refused(options, message):
+    with pytest.raises(ValueError, match=message):
+        plot_ellipses(make_trace(), **options)
+
+
+def test_ellipses_need_covariances():
+    with pytest.raises(ValueError, match="no estimates with a covariance"):
+        plot_ellipses(make_trace(covariance=np.full((50, 3, 3), NAN)))
+    with pytest.raises(ValueError, match=r"positive definite, got the eigenvalue -1"):
+        plot_ellipses(make_trace(covariance=np.broadcast_to(-np.eye(3), (50, 3, 3))))
+
+
+# parameters
+
+
+def test_two_standard_errors_are_shaded_around_the_true_parameters():
+    theta = robsim.RobotModel().theta
+    trace = make_trace(parameters=np.broadcast_to(theta, (50, 3, 5)))
+    errors = np.full((50, 3, 5), 0.01)
+    errors[:5] = np.inf
+    figure = render(plot_parameters(trace, standard_errors=errors))
+    assert "shaded: true value +- 2 standard errors" in figure.get_suptitle()
+    band = figure.axes[0].collections[0]
+    assert band.get_paths()[0].vertices[:, 0].min() == 5
+    assert max(top_of(band).values()) == pytest.approx(theta[0, 0] + 0.02)
+    assert not plot_parameters(trace).axes[0].collections
+    with pytest.raises(ValueError, match=r"standard_errors must be of shape \(50, 3, 5\)"):
+        plot_parameters(trace, standard_errors=errors[:, 0])
