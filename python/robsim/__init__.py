@@ -33,14 +33,31 @@ from robsim._core import (
     rgb_to_yuv,
     wrap_angle,
 )
+from robsim.chi_square import chi_square_band
 from robsim.clip import Clip
 from robsim.color_picture import paint_classes
 from robsim.color_score import ColorScore, score_color
 from robsim.colors import color_text, load_colors, save_colors
+from robsim.consistency import (
+    ConsistencyReport,
+    nees,
+    nees_report,
+    nis,
+    nis_report,
+    pose_consistency,
+)
 from robsim.controllers import FollowPath, GoToPoint
+from robsim.convergence import ConvergenceReport, convergence_time, parameter_convergence
+from robsim.cramer_rao import (
+    cramer_rao_bound,
+    parameter_bounds,
+    pose_bounds,
+    posterior_cramer_rao_bound,
+)
 from robsim.excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.four_points import plane_map_from_points
 from robsim.identification import BatchEstimate, batch_estimate
+from robsim.metrics import ErrorReport, error_report, pose_errors, wrapped_error
 from robsim.path_score import PathScore, score_path
 from robsim.pictures import read_picture, write_picture
 from robsim.recordings import Recording
@@ -63,6 +80,7 @@ from robsim.shipped import copy_notebooks
 from robsim.simulation import Simulation
 from robsim.trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
 from robsim.video import VideoWriter, write_video
+from robsim.whiteness import WhitenessReport, whiteness_report
 
 if TYPE_CHECKING:
     from robsim.plotting import (
@@ -71,6 +89,9 @@ if TYPE_CHECKING:
         play,
         plot_batch,
         plot_color_histograms,
+        plot_consistency,
+        plot_ellipses,
+        plot_errors,
         plot_frame,
         plot_parameters,
         plot_robot,
@@ -87,8 +108,11 @@ __all__ = [
     "Clip",
     "ColorClass",
     "ColorScore",
+    "ConsistencyReport",
     "Controller",
+    "ConvergenceReport",
     "DriveAround",
+    "ErrorReport",
     "Estimate",
     "FollowPath",
     "Frame",
@@ -116,33 +140,51 @@ __all__ = [
     "Unicycle",
     "VideoWriter",
     "VisualNoise",
+    "WhitenessReport",
     "WorldState",
     "__version__",
     "add_robot",
     "annotated_frames",
     "batch_estimate",
     "check_colors",
+    "chi_square_band",
     "chosen_robot",
     "classify",
     "color_histograms",
     "color_text",
+    "convergence_time",
     "copy_notebooks",
+    "cramer_rao_bound",
     "draw_overlay",
     "draw_red_square",
+    "error_report",
     "find_blobs",
     "least_squares",
     "load_colors",
     "load_robot",
     "locate",
+    "nees",
+    "nees_report",
+    "nis",
+    "nis_report",
     "paint_classes",
+    "parameter_bounds",
+    "parameter_convergence",
     "plane_map_from_points",
     "play",
     "plot_batch",
     "plot_color_histograms",
+    "plot_consistency",
+    "plot_ellipses",
+    "plot_errors",
     "plot_frame",
     "plot_parameters",
     "plot_robot",
     "plot_traces",
+    "pose_bounds",
+    "pose_consistency",
+    "pose_errors",
+    "posterior_cramer_rao_bound",
     "read_picture",
     "regression_samples",
     "remove_robot",
@@ -156,7 +198,9 @@ __all__ = [
     "score_color",
     "score_path",
     "use_robot",
+    "whiteness_report",
     "wrap_angle",
+    "wrapped_error",
     "write_picture",
     "write_video",
 ]
