@@ -233,6 +233,22 @@ def test_shares_and_mean_by_hand():
     assert runs.mean_error == pytest.approx(np.std([1, 4], ddof=1) / np.sqrt(2))
 
 
+def test_a_filter_that_runs_away_is_too_confident():
+    report = nees_report(1e50 ** np.arange(1, 6)[:, None], [[1.0]])
+    assert np.isinf(report.values[-1])
+    assert report.above == 1.0
+    assert report.verdict == "too confident"
+    assert "mean inf +- inf" in str(nees_report(np.full((20, 5, 1), 1e200), [[1.0]]))
+
+
+@pytest.mark.parametrize(
+    "call", [lambda e: nees(e, np.eye(2)), lambda e: wrapped_error(e, e, angles=())]
+)
+def test_what_is_infinite_is_refused_not_taken_for_unseen(call):
+    with pytest.raises(ValueError, match="must be finite, or NaN"):
+        call(np.array([[1.0, np.inf]]))
+
+
 def test_nothing_known_is_said():
     report = nees_report(np.full((5, 3), NAN), np.eye(3))
     assert report.verdict == "not known"

@@ -48,8 +48,7 @@ def nees(error: ArrayLike, covariance: ArrayLike) -> Floats:
     ValueError
         If a covariance is not symmetric and positive definite, or the shapes do not fit.
     """
-    white = whitened(np.asarray(error, dtype=np.float64), covariance, name="covariance")
-    return np.asarray(np.sum(np.square(white), axis=-1))
+    return _squares(whitened(np.asarray(error, dtype=np.float64), covariance, name="covariance"))
 
 
 def nis(innovation: ArrayLike, S: ArrayLike) -> Floats:
@@ -72,8 +71,12 @@ def nis(innovation: ArrayLike, S: ArrayLike) -> Floats:
     ValueError
         If an S is not symmetric and positive definite, or the shapes do not fit.
     """
-    white = whitened(np.asarray(innovation, dtype=np.float64), S)
-    return np.asarray(np.sum(np.square(white), axis=-1))
+    return _squares(whitened(np.asarray(innovation, dtype=np.float64), S))
+
+
+def _squares(white: Floats) -> Floats:
+    with np.errstate(over="ignore"):  # those of a filter that runs away may be infinite
+        return np.asarray(np.sum(np.square(white), axis=-1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -156,6 +159,8 @@ class ConsistencyReport:
     def mean_error(self) -> float:
         """Standard error of the mean, from the spread of the runs; NaN for less than two."""
         means = self.means[~np.isnan(self.means)]
+        if np.isinf(means).any():
+            return np.inf
         return float(means.std(ddof=1)) / len(means) ** 0.5 if len(means) > 1 else np.nan
 
     @property
@@ -317,7 +322,7 @@ def nis_report(innovation: ArrayLike, S: ArrayLike, *, level: float = 0.95) -> C
     """
     rows = _rows("innovation", innovation)
     white = whitened(rows, S)
-    values = np.asarray(np.sum(np.square(white), axis=-1))
+    values = _squares(white)
     lags = min(_LAGS, rows.shape[-2] // 4)
     has_pairs = lags > 0 and not np.isnan(values[..., 1:] + values[..., :-1]).all()
     test = whiteness_report(white, lags=lags) if has_pairs else None

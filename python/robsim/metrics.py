@@ -34,8 +34,11 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
     Raises
     ------
     ValueError
-        If the shapes do not fit together, or there is no such number.
+        If the shapes do not fit together, a value is infinite, or there is no such number.
     """
+    for name, values in (("estimate", estimate), ("truth", truth)):
+        if np.isinf(values).any():
+            raise ValueError(f"{name} must be finite, or NaN where not known, got inf")
     try:
         error: Floats = np.subtract(estimate, truth, dtype=np.float64)
     except ValueError:

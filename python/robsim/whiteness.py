@@ -154,7 +154,8 @@ def whitened(values: Floats, covariance: ArrayLike, *, name: str = "S") -> Float
     Raises
     ------
     ValueError
-        If a covariance is not symmetric and positive definite, or the shapes do not fit.
+        If a covariance is not symmetric and positive definite, a value is infinite, or the shapes
+        do not fit.
     """
     values = np.asarray(values, dtype=np.float64)
     matrices = np.asarray(covariance, dtype=np.float64)
@@ -178,6 +179,8 @@ def _whitened_rows(
             at = ", ".join(map(str, places[i]))
             raise ValueError(f"{name}[{at}] must be {what}, got {matrices[i].tolist()}")
 
+    if np.isinf(values).any():
+        raise ValueError("errors and innovations must be finite, or NaN where not known, got inf")
     check(np.isfinite(matrices).all(axis=(1, 2)), "finite, or NaN for a step without one")
     variances = np.diagonal(matrices, axis1=1, axis2=2)
     check((variances > 0).all(axis=1), "positive definite")
