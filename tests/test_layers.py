@@ -54,7 +54,7 @@ PYTHON = [
     {"color_picture", "color_score", "consistency", "robots", "video"},
     {"scene"},
     {"simulation"},
-    {"plotting"},
+    {"doctor", "plotting"},
     {"results"},
     {"bench_estimation"},
     {"bench", "demo"},
