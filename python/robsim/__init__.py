@@ -54,6 +54,7 @@ from robsim.cramer_rao import (
     pose_bounds,
     posterior_cramer_rao_bound,
 )
+from robsim.doctor import Checkup, check_estimator, check_parameter_estimator
 from robsim.excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.four_points import plane_map_from_points
 from robsim.identification import BatchEstimate, batch_estimate
@@ -104,6 +105,7 @@ __all__ = [
     "PARAMETER_NAMES",
     "BatchEstimate",
     "Blob",
+    "Checkup",
     "Chirp",
     "Clip",
     "ColorClass",
@@ -147,6 +149,8 @@ __all__ = [
     "annotated_frames",
     "batch_estimate",
     "check_colors",
+    "check_estimator",
+    "check_parameter_estimator",
     "chi_square_band",
     "chosen_robot",
     "classify",
