@@ -37,6 +37,9 @@ PYTHON = [
         "time_limit",
     },
     {"folder_modules", "spelling", "trace", "waypoints", "whiteness"},
+    {"four_points", "frame_source", "frames", "light", "options", "shipped", "time_limit"},
+    {"folder_modules", "spelling", "trace", "waypoints"},
+    {"fits"},
     {
         "clip",
         "colors",

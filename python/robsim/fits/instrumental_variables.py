@@ -1,0 +1,181 @@
+"""Refined instrumental variables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from robsim._core import regression_samples
+from robsim.fits.first_guess import first_guess
+from robsim.fits.linear import solve
+from robsim.fits.model_fit import ModelFit, given
+from robsim.fits.paths import HEADING, X, Y, recursion
+from robsim.fits.stretches import Stretch, as_record, split
+from robsim.numbers import Floats
+
+_ITERATIONS = 30
+# An axis has converged when no parameter moves by more than this share of its standard error.
+_ENOUGH = 1e-3
+_ROUNDING = 1e-10
+_LARGEST_POLE = 0.999
+# Poses in a row: the first two and the last two of them give no sample of their own.
+_LEAST_POSES = 5
+_LEAST_SAMPLES = 8
+
+
+def instrumental_variables(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
+    """Estimate the parameters of the robot model from measured poses, without bias.
+
+    Least squares is biased by the noise in its regressors. Here each regressor has an instrument:
+    the same quantity, simulated from the inputs with the current estimate, which knows nothing of
+    the noise. Samples and instruments are filtered so that the noise becomes white, and all of it
+    is iterated. Gaps cost samples, since only poses in a row are used; `output_error` bridges
+    them.
+
+    Parameters
+    ----------
+    poses : array (N, 3)
+        Measured x, y (work-area px), heading (rad), wrapped or not; NaN = not seen.
+    u : array (N, 2)
+        The inputs given at these steps (V).
+    breaks : array (N,) of bool, optional
+        Steps that do not follow from the one before, such as bounces.
+
+    Returns
+    -------
+    ModelFit
+        Parameters and standard errors; `residual_rms` is that of the filtered samples.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument does not fit, or if there are too few poses in a row.
+
+    Notes
+    -----
+    Source: Young and Jakeman, Refined instrumental variable methods of recursive time-series
+    analysis, part I, Int. J. Control 29(1), 1979. What the noise of the first two poses of a run
+    leaves behind does not die out in the filter 1/A, which has a pole at 1; it is projected out.
+    """
+    runs = split(as_record(poses, u, breaks), longest_gap=0, least=_LEAST_POSES)
+    samples = sum(len(run.u) - 4 for run in runs)
+    if samples < _LEAST_SAMPLES:
+        raise ValueError(
+            f"instrumental variables need at least {_LEAST_SAMPLES} samples from runs of poses "
+            f"without a gap, got {samples}: a run of n poses gives n - 4"
+        )
+    fits = _fit_axes(runs)
+    theta, errors = given(
+        np.array([fit.theta for fit in fits]), np.array([fit.errors for fit in fits])
+    )
+    return ModelFit(
+        theta=theta,
+        standard_errors=errors,
+        residual_rms=np.array([fit.rms for fit in fits]),
+        iterations=max(fit.iterations for fit in fits),
+        # An axis of which nothing is given may wander.
+        converged=all(
+            fit.converged or not np.isfinite(row).any()
+            for fit, row in zip(fits, theta, strict=True)
+        ),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Samples of one axis in a run: phi (n, 5) and y (n,).
+
+    `slope` (n, 3) has the derivatives of the last three regressors by the heading.
+    """
+
+    phi: Floats
+    y: Floats
+    slope: Floats
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _AxisFit:
+    """Parameters (5,) and standard errors (5,) of an axis, and what is left over."""
+
+    theta: Floats
+    errors: Floats
+    rms: float
+    iterations: int = 0
+    converged: bool = False
+
+
+def _fit_axes(runs: list[Stretch]) -> list[_AxisFit]:
+    """Return the fits of X, Y and P; the noise of the heading is that left over in P."""
+    start = first_guess(runs)
+    samples = [_run_samples(run) for run in runs]
+    turn = _iterate([axes[HEADING] for axes in samples], start[HEADING], 0.0)
+    x, y = (_iterate([axes[axis] for axes in samples], start[axis], turn.rms) for axis in (X, Y))
+    return [x, y, turn]
+
+
+def _run_samples(run: Stretch) -> list[_Samples]:
+    """Return the samples of the three axes."""
+    phi, y = regression_samples(run.poses, run.u)
+    # d/d heading of u cos is -u sin, that of u sin is u cos
+    slopes = [-phi[:, Y, 2:], phi[:, X, 2:], np.zeros_like(phi[:, HEADING, 2:])]
+    return [_Samples(phi[:, axis], y[:, axis], slopes[axis]) for axis in range(3)]
+
+
+def _iterate(runs: list[_Samples], theta: Floats, heading_noise: float) -> _AxisFit:
+    for iteration in range(1, _ITERATIONS + 1):
+        fit = _refine(runs, theta, heading_noise)
+        # NaN, the error of what the samples do not determine, moves nothing.
+        moved = np.abs(fit.theta - theta) > _ENOUGH * fit.errors + _ROUNDING
+        theta = fit.theta
+        if not moved.any():
+            return replace(fit, iterations=iteration, converged=True)
+    return replace(fit, iterations=_ITERATIONS)
+
+
+def _refine(runs: list[_Samples], theta: Floats, heading_noise: float) -> _AxisFit:
+    """Return the next estimate of an axis."""
+    # In every robot one pole is 1 and the other one is -a2.
+    pole = min(max(-theta[1], 0.0), _LARGEST_POLE)
+    a = (1 + pole, -pole)
+    columns = np.vstack([_whitened(run, a, theta[2:]) for run in runs])
+    instruments, phi, y = columns[:, :5], columns[:, 5:10], columns[:, 10]
+    # Z' Phi theta = Z' y with the instruments Z = Q R: Q' Phi theta = Q' y
+    Q = _orthonormal(instruments)
+    theta, covariance = solve(Q.T @ phi, Q.T @ y)
+    freedom = max(len(y) - 2 * len(runs) - 5, 1)
+    variance = np.sum(np.square(y - phi @ theta)) / freedom
+    # The noise n of the headings turns the forces: Q' Phi (theta - estimate) = Q' (e + H n) with
+    # H n = (slope (b1, b2, d1) n) filtered by 1/A, so that H' Q filters backwards.
+    turned = [recursion(*a, part[::-1])[::-1] for part in np.split(Q, _ends(runs))]
+    forces = np.hstack([run.slope @ theta[2:] for run in runs])
+    by_heading = heading_noise * np.vstack(turned) * forces[:, None]
+    spread = np.square(np.linalg.pinv(Q.T @ phi) @ by_heading.T).sum(axis=1)
+    errors = np.sqrt(variance * np.diag(covariance) + spread)
+    return _AxisFit(theta=theta, errors=errors, rms=float(np.sqrt(variance)))
+
+
+def _ends(runs: list[_Samples]) -> list[int]:
+    return [int(end) for end in np.cumsum([len(run.y) for run in runs])[:-1]]
+
+
+def _whitened(run: _Samples, a: tuple[float, float], gains: Floats) -> Floats:
+    """Return instruments, regressors and outputs of a run (n, 11), filtered by 1/A."""
+    a1, a2 = a
+    second, first = run.phi[0, :2]
+    # The path that the inputs make, from the first two poses on.
+    path = recursion(a1, a2, np.hstack([first, second - a1 * first, run.phi[:, 2:] @ gains]))
+    instruments = np.column_stack([path[1:-1], path[:-2], run.phi[:, 2:]])
+    # 1/A turns the noise e(k) - a1 e(k-1) - a2 e(k-2) of a sample into e(k) and what the first
+    # two poses leave behind.
+    columns = recursion(a1, a2, np.column_stack([instruments, run.phi, run.y]))
+    left_behind, _ = np.linalg.qr(recursion(a1, a2, np.eye(len(run.y), 2)))
+    return columns - left_behind @ (left_behind.T @ columns)
+
+
+def _orthonormal(columns: Floats) -> Floats:
+    """Return an orthonormal basis (N, 5) of columns of very different lengths."""
+    length = np.linalg.norm(columns, axis=0)
+    length[length == 0] = 1
+    return np.linalg.qr(columns / length)[0]

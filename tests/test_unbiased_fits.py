@@ -1,0 +1,353 @@
+"""The fits without the bias of least squares."""
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.fits import METHODS, instrumental_variables, output_error
+from robsim.fits.paths import recursion, sensitivities, simulated_path
+
+TRUTH = robsim.RobotModel().theta
+NOISE = np.array([0.3, 0.3, 0.01])  # px, px, rad
+each_method = pytest.mark.parametrize("fit", METHODS.values(), ids=METHODS)
+
+
+def plain_path(theta, first, u):
+    """The model's equations, step by step."""
+    path = [np.array(pose, dtype=float) for pose in first]
+    for k in range(2, len(u)):
+        heading = path[k - 1][2]
+        direction = np.array([np.cos(heading), np.sin(heading), 1])
+        force = theta[:, 2] * u[k - 1, 0] + theta[:, 3] * u[k - 1, 1] + theta[:, 4]
+        path.append(theta[:, 0] * path[k - 1] + theta[:, 1] * path[k - 2] + force * direction)
+    return np.array(path)
+
+
+def drive(seed, steps=800, low=-0.5, high=1.5, hold=10):
+    """True path, inputs and noise of a drive around."""
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.uniform(low, high, (-(-steps // hold), 2)), hold, axis=0)[:steps]
+    path = plain_path(TRUTH, [(600, 600, 0.1), (600, 600, 0.1)], u)
+    return path, u, rng.normal(size=path.shape) * NOISE
+
+
+def wrapped(poses):
+    return np.column_stack([poses[:, :2], robsim.wrap_angle(poses[:, 2])])
+
+
+def deviations(theta):
+    """Relative error of a1, b1 and b2 of each axis."""
+    return (theta / np.where(TRUTH, TRUTH, np.nan) - 1)[..., [0, 2, 3]]
+
+
+def assert_honest(fit, errors=5):
+    """All that is given lies within some standard errors of the truth."""
+    there = fit.determined
+    assert (np.abs(fit.theta - TRUTH)[there] < errors * fit.standard_errors[there]).all()
+    assert np.isinf(fit.standard_errors[~there]).all()
+
+
+# --- paths
+
+
+@pytest.mark.parametrize("a", [(1.9375, -0.9375), (2.0, -1.0), (0.5, -0.9), (0.0, 0.0)])
+@pytest.mark.parametrize("steps", [1, 2, 3, 8, 37])
+def test_the_recursion_is_that_of_a_plain_loop(a, steps, rng):
+    force = rng.normal(size=(steps, 3))
+    expected = np.zeros((steps + 2, 3))
+    for k in range(steps):
+        expected[k + 2] = a[0] * expected[k + 1] + a[1] * expected[k] + force[k]
+    np.testing.assert_allclose(recursion(*a, force), expected[2:], rtol=1e-11, atol=1e-11)
+
+
+def test_the_simulated_path_is_that_of_the_robot_model():
+    path, u, _ = drive(1, steps=60)
+    simulated = simulated_path(TRUTH, path[:2], u)
+    np.testing.assert_allclose(simulated, path, atol=1e-9)
+    model = robsim.RobotModel()
+    for k in range(2, 60):
+        expected = model.predict(simulated[k - 1], simulated[k - 2], u[k - 1])
+        np.testing.assert_allclose(wrapped(simulated[k : k + 1])[0], expected, atol=1e-9)
+
+
+def test_the_sensitivities_are_the_derivatives_of_the_path():
+    path, u, _ = drive(2, steps=40)
+    first = path[:2]
+    result = sensitivities(TRUTH, simulated_path(TRUTH, first, u), u)
+    step = 1e-6
+    unknowns = np.concatenate([first.T.ravel(), TRUTH.ravel()])
+    for i in range(21):
+        paths = []
+        for sign in (1, -1):
+            moved = unknowns.copy()
+            moved[i] += sign * step
+            paths.append(simulated_path(moved[6:].reshape(3, 5), moved[:6].reshape(3, 2).T, u))
+        expected = (paths[0] - paths[1]) / (2 * step)
+        scale = max(np.abs(expected).max(), 1)
+        np.testing.assert_allclose(result[:, :, i] / scale, expected / scale, atol=1e-6)
+
+
+# --- exact and noisy data
+
+
+@each_method
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_exact_data_give_back_the_truth(fit, seed):
+    path, u, _ = drive(seed)
+    assert np.abs(path[:, 2]).max() > np.pi
+    result = fit(wrapped(path), u)
+    assert result.converged
+    assert result.determined.all()
+    np.testing.assert_allclose(result.theta, TRUTH, rtol=0, atol=1e-8)
+
+
+def many_seeds(fit, seeds):
+    results = []
+    for seed in range(seeds):
+        path, u, noise = drive(seed)
+        results.append(fit(wrapped(path + noise), u))
+    assert all(result.converged for result in results)
+    theta = np.array([result.theta for result in results])
+    errors = np.array([result.standard_errors for result in results])
+    return theta, np.abs(theta - TRUTH) < 1.96 * errors
+
+
+def least_squares_of_many(seeds):
+    results = []
+    for seed in range(seeds):
+        path, u, noise = drive(seed)
+        phi, y = robsim.regression_samples(path + noise, u)
+        results.append([robsim.least_squares(phi[:, i], y[:, i]).theta for i in range(3)])
+    return np.array(results)
+
+
+def check_means(fit, seeds, limit_of_b):
+    theta, covered = many_seeds(fit, seeds)
+    mean = np.abs(deviations(theta).mean(axis=0))
+    assert (mean[:, 0] < 1e-3).all(), mean
+    assert (mean[:, 1:] < limit_of_b).all(), mean
+    return covered
+
+
+def test_least_squares_is_biased():
+    mean = deviations(least_squares_of_many(20)).mean(axis=0)
+    assert (mean[:2, 0] < -0.05).all()
+    assert (mean[:2, 1:] > 0.25).all()
+
+
+@pytest.mark.parametrize(
+    ("fit", "limit_of_b"),
+    [(instrumental_variables, 0.015), (output_error, 0.001)],
+    ids=METHODS,
+)
+def test_the_fits_are_not(fit, limit_of_b):
+    covered = check_means(fit, 20, limit_of_b)
+    assert 0.88 < covered.mean() < 0.99
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("fit", "limit_of_b"),
+    [(instrumental_variables, 0.015), (output_error, 0.001)],
+    ids=METHODS,
+)
+def test_over_100_seeds_the_mean_is_true_and_the_standard_errors_cover_it(fit, limit_of_b):
+    covered = check_means(fit, 100, limit_of_b)
+    assert 0.92 < covered.mean() < 0.98
+    # Three standard deviations of the share among 100 seeds.
+    assert (covered.mean(axis=0) > 0.95 - 3 * np.sqrt(0.95 * 0.05 / 100)).all()
+
+
+# --- gaps and breaks
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.7])
+def test_output_error_bridges_gaps(share, rng):
+    path, u, noise = drive(5)
+    poses = wrapped(path + noise)
+    poses[rng.random(len(poses)) < share] = np.nan
+    result = output_error(poses, u)
+    assert result.converged
+    assert result.determined.all()
+    assert_honest(result)
+    assert np.abs(deviations(result.theta)).max() < 0.01
+
+
+@each_method
+def test_in_a_gap_the_robot_may_turn_by_any_angle(fit):
+    path, u, noise = drive(21)
+    poses = wrapped(path + noise)
+    poses[100:200] = np.nan
+    poses[350:600] = np.nan
+    assert abs(path[600, 2] - path[350, 2]) > np.pi
+    result = fit(poses, u)
+    assert result.converged
+    assert result.determined.all()
+    assert_honest(result)
+
+
+@each_method
+def test_a_break_starts_a_new_stretch(fit):
+    parts = [drive(seed, steps) for seed, steps in ((1, 300), (2, 40), (3, 2), (4, 400))]
+    u = np.vstack([u for _, u, _ in parts])
+    poses = wrapped(np.vstack([path - (50 * i, 0, 0) for i, (path, _, _) in enumerate(parts)]))
+    breaks = np.zeros(len(u), dtype=bool)
+    breaks[[300, 340, 342]] = True
+    np.testing.assert_allclose(fit(poses, u, breaks=breaks).theta, TRUTH, rtol=0, atol=1e-8)
+    noisy = poses + np.vstack([noise for _, _, noise in parts])
+    result = fit(noisy, u, breaks=breaks)
+    assert result.converged
+    assert result.determined.all()
+    assert_honest(result)
+
+
+@each_method
+def test_the_bounces_of_a_trace_are_breaks(fit, rng):
+    control = robsim.DriveAround(low=0.5, high=1.5, hold=3)
+    trace = robsim.Simulation(control=control, camera=(120, 120), seed=1).run(2000)
+    assert trace.bounced.sum() > 5
+    poses = wrapped(trace.pose_true + rng.normal(size=(2000, 3)) * NOISE)
+    result = fit(poses, trace.u, breaks=trace.bounced)
+    assert result.converged
+    assert result.determined.all()
+    assert_honest(result)
+
+
+# --- what cannot be given is not given
+
+
+def noisy_run(control, seed, steps=800):
+    sim = robsim.Simulation(boundary="unlimited", control=control, camera=(120, 120), seed=seed)
+    trace = sim.run(steps)
+    noise = np.random.default_rng(seed).normal(size=(steps, 3)) * NOISE
+    return wrapped(trace.pose_true + noise), trace.u
+
+
+@each_method
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_spin_says_nothing_about_x_and_y(fit, seed):
+    result = fit(*noisy_run(robsim.Spin(), seed))
+    assert not result.determined[:2].any()
+    assert not result.determined[2, 2:].any()  # u1 = -u2, always the same: one number for three
+    assert_honest(result)
+    assert "not determined by the record: a1X, a2X, b1X" in str(result)
+
+
+@each_method
+@pytest.mark.parametrize("voltages", [(0.0, 0.0), (0.5, 0.5), (0.5, 0.4)])
+def test_constant_inputs_determine_no_force(fit, voltages):
+    result = fit(*noisy_run(lambda step: voltages, 1))
+    assert not result.determined[:, 2:].any()
+
+
+@each_method
+def test_one_motor_determines_all_but_the_other(fit):
+    rng = np.random.default_rng(0)
+    result = fit(*noisy_run(lambda step: (0.0, rng.uniform(-1, 1)), 1))
+    expected = np.ones((3, 5), dtype=bool)
+    expected[:, 2] = False
+    np.testing.assert_array_equal(result.determined, expected)
+    assert result.converged
+    assert_honest(result)
+    assert "not determined by the record: b1X, b1Y, b1P\n" in str(result)
+
+
+@each_method
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("size", [0.01, 0.1])
+def test_weak_inputs_give_no_wrong_number(fit, seed, size):
+    poses, u = noisy_run(robsim.DriveAround(low=-0.5 * size, high=1.5 * size), seed)
+    assert_honest(fit(poses, u))
+
+
+@each_method
+@pytest.mark.parametrize("steps", [14, 20, 30, 40, 60])
+def test_a_short_record_gives_no_wrong_number(fit, steps):
+    for seed in range(3):
+        path, u, noise = drive(seed, steps)
+        assert_honest(fit(wrapped(path + noise), u))
+
+
+def test_a_robot_carried_by_hand_is_no_silent_number():
+    path, u, noise = drive(1)
+    poses = path + noise
+    poses[300:] += (400, -300, 2)
+    poses[500:] += (-200, 100, 1)
+    result = output_error(wrapped(poses), u)
+    assert not result.converged or (result.residual_rms > 20 * NOISE).any()
+
+
+# --- what does not fit
+
+
+@each_method
+def test_a_record_that_is_too_short_is_refused(fit):
+    path, u, _ = drive(1, steps=9)
+    with pytest.raises(ValueError, match="at least 8"):
+        fit(path, u)
+    with pytest.raises(ValueError, match="at least 8"):
+        fit(np.full((50, 3), np.nan), np.zeros((50, 2)))
+    with pytest.raises(ValueError, match="at least 8"):
+        fit(np.zeros((0, 3)), np.zeros((0, 2)))
+
+
+@each_method
+@pytest.mark.parametrize(
+    ("changed", "error", "message"),
+    [
+        ({"poses": np.zeros((20, 2))}, ValueError, r"poses must have the shape \(N, 3\), got"),
+        ({"poses": "far"}, TypeError, "poses must be numbers"),
+        ({"u": np.zeros((19, 2))}, ValueError, "a row for each of the 20 poses, got 19"),
+        ({"u": np.full((20, 2), np.nan)}, ValueError, "u must be finite"),
+        ({"breaks": np.zeros(20)}, ValueError, "breaks must be 20 bools, .* got float64"),
+        ({"breaks": np.zeros(3, dtype=bool)}, ValueError, r"breaks must be 20 bools.* \(3,\)"),
+    ],
+)
+def test_wrong_arguments_are_named(fit, changed, error, message):
+    arguments = {"poses": np.zeros((20, 3)), "u": np.zeros((20, 2)), "breaks": None, **changed}
+    with pytest.raises(error, match=message):
+        fit(arguments["poses"], arguments["u"], breaks=arguments["breaks"])
+
+
+@each_method
+def test_the_arguments_stay_as_they_are(fit):
+    path, u, noise = drive(1, steps=100)
+    poses = wrapped(path + noise)
+    poses[20, 0] = np.nan
+    before = poses.copy(), u.copy()
+    fit(poses, u)
+    np.testing.assert_array_equal(poses, before[0])
+    np.testing.assert_array_equal(u, before[1])
+
+
+# --- vision
+
+
+def least_squares(poses, u):
+    phi, y = robsim.regression_samples(poses, u)
+    return np.array([robsim.least_squares(phi[:, i], y[:, i]).theta for i in range(3)])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rotation", "limit"), [("phases", 0.01), ("continuous", 0.002)])
+def test_from_tracking_output_error_is_far_better_than_least_squares(rotation, limit):
+    sim = robsim.Simulation(
+        robot="lab",
+        measure=True,
+        boundary="unlimited",
+        rotation=rotation,
+        control=robsim.DriveAround(),
+        seed=1,
+    )
+    trace = sim.run(800)
+    assert trace.valid.all()
+    thetas = {"least_squares": least_squares(trace.measured, trace.u)} | {
+        name: fit(trace.measured, trace.u).theta for name, fit in METHODS.items()
+    }
+    print(f"\n{rotation}: relative error of a1, b1, b2 in %")
+    for name, theta in thetas.items():
+        print(f"{name:24}", *(f"{100 * value:8.2f}" for value in deviations(theta).ravel()))
+    worst = {name: np.abs(deviations(theta)).max() for name, theta in thetas.items()}
+    assert worst["output_error"] < limit
+    assert worst["instrumental_variables"] < 0.1
+    assert worst["least_squares"] > 4 * worst["output_error"]
