@@ -230,7 +230,8 @@ def test_a_spin_says_nothing_about_x_and_y(fit, seed):
     assert not result.determined[:2].any()
     assert not result.determined[2, 2:].any()  # u1 = -u2, always the same: one number for three
     assert_honest(result)
-    assert "not determined by the record: a1X, a2X, b1X" in str(result)
+    assert str(result).splitlines()[1].split() == ["a1X", "-", "-"]
+    assert "not determined by the record" in str(result)
 
 
 @each_method
@@ -249,7 +250,6 @@ def test_one_motor_determines_all_but_the_other(fit):
     np.testing.assert_array_equal(result.determined, expected)
     assert result.converged
     assert_honest(result)
-    assert "not determined by the record: b1X, b1Y, b1P\n" in str(result)
 
 
 @each_method
@@ -274,7 +274,8 @@ def test_a_robot_carried_by_hand_is_no_silent_number():
     poses[300:] += (400, -300, 2)
     poses[500:] += (-200, 100, 1)
     result = output_error(wrapped(poses), u)
-    assert not result.converged or (result.residual_rms > 20 * NOISE).any()
+    assert not result.converged
+    assert "not converged after 30 iterations: do not trust it" in str(result)
 
 
 # --- what does not fit

@@ -16,7 +16,6 @@ _POLES = 1 - np.geomspace(1.0, 0.01, 14)
 def first_guess(stretches: list[Stretch]) -> Floats:
     """Return theta (3, 5): for each axis the best of some poles, and the forces that fit it.
 
-    With the poles given the path is linear in b1, b2, d1 and the first two values of each stretch.
     Nothing has to be started, and noise in the poses does not bias it.
 
     Parameters
@@ -24,27 +23,24 @@ def first_guess(stretches: list[Stretch]) -> Floats:
     stretches : list of Stretch
         With short gaps at most: headings are interpolated.
     """
-    headings = [stretch.interpolated()[:, HEADING] for stretch in stretches]
-    directions = {
-        X: [np.cos(heading) for heading in headings],
-        Y: [np.sin(heading) for heading in headings],
-        HEADING: [np.ones(len(heading)) for heading in headings],
-    }
-    return np.array([_best_axis(stretches, axis, directions[axis]) for axis in (X, Y, HEADING)])
+    return np.array([_best_axis(stretches, axis) for axis in (X, Y, HEADING)])
 
 
-def _best_axis(stretches: list[Stretch], axis: int, directions: list[Floats]) -> Floats:
-    guesses = [_axis_with_pole(stretches, axis, directions, float(pole)) for pole in _POLES]
+def _best_axis(stretches: list[Stretch], axis: int) -> Floats:
+    guesses = [axis_with_pole(stretches, axis, float(pole)) for pole in _POLES]
     return min(guesses, key=lambda guess: guess[1])[0]
 
 
-def _axis_with_pole(
-    stretches: list[Stretch], axis: int, directions: list[Floats], pole: float
-) -> tuple[Floats, float]:
-    """Return the parameters (5,) of an axis, and the sum of squares that they leave over."""
+def axis_with_pole(stretches: list[Stretch], axis: int, pole: float) -> tuple[Floats, float]:
+    """Return the parameters (5,) of an axis with the poles 1 and `pole` whose path fits best.
+
+    With the poles given the path is linear in b1, b2, d1 and the first two values of each stretch.
+    The second result is the sum of squares left over.
+    """
     a1, a2 = 1 + pole, -pole
     parts = []
-    for stretch, direction in zip(stretches, directions, strict=True):
+    for stretch in stretches:
+        direction = _direction(stretch, axis)
         forces = np.zeros((len(direction), 5))
         forces[0, 0] = forces[1, 1] = 1
         forces[2:, 2:4] = (stretch.u * direction[:, None])[1:-1]
@@ -56,3 +52,11 @@ def _axis_with_pole(
     gains, _ = solve(columns[:, :3], columns[:, 3])
     left = columns[:, 3] - columns[:, :3] @ gains
     return np.hstack([a1, a2, gains]), float(np.square(left).sum())
+
+
+def _direction(stretch: Stretch, axis: int) -> Floats:
+    """Return what turns the forces into those of an axis: cos, sin of the heading, or 1."""
+    heading = stretch.interpolated()[:, HEADING]
+    if axis == HEADING:
+        return np.ones(len(heading))
+    return np.cos(heading) if axis == X else np.sin(heading)

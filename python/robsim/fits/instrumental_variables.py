@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from robsim._core import regression_samples
-from robsim.fits.first_guess import first_guess
+from robsim.fits.first_guess import axis_with_pole, first_guess
 from robsim.fits.linear import solve
 from robsim.fits.model_fit import ModelFit, given
 from robsim.fits.paths import HEADING, X, Y, recursion
@@ -31,8 +31,9 @@ def instrumental_variables(poses: Any, u: Any, *, breaks: Any = None) -> ModelFi
     Least squares is biased by the noise in its regressors. Here each regressor has an instrument:
     the same quantity, simulated from the inputs with the current estimate, which knows nothing of
     the noise. Samples and instruments are filtered so that the noise becomes white, and all of it
-    is iterated. Gaps cost samples, since only poses in a row are used; `output_error` bridges
-    them.
+    is iterated. That a1 + a2 = 1, as in every robot, is used: without it, a drift of the measured
+    path, which is noise, could pass for a parameter. Gaps cost samples, since only poses in a row
+    are used; `output_error` bridges them.
 
     Parameters
     ----------
@@ -85,11 +86,21 @@ def instrumental_variables(poses: Any, u: Any, *, breaks: Any = None) -> ModelFi
 
 @dataclass(frozen=True, eq=False)
 class _Samples:
-    """Samples of one axis in a run: phi (n, 5) and y (n,).
+    """Samples of one axis in a run: y = phi (a2, b1, b2, d1), with a1 = 1 - a2.
 
-    `slope` (n, 3) has the derivatives of the last three regressors by the heading.
+    Attributes
+    ----------
+    first : array (2,)
+        The first two values of the axis.
+    phi : array (n, 4)
+        Regressors: x(k-2) - x(k-1), and what multiplies b1, b2 and d1.
+    y : array (n,)
+        Outputs x(k) - x(k-1).
+    slope : array (n, 3)
+        Derivatives of the last three regressors by the heading.
     """
 
+    first: Floats
     phi: Floats
     y: Floats
     slope: Floats
@@ -109,23 +120,32 @@ class _AxisFit:
 def _fit_axes(runs: list[Stretch]) -> list[_AxisFit]:
     """Return the fits of X, Y and P; the noise of the heading is that left over in P."""
     start = first_guess(runs)
-    samples = [_run_samples(run) for run in runs]
-    turn = _iterate([axes[HEADING] for axes in samples], start[HEADING], 0.0)
-    x, y = (_iterate([axes[axis] for axes in samples], start[axis], turn.rms) for axis in (X, Y))
-    return [x, y, turn]
+    turn = _iterate(runs, HEADING, start[HEADING], 0.0)
+    return [*(_iterate(runs, axis, start[axis], turn.rms) for axis in (X, Y)), turn]
 
 
-def _run_samples(run: Stretch) -> list[_Samples]:
-    """Return the samples of the three axes."""
-    phi, y = regression_samples(run.poses, run.u)
+def _run_samples(run: Stretch, axis: int) -> _Samples:
+    all_phi, all_y = regression_samples(run.poses, run.u)
     # d/d heading of u cos is -u sin, that of u sin is u cos
-    slopes = [-phi[:, Y, 2:], phi[:, X, 2:], np.zeros_like(phi[:, HEADING, 2:])]
-    return [_Samples(phi[:, axis], y[:, axis], slopes[axis]) for axis in range(3)]
+    slopes = [-all_phi[:, Y, 2:], all_phi[:, X, 2:], np.zeros_like(all_phi[:, HEADING, 2:])]
+    phi = all_phi[:, axis]
+    # x(k) - x(k-1) = a2 (x(k-2) - x(k-1)) + forces
+    difference = phi[:, 1] - phi[:, 0]
+    return _Samples(
+        run.poses[:2, axis],
+        np.column_stack([difference, phi[:, 2:]]),
+        all_y[:, axis] - phi[:, 0],
+        slopes[axis],
+    )
 
 
-def _iterate(runs: list[_Samples], theta: Floats, heading_noise: float) -> _AxisFit:
+def _iterate(runs: list[Stretch], axis: int, theta: Floats, heading_noise: float) -> _AxisFit:
+    samples = [_run_samples(run, axis) for run in runs]
     for iteration in range(1, _ITERATIONS + 1):
-        fit = _refine(runs, theta, heading_noise)
+        # In every robot one pole is 1 and the other one is -a2.
+        pole = min(max(-theta[1], 0.0), _LARGEST_POLE)
+        simulated, _ = axis_with_pole(runs, axis, pole)
+        fit = _refine(samples, simulated, heading_noise)
         # NaN, the error of what the samples do not determine, moves nothing.
         moved = np.abs(fit.theta - theta) > _ENOUGH * fit.errors + _ROUNDING
         theta = fit.theta
@@ -134,39 +154,41 @@ def _iterate(runs: list[_Samples], theta: Floats, heading_noise: float) -> _Axis
     return replace(fit, iterations=_ITERATIONS)
 
 
-def _refine(runs: list[_Samples], theta: Floats, heading_noise: float) -> _AxisFit:
-    """Return the next estimate of an axis."""
-    # In every robot one pole is 1 and the other one is -a2.
-    pole = min(max(-theta[1], 0.0), _LARGEST_POLE)
-    a = (1 + pole, -pole)
-    columns = np.vstack([_whitened(run, a, theta[2:]) for run in runs])
-    instruments, phi, y = columns[:, :5], columns[:, 5:10], columns[:, 10]
+def _refine(runs: list[_Samples], simulated: Floats, heading_noise: float) -> _AxisFit:
+    """Return the next estimate of an axis, with instruments from the simulated parameters."""
+    columns = np.vstack([_whitened(run, simulated) for run in runs])
+    instruments, phi, y = columns[:, :4], columns[:, 4:8], columns[:, 8]
     # Z' Phi theta = Z' y with the instruments Z = Q R: Q' Phi theta = Q' y
     Q = _orthonormal(instruments)
-    theta, covariance = solve(Q.T @ phi, Q.T @ y)
-    freedom = max(len(y) - 2 * len(runs) - 5, 1)
-    variance = np.sum(np.square(y - phi @ theta)) / freedom
-    # The noise n of the headings turns the forces: Q' Phi (theta - estimate) = Q' (e + H n) with
+    estimate, covariance = solve(Q.T @ phi, Q.T @ y)
+    freedom = max(len(y) - 2 * len(runs) - 4, 1)
+    variance = np.sum(np.square(y - phi @ estimate)) / freedom
+    # The noise n of the headings turns the forces: Q' Phi (estimate - theta) = Q' (e + H n) with
     # H n = (slope (b1, b2, d1) n) filtered by 1/A, so that H' Q filters backwards.
-    turned = [recursion(*a, part[::-1])[::-1] for part in np.split(Q, _ends(runs))]
-    forces = np.hstack([run.slope @ theta[2:] for run in runs])
+    a1, a2 = simulated[:2]
+    turned = [recursion(a1, a2, part[::-1])[::-1] for part in np.split(Q, _ends(runs))]
+    forces = np.hstack([run.slope @ estimate[1:] for run in runs])
     by_heading = heading_noise * np.vstack(turned) * forces[:, None]
     spread = np.square(np.linalg.pinv(Q.T @ phi) @ by_heading.T).sum(axis=1)
     errors = np.sqrt(variance * np.diag(covariance) + spread)
-    return _AxisFit(theta=theta, errors=errors, rms=float(np.sqrt(variance)))
+    return _AxisFit(
+        theta=np.hstack([1 - estimate[0], estimate]),
+        errors=np.hstack([errors[0], errors]),
+        rms=float(np.sqrt(variance)),
+    )
 
 
 def _ends(runs: list[_Samples]) -> list[int]:
     return [int(end) for end in np.cumsum([len(run.y) for run in runs])[:-1]]
 
 
-def _whitened(run: _Samples, a: tuple[float, float], gains: Floats) -> Floats:
-    """Return instruments, regressors and outputs of a run (n, 11), filtered by 1/A."""
-    a1, a2 = a
-    second, first = run.phi[0, :2]
+def _whitened(run: _Samples, simulated: Floats) -> Floats:
+    """Return instruments, regressors and outputs of a run (n, 9), filtered by 1/A."""
+    a1, a2 = simulated[:2]
     # The path that the inputs make, from the first two poses on.
-    path = recursion(a1, a2, np.hstack([first, second - a1 * first, run.phi[:, 2:] @ gains]))
-    instruments = np.column_stack([path[1:-1], path[:-2], run.phi[:, 2:]])
+    start = run.first[0], run.first[1] - a1 * run.first[0]
+    path = recursion(a1, a2, np.hstack([start, run.phi[:, 1:] @ simulated[2:]]))
+    instruments = np.column_stack([path[:-2] - path[1:-1], run.phi[:, 1:]])
     # 1/A turns the noise e(k) - a1 e(k-1) - a2 e(k-2) of a sample into e(k) and what the first
     # two poses leave behind.
     columns = recursion(a1, a2, np.column_stack([instruments, run.phi, run.y]))
@@ -175,7 +197,7 @@ def _whitened(run: _Samples, a: tuple[float, float], gains: Floats) -> Floats:
 
 
 def _orthonormal(columns: Floats) -> Floats:
-    """Return an orthonormal basis (N, 5) of columns of very different lengths."""
+    """Return an orthonormal basis (N, 4) of columns of very different lengths."""
     length = np.linalg.norm(columns, axis=0)
     length[length == 0] = 1
     return np.linalg.qr(columns / length)[0]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from robsim.numbers import Floats
 from robsim.trace import PARAMETER_NAMES
 
-# A parameter is given if its standard error is at most this share of the axis's scale.
+# A parameter is given if its standard error is below this share of the axis's scale.
 _LARGEST_ERROR = 0.3
 
 
@@ -51,10 +51,8 @@ class ModelFit:
         ):
             texts = (f"{value:.5g}", f"{error:.2g}") if np.isfinite(value) else ("-", "-")
             lines.append(f"{name:<6}{texts[0]:>14}{texts[1]:>18}")
-        missing = np.array(PARAMETER_NAMES)[~self.determined.ravel()]
-        if len(missing):
-            lines.append(f"not determined by the record: {', '.join(missing)}")
-            lines.append("excite the robot more, or longer")
+        if not self.determined.all():
+            lines.append("-: not determined by the record; excite the robot more, or longer")
         if not self.converged:
             lines.append(f"not converged after {self.iterations} iterations: do not trust it")
         return "\n".join(lines)
@@ -68,7 +66,7 @@ def given(theta: Floats, standard_errors: Floats) -> tuple[Floats, Floats]:
     gain = np.abs(theta[:, 2:4]).max(axis=1)
     scale = np.column_stack([np.ones((3, 2)), gain, gain, gain])
     # NaN is not enough either.
-    enough = standard_errors <= _LARGEST_ERROR * scale
+    enough = standard_errors < _LARGEST_ERROR * scale
     # Without a force that shows, or with an a1 that no robot has, noise has been fitted.
     a1 = theta[:, 0]
     enough &= (enough[:, 2:].any(axis=1) & (a1 > 0) & (a1 < 2))[:, None]
