@@ -56,6 +56,7 @@ from robsim.cramer_rao import (
 )
 from robsim.doctor import Checkup, check_estimator, check_parameter_estimator
 from robsim.excitation import Chirp, MultiSine, PseudoRandomBinary
+from robsim.fits import ModelFit, instrumental_variables, output_error
 from robsim.four_points import plane_map_from_points
 from robsim.identification import BatchEstimate, batch_estimate
 from robsim.metrics import ErrorReport, error_report, pose_errors, wrapped_error
@@ -122,6 +123,7 @@ __all__ = [
     "LeastSquaresFit",
     "Locator",
     "Measurement",
+    "ModelFit",
     "MultiSine",
     "PathScore",
     "PlaneMap",
@@ -163,6 +165,7 @@ __all__ = [
     "draw_red_square",
     "error_report",
     "find_blobs",
+    "instrumental_variables",
     "least_squares",
     "load_colors",
     "load_robot",
@@ -171,6 +174,7 @@ __all__ = [
     "nees_report",
     "nis",
     "nis_report",
+    "output_error",
     "paint_classes",
     "parameter_bounds",
     "parameter_convergence",
