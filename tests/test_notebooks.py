@@ -22,6 +22,7 @@ def test_there_are_notebooks():
     assert [file.name for file in SHIPPED] == [
         "01_first_drive.ipynb",
         "02_write_a_controller.ipynb",
+        "03_identification.ipynb",
         "04_state_estimation.ipynb",
     ]
 
