@@ -123,3 +123,33 @@ def test_a_level_that_is_none_is_refused(percent):
 def test_an_unknown_kind_is_refused():
     with pytest.raises(ValueError, match="'none', 'uniform', 'gaussian', got 'salt'"):
         robsim.VisualNoise("salt", 1)
+
+
+@pytest.mark.parametrize("kind", ["none", "uniform", "gaussian"])
+def test_noise_in_place_and_into_an_array(rng, kind):
+    noise = robsim.VisualNoise(kind, 20)
+    image = rng.integers(0, 256, (11, 37, 3), dtype=np.uint8)
+    expected = noise.add(image, 5, 3)
+    wide = np.full((11, 40, 3), 7, np.uint8)
+    part = wide[:, :37]
+    assert noise.add(image, 5, 3, out=part) is part
+    np.testing.assert_array_equal(wide[:, :37], expected)
+    np.testing.assert_array_equal(wide[:, 37:], 7)
+    assert noise.add(image, 5, 3, out=image) is image
+    np.testing.assert_array_equal(image, expected)
+
+
+def test_where_noise_cannot_be_written():
+    noise, image = robsim.VisualNoise("uniform", 20), np.zeros((20, 30, 3), np.uint8)
+    fixed = np.zeros_like(image)
+    fixed.setflags(write=False)
+    for out, message in (
+        (fixed, "out must not be read-only"),
+        (np.zeros((20, 31, 3), np.uint8), "out must have the shape of image"),
+        (np.zeros((20, 30, 3)), "out must be a uint8 RGB array"),
+        (np.zeros((20, 30, 3), np.uint8)[::-1], "out must have its rows one after the other"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=message):
+            noise.add(image, 1, out=out)
+    with pytest.raises(ValueError, match="out must be image itself, or share no memory with it"):
+        noise.add(image[:-1], 1, out=image[1:])

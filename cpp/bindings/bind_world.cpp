@@ -48,6 +48,33 @@ Renderer make_renderer(const std::pair<py::object, py::object>& floor,
   return Renderer(std::move(background), std::move(robot), camera);
 }
 
+bool is_beside(const ImageView& a, const WritableView& b) {
+  const std::uint8_t* end_of_a = a.row(a.height - 1) + std::ptrdiff_t{3} * a.width;
+  const std::uint8_t* end_of_b = b.row(b.height - 1) + std::ptrdiff_t{3} * b.width;
+  return a.stride > 0 && (end_of_a <= b.data || end_of_b <= a.data);
+}
+
+py::array with_noise(const VisualNoise& self, const py::object& image, std::uint64_t seed,
+                     std::uint64_t index, const py::object& out) {
+  const ImageView clean = image_view(image, "image");
+  Image noisy;
+  if (out.is_none()) noisy = Image(clean.width, clean.height);
+  const WritableView to = out.is_none() ? noisy.writable_view() : writable_view(out, "out");
+  if (to.width != clean.width || to.height != clean.height) {
+    throw py::value_error("out must have the shape of image, " + describe(image) + ", got " +
+                          describe(out));
+  }
+  const bool is_in_place = to.data == clean.data && to.stride == clean.stride;
+  if (!is_in_place && !is_beside(clean, to)) {
+    throw py::value_error("out must be image itself, or share no memory with it");
+  }
+  {
+    const py::gil_scoped_release native;
+    self.add(clean, seed, index, to);
+  }
+  return out.is_none() ? py::array(image_array(noisy)) : py::array(out);
+}
+
 }  // namespace
 
 void bind_world(py::module_& module) {
@@ -118,21 +145,9 @@ percent : float
                                 percent);
            }),
            py::arg("kind"), py::arg("percent"))
-      .def(
-          "add",
-          [](const VisualNoise& self, const py::object& image, std::uint64_t seed,
-             std::uint64_t index) {
-            const ImageView clean = image_view(image, "image");
-            if (self.is_off()) return image_array(copy_of(clean));
-            Image noisy(clean.width, clean.height);
-            {
-              const py::gil_scoped_release native;
-              self.add(clean, seed, index, noisy);
-            }
-            return image_array(noisy);
-          },
-          py::arg("image"), py::arg("seed"), py::arg("index") = 0, R"(
-Return a noisy copy of an image.
+      .def("add", &with_noise, py::arg("image"), py::arg("seed"), py::arg("index") = 0,
+           py::kw_only(), py::arg("out") = py::none(), R"(
+Return an image with noise added.
 
 Parameters
 ----------
@@ -142,5 +157,18 @@ seed : int
     Stream of random numbers, 0 <= seed < 2**64.
 index : int
     Number of the frame: each has noise of its own.
+out : array (H, W, 3) of uint8, optional
+    Where to write the result; it may be `image` itself. Default: a new array.
+
+Returns
+-------
+array (H, W, 3) of uint8
+    The noisy image: `out`, if it was given.
+
+Raises
+------
+TypeError, ValueError
+    For an image of another kind, and an `out` of another size, read-only, or with a part of the
+    image's memory only.
 )");
 }

@@ -137,6 +137,16 @@ ImageView image_view(py::handle value, const std::string& name) {
           static_cast<int>(array.shape(0)), array.strides(0)};
 }
 
+WritableView writable_view(py::handle value, const std::string& name) {
+  const ImageView view = image_view(value, name);
+  auto array = py::reinterpret_borrow<py::array>(value);
+  if (!array.writeable()) throw py::value_error(name + " must not be read-only");
+  if (view.stride < std::ptrdiff_t{3} * view.width && view.height > 1) {
+    throw py::value_error(name + " must have its rows one after the other in memory");
+  }
+  return {static_cast<std::uint8_t*>(array.mutable_data()), view.width, view.height, view.stride};
+}
+
 py::array_t<std::uint8_t> image_array(const Image& image) {
   auto* kept = new Image(image);
   const py::capsule owner(kept, [](void* p) { delete static_cast<Image*>(p); });

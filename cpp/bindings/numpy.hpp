@@ -46,6 +46,9 @@ py::array_t<double> to_array(const AxisMatrix& matrix);
 /// The caller's uint8 RGB pixels, shape (H, W, 3), rows of any stride, without a copy.
 ImageView image_view(py::handle value, const std::string& name);
 
+/// The caller's pixels, to be written: as image_view, rows one after the other.
+WritableView writable_view(py::handle value, const std::string& name);
+
 /// A read-only view of shape (H, W, 3) that keeps the image's buffer alive.
 py::array_t<std::uint8_t> image_array(const Image& image);
 

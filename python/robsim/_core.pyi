@@ -313,9 +313,9 @@ class VisualNoise:
     """
     def __init__(self, kind: str, percent: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
-    def add(self, image: typing.Any, seed: typing.SupportsInt | typing.SupportsIndex, index: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.uint8]:
+    def add(self, image: typing.Any, seed: typing.SupportsInt | typing.SupportsIndex, index: typing.SupportsInt | typing.SupportsIndex = 0, *, out: typing.Any = None) -> numpy.ndarray:
         """
-        Return a noisy copy of an image.
+        Return an image with noise added.
         
         Parameters
         ----------
@@ -325,6 +325,19 @@ class VisualNoise:
             Stream of random numbers, 0 <= seed < 2**64.
         index : int
             Number of the frame: each has noise of its own.
+        out : array (H, W, 3) of uint8, optional
+            Where to write the result; it may be `image` itself. Default: a new array.
+        
+        Returns
+        -------
+        array (H, W, 3) of uint8
+            The noisy image: `out`, if it was given.
+        
+        Raises
+        ------
+        TypeError, ValueError
+            For an image of another kind, and an `out` of another size, read-only, or with a part of the
+            image's memory only.
         """
 class ColorClass:
     """

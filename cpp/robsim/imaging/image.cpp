@@ -38,6 +38,10 @@ ImageView Image::view() const {
   return {pixels_.get(), width_, height_, std::ptrdiff_t{3} * width_};
 }
 
+WritableView Image::writable_view() {
+  return {pixels_.get(), width_, height_, std::ptrdiff_t{3} * width_};
+}
+
 Image copy_of(const ImageView& view) {
   Image image(view.width, view.height);
   for (int v = 0; v < view.height; ++v) {

@@ -17,6 +17,16 @@ struct ImageView {
   const std::uint8_t* row(int v) const { return data + v * stride; }
 };
 
+/// Somebody's RGB8 pixels, to be written.
+struct WritableView {
+  std::uint8_t* data = nullptr;
+  int width = 0;
+  int height = 0;
+  std::ptrdiff_t stride = 0;
+
+  std::uint8_t* row(int v) const { return data + v * stride; }
+};
+
 /// A rectangle of pixels: columns left <= u < right, rows top <= v < bottom.
 struct PixelBox {
   int left = 0;
@@ -45,6 +55,7 @@ class Image {
   const std::uint8_t* row(int v) const { return pixels_.get() + offset(v); }
   std::uint8_t* row(int v) { return pixels_.get() + offset(v); }
   ImageView view() const;
+  WritableView writable_view();
 
   /// True while another Image (a frame that a user kept, say) holds the same buffer.
   bool is_shared() const { return pixels_.use_count() > 1; }

@@ -401,7 +401,7 @@ Frame Simulation::draw_frame(std::int64_t k, double t, const Pose& pose, const P
   if (!options_.noise.is_off()) {
     Image noisy = noisy_images_.take(frame.image.width(), frame.image.height());
     options_.noise.add(frame.image.view(), options_.noise_seed, static_cast<std::uint64_t>(k),
-                       noisy);
+                       noisy.writable_view());
     frame.image = noisy;
   }
   return frame;

@@ -25,10 +25,11 @@ VisualNoise::VisualNoise(NoiseKind kind, double percent) {
 }
 
 void VisualNoise::add(const ImageView& clean, std::uint64_t seed, std::uint64_t index,
-                      Image& noisy) const {
+                      const WritableView& noisy) const {
   NoiseStream stream(seed, index);
   const int bytes = 3 * clean.width;
   for (int v = 0; v < clean.height; ++v) {
+    if (is_off() && noisy.row(v) != clean.row(v)) std::copy_n(clean.row(v), bytes, noisy.row(v));
     if (gaussian_) add_gaussian(clean.row(v), bytes, *gaussian_, stream, noisy.row(v));
     if (uniform_) add_uniform(clean.row(v), bytes, *uniform_, stream, noisy.row(v));
   }

@@ -19,9 +19,10 @@ class VisualNoise {
 
   bool is_off() const { return !gaussian_ && !uniform_; }
 
-  /// Writes clean + noise to `noisy`, which has the same size. The noise of frame `index` depends
-  /// on the seed and on the index alone.
-  void add(const ImageView& clean, std::uint64_t seed, std::uint64_t index, Image& noisy) const;
+  /// Writes clean + noise to `noisy`, which has the same size and may be the same pixels. The noise
+  /// of frame `index` depends on the seed and on the index alone.
+  void add(const ImageView& clean, std::uint64_t seed, std::uint64_t index,
+           const WritableView& noisy) const;
 
  private:
   // A pixel is a whole number, so that rounding its sum with the noise is adding a whole number.
