@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import robsim
 from robsim import _core
+from scenes import renderer
 
 PATHS = _core.cpu_paths()
 
@@ -109,6 +110,18 @@ def test_noise(width, height, seed, index, kind, percent):
     first, *others = on_each_path(lambda: noise.add(clean, seed, index))
     for other in others:
         np.testing.assert_array_equal(other, first)
+
+
+@pytest.mark.parametrize("robot", ["lab", "sheep"])
+@pytest.mark.parametrize("phases", [0, 7])
+def test_the_renderer(robot, phases, rng):
+    draw = renderer(robot=robsim.load_robot(robot), phases=phases, camera=(300, 260))
+    poses = np.column_stack((rng.uniform(-60, 1260, (40, 2)), rng.uniform(-4, 4, 40)))
+    edges = [(100.0, 1100.0, 0.0), (800.0, 600.0, np.pi / 2), (1e9, 0.0, 1.0)]
+    for pose in [*poses, *edges]:
+        first, *others = on_each_path(lambda pose=pose: draw.render(pose))
+        for other in others:
+            np.testing.assert_array_equal(other, first)
 
 
 def test_a_run_in_noise():

@@ -2,9 +2,64 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim import _core
 from scenes import renderer
 
 CENTRE = (600.0, 600.0, 0.0)
+
+
+def drawn_by_hand(floor, sprite, centre, pose):
+    """What the renderer has to draw in an area of a pixel a px, pixel by pixel."""
+    height, width = sprite.shape[:2]
+    alpha = np.zeros((height + 2, width + 2))
+    alpha[1:-1, 1:-1] = sprite[..., 3] / 255
+    colors = np.zeros((height + 2, width + 2, 3))
+    colors[1:-1, 1:-1] = sprite[..., :3] * alpha[1:-1, 1:-1, None]
+    result = floor.astype(float)
+    for v, u in np.ndindex(floor.shape[:2]):
+        dx, dy = u - pose[0], v - pose[1]
+        su = centre[0] + 1 + dx * np.cos(pose[2]) + dy * np.sin(pose[2])
+        sv = centre[1] + 1 - dx * np.sin(pose[2]) + dy * np.cos(pose[2])
+        left, top = int(np.floor(su)), int(np.floor(sv))
+        if not (0 <= left <= width and 0 <= top <= height):
+            continue
+        across, down = (1 - (su - left), su - left), (1 - (sv - top), sv - top)
+        weights = np.outer(down, across)
+        square = np.s_[top : top + 2, left : left + 2]
+        opacity = (weights * alpha[square]).sum()
+        color = (weights[..., None] * colors[square]).sum(axis=(0, 1))
+        result[v, u] = result[v, u] * (1 - opacity) + color
+    return result
+
+
+@pytest.mark.parametrize("path", _core.cpu_paths())
+@pytest.mark.parametrize("size", [(7, 4), (1, 9), (90, 80)])
+def test_every_pixel_is_what_it_is_by_hand(path, size, rng):
+    sprite = rng.integers(0, 256, (*size[::-1], 4), dtype=np.uint8)
+    sprite[..., 3] = rng.choice([0, 100, 255], size[::-1])
+    floor = rng.integers(0, 256, (40, 110, 3), dtype=np.uint8)
+    centre = (size[0] * 0.4, size[1] * 0.6)
+    before = _core.cpu_path()
+    try:
+        _core.force_cpu_path(path)
+        draw = _core.Renderer(
+            floor=(floor, floor),
+            home=(floor, floor),
+            shadow_left=110,
+            shadow_factor=0.8,
+            sprite=sprite,
+            centre=centre,
+            unit=1,
+            alignment=0,
+            phases=0,
+            area=(110, 40),
+        )
+        for heading in (0, np.pi / 2, *rng.uniform(-np.pi, np.pi, 3)):
+            pose = (*rng.uniform((0, 0), (109, 39)), heading)
+            expected = drawn_by_hand(floor, sprite, centre, pose)
+            assert np.abs(draw.render(pose) - expected).max() <= 0.51
+    finally:
+        _core.force_cpu_path(before)
 
 
 def test_an_image_that_is_held_is_never_overwritten():

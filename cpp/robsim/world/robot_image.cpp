@@ -10,54 +10,29 @@ namespace {
 
 constexpr double most_reach = 20000;  // work-area px
 
-Sprite with_rim(const Sprite& sprite) {
-  Sprite result{sprite.width + 2, sprite.height + 2, {}};
-  result.rgba.assign(std::size_t{4} * result.width * result.height, 0.0F);
-  for (int v = 0; v < sprite.height; ++v) {
-    std::copy_n(sprite.row(v), std::ptrdiff_t{4} * sprite.width, result.row(v + 1) + 4);
-  }
-  return result;
-}
-
-// pixel = pixel (1 - alpha) + colour times alpha
-void blend(const float* rgba, int count, float brightness, std::uint8_t* pixels) {
-  for (int i = 0; i < count; ++i, rgba += 4, pixels += 3) {
-    const float rest = 1.0F - rgba[3] / 255.0F;
-    for (int c = 0; c < 3; ++c) {
-      const float value = static_cast<float>(pixels[c]) * rest + rgba[c] * brightness;
-      pixels[c] = static_cast<std::uint8_t>(std::min(value + 0.5F, 255.0F));
-    }
-  }
-}
-
-void blend_row(const float* rgba, const PixelBox& box, int v, const Shadow& shadow, Image& image) {
-  const int edge = std::clamp(shadow.left, box.left, box.right);
-  std::uint8_t* pixels = image.row(v);
-  blend(rgba, edge - box.left, 1.0F, pixels + std::ptrdiff_t{3} * box.left);
-  blend(rgba + std::ptrdiff_t{4} * (edge - box.left), box.right - edge,
-        static_cast<float>(shadow.factor), pixels + std::ptrdiff_t{3} * edge);
-}
-
 // Keeps places far outside the view within the range of int.
 Point near_the_view(const Point& pixel) {
   constexpr double far = 1e8;
   return {std::clamp(pixel.x, -far, far), std::clamp(pixel.y, -far, far)};
 }
 
-}  // namespace
-
-Sprite premultiplied(const std::uint8_t* rgba, int width, int height) {
-  Sprite sprite{width, height, {}};
-  sprite.rgba.resize(std::size_t{4} * width * height);
-  for (std::size_t i = 0; i < sprite.rgba.size(); i += 4) {
-    const float alpha = static_cast<float>(rgba[i + 3]) / 255.0F;
-    for (std::size_t c = 0; c < 3; ++c) {
-      sprite.rgba[i + c] = static_cast<float>(rgba[i + c]) * alpha;
-    }
-    sprite.rgba[i + 3] = rgba[i + 3];
-  }
-  return sprite;
+// Makes the box of what has been drawn grow by columns of the next row.
+void add_row(PixelBox& box, const Span& columns, int v) {
+  if (columns.first >= columns.last) return;
+  if (box.empty()) box = {columns.first, v, columns.last, v};
+  box = {std::min(box.left, columns.first), box.top, std::max(box.right, columns.last), v + 1};
 }
+
+// Calls draw(columns, brightness) for what lies in the light and for what lies in the shadow.
+template <typename Draw>
+void draw_parts(const Span& columns, const Shadow& shadow, Draw draw) {
+  const int edge = std::clamp(shadow.left, columns.first, columns.last);
+  const auto factor = static_cast<float>(shadow.factor);
+  if (columns.first < edge) draw(Span{columns.first, edge}, 1.0F);
+  if (edge < columns.last) draw(Span{edge, columns.last}, factor);
+}
+
+}  // namespace
 
 RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double alignment,
                        int phases, const PlaneMap& camera)
@@ -73,23 +48,15 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
   if (phases < 0) {
     throw std::invalid_argument("phases must be at least 0, got " + std::to_string(phases));
   }
-  const double du = std::max(centre_.x, sprite_.width - 1 - centre_.x);
-  const double dv = std::max(centre_.y, sprite_.height - 1 - centre_.y);
+  const double du = std::max(centre_.x, sprite_.width - 2 - centre_.x);
+  const double dv = std::max(centre_.y, sprite_.height - 2 - centre_.y);
   radius_ = unit_ * std::hypot(du, dv);
   if (!(radius_ < most_reach)) {
     throw std::invalid_argument("centre and unit must keep the robot's picture within " +
                                 std::to_string(static_cast<int>(most_reach)) +
                                 " work-area px of its centre");
   }
-  for (int i = 0; i < phases; ++i) {
-    const PixelBox box = reach({0, 0});
-    Sprite phase{box.right - box.left, box.bottom - box.top, {}};
-    phase.rgba.resize(std::size_t{4} * phase.width * phase.height);
-    for (int v = 0; v < phase.height; ++v) {
-      sample({0, 0}, 2 * pi * i / phases, box, v + box.top, phase.row(v));
-    }
-    phases_.push_back(std::move(phase));
-  }
+  for (int i = 0; i < phases; ++i) phases_.push_back(make_phase(2 * pi * i / phases));
 }
 
 PixelBox RobotImage::draw(const Point& pixel, double heading, const Shadow& shadow,
@@ -107,58 +74,72 @@ PixelBox RobotImage::reach(const Point& pixel) const {
           static_cast<int>(std::ceil(pixel.y + rv)) + 1};
 }
 
-void RobotImage::sample(const Point& pixel, double heading, const PixelBox& box, int v,
-                        float* rgba) const {
-  const double cos = std::cos(heading + alignment_);
-  const double sin = std::sin(heading + alignment_);
-  const double dy = (v - pixel.y) * pixel_size_.y / unit_;
-  for (int u = box.left; u < box.right; ++u, rgba += 4) {
-    // The place in the sprite: the offset from the robot's centre, turned back.
-    const double dx = (u - pixel.x) * pixel_size_.x / unit_;
-    const double su = centre_.x + dx * cos + dy * sin;
-    const double sv = centre_.y - dx * sin + dy * cos;
-    std::fill_n(rgba, 4, 0.0F);
-    if (!(su >= 0 && sv >= 0 && su < sprite_.width - 1 && sv < sprite_.height - 1)) continue;
-    const int left = static_cast<int>(su);
-    const int top = static_cast<int>(sv);
-    const auto fu = static_cast<float>(su - left);
-    const auto fv = static_cast<float>(sv - top);
-    const float* upper = sprite_.row(top) + std::ptrdiff_t{4} * left;
-    const float* lower = sprite_.row(top + 1) + std::ptrdiff_t{4} * left;
-    for (int c = 0; c < 4; ++c) {
-      const float above = upper[c] + fu * (upper[c + 4] - upper[c]);
-      const float below = lower[c] + fu * (lower[c + 4] - lower[c]);
-      rgba[c] = above + fv * (below - above);
-    }
+SpriteLine RobotImage::line(const Point& pixel, const Point& ahead, int v) const {
+  // The place in the sprite: the offset from the robot's centre, turned back.
+  const Point scale{pixel_size_.x / unit_, pixel_size_.y / unit_};
+  const double dx = -pixel.x * scale.x;
+  const double dy = (v - pixel.y) * scale.y;
+  return {{centre_.x + dx * ahead.x + dy * ahead.y, centre_.y - dx * ahead.y + dy * ahead.x},
+          {scale.x * ahead.x, -scale.x * ahead.y}};
+}
+
+Point RobotImage::direction(double heading) const {
+  return {std::cos(heading + alignment_), std::sin(heading + alignment_)};
+}
+
+RobotImage::Phase RobotImage::make_phase(double heading) const {
+  const PixelBox box = reach({0, 0});
+  const Point ahead = direction(heading);
+  Phase phase;
+  for (int v = box.top; v < box.bottom; ++v) {
+    const SpriteLine place = line({0, 0}, ahead, v);
+    const Span columns = span_within(sprite_, place, {box.left, box.right});
+    phase.push_back(without_transparent_ends(sample(sprite_, place, columns)));
   }
+  return phase;
 }
 
 PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shadow& shadow,
                                  Image& image) const {
   const PixelBox box = intersection(reach(pixel), image.box());
   if (box.empty()) return {};
-  std::vector<float> row(std::size_t{4} * (box.right - box.left));
+  PixelBox drawn;
+  const Point ahead = direction(heading);
   for (int v = box.top; v < box.bottom; ++v) {
-    sample(pixel, heading, box, v, row.data());
-    blend_row(row.data(), box, v, shadow, image);
+    const SpriteLine place = line(pixel, ahead, v);
+    const Span columns = span_within(sprite_, place, {box.left, box.right});
+    add_row(drawn, columns, v);
+    draw_parts(columns, shadow, [&](const Span& part, float brightness) {
+      blend(sprite_, place, part, brightness, image.row(v) + std::ptrdiff_t{3} * part.first);
+    });
   }
-  return box;
+  return drawn;
 }
 
 PixelBox RobotImage::draw_phase(const Point& pixel, double heading, const Shadow& shadow,
                                 Image& image) const {
   const int count = static_cast<int>(phases_.size());
   const int nearest = static_cast<int>(std::lround(wrap_angle(heading) / (2 * pi) * count));
-  const Sprite& phase = phases_[static_cast<std::size_t>((nearest + count) % count)];
-  const Point whole{std::round(pixel.x), std::round(pixel.y)};
-  const PixelBox all = reach(whole);
-  const PixelBox box = intersection(all, image.box());
+  const Phase& phase = phases_[static_cast<std::size_t>((nearest + count) % count)];
+  const int u = static_cast<int>(std::round(pixel.x));
+  const int v = static_cast<int>(std::round(pixel.y));
+  const PixelBox around = reach({0, 0});
+  const PixelBox box = intersection(
+      {u + around.left, v + around.top, u + around.right, v + around.bottom}, image.box());
   if (box.empty()) return {};
-  for (int v = box.top; v < box.bottom; ++v) {
-    const float* rgba = phase.row(v - all.top) + std::ptrdiff_t{4} * (box.left - all.left);
-    blend_row(rgba, box, v, shadow, image);
+  PixelBox drawn;
+  for (int row = box.top; row < box.bottom; ++row) {
+    const Strip& strip = phase[static_cast<std::size_t>(row - v - around.top)];
+    const int left = u + strip.left;
+    const Span columns{std::clamp(left, box.left, box.right),
+                       std::clamp(left + strip.width, box.left, box.right)};
+    add_row(drawn, columns, row);
+    draw_parts(columns, shadow, [&](const Span& part, float brightness) {
+      blend(strip, {part.first - left, part.last - left}, brightness,
+            image.row(row) + std::ptrdiff_t{3} * part.first);
+    });
   }
-  return box;
+  return drawn;
 }
 
 }  // namespace robsim

@@ -1,26 +1,14 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "robsim/geometry/pose.hpp"
 #include "robsim/imaging/image.hpp"
 #include "robsim/imaging/plane_map.hpp"
+#include "robsim/world/blend.hpp"
+#include "robsim/world/sprite.hpp"
 
 namespace robsim {
-
-/// A picture with transparency: 4 floats a pixel (R, G, B, A in 0..255), colours times alpha.
-struct Sprite {
-  int width = 0;
-  int height = 0;
-  std::vector<float> rgba;
-
-  const float* row(int v) const { return rgba.data() + std::ptrdiff_t{4} * width * v; }
-  float* row(int v) { return rgba.data() + std::ptrdiff_t{4} * width * v; }
-};
-
-/// From RGBA8 pixels, colours not yet multiplied with alpha, without gaps between rows.
-Sprite premultiplied(const std::uint8_t* rgba, int width, int height);
 
 /// The part of the view that lies in the shadow: columns from `left` on, darkened to `factor`.
 struct Shadow {
@@ -39,23 +27,28 @@ class RobotImage {
   RobotImage(const Sprite& sprite, Point centre, double unit, double alignment, int phases,
              const PlaneMap& camera);
 
-  /// Draws the robot, its centre at `pixel`, and returns the pixels that it may have touched.
+  /// Draws the robot, its centre at `pixel`, and returns the box of the pixels that it has touched.
   PixelBox draw(const Point& pixel, double heading, const Shadow& shadow, Image& image) const;
 
  private:
+  // A strip for each row around the robot's centre.
+  using Phase = std::vector<Strip>;
+
   PixelBox reach(const Point& pixel) const;
-  void sample(const Point& pixel, double heading, const PixelBox& box, int v, float* rgba) const;
+  Point direction(double heading) const;  // of the picture: cosine and sine
+  SpriteLine line(const Point& pixel, const Point& ahead, int v) const;
+  Phase make_phase(double heading) const;
   PixelBox draw_turned(const Point& pixel, double heading, const Shadow& shadow,
                        Image& image) const;
   PixelBox draw_phase(const Point& pixel, double heading, const Shadow& shadow, Image& image) const;
 
-  Sprite sprite_;  // with a transparent rim of one pixel
+  Sprite sprite_;  // with a transparent rim
   Point centre_;
   double unit_;
   double alignment_;
   Point pixel_size_;  // work-area px per camera pixel
   double radius_;     // of the sprite's farthest corner, work-area px
-  std::vector<Sprite> phases_;
+  std::vector<Phase> phases_;
 };
 
 }  // namespace robsim
