@@ -60,6 +60,8 @@ PYTHON = [
     {"doctor", "plotting"},
     {"results"},
     {"bench_estimation"},
+    {"plotting"},
+    {"bench_render", "results"},
     {"bench", "demo"},
     {"cli"},
     {"__main__", "reference"},  # nothing imports them

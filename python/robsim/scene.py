@@ -73,7 +73,7 @@ def make_renderer(
     floor = _shipped_floor(area) if background is None else background
     shadowed_floor = darkened(floor)
     home, shadowed_home = _home(floor, shadowed_floor, adjust_background)
-    sprite, centre, unit = _sprite(robot, max(camera[0] / area[0], camera[1] / area[1]))
+    sprite, centre, unit = robot_sprite(robot, max(camera[0] / area[0], camera[1] / area[1]))
     return Renderer(
         floor=(resized(floor, *camera), resized(shadowed_floor, *camera)),
         home=(resized(home, *camera), resized(shadowed_home, *camera)),
@@ -171,8 +171,25 @@ def _place(callback: Callable[..., object]) -> str:
     return f'\n  File "{code.co_filename}", line {code.co_firstlineno}, in {code.co_name}'
 
 
-def _sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[float, float], float]:
-    """Return the robot's picture at the camera's scale, its centre in it, and its unit."""
+def robot_sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[float, float], float]:
+    """Return the robot's picture at the camera's scale, its centre in it, and its unit.
+
+    Parameters
+    ----------
+    robot : RobotDefinition
+        The robot.
+    scale : float
+        Camera pixels per work-area px.
+
+    Returns
+    -------
+    sprite : array (h, w, 4) of uint8
+        RGBA.
+    centre : tuple of float
+        u, v of the robot's centre (sprite px).
+    unit : float
+        Work-area px that a sprite pixel stands for.
+    """
     height, width = robot.image.shape[:2]
     small_width = max(1, round(robot.size * scale))
     small_height = max(1, round(robot.size * scale * height / width))
