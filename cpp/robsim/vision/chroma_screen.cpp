@@ -70,11 +70,10 @@ ROBSIM_AVX2_INLINE __m256i differences(const std::uint8_t* bytes) {
   return _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
 }
 
-ROBSIM_AVX2 void look_avx2(const PaddedRow& row, const std::uint8_t* rgb, int limit,
-                           std::vector<std::uint8_t>& may_hold) {
+ROBSIM_AVX2 void look_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_hold) {
   const __m256i limits = _mm256_set1_epi8(static_cast<char>(limit));
   for (std::size_t word = 0; word < may_hold.size(); ++word) {
-    const std::uint8_t* pixels = row.pixels(rgb, word);
+    const std::uint8_t* pixels = row.pixels(word);
     __m256i largest = _mm256_setzero_si256();
     for (int i = 0; i < 3; ++i) {
       const __m256i larger =
@@ -101,15 +100,15 @@ void ChromaScreen::look(const std::uint8_t* rgb, int width,
                         std::vector<std::uint8_t>& may_hold) const {
   may_hold.assign(words_of(width), 1);
   if (safe_difference_ < 0) return;
-  const PaddedRow row(rgb, width);
+  PaddedRow row(rgb, width);
 #if ROBSIM_HAS_AVX2_CODE
   if (cpu_path() == CpuPath::avx2) {
-    look_avx2(row, rgb, safe_difference_, may_hold);
+    look_avx2(row, safe_difference_, may_hold);
     return;
   }
 #endif
   for (std::size_t word = 0; word < may_hold.size(); ++word) {
-    may_hold[word] = is_colorful_plain(row.pixels(rgb, word), safe_difference_);
+    may_hold[word] = is_colorful_plain(row.pixels(word), safe_difference_);
   }
 }
 

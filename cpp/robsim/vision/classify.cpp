@@ -52,11 +52,11 @@ std::uint64_t members_plain(const Planes& planes, const std::vector<ChannelLimit
 void classify_plain(const std::uint8_t* rgb, int width,
                     const std::vector<std::vector<ChannelLimits>>& limits,
                     const std::vector<std::uint8_t>& may_hold, std::vector<BitRow>& bits) {
-  const PaddedRow row(rgb, width);
+  PaddedRow row(rgb, width);
   for (std::size_t word = 0; word < may_hold.size(); ++word) {
     if (!may_hold[word]) continue;
     Planes planes;
-    convert_plain(row.pixels(rgb, word), planes);
+    convert_plain(row.pixels(word), planes);
     for (std::size_t i = 0; i < limits.size(); ++i) {
       bits[i][word] = members_plain(planes, limits[i]);
     }
@@ -105,10 +105,10 @@ ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
                               _mm256_set1_epi8(static_cast<char>(limit.upper)), limit.channel};
     }
   }
-  const PaddedRow row(rgb, width);
+  PaddedRow row(rgb, width);
   for (std::size_t word = 0; word < may_hold.size(); ++word) {
     if (!may_hold[word]) continue;
-    const std::uint8_t* pixels = row.pixels(rgb, word);
+    const std::uint8_t* pixels = row.pixels(word);
     __m256i low[3];
     __m256i high[3];
     convert_block(pixels, needs_y, low);

@@ -12,18 +12,24 @@ namespace robsim {
 /// may read a byte beyond each 64.
 class PaddedRow {
  public:
-  PaddedRow(const std::uint8_t* rgb, int width) : last_(words_of(width) - 1) {
-    const std::size_t left = 3 * (static_cast<std::size_t>(width) - 64 * last_);
-    std::memcpy(padded_, rgb + 192 * last_, left);
-    std::memset(padded_ + left, 0, sizeof padded_ - left);
-  }
+  PaddedRow(const std::uint8_t* rgb, int width)
+      : rgb_(rgb),
+        last_(words_of(width) - 1),
+        left_(3 * (static_cast<std::size_t>(width) - 64 * last_)) {}
 
-  const std::uint8_t* pixels(const std::uint8_t* rgb, std::size_t word) const {
-    return word < last_ ? rgb + 192 * word : padded_;
+  /// The last ones are copied when they are asked for: the pixels before them are in the cache by
+  /// then, or on the way to it.
+  const std::uint8_t* pixels(std::size_t word) {
+    if (word < last_) return rgb_ + 192 * word;
+    std::memcpy(padded_, rgb_ + 192 * last_, left_);
+    std::memset(padded_ + left_, 0, sizeof padded_ - left_);
+    return padded_;
   }
 
  private:
+  const std::uint8_t* rgb_;
   std::size_t last_;
+  std::size_t left_;  // bytes of the last ones
   std::uint8_t padded_[193];
 };
 
