@@ -45,3 +45,44 @@ def test_fewer_samples_than_parameters():
 def test_bad_samples_are_refused(phi, y, name):
     with pytest.raises(ValueError, match=name):
         robsim.least_squares(phi, y)
+
+
+def normal_equations(phi, y):
+    """Standard errors as in a textbook."""
+    theta = np.linalg.solve(phi.T @ phi, phi.T @ y)
+    variance = np.sum((y - phi @ theta) ** 2) / (len(y) - phi.shape[1])
+    unit = np.sqrt(np.diagonal(np.linalg.inv(phi.T @ phi)))
+    return unit, np.sqrt(variance) * unit
+
+
+@pytest.mark.parametrize("samples", [6, 255, 256, 257, 1000])
+def test_standard_errors_are_those_of_the_normal_equations(rng, samples):
+    phi = rng.normal(size=(samples, 4)) * (1, 20, 0.1, 3)
+    y = phi @ (1.0, 2.0, 3.0, 4.0) + rng.normal(size=samples)
+    fit = robsim.least_squares(phi, y)
+    unit, errors = normal_equations(phi, y)
+    np.testing.assert_allclose(fit.unit_errors, unit, rtol=1e-10)
+    np.testing.assert_allclose(fit.standard_errors, errors, rtol=1e-10)
+    theta, squares, _, _ = np.linalg.lstsq(phi, y, rcond=None)
+    np.testing.assert_allclose(fit.theta, theta, rtol=1e-10)
+    assert fit.residual_rms == pytest.approx(np.sqrt(squares[0] / samples), rel=1e-10)
+
+
+def test_standard_errors_of_what_is_determined_do_not_feel_the_rest(rng):
+    full = rng.normal(size=(50, 3))
+    y = full @ (1.0, 2.0, 3.0) + 0.1 * rng.normal(size=50)
+    phi = np.column_stack([full, 2 * full[:, 1], np.zeros(50)])
+    fit = robsim.least_squares(phi, y)
+    unit, errors = normal_equations(full, y)
+    np.testing.assert_allclose(fit.unit_errors[[0, 2]], unit[[0, 2]], rtol=1e-10)
+    np.testing.assert_allclose(fit.standard_errors[[0, 2]], errors[[0, 2]], rtol=1e-10)
+    assert np.isinf(fit.standard_errors[[1, 3, 4]]).all()
+    assert np.isinf(fit.unit_errors[[1, 3, 4]]).all()
+    assert fit.residual_rms == pytest.approx(robsim.least_squares(full, y).residual_rms, rel=1e-10)
+
+
+def test_as_many_samples_as_parameters_say_nothing_of_the_noise(rng):
+    fit = robsim.least_squares(rng.normal(size=(3, 3)), rng.normal(size=3))
+    assert np.isnan(fit.standard_errors).all()
+    assert np.isfinite(fit.unit_errors).all()
+    assert fit.residual_rms < 1e-12

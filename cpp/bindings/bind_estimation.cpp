@@ -10,40 +10,87 @@ using namespace robsim::bindings;
 
 namespace {
 
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+py::array_t<double> read_only(py::array_t<double> array) {
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
 // One filter speaks in vectors, several in rows.
-Shape phi_shape(const RecursiveLeastSquares& self) {
+Shape theta_shape(const RecursiveLeastSquares& self) {
   return self.filters() == 1 ? Shape{self.parameters()} : Shape{self.filters(), self.parameters()};
 }
 
 py::array_t<double> theta_of(const RecursiveLeastSquares& self) {
-  return to_array(self.theta().data(), phi_shape(self));
+  py::array_t<double> theta(theta_shape(self));
+  self.write_estimates(theta.mutable_data());
+  return read_only(theta);
+}
+
+py::array_t<double> unit_errors_of(const RecursiveLeastSquares& self) {
+  py::array_t<double> errors(theta_shape(self));
+  self.write_unit_errors(errors.mutable_data());
+  return read_only(errors);
+}
+
+py::array_t<double> covariance_of(const RecursiveLeastSquares& self) {
+  std::vector<double> values;
+  for (int filter = 0; filter < self.filters(); ++filter) {
+    const Eigen::MatrixXd P = self.covariance(filter);
+    values.insert(values.end(), P.data(), P.data() + P.size());
+  }
+  Shape shape = theta_shape(self);
+  shape.push_back(self.parameters());
+  return to_array(values.data(), shape);
+}
+
+py::object samples_of(const RecursiveLeastSquares& self) {
+  if (self.filters() == 1) return py::int_(self.samples(0));
+  py::array_t<std::int64_t> samples(self.filters());
+  for (int i = 0; i < self.filters(); ++i) samples.mutable_at(i) = self.samples(i);
+  return std::move(samples);
+}
+
+std::string text_of(const Shape& shape) {
+  std::string text = "(";
+  for (const py::ssize_t size : shape) text += (text == "(" ? "" : ", ") + std::to_string(size);
+  return text + (shape.size() == 1 ? ",)" : ")");
+}
+
+// Regressors or outputs of one sample or, with a dimension more, of many.
+Doubles samples_from(const py::object& value, const char* name, const char* what, Shape single) {
+  Shape many = single;
+  many.insert(many.begin(), -1);
+  const std::string one = single.empty() ? "a number" : text_of(single);
+  const std::string rest = single.empty() ? ",)" : ", " + text_of(single).substr(1);
+  const std::string expected =
+      std::string(what) + ": " + one + " for a sample, (N" + rest + " for N samples";
+  const Doubles array = numbers_from(value, name, std::nullopt, expected);
+  const bool is_many = array.ndim() == static_cast<py::ssize_t>(many.size());
+  return numbers_from(value, name, is_many ? many : single, expected);
 }
 
 py::array_t<double> update(RecursiveLeastSquares& self, const py::object& phi_value,
                            const py::object& y_value) {
-  const Shape shape = phi_shape(self);
-  const std::string filters = std::to_string(self.filters());
-  const std::string parameters = std::to_string(self.parameters());
-  const bool single = self.filters() == 1;
-  const Doubles phi = doubles_from(phi_value, "phi", shape,
-                                   "regressors of shape (" + (single ? "" : filters + ", ") +
-                                       parameters + (single ? ",)" : ")"));
-  const Doubles y =
-      doubles_from(y_value, "y", single ? Shape{} : Shape{self.filters()},
-                   single ? "one output, a number" : "outputs of shape (" + filters + ",)");
-  self.update(
-      Eigen::Map<const RecursiveLeastSquares::Rows>(phi.data(), self.filters(), self.parameters()),
-      Eigen::Map<const Eigen::VectorXd>(y.data(), self.filters()));
-  return theta_of(self);
+  const Shape single = theta_shape(self);
+  const Doubles phi = samples_from(phi_value, "phi", "regressors", single);
+  Shape outputs(phi.shape(), phi.shape() + phi.ndim() - 1);
+  const Doubles y = numbers_from(
+      y_value, "y", outputs,
+      outputs.empty() ? "one output, a number" : "outputs of shape " + text_of(outputs));
+  const bool is_many = phi.ndim() > static_cast<py::ssize_t>(single.size());
+  py::array_t<double> history(Shape(phi.shape(), phi.shape() + phi.ndim()));
+  self.update(phi.data(), y.data(), is_many ? phi.shape(0) : 1, history.mutable_data());
+  return read_only(history);
 }
 
 LeastSquaresFit fit(const py::object& phi_value, const py::object& y_value) {
-  const Doubles phi = doubles_from(phi_value, "phi", Shape{-1, -1}, "regressors of shape (N, n)");
+  const Doubles phi = numbers_from(phi_value, "phi", Shape{-1, -1}, "regressors of shape (N, n)");
   const Doubles y =
-      doubles_from(y_value, "y", Shape{phi.shape(0)}, "one output a sample, shape (N,)");
-  return least_squares(
-      Eigen::Map<const RecursiveLeastSquares::Rows>(phi.data(), phi.shape(0), phi.shape(1)),
-      Eigen::Map<const Eigen::VectorXd>(y.data(), y.size()));
+      numbers_from(y_value, "y", Shape{phi.shape(0)}, "one output a sample, shape (N,)");
+  return least_squares(Eigen::Map<const Rows>(phi.data(), phi.shape(0), phi.shape(1)),
+                       Eigen::Map<const Eigen::VectorXd>(y.data(), y.size()));
 }
 
 }  // namespace
@@ -52,14 +99,14 @@ void bind_estimation(py::module_& module) {
   const RecursiveLeastSquares defaults(1);
   py::class_<RecursiveLeastSquares, std::shared_ptr<RecursiveLeastSquares>>(
       module, "RecursiveLeastSquares", R"(
-Recursive least squares with forgetting, for one filter or several side by side.
+Recursive least squares with forgetting, for one filter or any number side by side.
 
 Parameters
 ----------
 parameters : int
     Number of parameters of a filter.
 filters : int
-    Number of filters.
+    Number of filters: 3 for the axes of a robot, 3 R for those of R runs at once.
 forgetting : float
     Forgetting factor, 0 < forgetting <= 1; 1 forgets nothing.
 initial_covariance : float
@@ -72,47 +119,56 @@ ValueError
 
 Notes
 -----
-The covariance is kept as P = U D U' (Bierman, Factorization Methods for Discrete Sequential
-Estimation, 1977, ch. V): no rounding can make it asymmetric or negative.
+theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
+plus forgetting^N |theta|^2 / initial_covariance. The covariance is kept as P = U D U' (Bierman,
+Factorization Methods for Discrete Sequential Estimation, 1977, ch. V): no rounding can make it
+asymmetric or negative, in any number of samples.
+
+Without excitation, as with a constant input, forgetting would let P grow for ever. Here the trace
+of P never exceeds 1e9 for each parameter, or what it is at the start: when it would, the variances
+D of single columns of U are cut. That adds information along these columns only. The estimates stay
+what they are, what the samples do excite is forgotten as before, and when excitation comes back the
+filter follows as a new one does. Up to there it is the textbook's filter. With forgetting = 1 a
+filter follows a change of the parameters the more slowly, the more samples it has taken in.
 )")
       .def(py::init<int, int, double, double>(), py::arg("parameters"), py::kw_only(),
            py::arg("filters") = 1, py::arg("forgetting") = defaults.forgetting(),
            py::arg("initial_covariance") = defaults.initial_covariance())
       .def("update", &update, py::arg("phi"), py::arg("y"), R"(
-Take in one sample of every filter.
+Take in one sample of every filter, or N samples, one after the other.
 
 Parameters
 ----------
-phi : array (parameters,), or (filters, parameters) for several filters
-    Regressors.
-y : float, or array (filters,) for several filters
+phi : array (parameters,) or (N, parameters); for several filters (filters, parameters) or \
+(N, filters, parameters)
+    Regressors. A NaN = no sample: a filter that has one in its regressors or its output holds.
+y : array, shaped as phi without its last dimension
     Outputs.
 
 Returns
 -------
 array, shaped as phi
-    The estimates now.
+    The estimates after each sample. Those of a filter that holds are what they were before.
 
 Raises
 ------
 TypeError, ValueError
-    For other shapes, NaN or infinity; the filter stays what it was.
+    For other shapes and for infinity; the filters stay what they were.
 )")
-      .def_property_readonly("theta", &theta_of, "array, shaped as phi: the estimates.")
+      .def_property_readonly("theta", &theta_of,
+                             "array (parameters,) or (filters, parameters): the estimates.")
       .def_property_readonly(
-          "P",
-          [](const RecursiveLeastSquares& self) {
-            std::vector<double> values;
-            for (int i = 0; i < self.filters(); ++i) {
-              const Eigen::MatrixXd P = self.covariance(i);
-              values.insert(values.end(), P.data(), P.data() + P.size());
-            }
-            Shape shape{self.parameters(), self.parameters()};
-            if (self.filters() > 1) shape.insert(shape.begin(), self.filters());
-            return to_array(values.data(), shape);
-          },
+          "P", &covariance_of,
           "array (parameters, parameters), for several filters (filters, parameters, parameters):\n"
           "covariance of the estimates in units of the variance of the output noise.")
+      .def_property_readonly(
+          "unit_errors", &unit_errors_of,
+          "array, shaped as theta: standard errors of the estimates in units of the standard\n"
+          "deviation of the output noise, the square roots of the diagonal of P.")
+      .def_property_readonly(
+          "samples", &samples_of,
+          "int, or array (filters,) of int: samples taken in; those at which a filter held do not\n"
+          "count.")
       .def_property_readonly("forgetting", &RecursiveLeastSquares::forgetting,
                              "float: forgetting factor.")
       .def_property_readonly("initial_covariance", &RecursiveLeastSquares::initial_covariance,
@@ -131,7 +187,20 @@ TypeError, ValueError
           "condition", &LeastSquaresFit::condition,
           "float: condition of the regressors, scaled to length 1: an estimate, from below.")
       .def_readonly("residual_rms", &LeastSquaresFit::residual_rms,
-                    "float: root mean square of y - phi theta.");
+                    "float: root mean square of y - phi theta.")
+      .def_property_readonly(
+          "unit_errors",
+          [](const LeastSquaresFit& self) {
+            return to_array(self.unit_errors.data(), {self.unit_errors.size()});
+          },
+          "array (n,): standard errors of theta in units of the standard deviation of the noise;\n"
+          "inf where the samples say nothing.")
+      .def_property_readonly(
+          "standard_errors",
+          [](const LeastSquaresFit& self) {
+            return to_array(self.standard_errors.data(), {self.standard_errors.size()});
+          },
+          "array (n,): standard errors of theta, with the noise estimated from the residuals.");
 
   module.def("least_squares", &fit, py::arg("phi"), py::arg("y"), R"(
 Return the theta that minimises the squares of y - phi theta.
@@ -146,10 +215,11 @@ y : array (N,)
 Returns
 -------
 LeastSquaresFit
-    theta, rank, condition, residual_rms.
+    theta, rank, condition, residual_rms, unit_errors, standard_errors.
 
 Notes
 -----
-Householder QR with column pivoting (Golub and Van Loan, Matrix Computations, 5.4.2).
+Householder QR, block after block of rows, and column pivoting in what comes of that (Golub and Van
+Loan, Matrix Computations, 5.2.2 and 5.4.2). The standard errors hold for white noise in y.
 )");
 }

@@ -9,6 +9,21 @@ namespace {
 
 constexpr py::ssize_t longest_repr = 80;
 
+// The numbers of a tuple of floats, as callbacks return it, without a way through numpy; nothing
+// for what numpy has to look at.
+template <std::size_t count>
+std::optional<std::array<double, count>> floats_from(py::handle value) {
+  if (!PyTuple_CheckExact(value.ptr()) || PyTuple_GET_SIZE(value.ptr()) != count) return {};
+  std::array<double, count> numbers;
+  for (std::size_t i = 0; i < count; ++i) {
+    PyObject* const item = PyTuple_GET_ITEM(value.ptr(), static_cast<py::ssize_t>(i));
+    if (!PyFloat_CheckExact(item)) return {};
+    numbers[i] = PyFloat_AS_DOUBLE(item);
+    if (!std::isfinite(numbers[i])) return {};
+  }
+  return numbers;
+}
+
 std::string shape_text(const py::array& array) {
   std::string text = "(";
   for (py::ssize_t i = 0; i < array.ndim(); ++i) {
@@ -39,10 +54,15 @@ std::string describe(py::handle value) {
   return text[py::slice(0, longest_repr, 1)].cast<std::string>() + " ...";
 }
 
-Doubles doubles_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
+Doubles numbers_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
                      const std::string& expected) {
   const auto message = [&] { return name + " must be " + expected + ", got " + describe(value); };
   if (value.is_none() || py::isinstance<py::str>(value)) throw py::type_error(message());
+  if (py::isinstance<Doubles>(value)) {
+    auto array = py::reinterpret_borrow<Doubles>(value);
+    if (shape && !fits(array, *shape)) throw py::value_error(message());
+    return array;
+  }
   const py::array given = [&] {
     try {
       return py::array(py::reinterpret_borrow<py::object>(value));
@@ -59,7 +79,12 @@ Doubles doubles_from(py::handle value, const std::string& name, const std::optio
     throw py::type_error(message());
   }
   if (shape && !fits(given, *shape)) throw py::value_error(message());
-  const Doubles array(given);
+  return Doubles(given);
+}
+
+Doubles doubles_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
+                     const std::string& expected) {
+  const Doubles array = numbers_from(value, name, shape, expected);
   const double* numbers = array.data();
   if (!std::all_of(numbers, numbers + array.size(), [](double x) { return std::isfinite(x); })) {
     throw py::value_error(name + " must be " + expected + ", all finite, got " +
@@ -69,6 +94,7 @@ Doubles doubles_from(py::handle value, const std::string& name, const std::optio
 }
 
 Pose pose_from(py::handle value, const std::string& name) {
+  if (const auto p = floats_from<3>(value)) return {(*p)[0], (*p)[1], wrap_angle((*p)[2])};
   const Doubles p = doubles_from(value, name, Shape{3}, "a pose (x, y, heading) in px, px and rad");
   return {p.at(0), p.at(1), wrap_angle(p.at(2))};
 }
@@ -79,6 +105,7 @@ Point point_from(py::handle value, const std::string& name) {
 }
 
 Input input_from(py::handle value, const std::string& name) {
+  if (const auto u = floats_from<2>(value)) return {(*u)[0], (*u)[1]};
   const Doubles u = doubles_from(value, name, Shape{2}, "(u1, u2), the two voltages in V");
   return {u.at(0), u.at(1)};
 }

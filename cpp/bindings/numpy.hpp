@@ -26,6 +26,10 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 /// What came instead, for an error message: "None", "array of shape (2,)", "'red'", ...
 std::string describe(py::handle value);
 
+/// An array of float64 numbers of this shape, NaN and infinity among them; else as `doubles_from`.
+Doubles numbers_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
+                     const std::string& expected);
+
 /// An array of finite float64 numbers of this shape (-1 = any size; none = any shape).
 /// Throws py::type_error or py::value_error that names the value and what was expected.
 Doubles doubles_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,

@@ -568,14 +568,14 @@ class Measurement:
         """
 class RecursiveLeastSquares:
     """
-    Recursive least squares with forgetting, for one filter or several side by side.
+    Recursive least squares with forgetting, for one filter or any number side by side.
     
     Parameters
     ----------
     parameters : int
         Number of parameters of a filter.
     filters : int
-        Number of filters.
+        Number of filters: 3 for the axes of a robot, 3 R for those of R runs at once.
     forgetting : float
         Forgetting factor, 0 < forgetting <= 1; 1 forgets nothing.
     initial_covariance : float
@@ -588,8 +588,17 @@ class RecursiveLeastSquares:
     
     Notes
     -----
-    The covariance is kept as P = U D U' (Bierman, Factorization Methods for Discrete Sequential
-    Estimation, 1977, ch. V): no rounding can make it asymmetric or negative.
+    theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
+    plus forgetting^N |theta|^2 / initial_covariance. The covariance is kept as P = U D U' (Bierman,
+    Factorization Methods for Discrete Sequential Estimation, 1977, ch. V): no rounding can make it
+    asymmetric or negative, in any number of samples.
+    
+    Without excitation, as with a constant input, forgetting would let P grow for ever. Here the trace
+    of P never exceeds 1e9 for each parameter, or what it is at the start: when it would, the variances
+    D of single columns of U are cut. That adds information along these columns only. The estimates stay
+    what they are, what the samples do excite is forgotten as before, and when excitation comes back the
+    filter follows as a new one does. Up to there it is the textbook's filter. With forgetting = 1 a
+    filter follows a change of the parameters the more slowly, the more samples it has taken in.
     """
     def __init__(self, parameters: typing.SupportsInt | typing.SupportsIndex, *, filters: typing.SupportsInt | typing.SupportsIndex = 1, forgetting: typing.SupportsFloat | typing.SupportsIndex = 1.0, initial_covariance: typing.SupportsFloat | typing.SupportsIndex = 1000000000.0) -> None:
         ...
@@ -599,24 +608,25 @@ class RecursiveLeastSquares:
         """
     def update(self, phi: typing.Any, y: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Take in one sample of every filter.
+        Take in one sample of every filter, or N samples, one after the other.
         
         Parameters
         ----------
-        phi : array (parameters,), or (filters, parameters) for several filters
-            Regressors.
-        y : float, or array (filters,) for several filters
+        phi : array (parameters,) or (N, parameters); for several filters (filters, parameters) or \\
+        (N, filters, parameters)
+            Regressors. A NaN = no sample: a filter that has one in its regressors or its output holds.
+        y : array, shaped as phi without its last dimension
             Outputs.
         
         Returns
         -------
         array, shaped as phi
-            The estimates now.
+            The estimates after each sample. Those of a filter that holds are what they were before.
         
         Raises
         ------
         TypeError, ValueError
-            For other shapes, NaN or infinity; the filter stays what it was.
+            For other shapes and for infinity; the filters stay what they were.
         """
     @property
     def P(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -635,9 +645,21 @@ class RecursiveLeastSquares:
         float: P at the start is this times the unit matrix.
         """
     @property
+    def samples(self) -> typing.Any:
+        """
+        int, or array (filters,) of int: samples taken in; those at which a filter held do not
+        count.
+        """
+    @property
     def theta(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array, shaped as phi: the estimates.
+        array (parameters,) or (filters, parameters): the estimates.
+        """
+    @property
+    def unit_errors(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array, shaped as theta: standard errors of the estimates in units of the standard
+        deviation of the output noise, the square roots of the diagonal of P.
         """
 class LeastSquaresFit:
     """
@@ -659,9 +681,20 @@ class LeastSquaresFit:
         float: root mean square of y - phi theta.
         """
     @property
+    def standard_errors(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (n,): standard errors of theta, with the noise estimated from the residuals.
+        """
+    @property
     def theta(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (n,): the parameters, NaN where the samples say nothing.
+        """
+    @property
+    def unit_errors(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (n,): standard errors of theta in units of the standard deviation of the noise;
+        inf where the samples say nothing.
         """
 class Estimate:
     """
@@ -1085,11 +1118,12 @@ def least_squares(phi: typing.Any, y: typing.Any) -> LeastSquaresFit:
     Returns
     -------
     LeastSquaresFit
-        theta, rank, condition, residual_rms.
+        theta, rank, condition, residual_rms, unit_errors, standard_errors.
     
     Notes
     -----
-    Householder QR with column pivoting (Golub and Van Loan, Matrix Computations, 5.4.2).
+    Householder QR, block after block of rows, and column pivoting in what comes of that (Golub and Van
+    Loan, Matrix Computations, 5.2.2 and 5.4.2). The standard errors hold for white noise in y.
     """
 def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], locator: Locator, plane_map: PlaneMap = ...) -> Measurement | None:
     """

@@ -1,24 +1,103 @@
 #include "robsim/estimation/least_squares.hpp"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+
+#include "robsim/cpu/cpu_path.hpp"
+#include "robsim/estimation/lanes.hpp"
 
 namespace robsim {
 
 namespace {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double largest = 1e100;  // squares of larger numbers overflow
-
 using PivotedQr = Eigen::ColPivHouseholderQR<MatrixXd>;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Rows that are reduced at a time: of a few columns they stay near the processor.
+constexpr Index block_rows = 256;
+constexpr Index stride = 4 * Lanes::count;  // four sums at once: none waits for the one before
+static_assert(block_rows % stride == 0);
+
+// a'b of two columns of a block.
+ROBSIM_INLINE double dot(const double* a, const double* b) {
+  constexpr int wide = Lanes::count;
+  Lanes sums[4] = {Lanes::all(0), Lanes::all(0), Lanes::all(0), Lanes::all(0)};
+  for (Index i = 0; i < block_rows; i += stride) {
+    ROBSIM_UNROLL
+    for (int k = 0; k < 4; ++k) {
+      const Index at = i + k * wide;
+      sums[k] = sums[k] + Lanes::load(a + at) * Lanes::load(b + at);
+    }
+  }
+  double parts[wide];
+  ((sums[0] + sums[1]) + (sums[2] + sums[3])).store(parts);
+  return (parts[0] + parts[1]) + (parts[2] + parts[3]);
+}
+
+// b <- b - share a
+ROBSIM_INLINE void subtract(double share, const double* a, double* b) {
+  const Lanes shares = Lanes::all(share);
+  for (Index i = 0; i < block_rows; i += Lanes::count) {
+    (Lanes::load(b + i) - shares * Lanes::load(a + i)).store(b + i);
+  }
+}
+
+// The triangle of the QR of R with the rows of a block below it.
+ROBSIM_INLINE void append(MatrixXd& R, MatrixXd& block) {
+  for (Index k = 0; k < R.cols(); ++k) {
+    const double* const column = block.col(k).data();
+    const double below = dot(column, column);
+    if (below == 0) continue;
+    // H = I - beta v v',  v = (R_kk - length; column),  H (R_kk; column) = (length; 0)
+    const double length = -std::copysign(std::sqrt(R(k, k) * R(k, k) + below), R(k, k));
+    const double v = R(k, k) - length;
+    const double beta = 2 / (v * v + below);
+    R(k, k) = length;
+    for (Index j = k + 1; j < R.cols(); ++j) {
+      double* const other = block.col(j).data();
+      const double share = beta * (v * R(k, j) + dot(column, other));
+      R(k, j) -= share * v;
+      subtract(share, column, other);
+    }
+  }
+}
+
+void append_baseline(MatrixXd& R, MatrixXd& block) { append(R, block); }
+
+#if ROBSIM_HAS_AVX2_CODE
+ROBSIM_AVX2 void append_avx2(MatrixXd& R, MatrixXd& block) { append(R, block); }
+#else
+constexpr auto append_avx2 = append_baseline;
+#endif
+
+// The triangle R of the QR of phi with y as its last column.
+MatrixXd triangle(const Eigen::Ref<const Rows>& phi, const Eigen::Ref<const VectorXd>& y) {
+  const auto append_block = cpu_path() == CpuPath::avx2 ? append_avx2 : append_baseline;
+  const Index n = phi.cols();
+  MatrixXd R = MatrixXd::Zero(n + 1, n + 1);
+  MatrixXd block(block_rows, n + 1);
+  for (Index row = 0; row < phi.rows(); row += block_rows) {
+    const Index rows = std::min(block_rows, phi.rows() - row);
+    block.topLeftCorner(rows, n) = phi.middleRows(row, rows);
+    block.col(n).head(rows) = y.segment(row, rows);
+    block.bottomRows(block_rows - rows).setZero();
+    append_block(R, block);
+  }
+  return R;
+}
 
 // The parameters along which phi does not change: R11 N1 = -R12, N2 = 1, rows in phi's order.
-MatrixXd null_space(const PivotedQr& qr, Eigen::Index n) {
-  const Eigen::Index rank = qr.rank();
+MatrixXd null_space(const PivotedQr& qr, Index n) {
+  const Index rank = qr.rank();
   const MatrixXd R = qr.matrixR().topRows(rank);
   MatrixXd basis(n, n - rank);
   basis.topRows(rank) =
@@ -27,35 +106,62 @@ MatrixXd null_space(const PivotedQr& qr, Eigen::Index n) {
   return qr.colsPermutation() * basis;
 }
 
-}  // namespace
+// Square roots of the diagonal of (R11' R11)^-1, in phi's order; what is not in R11 counts as
+// known.
+VectorXd unit_errors(const PivotedQr& qr, Index n) {
+  const Index rank = qr.rank();
+  const MatrixXd R = qr.matrixR().topLeftCorner(rank, rank);
+  const MatrixXd inverse = R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(rank, rank));
+  VectorXd errors = VectorXd::Zero(n);
+  errors.head(rank) = inverse.rowwise().norm();
+  return qr.colsPermutation() * errors;
+}
 
-LeastSquaresFit least_squares(const Eigen::Ref<const MatrixXd>& phi,
-                              const Eigen::Ref<const VectorXd>& y) {
+// |y - phi theta|: of y what no column of phi reaches, and what those beyond the rank would.
+double residual_norm(const PivotedQr& qr, const MatrixXd& R) {
+  const Index n = R.cols() - 1;
+  const VectorXd reached = qr.householderQ().adjoint() * R.col(n).head(n);
+  return std::hypot(reached.tail(n - qr.rank()).norm(), R(n, n));
+}
+
+void check_samples(const Eigen::Ref<const Rows>& phi, const Eigen::Ref<const VectorXd>& y) {
   if (phi.rows() == 0 || phi.cols() == 0) throw std::invalid_argument("phi must not be empty");
   if (phi.rows() != y.size()) {
     throw std::invalid_argument("y must have as many samples as phi has rows, got " +
                                 std::to_string(y.size()) + " and " + std::to_string(phi.rows()));
   }
-  if (!((phi.array().abs() <= largest).all() && (y.array().abs() <= largest).all())) {
+}
+
+}  // namespace
+
+LeastSquaresFit least_squares(const Eigen::Ref<const Rows>& phi,
+                              const Eigen::Ref<const VectorXd>& y) {
+  check_samples(phi, y);
+  const Index n = phi.cols();
+  const MatrixXd R = triangle(phi, y);
+  if (!std::isfinite(R.squaredNorm())) {  // what is wrong in one number spreads as far as R
     throw std::invalid_argument("phi and y must be finite and at most 1e100");
   }
-  const Eigen::Index n = phi.cols();
-  VectorXd scale = phi.colwise().norm().transpose();
+  VectorXd scale = R.topLeftCorner(n, n).colwise().norm().transpose();
   scale = (scale.array() > 0).select(scale, 1.0);
-  const MatrixXd scaled = phi * scale.cwiseInverse().asDiagonal();
-  PivotedQr qr(scaled);
+  PivotedQr qr(R.topLeftCorner(n, n) * scale.cwiseInverse().asDiagonal());
   qr.setThreshold(1e-12);
   LeastSquaresFit fit;
   fit.rank = static_cast<int>(qr.rank());
-  fit.theta = qr.solve(y).cwiseQuotient(scale);
-  fit.residual_rms = (y - phi * fit.theta).norm() / std::sqrt(static_cast<double>(y.size()));
   const double smallest = phi.rows() < n ? 0 : std::abs(qr.matrixR()(n - 1, n - 1));
-  const double infinity = std::numeric_limits<double>::infinity();
   fit.condition = smallest > 0 ? std::abs(qr.matrixR()(0, 0)) / smallest : infinity;
-  if (fit.rank < n) {
-    const VectorXd freedom = null_space(qr, n).rowwise().norm();
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    fit.theta = (freedom.array() > 1e-9).select(nan, fit.theta);
+  fit.theta = qr.solve(R.col(n).head(n)).cwiseQuotient(scale);
+  fit.unit_errors = unit_errors(qr, n).cwiseQuotient(scale);
+  const double residual = residual_norm(qr, R);
+  const auto freedom = static_cast<double>(phi.rows() - qr.rank());
+  fit.residual_rms = residual / std::sqrt(static_cast<double>(phi.rows()));
+  fit.standard_errors = fit.unit_errors * (freedom > 0 ? residual / std::sqrt(freedom) : nan);
+  if (qr.rank() < n) {
+    const auto is_free = (null_space(qr, n).rowwise().norm().array() > 1e-9).eval();
+    fit.theta = is_free.select(nan, fit.theta);
+    for (VectorXd* errors : {&fit.unit_errors, &fit.standard_errors}) {
+      *errors = is_free.select(infinity, *errors);
+    }
   }
   return fit;
 }

@@ -17,8 +17,15 @@ RecursiveEstimator::RecursiveEstimator(std::shared_ptr<RecursiveLeastSquares> fi
 
 AxisMatrix RecursiveEstimator::update(const Step& step) {
   const Regression& sample = step.sample.value().regression;
-  filters_->update(sample.phi, sample.y);
-  return filters_->theta();
+  AxisMatrix theta;
+  filters_->update(sample.phi.data(), sample.y.data(), 1, theta.data());
+  return theta;
+}
+
+bool RecursiveEstimator::write_unit_errors(double* errors) const {
+  if (filters_->samples(0) == 0) return false;
+  filters_->write_unit_errors(errors);
+  return true;
 }
 
 }  // namespace robsim

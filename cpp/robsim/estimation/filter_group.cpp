@@ -1,0 +1,191 @@
+#include "robsim/estimation/filter_group.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "robsim/estimation/lanes.hpp"
+
+namespace robsim {
+
+namespace {
+
+// The most that forgetting may let a variance grow to without excitation, on the average, in units
+// of that of the noise.
+constexpr double largest_variance = 1e9;
+
+constexpr int wide = Lanes::count;
+constexpr int five = 5;  // parameters of an axis of the robot model: the case to be fast in
+
+constexpr double zero = 0;
+constexpr double one = 1;
+
+ROBSIM_INLINE Lanes gathered(const double* const* places, int at = 0) {
+  return {places[0][at], places[1][at], places[2][at], places[3][at]};
+}
+
+}  // namespace
+
+// Where one sample of each filter lies. Where a filter holds, and in lanes without one, phi = 0,
+// y = 0 and the forgetting is 1: nothing changes.
+struct FilterGroup::Sample {
+  const double* phi[wide];
+  const double* y[wide];
+  const double* forgetting[wide];
+};
+
+FilterGroup::FilterGroup(int parameters, int filters, double forgetting, double initial_covariance)
+    : parameters_(parameters),
+      filters_(filters),
+      forgetting_(forgetting),
+      covariance_limit_(parameters * std::max(largest_variance, initial_covariance)),
+      theta_(place(parameters, 0), 0),
+      D_(place(parameters, 0), initial_covariance),
+      U_(column(parameters), 0),
+      phi_(place(parameters, 0)),
+      gain_(place(parameters, 0)),
+      no_regressors_(static_cast<std::size_t>(parameters), 0) {}
+
+// Takes a sample in and returns the largest trace of P. `n` is the number of parameters, a constant
+// where the caller knows it; phi and gain are room for that many lanes.
+ROBSIM_INLINE double FilterGroup::take(const Sample& sample, double* phi, double* gain, int n) {
+  Lanes innovation = gathered(sample.y);
+  ROBSIM_UNROLL
+  for (int j = 0; j < n; ++j) {
+    const Lanes x = gathered(sample.phi, j);
+    innovation = innovation - x * Lanes::load(&theta_[place(j, 0)]);
+    x.store(phi + wide * j);
+  }
+  Lanes alpha = gathered(sample.forgetting);
+  const Lanes per_forgetting = Lanes::all(1) / alpha;
+  Lanes per_alpha = per_forgetting;
+  Lanes trace = Lanes::all(0);
+  ROBSIM_UNROLL
+  for (int j = 0; j < n; ++j) {
+    double* const U = U_.data() + column(j);
+    // f = U' phi,  v = D f,  alpha_j = alpha_(j-1) + f_j v_j
+    Lanes f = Lanes::load(phi + wide * j);
+    ROBSIM_UNROLL
+    for (int i = 0; i < j; ++i) f = f + Lanes::load(U + wide * i) * Lanes::load(phi + wide * i);
+    const Lanes d = Lanes::load(&D_[place(j, 0)]);
+    const Lanes v = d * f;
+    const Lanes previous = alpha;
+    alpha = alpha + f * v;
+    // U_ij <- U_ij - b_i f_j/alpha_(j-1),  b_i <- b_i + U_ij v_j,  b_j = v_j
+    const Lanes c = f * per_alpha;
+    Lanes square = Lanes::all(1);
+    ROBSIM_UNROLL
+    for (int i = 0; i < j; ++i) {
+      const Lanes u = Lanes::load(U + wide * i);
+      const Lanes b = Lanes::load(gain + wide * i);
+      const Lanes changed = u - b * c;
+      square = square + changed * changed;
+      changed.store(U + wide * i);
+      (b + u * v).store(gain + wide * i);
+    }
+    v.store(gain + wide * j);
+    // D_j <- D_j alpha_(j-1)/(alpha_j lambda)
+    per_alpha = Lanes::all(1) / alpha;
+    const Lanes changed = d * (previous * per_alpha * per_forgetting);
+    changed.store(&D_[place(j, 0)]);
+    trace = trace + changed * square;
+  }
+  // K = b/alpha_n,  theta <- theta + K innovation
+  innovation = innovation * per_alpha;
+  ROBSIM_UNROLL
+  for (int j = 0; j < n; ++j) {
+    double* const theta = &theta_[place(j, 0)];
+    (Lanes::load(theta) + Lanes::load(gain + wide * j) * innovation).store(theta);
+  }
+  double traces[wide];
+  trace.store(traces);
+  return *std::max_element(traces, traces + wide);
+}
+
+ROBSIM_INLINE void FilterGroup::take_all(const double* phi, const double* y, std::int64_t samples,
+                                         std::int64_t stride, double* history, double* phi_room,
+                                         double* gain_room, int n) {
+  const double* const none = no_regressors_.data();
+  for (std::int64_t k = 0; k < samples; ++k) {
+    Sample sample{{none, none, none, none}, {&zero, &zero, &zero, &zero}, {&one, &one, &one, &one}};
+    for (int filter = 0; filter < filters_; ++filter) {
+      const double* const row = phi + (k * stride + filter) * n;
+      const double* const output = y + k * stride + filter;
+      double sum = *output;
+      for (int j = 0; j < n; ++j) sum += row[j];
+      if (std::isnan(sum)) continue;
+      sample.phi[filter] = row;
+      sample.y[filter] = output;
+      sample.forgetting[filter] = &forgetting_;
+      ++samples_[static_cast<std::size_t>(filter)];
+    }
+    const double trace = take(sample, phi_room, gain_room, n);
+    if (forgetting_ < 1 && trace > covariance_limit_) limit_covariance();
+    if (history) write_estimates(history + k * stride * n);
+  }
+}
+
+void FilterGroup::take_all_five(const double* phi, const double* y, std::int64_t samples,
+                                std::int64_t stride, double* history) {
+  double phi_room[five * wide], gain_room[five * wide];
+  take_all(phi, y, samples, stride, history, phi_room, gain_room, five);
+}
+
+#if ROBSIM_HAS_AVX2_CODE
+ROBSIM_AVX2 void FilterGroup::take_all_five_avx2(const double* phi, const double* y,
+                                                 std::int64_t samples, std::int64_t stride,
+                                                 double* history) {
+  double phi_room[five * wide], gain_room[five * wide];
+  take_all(phi, y, samples, stride, history, phi_room, gain_room, five);
+}
+#endif
+
+void FilterGroup::update(const double* phi, const double* y, std::int64_t samples,
+                         std::int64_t stride, double* history) {
+  if (parameters_ != five) {
+    take_all(phi, y, samples, stride, history, phi_.data(), gain_.data(), parameters_);
+    return;
+  }
+#if ROBSIM_HAS_AVX2_CODE
+  if (cpu_path() == CpuPath::avx2) {
+    take_all_five_avx2(phi, y, samples, stride, history);
+    return;
+  }
+#endif
+  take_all_five(phi, y, samples, stride, history);
+}
+
+// Cuts each D_j to where its share D_j |U_j|^2 of the trace of P is an n-th of the limit.
+void FilterGroup::limit_covariance() {
+  for (int filter = 0; filter < filters_; ++filter) {
+    for (int j = 0; j < parameters_; ++j) {
+      double square = 1;
+      for (int i = 0; i < j; ++i) square += u(filter, i, j) * u(filter, i, j);
+      double& D = D_[place(j, filter)];
+      D = std::min(D, covariance_limit_ / parameters_ / square);
+    }
+  }
+}
+
+void FilterGroup::write_estimates(double* estimates) const {
+  for (int filter = 0; filter < filters_; ++filter) {
+    for (int i = 0; i < parameters_; ++i) *estimates++ = theta_[place(i, filter)];
+  }
+}
+
+void FilterGroup::write_unit_errors(double* errors) const {
+  for (int i = 0; i < parameters_; ++i) {
+    // P_ii = D_i + sum_(j>i) U_ij^2 D_j
+    Lanes sum = Lanes::load(&D_[place(i, 0)]);
+    for (int j = i + 1; j < parameters_; ++j) {
+      const Lanes u = Lanes::load(&U_[column(j) + place(i, 0)]);
+      sum = sum + u * u * Lanes::load(&D_[place(j, 0)]);
+    }
+    double variances[wide];
+    sum.store(variances);
+    for (int filter = 0; filter < filters_; ++filter) {
+      errors[filter * parameters_ + i] = std::sqrt(variances[filter]);
+    }
+  }
+}
+
+}  // namespace robsim
