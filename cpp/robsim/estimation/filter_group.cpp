@@ -1,7 +1,9 @@
 #include "robsim/estimation/filter_group.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "robsim/estimation/lanes.hpp"
 
@@ -21,6 +23,11 @@ constexpr double one = 1;
 
 ROBSIM_INLINE Lanes gathered(const double* const* places, int at = 0) {
   return {places[0][at], places[1][at], places[2][at], places[3][at]};
+}
+
+// NaN spreads to the sum; numbers up to 1e100 don't add up to infinity.
+bool has_nan(const double* row, int n, double output) {
+  return std::isnan(std::accumulate(row, row + n, output));
 }
 
 }  // namespace
@@ -101,18 +108,23 @@ ROBSIM_INLINE double FilterGroup::take(const Sample& sample, double* phi, double
   return *std::max_element(traces, traces + wide);
 }
 
-ROBSIM_INLINE void FilterGroup::take_all(const double* phi, const double* y, std::int64_t samples,
-                                         std::int64_t stride, double* history, double* phi_room,
+ROBSIM_INLINE void FilterGroup::write_theta(double* theta, int n) const {
+  for (int filter = 0; filter < filters_; ++filter) {
+    ROBSIM_UNROLL
+    for (int i = 0; i < n; ++i) *theta++ = theta_[place(i, filter)];
+  }
+}
+
+ROBSIM_INLINE void FilterGroup::take_all(const Samples& samples, double* phi_room,
                                          double* gain_room, int n) {
   const double* const none = no_regressors_.data();
-  for (std::int64_t k = 0; k < samples; ++k) {
+  for (std::int64_t k = 0; k < samples.count; ++k) {
     Sample sample{{none, none, none, none}, {&zero, &zero, &zero, &zero}, {&one, &one, &one, &one}};
     for (int filter = 0; filter < filters_; ++filter) {
-      const double* const row = phi + (k * stride + filter) * n;
-      const double* const output = y + k * stride + filter;
-      double sum = *output;
-      for (int j = 0; j < n; ++j) sum += row[j];
-      if (std::isnan(sum)) continue;
+      const std::int64_t at = k * samples.stride + filter;
+      const double* const row = samples.phi + at * n;
+      const double* const output = samples.y + at;
+      if (samples.may_have_nan && has_nan(row, n, *output)) continue;
       sample.phi[filter] = row;
       sample.y[filter] = output;
       sample.forgetting[filter] = &forgetting_;
@@ -120,38 +132,34 @@ ROBSIM_INLINE void FilterGroup::take_all(const double* phi, const double* y, std
     }
     const double trace = take(sample, phi_room, gain_room, n);
     if (forgetting_ < 1 && trace > covariance_limit_) limit_covariance();
-    if (history) write_estimates(history + k * stride * n);
+    if (samples.history) write_theta(samples.history + k * samples.stride * n, n);
   }
 }
 
-void FilterGroup::take_all_five(const double* phi, const double* y, std::int64_t samples,
-                                std::int64_t stride, double* history) {
+void FilterGroup::take_all_five(const Samples& samples) {
   double phi_room[five * wide], gain_room[five * wide];
-  take_all(phi, y, samples, stride, history, phi_room, gain_room, five);
+  take_all(samples, phi_room, gain_room, five);
 }
 
 #if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 void FilterGroup::take_all_five_avx2(const double* phi, const double* y,
-                                                 std::int64_t samples, std::int64_t stride,
-                                                 double* history) {
+ROBSIM_AVX2 void FilterGroup::take_all_five_avx2(const Samples& samples) {
   double phi_room[five * wide], gain_room[five * wide];
-  take_all(phi, y, samples, stride, history, phi_room, gain_room, five);
+  take_all(samples, phi_room, gain_room, five);
 }
 #endif
 
-void FilterGroup::update(const double* phi, const double* y, std::int64_t samples,
-                         std::int64_t stride, double* history) {
+void FilterGroup::update(const Samples& samples) {
   if (parameters_ != five) {
-    take_all(phi, y, samples, stride, history, phi_.data(), gain_.data(), parameters_);
+    take_all(samples, phi_.data(), gain_.data(), parameters_);
     return;
   }
 #if ROBSIM_HAS_AVX2_CODE
   if (cpu_path() == CpuPath::avx2) {
-    take_all_five_avx2(phi, y, samples, stride, history);
+    take_all_five_avx2(samples);
     return;
   }
 #endif
-  take_all_five(phi, y, samples, stride, history);
+  take_all_five(samples);
 }
 
 // Cuts each D_j to where its share D_j |U_j|^2 of the trace of P is an n-th of the limit.
@@ -166,26 +174,32 @@ void FilterGroup::limit_covariance() {
   }
 }
 
-void FilterGroup::write_estimates(double* estimates) const {
-  for (int filter = 0; filter < filters_; ++filter) {
-    for (int i = 0; i < parameters_; ++i) *estimates++ = theta_[place(i, filter)];
+void FilterGroup::write_estimates(double* estimates) const { write_theta(estimates, parameters_); }
+
+// P_ii = D_i + sum_(j>i) U_ij^2 D_j
+ROBSIM_INLINE void FilterGroup::write_variances(double* variances, int n) const {
+  ROBSIM_UNROLL
+  for (int i = 0; i < n; ++i) {
+    Lanes sum = Lanes::load(&D_[place(i, 0)]);
+    ROBSIM_UNROLL
+    for (int j = i + 1; j < n; ++j) {
+      const Lanes u = Lanes::load(&U_[column(j) + place(i, 0)]);
+      sum = sum + u * u * Lanes::load(&D_[place(j, 0)]);
+    }
+    double of_filter[wide];
+    sum.store(of_filter);
+    for (int filter = 0; filter < filters_; ++filter) variances[filter * n + i] = of_filter[filter];
   }
 }
 
 void FilterGroup::write_unit_errors(double* errors) const {
-  for (int i = 0; i < parameters_; ++i) {
-    // P_ii = D_i + sum_(j>i) U_ij^2 D_j
-    Lanes sum = Lanes::load(&D_[place(i, 0)]);
-    for (int j = i + 1; j < parameters_; ++j) {
-      const Lanes u = Lanes::load(&U_[column(j) + place(i, 0)]);
-      sum = sum + u * u * Lanes::load(&D_[place(j, 0)]);
-    }
-    double variances[wide];
-    sum.store(variances);
-    for (int filter = 0; filter < filters_; ++filter) {
-      errors[filter * parameters_ + i] = std::sqrt(variances[filter]);
-    }
+  if (parameters_ == five) {
+    write_variances(errors, five);
+  } else {
+    write_variances(errors, parameters_);
   }
+  Eigen::Map<Eigen::ArrayXd> values(errors, filters_ * parameters_);
+  values = values.sqrt();
 }
 
 }  // namespace robsim

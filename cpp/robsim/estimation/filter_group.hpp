@@ -17,10 +17,16 @@ class FilterGroup {
   int filters() const { return filters_; }
 
   /// Samples one after the other: in phi the regressors of the first filter, of the second, ..., in
-  /// y their outputs. From one sample to the next there are `stride` outputs. If `history` is not
-  /// null, the estimates after each sample are written to it, in the order of phi.
-  void update(const double* phi, const double* y, std::int64_t samples, std::int64_t stride,
-              double* history);
+  /// y their outputs. From one sample to the next there are `stride` outputs.
+  struct Samples {
+    const double* phi;
+    const double* y;
+    double* history;  // if not null, the estimates after each sample go there, in the order of phi
+    std::int64_t count;
+    std::int64_t stride;
+    bool may_have_nan;  // a filter holds where its regressors or its output have one
+  };
+  void update(const Samples& samples);
 
   /// The estimates, and the square roots of the diagonal of P, filter by filter.
   void write_estimates(double* estimates) const;
@@ -44,13 +50,12 @@ class FilterGroup {
 
   struct Sample;
   double take(const Sample& sample, double* phi, double* gain, int n);
-  void take_all(const double* phi, const double* y, std::int64_t samples, std::int64_t stride,
-                double* history, double* phi_room, double* gain_room, int n);
-  void take_all_five(const double* phi, const double* y, std::int64_t samples, std::int64_t stride,
-                     double* history);
-  void take_all_five_avx2(const double* phi, const double* y, std::int64_t samples,
-                          std::int64_t stride, double* history);
+  void take_all(const Samples& samples, double* phi_room, double* gain_room, int n);
+  void take_all_five(const Samples& samples);
+  void take_all_five_avx2(const Samples& samples);
+  void write_theta(double* theta, int n) const;
   void limit_covariance();
+  void write_variances(double* variances, int n) const;
 
   int parameters_;
   int filters_;

@@ -16,9 +16,12 @@ void check(bool holds, const char* expected, Number value) {
   if (!holds) throw std::invalid_argument(expected + std::to_string(value));
 }
 
+// True if all are numbers, and none is so large that its square overflows. False tells nothing.
+bool are_surely_usable(const double* values, std::int64_t count) {
+  return Eigen::Map<const Eigen::VectorXd>(values, count).squaredNorm() <= largest;
+}
+
 bool has_too_large(const double* values, std::int64_t count) {
-  // What has no NaN in it, as a rule, is looked at in one quick pass.
-  if (Eigen::Map<const Eigen::VectorXd>(values, count).squaredNorm() <= largest) return false;
   return std::any_of(values, values + count, [](double x) { return std::abs(x) > largest; });
 }
 
@@ -49,14 +52,21 @@ void RecursiveLeastSquares::reset() {
 void RecursiveLeastSquares::update(const double* phi, const double* y, std::int64_t samples,
                                    double* history) {
   const std::int64_t outputs = samples * filters_;
-  if (has_too_large(phi, outputs * parameters_) || has_too_large(y, outputs)) {
+  const std::int64_t regressors = outputs * parameters_;
+  const bool is_usable = are_surely_usable(phi, regressors) && are_surely_usable(y, outputs);
+  if (!is_usable && (has_too_large(phi, regressors) || has_too_large(y, outputs))) {
     throw std::invalid_argument("phi and y must be at most 1e100, or NaN for no sample");
   }
-  for (FilterGroup& group : groups_) {
-    group.update(phi, y, samples, filters_, history);
-    phi += group.filters() * parameters_;
-    y += group.filters();
-    if (history) history += group.filters() * parameters_;
+  // One group takes all samples at once; of many each takes one in turn, as they lie in memory.
+  const std::int64_t at_once = groups_.size() == 1 ? samples : 1;
+  for (std::int64_t k = 0; k < samples; k += at_once) {
+    for (FilterGroup& group : groups_) {
+      const std::int64_t numbers = std::int64_t{group.filters()} * parameters_;
+      group.update({phi, y, history, at_once, filters_, !is_usable});
+      phi += numbers;
+      y += group.filters();
+      if (history) history += numbers;
+    }
   }
 }
 
