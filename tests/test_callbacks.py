@@ -243,3 +243,42 @@ def test_an_estimator_without_update_is_traced_to_who_made_it():
     wanted = r"that init_parameter_estimator returned must have a method update\(phi, y\), got 3"
     with pytest.raises(TypeError, match=wanted):
         sim.run(5)
+
+
+def test_what_a_callback_keeps_of_a_step_stays_what_it_is():
+    steps, frames, blobs = [], [], []
+
+    def control(step):
+        if step.k % 3 == 0:
+            steps.append(step)
+        if step.k % 3 == 1:
+            frames.append(step.frame)
+        if step.k % 4 == 2:
+            blobs.append((step.k, step.blobs["red"][0].centroid.copy(), step.blobs["red"][0]))
+        return 0.3, 0.1 * step.k
+
+    sim = robsim.Simulation(
+        control=control, measure=True, estimate_parameters=True, camera=(400, 400), seed=1
+    )
+    trace = sim.run(13)
+    assert [step.k for step in steps] == [0, 3, 6, 9, 12]
+    for step in steps:
+        np.testing.assert_allclose(step.measurement.pose, trace.measured[step.k])
+        if step.k > 1:
+            np.testing.assert_array_equal(step.parameters, trace.parameters[step.k])
+    assert [frame.index for frame in frames] == [1, 4, 7, 10]
+    for frame in frames:
+        np.testing.assert_array_equal(frame.image, sim.frame_of(frame.index).image)
+    for k, centroid, blob in blobs:
+        np.testing.assert_array_equal(blob.centroid, centroid)
+        np.testing.assert_allclose(3 * centroid + 1, trace.blobs["red"][k, 0])
+
+
+def test_frames_are_drawn_for_a_callback_that_looks():
+    def measure(step):
+        if step.k == 2:
+            assert step.frame.index == 2
+
+    trace = robsim.Simulation(measure=measure, camera=(400, 400), seed=1).run(4)
+    seen = np.isfinite(trace.blobs["red"][:, 0, 0])
+    np.testing.assert_array_equal(seen, [False, False, True, False])

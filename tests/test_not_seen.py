@@ -62,7 +62,8 @@ def test_never_in_the_same_frame():
 
 def test_markers_of_another_size():
     def measure(step):
-        return None
+        assert step.blobs
+        return
 
     sim = robsim.Simulation(camera=(600, 600), measure=measure, seed=1)
     sim.run(2)

@@ -355,6 +355,10 @@ void bind_simulation(py::module_& module) {
               throw py::value_error("steps must be at least 0, got " + std::to_string(steps));
             }
             PythonInterpreter interpreter(std::move(progress));
+            struct Forget {
+              StepObject& object;
+              ~Forget() { object.forget(); }
+            } forget{self.step_object};
             self.run(steps, interpreter);
           },
           py::arg("steps"), py::arg("progress") = py::none(),

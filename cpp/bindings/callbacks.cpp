@@ -130,7 +130,7 @@ void set_evaluate_model(Stages& stages, const py::object& value) {
                            true};
 }
 
-void set_estimate_parameters(Stages& stages, const py::object& value) {
+void set_estimate_parameters(Stages& stages, const py::object& value, StepObject& object) {
   if (is_off(value)) {
     stages.estimate_parameters = {};
     return;
@@ -144,14 +144,15 @@ void set_estimate_parameters(Stages& stages, const py::object& value) {
     return;
   }
   stages.estimate_parameters = {
-      [callback = Callback("estimate_parameters", value)](const StepPointer& step) {
-        const py::object result = callback(step->k, py::cast(step));
+      [&object, callback = Callback("estimate_parameters", value)](const StepPointer& step) {
+        const py::object result = callback(step->k, object.of(step));
         return callback.convert(step->k, [&] { return optional_parameters(result); });
       },
       true};
 }
 
-void set_measure(Stages& stages, const py::object& value, const Locator& locator) {
+void set_measure(Stages& stages, const py::object& value, StepObject& object,
+                 const Locator& locator) {
   if (is_off(value)) {
     stages.measure = {};
     return;
@@ -163,28 +164,28 @@ void set_measure(Stages& stages, const py::object& value, const Locator& locator
                       false};
     return;
   }
-  stages.measure = {[callback = Callback("measure", value)](const StepPointer& step) {
-                      const py::object result = callback(step->k, py::cast(step));
+  stages.measure = {[&object, callback = Callback("measure", value)](const StepPointer& step) {
+                      const py::object result = callback(step->k, object.of(step));
                       return callback.convert(step->k,
                                               [&] { return optional_measurement(result); });
                     },
                     true};
 }
 
-void set_estimate_state(Stages& stages, const py::object& value) {
+void set_estimate_state(Stages& stages, const py::object& value, StepObject& object) {
   if (is_off(value)) {
     stages.estimate_state = {};
     return;
   }
-  stages.estimate_state = {[callback = Callback("estimate_state", value)](const StepPointer& step) {
-                             const py::object result = callback(step->k, py::cast(step));
-                             return callback.convert(step->k,
-                                                     [&] { return estimate_from(result); });
-                           },
-                           true};
+  stages.estimate_state = {
+      [&object, callback = Callback("estimate_state", value)](const StepPointer& step) {
+        const py::object result = callback(step->k, object.of(step));
+        return callback.convert(step->k, [&] { return estimate_from(result); });
+      },
+      true};
 }
 
-void set_control(Stages& stages, const py::object& value) {
+void set_control(Stages& stages, const py::object& value, StepObject& object) {
   if (value.is_none() && stages.take_frame) {
     stages.control = {};
     return;
@@ -197,8 +198,8 @@ void set_control(Stages& stages, const py::object& value) {
                       false};
     return;
   }
-  stages.control = {[callback = Callback("control", value)](const StepPointer& step) {
-                      const py::object result = callback(step->k, py::cast(step));
+  stages.control = {[&object, callback = Callback("control", value)](const StepPointer& step) {
+                      const py::object result = callback(step->k, object.of(step));
                       return callback.convert(step->k,
                                               [&] { return input_from(result, "the result"); });
                     },
@@ -263,10 +264,10 @@ void SlottedSimulation::set_stage(const std::string& slot, const py::object& val
       {"make_renderer", [&](Stages& s) { set_make_renderer(s, value); }},
       {"take_frame", [&](Stages& s) { set_take_frame(s, value); }},
       {"evaluate_model", [&](Stages& s) { set_evaluate_model(s, value); }},
-      {"estimate_parameters", [&](Stages& s) { set_estimate_parameters(s, value); }},
-      {"measure", [&](Stages& s) { set_measure(s, value, locator); }},
-      {"estimate_state", [&](Stages& s) { set_estimate_state(s, value); }},
-      {"control", [&](Stages& s) { set_control(s, value); }},
+      {"estimate_parameters", [&](Stages& s) { set_estimate_parameters(s, value, step_object); }},
+      {"measure", [&](Stages& s) { set_measure(s, value, step_object, locator); }},
+      {"estimate_state", [&](Stages& s) { set_estimate_state(s, value, step_object); }},
+      {"control", [&](Stages& s) { set_control(s, value, step_object); }},
   };
   setters.at(slot)(stages());
   values[slot] = value;

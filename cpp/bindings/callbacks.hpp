@@ -18,14 +18,15 @@ class Callback {
   Callback(std::string slot, py::handle function);
 
   /// Calls it at step k (-1 = at the start). Its exception passes on with a note.
-  template <typename... Arguments>
-  py::object operator()(std::int64_t k, Arguments&&... arguments) const {
-    try {
-      return function_(std::forward<Arguments>(arguments)...);
-    } catch (py::error_already_set& error) {
-      add_note(error, k);
-      throw;
-    }
+  template <typename... Objects>
+  py::object operator()(std::int64_t k, const Objects&... objects) const {
+    PyObject* const arguments[] = {objects.ptr()..., nullptr};
+    PyObject* const result =
+        PyObject_Vectorcall(function_.ptr(), arguments, sizeof...(objects), nullptr);
+    if (result) return py::reinterpret_steal<py::object>(result);
+    py::error_already_set error;
+    add_note(error, k);
+    throw error;
   }
 
   /// Converts a result; an error in that names the callable, too.
@@ -54,6 +55,33 @@ class Callback {
   py::handle function_;
 };
 
+/// The newest step as Python sees it: one object for all callbacks and, unless one of them keeps
+/// it, for all steps.
+class StepObject {
+ public:
+  const py::object& of(const StepPointer& step) {
+    if (step.get() != step_) {
+      object_ = py::cast(step);
+      step_ = step.get();
+    }
+    return object_;
+  }
+
+  void forget() {
+    object_ = py::object();
+    step_ = nullptr;
+  }
+
+  /// True if it is the step's object, and nobody else has it.
+  bool is_only_holder(const StepPointer& step) const {
+    return step.get() == step_ && step.use_count() == 2 && object_.ref_count() == 1;
+  }
+
+ private:
+  py::object object_;
+  const Step* step_ = nullptr;
+};
+
 /// A user's own estimator object: what init_parameter_estimator returned.
 class ObjectEstimator : public ParameterEstimator {
  public:
@@ -80,7 +108,12 @@ class SlottedSimulation : public Simulation {
   /// of an optional stage, None for what is there without being asked for.
   void set_stage(const std::string& slot, const py::object& value);
 
+  bool is_kept(const StepPointer& step) const override {
+    return !step_object.is_only_holder(step) && Simulation::is_kept(step);
+  }
+
   std::unordered_map<std::string, py::object> values;
+  StepObject step_object;  // empty between two runs
 };
 
 }  // namespace robsim::bindings

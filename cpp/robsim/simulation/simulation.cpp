@@ -16,6 +16,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds between_ticks{50};
+constexpr std::chrono::milliseconds quick{1};  // for all the steps between two looks at the clock
+constexpr std::int64_t most_steps_between_looks = 64;
 constexpr std::int64_t most_rows_at_once = 1 << 16;  // a longer trace doubles its memory on the way
 
 void write(double* row, const Pose& pose) {
@@ -134,10 +136,19 @@ void Simulation::run(std::int64_t steps, Interpreter& interpreter) {
   interpreter_ = &interpreter;
   std::optional<NativeWork> native;
   if (!needs_interpreter()) native.emplace(*this);
-  Clock::time_point next_tick = Clock::now() + between_ticks;
+  Clock::time_point last_look = Clock::now();
+  Clock::time_point next_tick = last_look + between_ticks;
+  std::int64_t next_look = 0;
+  std::int64_t between_looks = 1;  // a look costs as much as a part of a step
   for (std::int64_t done = 0; done < steps; ++done) {
     if (!turn()) break;
-    if (Clock::now() < next_tick) continue;
+    if (done < next_look) continue;
+    const Clock::time_point now = Clock::now();
+    between_looks =
+        now - last_look < quick ? std::min(2 * between_looks, most_steps_between_looks) : 1;
+    next_look = done + between_looks;
+    last_look = now;
+    if (now < next_tick) continue;
     if (native) interpreter.acquire();
     struct Restore {
       Interpreter* held;
@@ -194,8 +205,12 @@ bool Simulation::take_frame() {
 }
 
 void Simulation::begin_step() {
-  if (step_) step_->source = nullptr;
-  step_ = std::make_shared<Step>();
+  if (step_ && !is_kept(step_)) {
+    step_->forget();
+  } else {
+    if (step_) step_->source = nullptr;
+    step_ = std::make_shared<Step>();
+  }
   step_->k = trace_.rows();
   step_->dt = model_->dt();
   step_->t = static_cast<double>(step_->k) * step_->dt;
@@ -206,6 +221,8 @@ void Simulation::begin_step() {
   step_->controller_seed = options_.controller_seed;
   step_->source = this;
 }
+
+bool Simulation::is_kept(const StepPointer& step) const { return step.use_count() > 1; }
 
 void Simulation::move_robot() {
   const std::int64_t k = trace_.rows();
@@ -259,8 +276,9 @@ void Simulation::estimate_parameters() {
 
 void Simulation::measure() {
   if (!stages_.measure) return;
-  blobs();
+  if (!stages_.measure.is_interpreted) blobs();
   step_->measurement = stages_.measure.call(step_);
+  if (step_->frame) blobs();  // of a callback that has looked
   if (step_->measurement) held_ = step_->measurement->pose;
 }
 
@@ -312,7 +330,10 @@ void Simulation::add_columns() {
       columns_.blobs.push_back(&trace_.column("blobs_" + name, 4));
     }
   }
-  if (stages_.estimate_parameters) columns_.parameters = &trace_.column("parameters", 15);
+  if (stages_.estimate_parameters) {
+    columns_.parameters = &trace_.column("parameters", 15);
+    if (estimator_->has_unit_errors()) columns_.unit_errors = &trace_.column("unit_errors", 15);
+  }
   if (stages_.estimate_state) {
     columns_.estimated = &trace_.column("estimated", 3);
     columns_.covariance = &trace_.column("covariance", 9);
@@ -336,6 +357,7 @@ void Simulation::record() {
   if (parameters_ && columns_.parameters) {
     std::copy_n(parameters_->data(), 15, trace_.writable(*columns_.parameters));
   }
+  if (columns_.unit_errors) estimator_->write_unit_errors(trace_.writable(*columns_.unit_errors));
   if (columns_.view) {
     double* view = trace_.writable(*columns_.view);
     view[0] = renderer_->camera().matrix()[0] * pan_.u;

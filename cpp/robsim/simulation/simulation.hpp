@@ -43,7 +43,7 @@ struct SimulationOptions {
 class Simulation {
  public:
   Simulation(SimulationOptions options, Stages stages);
-  ~Simulation();
+  virtual ~Simulation();
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
@@ -73,6 +73,10 @@ class Simulation {
 
   /// The newest step. Only after the start.
   const StepPointer& newest() const;
+
+  /// True if somebody outside the loop still holds a step that is over: then its memory is not used
+  /// for the next one.
+  virtual bool is_kept(const StepPointer& step) const;
 
   /// Throws std::runtime_error while another thread runs the simulation.
   void check_thread() const;
@@ -106,6 +110,7 @@ class Simulation {
     Trace::Column* measured = nullptr;
     Trace::Column* held = nullptr;
     Trace::Column* parameters = nullptr;
+    Trace::Column* unit_errors = nullptr;
     Trace::Column* estimated = nullptr;
     Trace::Column* covariance = nullptr;
     Trace::Column* view = nullptr;

@@ -49,6 +49,16 @@ struct Step {
 
   // The loop this is the newest step of: it can still draw its frame and find its blobs.
   std::atomic<Simulation*> source{nullptr};
+
+  /// Empties what fills up from stage to stage.
+  void forget() {
+    sample.reset();
+    parameters.reset();
+    frame.reset();
+    blobs.reset();
+    measurement.reset();
+    estimate.reset();
+  }
 };
 
 /// What a robot model gets to compute the pose of step k.
