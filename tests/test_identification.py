@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim.samples import samples_of
 
 
 def driven(steps=800, **options):
@@ -44,28 +45,68 @@ def test_across_many_full_turns_of_the_heading():
         assert offset < limits[1]
 
 
-def test_a_bounce_ends_the_record_and_does_not_spoil_the_online_estimate():
-    options = {"boundary": "bounce", "seed": 1, "estimate_parameters": True}
+def bounced(**options):
+    options = {"boundary": "bounce", "seed": 1, "estimate_parameters": True, **options}
     control = robsim.DriveAround(low=0.5, high=1.5, hold=3)
     trace = robsim.Simulation(control=control, **options).run(2000)
     assert trace.bounced.sum() > 5
-    report = robsim.batch_estimate(trace)
+    return trace
+
+
+def test_a_bounce_ends_the_longest_record_and_does_not_spoil_the_online_estimate():
+    trace = bounced()
+    report = robsim.batch_estimate(trace, samples="longest")
     record = slice(report.start, report.stop)
     assert not trace.bounced[record][1:].any()
     gaps = np.diff(np.concatenate(([0], np.flatnonzero(trace.bounced), [2000])))
     assert report.stop - report.start == gaps.max()
+    assert report.samples == gaps.max() - 2
+    assert report.title.endswith(f"({gaps.max() - 2} samples, the longest record)")
     for estimate, limit in ((report.batch, 1e-6), (report.online, 1e-4)):
         assert deviations(estimate, report.theta_true)[0] < limit
 
 
-def test_from_measurements_the_record_has_no_gap():
+def test_valid_samples_are_all_but_those_that_span_a_bounce():
+    trace = bounced()
+    report = robsim.batch_estimate(trace)
+    spoilt = trace.bounced[2:] | trace.bounced[1:-1]
+    assert report.samples == np.count_nonzero(~spoilt)
+    assert report.left_out == np.count_nonzero(spoilt)
+    assert f"{report.left_out} samples with a bounce or a missing pose are left out" in str(report)
+    assert deviations(report.batch, report.theta_true)[0] < 1e-6
+
+
+def test_samples_that_span_a_bounce_spoil_the_estimate():
+    trace = bounced()
+    report = robsim.batch_estimate(trace, samples="all")
+    assert (report.samples, report.left_out) == (1998, 0)
+    assert "1998 samples, bounces included" in report.title
+    assert deviations(report.batch, report.theta_true)[0] > 0.1
+
+
+def seldom_seen():
     def measure(step):
         return None if step.k in (100, 400) else robsim.Measurement((step.k, 0.0, 0.0))
 
-    trace = driven(500, measure=measure, camera=(240, 240))
-    report = robsim.batch_estimate(trace, identify_from="measurement")
+    return driven(500, measure=measure, camera=(240, 240))
+
+
+def test_from_measurements_the_longest_record_has_no_gap():
+    report = robsim.batch_estimate(seldom_seen(), identify_from="measurement", samples="longest")
     assert (report.start, report.stop) == (101, 400)
     assert "from measurement, steps 101..399" in report.title
+
+
+@pytest.mark.parametrize("samples", ["valid", "all"])
+def test_from_measurements_a_missing_pose_costs_three_samples(samples):
+    trace = seldom_seen()
+    found = samples_of(trace, identify_from="measurement", samples=samples)
+    missing = [100, 101, 102, 400, 401, 402]
+    np.testing.assert_array_equal(found.k, np.setdiff1d(np.arange(2, 500), missing))
+    assert found.left_out == 6
+    np.testing.assert_array_equal(found.y[:, 0], found.k)  # x is the number of the step
+    np.testing.assert_array_equal(found.phi[:, 0, 0], found.k - 1)
+    np.testing.assert_array_equal(found.phi[:, 0, 1], found.k - 2)
 
 
 def test_a_part_of_a_trace_keeps_its_step_numbers():
@@ -81,14 +122,95 @@ def test_what_a_record_without_motion_does_not_determine_is_said():
     report = robsim.batch_estimate(trace)
     assert (report.rank < 5).all()
     assert np.isnan(report.batch).any()
-    assert "determines" in str(report)
+    assert "X: the record cannot give a1X, a2X, b1X, b2X, d1X; excite" in str(report)
     assert "no online estimate" in str(report)
     assert report.to_dict()["b1X"]["batch"] is None
+    assert report.to_dict()["b1X"]["standard_error"] is None
+    assert np.isinf(report.standard_errors[0]).all()
+    assert "cannot give" in report._repr_html_()
+
+
+def noise_in_the_equation(random):
+    def evaluate_model(world):
+        pose = world.model.predict(world.last, world.before, world.u)
+        return pose + random.normal(size=3) * (0.1, 0.1, 0.005)
+
+    return evaluate_model
+
+
+def test_standard_errors_are_as_large_as_the_noise_makes_them(rng):
+    trace = driven(400, evaluate_model=noise_in_the_equation(rng))
+    report = robsim.batch_estimate(trace)
+    np.testing.assert_allclose(report.residual_rms, (0.1, 0.1, 0.005), rtol=0.15)
+    expected = np.array((0.1, 0.1, 0.005))[:, np.newaxis] * report.unit_errors
+    np.testing.assert_allclose(report.standard_errors, expected, rtol=0.15)
+    assert np.abs(report.batch - report.theta_true).max() < 5 * report.standard_errors.max()
+
+
+@pytest.mark.slow
+def test_standard_errors_cover_the_truth():
+    theta = robsim.RobotModel().theta
+    noise = np.array((0.1, 0.1, 0.005))
+    covered = np.zeros((3, 5))
+    for seed in range(500):
+        random = np.random.default_rng(seed)
+        u = np.repeat(random.uniform(-0.5, 1.5, size=(80, 2)), 10, axis=0)
+        poses = np.zeros((800, 3))
+        errors = noise * random.normal(size=poses.shape)
+        for k in range(2, 800):
+            push = theta[:, 2:4] @ u[k - 1] + theta[:, 4]
+            heading = poses[k - 1, 2]
+            poses[k] = theta[:, 0] * poses[k - 1] + theta[:, 1] * poses[k - 2] + errors[k]
+            poses[k] += push * (np.cos(heading), np.sin(heading), 1)
+        info = robsim.RunInfo(dt=0.2, theta_true=theta, boundary="unlimited")
+        groups = {"pose_true": poses, "u": u, "bounced": np.zeros(800)}
+        report = robsim.batch_estimate(robsim.Trace(groups, info))
+        covered += np.abs(report.batch - theta) <= 1.96 * report.standard_errors
+    assert 0.93 <= covered.mean() / 500 <= 0.97
+    # Each of them within three standard errors of a share of 500.
+    assert (np.abs(covered / 500 - 0.95) < 0.03).all()
+
+
+def test_the_standard_errors_of_recursive_and_batch_estimates_agree():
+    trace = driven(300)
+    report = robsim.batch_estimate(trace)
+    np.testing.assert_allclose(trace.unit_errors[-1], report.unit_errors, rtol=1e-4)
+    assert np.isnan(trace.unit_errors[:2]).all()
+    assert (np.diff(trace.unit_errors[2:], axis=0) <= 1e-9 * trace.unit_errors[2:-1]).all()
+
+
+def test_a_robot_that_does_not_move_as_its_model_says_is_noticed(rng):
+    options = {"boundary": "bounce", "seed": 3}
+    right = robsim.batch_estimate(driven(200, **options))
+    assert right.is_of_the_model
+    assert "True value" in str(right)
+    for evaluate_model in (robsim.Unicycle(), noise_in_the_equation(rng)):
+        report = robsim.batch_estimate(driven(200, evaluate_model=evaluate_model, **options))
+        assert not report.is_of_the_model
+        assert "Model value" in str(report)
+        assert "True value" not in str(report)
+        assert "does not move as its model says" in str(report)
+    np.testing.assert_allclose(report.model_error, (0.1, 0.1, 0.005), rtol=0.2)
+
+
+def test_the_report_as_a_data_frame():
+    pytest.importorskip("pandas")
+    report = robsim.batch_estimate(driven(300))
+    frame = report.to_frame()
+    assert list(frame.columns) == ["true", "batch", "standard_error", "online", "excited"]
+    assert frame.index.name == "parameter"
+    assert frame.loc["b1P", "true"] == pytest.approx(0.030556, abs=1e-6)
+    assert frame.loc["a1X", "excited"] == "well"
+    assert len(frame) == 15
 
 
 @pytest.mark.parametrize(
     ("steps", "source", "message"),
-    [(5, "truth", "at least 5 samples"), (50, "measurement", "got 0"), (0, "truth", "of 0 steps")],
+    [
+        (5, "truth", "at least 5 samples"),
+        (50, "measurement", "got 0"),
+        (0, "truth", "in all 0 steps"),
+    ],
 )
 def test_a_record_that_is_too_short_is_refused(steps, source, message):
     with pytest.raises(ValueError, match=message):
@@ -104,8 +226,15 @@ def test_the_report_reads_like_the_manuals():
     report = robsim.batch_estimate(driven())
     lines = str(report).splitlines()
     assert lines[0] == "Batch estimate from truth, steps 0..799 (798 samples)"
-    assert lines[2].split() == ["True", "value", "Batch", "estimate", "Online", "estimate"]
+    titles = "True value, Batch estimate, Standard error, Online estimate"
+    assert lines[2].split() == titles.replace(",", "").split()
     row = next(line for line in lines if line.startswith("b1P")).split()
-    assert row == ["b1P", "0.030556", "0.030556", "0.030556"]
+    assert row[:3] + row[4:] == ["b1P", "0.030556", "0.030556", "0.030556"]
+    assert float(row[3]) < 1e-12
     assert sum(set(line) == {"-"} for line in lines) == 5
     assert report._repr_html_().count("<tr>") == 16
+
+
+def test_another_name_for_the_samples_is_refused():
+    with pytest.raises(ValueError, match="'valid', 'longest', 'all', got 'some'"):
+        robsim.batch_estimate(driven(20), samples="some")

@@ -40,6 +40,8 @@ PYTHON = [
     {"four_points", "frame_source", "frames", "light", "options", "shipped", "time_limit"},
     {"folder_modules", "spelling", "trace", "waypoints"},
     {"fits"},
+    {"samples"},
+    {"identifiability"},
     {
         "clip",
         "colors",

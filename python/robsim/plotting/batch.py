@@ -15,7 +15,12 @@ from robsim.numbers import Floats
 from robsim.plotting import style
 
 _MARKERS = {"batch": "o", "online": "D"}
-_COLORS = {"true": style.TRUE, "batch": style.BATCH, "online": style.ESTIMATED}
+_COLORS = {
+    "true": style.TRUE,
+    "model": style.TRUE,
+    "batch": style.BATCH,
+    "online": style.ESTIMATED,
+}
 
 # The rows of the 15 parameters, with some room between the axes of the model.
 _ROWS = np.arange(15) + 0.6 * (np.arange(15) // 5)
@@ -28,7 +33,9 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Figure:
 
     The axis is logarithmic, so that 1e-12 and 1e6 are both readable. The deviation is relative to
     the true value, but that of d1, which may be 0, absolute: its markers are hollow. A marker
-    that points to the left edge is an exact value. The values stand to the right.
+    that points to the left edge is an exact value. The values stand to the right. A pale bar ends
+    at two standard errors of the batch estimate: 95 % of such estimates lie in theirs, if the noise
+    is in the equations.
 
     Parameters
     ----------
@@ -48,24 +55,26 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Figure:
     estimates = {"batch": report.batch.ravel()}
     if np.isfinite(report.online).any():
         estimates["online"] = report.online.ravel()
-    deviations = {name: _deviation(theta, true) for name, theta in estimates.items()}
-    low, high = _decades(np.concatenate(list(deviations.values())))
-    _finish_axes(ax, low, high)
+    deviations = {name: _relative(np.abs(theta - true), true) for name, theta in estimates.items()}
+    reach = 2 * _relative(report.standard_errors.ravel(), true)
+    low, high = _decades(np.concatenate([*deviations.values(), reach]))
+    is_true = report.is_of_the_model
+    _finish_axes(ax, low, high, "true value" if is_true else "model's value")
+    _draw_reach(ax, reach, low)
     for name, values in deviations.items():
         _draw_deviations(ax, values, low, name)
-    for i, (name, values) in enumerate({"true": true, **estimates}.items()):
+    for i, (name, values) in enumerate({"true" if is_true else "model": true, **estimates}.items()):
         _write_column(ax, name, values, offset=62.0 + 84.0 * i)
     ax.set_title(report.title, loc="left", pad=24)
     ax.legend(loc="upper left", bbox_to_anchor=(1, 0), borderaxespad=0.6, ncols=2)
     return ax.figure.figure
 
 
-def _deviation(theta: Floats, theta_true: Floats) -> Floats:
-    """Return |theta - theta_true|, relative but for d1."""
+def _relative(size: Floats, theta_true: Floats) -> Floats:
+    """Return sizes relative to the true values, but those of d1 and of a true 0."""
     scale = np.abs(theta_true)
     scale[_IS_D1 | (scale == 0)] = 1.0
-    deviation: Floats = np.abs(theta - theta_true) / scale
-    return deviation
+    return size / scale
 
 
 def _decades(deviations: Floats) -> tuple[float, float]:
@@ -75,7 +84,7 @@ def _decades(deviations: Floats) -> tuple[float, float]:
     return 10.0 ** (math.floor(math.log10(low)) - 1), 10.0 ** (math.ceil(math.log10(high)) + 0.5)
 
 
-def _finish_axes(axes: Axes, low: float, high: float) -> None:
+def _finish_axes(axes: Axes, low: float, high: float, origin: str) -> None:
     axes.set_xscale("log")
     axes.set(xlim=(low, high), ylim=(_ROWS[-1] + 0.6, -0.6))
     axes.minorticks_off()
@@ -85,7 +94,23 @@ def _finish_axes(axes: Axes, low: float, high: float) -> None:
         axes.axvline(share, color=style.GUIDE, linewidth=0.9, linestyle="--")
         transform = axes.get_xaxis_transform()
         axes.text(share, 1.01, text, transform=transform, ha="center", color="#606060")
-    axes.set_xlabel("deviation from the true value: relative; of d1 (hollow) absolute")
+    axes.set_xlabel(f"deviation from the {origin}: relative; of d1 (hollow) absolute")
+
+
+def _draw_reach(axes: Axes, reach: Floats, low: float) -> None:
+    """Draw bars from the left edge to where two standard errors reach."""
+    is_known = np.isfinite(reach) & (reach > low)
+    if is_known.any():
+        axes.barh(
+            _ROWS[is_known],
+            reach[is_known] - low,
+            left=low,
+            height=0.62,
+            color=style.BATCH,
+            alpha=0.22,
+            linewidth=0,
+            label="2 standard errors",
+        )
 
 
 def _draw_deviations(axes: Axes, values: Floats, exact: float, name: str) -> None:

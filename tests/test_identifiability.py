@@ -1,0 +1,104 @@
+import numpy as np
+import pytest
+
+import robsim
+from robsim.identifiability import ASSUMED_NOISE, check_excitation, judge
+
+THETA = np.array(
+    [[1.9, -0.9, 0.2, 0.1, 0.0], [1.9, -0.9, 0.2, 0.1, 0.0], [1.8, -0.8, 0.03, 0.03, 0]]
+)
+
+
+def run(steps, **options):
+    options = {"boundary": "unlimited", "estimate_parameters": True, "seed": 1, **options}
+    return robsim.Simulation(**options).run(steps)
+
+
+def test_a_verdict_compares_the_standard_error_with_the_parameter():
+    errors = np.full((3, 5), 1e-9)
+    errors[0] = (0.94, 0.46, 0.101, 0.051, 0.009)
+    noise = (0.1, 1.0, 1.0)
+    found = judge(errors, THETA, noise=noise)
+    np.testing.assert_allclose(found.standard_errors[0], 0.1 * errors[0])
+    # d1 is 0: it is compared with the larger one of b1 and b2.
+    np.testing.assert_allclose(
+        found.relative[0], 0.1 * errors[0] / (1.9, 0.9, 0.2, 0.1, 0.2), rtol=1e-12
+    )
+    assert found.verdicts[0].tolist() == ["well", "poorly", "poorly", "poorly", "well"]
+    assert (found.verdicts[1:] == "well").all()
+    assert found.names("poorly") == ["a2X", "b1X", "b2X"]
+    assert not found.is_assumed
+    assert "X: well a1X, d1X; poorly a2X, b1X, b2X" in str(found).splitlines()
+
+
+@pytest.mark.parametrize("unknown", [np.inf, np.nan, 1e9])
+def test_what_is_not_known_is_not_excited(unknown):
+    found = judge(np.full((3, 5), unknown), np.where(np.isnan(unknown), np.nan, THETA))
+    assert (found.verdicts == "not excited").all()
+    np.testing.assert_array_equal(found.noise, ASSUMED_NOISE)
+    assert found.is_assumed
+    assert "assumed" in str(found)
+    assert "Y: not excited" in str(found).splitlines()
+
+
+def test_a_spinning_robot_says_nothing_of_x_and_y_and_driving_around_changes_it():
+    def control(step):
+        return robsim.Spin()(step) if step.k < 200 else robsim.DriveAround()(step)
+
+    trace = run(1000, control=control)
+    spinning = check_excitation(trace, k=199)
+    assert (spinning.verdicts[:2] == "not excited").all()
+    assert str(spinning).splitlines()[1:3] == ["X: not excited", "Y: not excited"]
+    driving = check_excitation(trace)
+    assert (driving.verdicts == "well").all()
+    np.testing.assert_array_equal(driving.relative, check_excitation(trace, k=999).relative)
+    np.testing.assert_array_equal(
+        check_excitation(trace[100:500], k=199).relative, spinning.relative
+    )
+
+
+def test_from_measurements_the_noise_is_that_of_the_prediction_errors(rng):
+    path = run(600, control=robsim.DriveAround()).pose_true
+
+    def measure(step):
+        return robsim.Measurement(path[step.k] + rng.normal(size=3) * (0.3, 0.3, 0.01))
+
+    trace = run(600, control=robsim.DriveAround(), measure=measure, identify_from="measurement")
+    found = check_excitation(trace)
+    assert not found.is_assumed
+    report = robsim.batch_estimate(trace)
+    np.testing.assert_allclose(found.noise, report.identifiability.noise, rtol=0.01)
+    np.testing.assert_allclose(found.standard_errors, report.standard_errors, rtol=0.02)
+    # Noise of three measurements meets in an equation.
+    assert (found.noise > (0.3, 0.3, 0.01)).all()
+
+
+def test_errors_name_what_is_wrong():
+    trace = run(20)
+    for k in (-1, 20):
+        with pytest.raises(ValueError, match=r"0\.\.19, got"):
+            check_excitation(trace, k=k)
+    for noise in ((1, 2), (1, 2, -1), (1, 2, np.nan)):
+        with pytest.raises(ValueError, match="noise must be three numbers"):
+            check_excitation(trace, noise=noise)
+    with pytest.raises(ValueError, match="no standard errors"):
+        check_excitation(run(20, estimate_parameters=False))
+
+
+def test_an_estimator_of_ones_own_gives_no_standard_errors():
+    class Own:
+        def update(self, phi, y):
+            return np.ones((3, 5))
+
+    trace = run(20, init_parameter_estimator=lambda model: Own())
+    assert np.isnan(trace.unit_errors).all()
+    assert "unit_error_a1X" not in trace.names
+
+
+def test_the_default_estimator_in_a_callback_gives_standard_errors():
+    def estimate_parameters(step):
+        return step.sample and step.estimator.update(step.sample.phi, step.sample.y)
+
+    own, default = run(50, estimate_parameters=estimate_parameters), run(50)
+    np.testing.assert_array_equal(own.unit_errors, default.unit_errors)
+    assert np.isnan(run(50, estimate_parameters=lambda step: None).unit_errors).all()
