@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 from robsim._core import least_squares
 from robsim.identifiability import Identifiability, judge
 from robsim.numbers import Floats
-from robsim.samples import longest_record, samples_of
+from robsim.samples import samples_of
 from robsim.trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
     import pandas
-
-__all__ = ["BatchEstimate", "batch_estimate", "longest_record"]
 
 _MINIMUM_SAMPLES = 5
 _ROUNDING = 1e-6  # px and rad

@@ -62,57 +62,36 @@ def samples_of(
     ValueError
         For another name.
     """
-    identify_from = trace.info.identify_from if identify_from is None else identify_from
-    for name, value, known in (
-        ("identify_from", identify_from, tuple(SOURCES)),
-        ("samples", samples, SELECTIONS),
-    ):
-        if value not in known:
-            names = ", ".join(map(repr, known))
-            raise ValueError(f"{name} must be one of {names}, got {value!r}")
-    poses = getattr(trace, SOURCES[identify_from])
+    source = trace.info.identify_from if identify_from is None else identify_from
+    _check("identify_from", source, tuple(SOURCES))
+    _check("samples", samples, SELECTIONS)
+    poses = getattr(trace, SOURCES[source])
+    follows = _follows(trace, poses, over_bounces=samples == "all")
     if samples == "longest":
-        record = longest_record(trace, poses)
-        chosen = np.zeros(max(len(trace) - 2, 0), dtype=bool)
-        chosen[record.start : max(record.stop - 2, record.start)] = True
-    else:
-        chosen = _complete(_follows(trace, poses, over_bounces=samples == "all"))
-    if not chosen.any():
-        phi, y = np.empty((0, 3, 5)), np.empty((0, 3))
-    else:
-        known_poses = np.where(np.isfinite(poses).all(axis=1)[:, np.newaxis], poses, 0.0)
-        phi, y = regression_samples(known_poses, np.nan_to_num(trace.u))
+        record = longest_run(follows)
+        follows = np.isin(np.arange(len(follows)), np.arange(record.start, record.stop))
+    # The sample of step k takes the poses of three steps in a row.
+    is_whole = follows[1:] & follows[:-1]
+    phi, y = np.empty((0, 3, 5)), np.empty((0, 3))
+    if is_whole.any():
+        known = np.where(np.isfinite(poses).all(axis=1)[:, np.newaxis], poses, 0.0)
+        phi, y = (rows[is_whole] for rows in regression_samples(known, np.nan_to_num(trace.u)))
     return Samples(
-        phi=phi[chosen[: len(phi)]],
-        y=y[chosen[: len(y)]],
-        k=trace.k[2:][chosen],
-        identify_from=identify_from,
-        left_out=int((~chosen).sum()) if samples != "longest" else 0,
+        phi=phi,
+        y=y,
+        k=trace.k[2:][is_whole],
+        identify_from=source,
+        left_out=0 if samples == "longest" else int((~is_whole).sum()),
     )
 
 
-def longest_record(trace: Trace, poses: Floats) -> slice:
-    """Return the longest record of a trace in which every step follows from the one before.
-
-    Parameters
-    ----------
-    trace : Trace
-        The recorded run; a bounce breaks a record.
-    poses : array (N, 3)
-        The poses to use; NaN breaks a record.
-    """
-    run = longest_run(_follows(trace, poses))
-    return slice(run.start, run.stop + 1) if run.stop > run.start else slice(0, 0)
+def _check(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise ValueError(f"{name} must be one of {', '.join(map(repr, known))}, got {value!r}")
 
 
-def _follows(trace: Trace, poses: Floats, *, over_bounces: bool = False) -> Bools:
+def _follows(trace: Trace, poses: Floats, *, over_bounces: bool) -> Bools:
     """Return at which of the steps 1.. the pose follows from the one before."""
     seen = np.asarray(np.isfinite(poses).all(axis=1))
     # Step k follows from step k-1 unless a bounce mirrored the robot in it.
-    unbroken = over_bounces | ~trace.bounced[1:]
-    return np.asarray(seen[1:] & seen[:-1] & unbroken)
-
-
-def _complete(follows: Bools) -> Bools:
-    """Return at which of the steps 2.. there is a sample: it takes three poses in a row."""
-    return np.asarray(follows[1:] & follows[:-1])
+    return np.asarray(seen[1:] & seen[:-1] & (over_bounces | ~trace.bounced[1:]))
