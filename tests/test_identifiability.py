@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.identifiability import ASSUMED_NOISE, check_excitation, judge
+from robsim import check_excitation
+from robsim.identifiability import ASSUMED_NOISE, judge
 
 THETA = np.array(
     [[1.9, -0.9, 0.2, 0.1, 0.0], [1.9, -0.9, 0.2, 0.1, 0.0], [1.8, -0.8, 0.03, 0.03, 0]]

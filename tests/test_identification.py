@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.samples import samples_of
 
 
 def driven(steps=800, **options):
@@ -100,7 +99,7 @@ def test_from_measurements_the_longest_record_has_no_gap():
 @pytest.mark.parametrize("samples", ["valid", "all"])
 def test_from_measurements_a_missing_pose_costs_three_samples(samples):
     trace = seldom_seen()
-    found = samples_of(trace, identify_from="measurement", samples=samples)
+    found = robsim.samples_of(trace, identify_from="measurement", samples=samples)
     missing = [100, 101, 102, 400, 401, 402]
     np.testing.assert_array_equal(found.k, np.setdiff1d(np.arange(2, 500), missing))
     assert found.left_out == 6

@@ -58,6 +58,7 @@ from robsim.doctor import Checkup, check_estimator, check_parameter_estimator
 from robsim.excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.fits import ModelFit, instrumental_variables, output_error
 from robsim.four_points import plane_map_from_points
+from robsim.identifiability import Identifiability, check_excitation
 from robsim.identification import BatchEstimate, batch_estimate
 from robsim.metrics import ErrorReport, error_report, pose_errors, wrapped_error
 from robsim.path_score import PathScore, score_path
@@ -77,6 +78,7 @@ from robsim.robots import (
     save_robot,
     use_robot,
 )
+from robsim.samples import Samples, samples_of
 from robsim.scene import draw_red_square
 from robsim.shipped import copy_notebooks
 from robsim.simulation import Simulation
@@ -120,6 +122,7 @@ __all__ = [
     "FollowPath",
     "Frame",
     "GoToPoint",
+    "Identifiability",
     "LeastSquaresFit",
     "Locator",
     "Measurement",
@@ -136,6 +139,7 @@ __all__ = [
     "RobotParameters",
     "RunInfo",
     "Sample",
+    "Samples",
     "Simulation",
     "Spin",
     "Step",
@@ -152,6 +156,7 @@ __all__ = [
     "batch_estimate",
     "check_colors",
     "check_estimator",
+    "check_excitation",
     "check_parameter_estimator",
     "chi_square_band",
     "chosen_robot",
@@ -201,6 +206,7 @@ __all__ = [
     "robot_from_picture",
     "robot_names",
     "rotate_robot",
+    "samples_of",
     "save_colors",
     "save_robot",
     "score_color",
