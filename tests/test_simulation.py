@@ -602,3 +602,18 @@ def test_a_default_measurement_without_its_colours_is_an_error():
 def test_an_area_narrower_than_the_robot_is_an_error():
     with pytest.raises(ValueError, match="area must be wider than the robot, 109 px"):
         robsim.Simulation(area=(100, 400)).run(1)
+
+
+def test_the_background_that_nobody_changes_is_made_once():
+    sim = robsim.Simulation(camera=(240, 240), seed=1)
+    first = sim.frame.image.copy()
+    sim.run(3)
+    sim.reset()
+    np.testing.assert_array_equal(sim.frame.image, first)
+    sim.reset()
+    sim.adjust_background = lambda background: background // 2
+    changed = sim.frame.image.copy()
+    assert (changed != first).any()
+    sim.reset()
+    sim.adjust_background = None
+    np.testing.assert_array_equal(sim.frame.image, first)

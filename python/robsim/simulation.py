@@ -211,6 +211,7 @@ class Simulation:
         self.identify_from = choice("identify_from", identify_from, SOURCES)
         self._time_limit = None if time_limit is None else TimeLimit(time_limit)
         self._is_guarded = False
+        self._renderer: _core.Renderer | None = None  # of an earlier start
         self._folder: CallbackFolder | None = None
         self._from_folder: set[str] = set()
         self.colors = as_colors(colors)
@@ -365,15 +366,19 @@ class Simulation:
         return (x, y, random.uniform(-np.pi, np.pi))
 
     def _make_renderer(self) -> _core.Renderer:
-        return make_renderer(
+        adjust = self._limited(self._callbacks["adjust_background"])
+        if adjust is None and self._renderer is not None:
+            return self._renderer  # nothing of it has changed since the last reset
+        renderer = make_renderer(
             robot=self.robot,
             area=self.area,
             camera=self.camera,
             phases=self._phases,
             background=self._background,
-            adjust_background=self._limited(self._callbacks["adjust_background"])
-            or draw_red_square,
+            adjust_background=adjust or draw_red_square,
         )
+        self._renderer = renderer if adjust is None else None
+        return renderer
 
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Do some steps; a run goes on where the one before ended.
