@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from robsim import bench_estimation
-from robsim.bench_estimation import TextbookRecursiveLeastSquares
+from robsim.bench import estimation
+from robsim.bench.estimation import TextbookRecursiveLeastSquares
 
 
 @pytest.mark.parametrize("forgetting", [1.0, 0.95])
@@ -22,7 +22,7 @@ def test_the_textbook_filter_gives_the_weighted_ridge_solution(rng, forgetting):
 
 
 def test_the_recursive_calls_estimate_what_they_should():
-    calls = bench_estimation.recursive_calls(400)
+    calls = estimation.recursive_calls(400)
     assert calls["ours"]().shape == (3, 5)
     assert calls["numpy"]().shape == (5,)
     np.testing.assert_allclose(calls["ours"](), np.ones((3, 5)), atol=0.05)
@@ -31,7 +31,7 @@ def test_the_recursive_calls_estimate_what_they_should():
 
 
 def test_the_batch_calls_estimate_what_they_should():
-    calls = bench_estimation.batch_calls(300)
+    calls = estimation.batch_calls(300)
     np.testing.assert_allclose(calls["ours"]().theta, calls["numpy"]()[0], rtol=1e-10)
     np.testing.assert_allclose(calls["ours"]().theta, np.ones(5), atol=0.05)
 
@@ -40,11 +40,11 @@ def test_estimates_that_differ_are_no_comparison(monkeypatch):
     lstsq = np.linalg.lstsq
     monkeypatch.setattr(np.linalg, "lstsq", lambda *a, **k: [1.001 * lstsq(*a, **k)[0]])
     with pytest.raises(RuntimeError, match="must find the same theta"):
-        bench_estimation.batch_calls(50)
+        estimation.batch_calls(50)
 
 
 def test_the_loops_run_what_they_say():
-    loops = bench_estimation.loops()
+    loops = estimation.loops()
     assert set(loops) == {"native", "controller", "five_callbacks"}
     traces = {name: simulation.run(60) for name, simulation in loops.items()}
     for name in ("native", "controller"):
@@ -56,7 +56,7 @@ def test_the_loops_run_what_they_say():
 
 
 def test_the_speed_of_a_loop():
-    simulation = bench_estimation.loops()["native"]
-    assert bench_estimation.steps_per_second(simulation, steps=20, rounds=2) > 0
+    simulation = estimation.loops()["native"]
+    assert estimation.steps_per_second(simulation, steps=20, rounds=2) > 0
     # One step with all that comes once, and twenty that are timed.
     assert len(simulation.trace) == 21

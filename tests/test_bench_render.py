@@ -3,29 +3,29 @@
 import numpy as np
 import pytest
 
-from robsim import bench_render
+from robsim.bench import render
 
 cv2 = pytest.importorskip("cv2")
 
 
 def test_both_draw_the_same_moving_robot():
-    calls = bench_render.render_case(cv2, 480)
+    calls = render.render_calls(cv2, 480)
     assert set(calls) == {"ours", "opencv"}
     ours = [calls["ours"]().astype(int).copy() for _ in range(3)]
     theirs = [calls["opencv"]().astype(int).copy() for _ in range(3)]
     for mine, other in zip(ours, theirs, strict=True):
         assert mine.shape == (480, 480, 3)
-        assert np.abs(mine - other).max() <= bench_render.MOST_LEVELS
+        assert np.abs(mine - other).max() <= render.MOST_LEVELS
     assert np.abs(ours[0] - ours[1]).max() > 50
     assert np.abs(ours[1] - ours[2]).max() > 50
 
 
 def test_robots_that_differ_are_no_comparison(monkeypatch):
-    turn = bench_render._turn
+    turn = render._turn
 
     def turned_too_far(angle, centre, place):
         return turn(angle + 0.1, centre, place)
 
-    monkeypatch.setattr(bench_render, "_turn", turned_too_far)
+    monkeypatch.setattr(render, "_turn", turned_too_far)
     with pytest.raises(RuntimeError, match="robsim and OpenCV must draw the same robot"):
-        bench_render.render_case(cv2, 480)
+        render.render_calls(cv2, 480)

@@ -61,9 +61,8 @@ PYTHON = [
     {"simulation"},
     {"doctor", "plotting"},
     {"results"},
-    {"bench_estimation"},
     {"plotting"},
-    {"bench_render", "results"},
+    {"results"},
     {"bench", "demo"},
     {"cli"},
     {"__main__", "reference"},  # nothing imports them

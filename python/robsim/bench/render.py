@@ -27,7 +27,7 @@ _POSES = [(300 + 2.3 * k, 700 - 1.7 * k, 0.5 + 0.11 * k) for k in range(100)]
 Pose = tuple[float, float, float]
 
 
-def render_case(cv2: Any, size: int) -> dict[str, Callable[[], Pixels]]:
+def render_calls(cv2: Any, size: int) -> dict[str, Callable[[], Pixels]]:
     """Return what draws the robot in its next place: robsim's renderer and OpenCV's parts.
 
     Parameters
