@@ -237,3 +237,67 @@ def test_the_report_reads_like_the_manuals():
 def test_another_name_for_the_samples_is_refused():
     with pytest.raises(ValueError, match="'valid', 'longest', 'all', got 'some'"):
         robsim.batch_estimate(driven(20), samples="some")
+
+
+# --- other methods than least squares
+
+
+def tracked(**options):
+    return driven(600, measure=True, rotation="continuous", camera=(480, 480), seed=2, **options)
+
+
+@pytest.fixture(scope="module")
+def tracked_run():
+    return tracked(identify_from="measurement")
+
+
+def test_from_measurements_least_squares_is_biased_and_the_others_are_not(tracked_run):
+    reports = {
+        method: robsim.batch_estimate(tracked_run, method=method)
+        for method in ("least_squares", "instrumental_variables", "output_error")
+    }
+    worst = {
+        method: np.abs(report.batch[:, 2:4] / report.theta_true[:, 2:4] - 1).max()
+        for method, report in reports.items()
+    }
+    assert worst["least_squares"] > 0.1
+    assert worst["instrumental_variables"] < 0.1
+    assert worst["output_error"] < 0.02
+    report = reports["output_error"]
+    assert report.converged
+    assert report.title.startswith("Batch estimate from measurement by output error, steps 0..599")
+    assert "output error" in str(report)
+    assert (report.rank == 5).all()
+    assert np.isnan(report.condition).all()
+    assert (report.identifiability.verdicts[:, :4] == "well").all()
+    # as from the function itself
+    fit = robsim.output_error(tracked_run.measured, tracked_run.u, breaks=tracked_run.bounced)
+    np.testing.assert_array_equal(report.batch, fit.theta)
+    np.testing.assert_array_equal(report.standard_errors, fit.standard_errors)
+    np.testing.assert_allclose(report.identifiability.standard_errors, fit.standard_errors)
+
+
+def test_what_a_spin_cannot_give_by_output_error():
+    trace = robsim.Simulation(measure=True, camera=(480, 480), seed=1).run(150)
+    report = robsim.batch_estimate(trace, identify_from="measurement", method="output_error")
+    assert np.isnan(report.batch[:2]).all()
+    assert (report.identifiability.verdicts[:2] == "not excited").all()
+    assert "X: the record cannot give a1X, a2X, b1X, b2X, d1X" in str(report)
+    robsim.plot_batch(report)
+
+
+def test_bounces_are_breaks_unless_all_samples_are_wanted():
+    trace = driven(800, boundary="bounce", start=(150, 150, 3.0), seed=3)
+    assert trace.bounced.any()
+    right = robsim.batch_estimate(trace, method="output_error")
+    wrong = robsim.batch_estimate(trace, method="output_error", samples="all")
+    assert deviations(right.batch, right.theta_true)[0] < 1e-6
+    assert not wrong.converged or deviations(wrong.batch, wrong.theta_true)[0] > 0.01
+    part = robsim.batch_estimate(trace, method="output_error", samples="longest")
+    assert part.stop - part.start < 800
+    assert deviations(part.batch, part.theta_true)[0] < 1e-6
+
+
+def test_a_method_that_there_is_not(tracked_run):
+    with pytest.raises(ValueError, match="method must be one of 'least_squares', 'instrumental_v"):
+        robsim.batch_estimate(tracked_run, method="guess")

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import html
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robsim._core import least_squares
+from robsim.fits import METHODS
 from robsim.identifiability import Identifiability, judge
 from robsim.numbers import Floats
-from robsim.samples import samples_of
+from robsim.samples import SOURCES, Samples, samples_of
 from robsim.trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
@@ -21,6 +22,19 @@ if TYPE_CHECKING:
 _MINIMUM_SAMPLES = 5
 _ROUNDING = 1e-6  # px and rad
 _AXES = ("X", "Y", "P")
+_METHODS = ("least_squares", *METHODS)
+
+
+class _Fit(TypedDict):
+    """What a method finds: fields of `BatchEstimate`."""
+
+    batch: Floats
+    rank: NDArray[np.int64]
+    condition: Floats
+    residual_rms: Floats
+    standard_errors: Floats
+    unit_errors: Floats
+    converged: bool
 
 
 def _unknown() -> Floats:
@@ -43,9 +57,11 @@ class BatchEstimate:
     rank : array (3,) of int
         Independent regressors of each axis; 5 = all parameters are determined.
     condition : array (3,)
-        Condition number of the regressors of each axis, scaled to length 1.
+        Condition number of the regressors of each axis, scaled to length 1; NaN with another
+        method than least squares.
     residual_rms : array (3,)
-        Root mean square of the one-step prediction error (px, px, rad).
+        Root mean square of the one-step prediction error (px, px, rad); with another method than
+        least squares, of what its fit leaves over of the poses.
     standard_errors : array (3, 5)
         Standard errors of `batch`, with the noise estimated from the residuals. They hold for noise
         in the equations; noise of measurements makes least squares biased, too.
@@ -57,6 +73,10 @@ class BatchEstimate:
         Samples of the record that were left out for a bounce or a missing pose in them.
     selection : str
         Which samples were taken: valid, longest or all.
+    method : str
+        How: least_squares, instrumental_variables or output_error.
+    converged : bool
+        Whether the method came to an end; if not, `batch` is only as far as it got.
     model_error : array (3,)
         Root mean square of what `theta_true` leaves over of the true path in a step (px, px, rad).
         Not 0, if something else than the model moved the robot: then `theta_true` is not the truth.
@@ -77,6 +97,8 @@ class BatchEstimate:
     samples: int | None = None
     left_out: int = 0
     selection: str = "valid"
+    method: str = "least_squares"
+    converged: bool = True
     model_error: Floats = field(default_factory=lambda: np.zeros(3))
 
     @property
@@ -87,9 +109,10 @@ class BatchEstimate:
     def title(self) -> str:
         """Which data the estimate is made from."""
         kind = {"longest": ", the longest record", "all": ", bounces included"}
+        method = "" if self.method == "least_squares" else f" by {self.method.replace('_', ' ')}"
         return (
-            f"Batch estimate from {self.identify_from}, steps {self.start}..{self.stop - 1} "
-            f"({self._samples} samples{kind.get(self.selection, '')})"
+            f"Batch estimate from {self.identify_from}{method}, steps "
+            f"{self.start}..{self.stop - 1} ({self._samples} samples{kind.get(self.selection, '')})"
         )
 
     @property
@@ -106,6 +129,8 @@ class BatchEstimate:
         """
         if self.identify_from == "truth":
             return judge(self.unit_errors, self.batch)
+        if self.method != "least_squares":
+            return judge(self.unit_errors, self.batch, noise=self.residual_rms)
         samples = self._samples
         freedom = np.maximum(samples - self.rank, 1)
         noise = self.residual_rms * np.sqrt(samples / freedom)
@@ -174,6 +199,8 @@ class BatchEstimate:
             for axis, missing in zip(_AXES, self._missing(), strict=True)
             if missing
         ]
+        if not self.converged:
+            remarks.append("the fit did not converge: do not trust it")
         if self.left_out:
             remarks.append(f"{self.left_out} samples with a bounce or a missing pose are left out")
         if not self.is_of_the_model:
@@ -204,9 +231,16 @@ class BatchEstimate:
 
 
 def batch_estimate(
-    trace: Trace, *, identify_from: str | None = None, samples: str = "valid"
+    trace: Trace,
+    *,
+    identify_from: str | None = None,
+    samples: str = "valid",
+    method: str = "least_squares",
 ) -> BatchEstimate:
-    """Estimate the parameters of the robot model by least squares.
+    """Estimate the parameters of the robot model from a whole record.
+
+    From measured poses least squares is biased, as there is noise in its regressors, too; the other
+    methods are not.
 
     Parameters
     ----------
@@ -219,6 +253,9 @@ def batch_estimate(
         ``"valid"``: all samples but those that span a bounce or a step without a pose.
         ``"longest"``: those of the longest record without an interruption. ``"all"``: also those
         that span a bounce, to see what harm they do.
+    method : str
+        ``"least_squares"``, ``"instrumental_variables"`` or ``"output_error"``; see the functions
+        of these names.
 
     Returns
     -------
@@ -228,8 +265,11 @@ def batch_estimate(
     Raises
     ------
     ValueError
-        If there are too few samples.
+        If there are too few samples, or a name is none of these.
     """
+    if method not in _METHODS:
+        names = ", ".join(map(repr, _METHODS))
+        raise ValueError(f"method must be one of {names}, got {method!r}")
     found = samples_of(trace, identify_from=identify_from, samples=samples)
     if len(found.k) < _MINIMUM_SAMPLES:
         where = "the longest of" if samples == "longest" else "all"
@@ -238,25 +278,57 @@ def batch_estimate(
             f"samples, each of three steps in a row, got {len(found.k)} in {where} {len(trace)} "
             "steps"
         )
-    fits = [least_squares(found.phi[:, axis], found.y[:, axis]) for axis in range(3)]
+    start, stop = int(found.k[0]) - 2, int(found.k[-1]) + 1
+    fit = (
+        _least_squares(found)
+        if method == "least_squares"
+        else _fitted(trace, found, start, stop, samples, method)
+    )
     return BatchEstimate(
         theta_true=np.array(trace.info.theta_true),
-        batch=np.array([fit.theta for fit in fits]),
         online=np.array(trace.parameters[-1]),
         identify_from=found.identify_from,
         online_from=trace.info.identify_from,
-        start=int(found.k[0]) - 2,
-        stop=int(found.k[-1]) + 1,
-        rank=np.array([fit.rank for fit in fits]),
-        condition=np.array([fit.condition for fit in fits]),
-        residual_rms=np.array([fit.residual_rms for fit in fits]),
-        standard_errors=np.array([fit.standard_errors for fit in fits]),
-        unit_errors=np.array([fit.unit_errors for fit in fits]),
+        start=start,
+        stop=stop,
         samples=len(found.k),
         left_out=found.left_out,
         selection=samples,
+        method=method,
         model_error=_model_error(trace),
+        **fit,
     )
+
+
+def _least_squares(found: Samples) -> _Fit:
+    fits = [least_squares(found.phi[:, axis], found.y[:, axis]) for axis in range(3)]
+    return {
+        "batch": np.array([fit.theta for fit in fits]),
+        "rank": np.array([fit.rank for fit in fits]),
+        "condition": np.array([fit.condition for fit in fits]),
+        "residual_rms": np.array([fit.residual_rms for fit in fits]),
+        "standard_errors": np.array([fit.standard_errors for fit in fits]),
+        "unit_errors": np.array([fit.unit_errors for fit in fits]),
+        "converged": True,
+    }
+
+
+def _fitted(trace: Trace, found: Samples, start: int, stop: int, samples: str, method: str) -> _Fit:
+    first = int(trace.k[0])
+    record = trace[start - first : stop - first]
+    poses = getattr(record, SOURCES[found.identify_from])
+    breaks = None if samples == "all" else record.bounced
+    fit = METHODS[method](poses, record.u, breaks=breaks)
+    noise = np.maximum(fit.residual_rms, np.finfo(float).tiny)
+    return {
+        "batch": fit.theta,
+        "rank": fit.determined.sum(axis=1),
+        "condition": np.full(3, np.nan),
+        "residual_rms": fit.residual_rms,
+        "standard_errors": np.where(fit.determined, fit.standard_errors, np.nan),
+        "unit_errors": fit.standard_errors / noise[:, np.newaxis],
+        "converged": fit.converged,
+    }
 
 
 def _model_error(trace: Trace) -> Floats:
