@@ -35,7 +35,7 @@ def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
     assert set(numbers) == {"parameters", "tracking"}
     assert list(numbers["parameters"]) == list(robsim.PARAMETER_NAMES)
     for name, values in numbers["parameters"].items():
-        assert set(values) == {"true", "batch", "online"}
+        assert set(values) == {"true", "batch", "standard_error", "online"}
         limits = (1e-9, 1e-6) if name.startswith("d1") else (1e-6, 1e-4)
         scale = 1 if name.startswith("d1") else abs(values["true"])
         assert abs(values["batch"] - values["true"]) < limits[0] * scale

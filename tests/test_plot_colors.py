@@ -17,7 +17,7 @@ def test_the_figure_shows_histograms_and_ranges():
         histograms, color, others=color_histograms(image, (0, 0, 39, 39))
     )
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert titles == ["class: any", "class: 0 .. 152", "class: 158 .. 255"]
+    assert titles == ["class: any", "class: 0 .. 154", "class: 156 .. 255"]
     labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert labels == ["the whole image", "pixels of red"]
     figure.canvas.draw()

@@ -628,3 +628,14 @@ def test_frame_draws_in_given_axes():
     given = Figure().add_subplot()
     assert plot_frame(make_frame(), ax=given) is given
     assert given.images
+
+
+def test_the_parameters_say_how_well_they_are_excited():
+    def shown(controller):
+        options = {"boundary": "unlimited", "estimate_parameters": True, "seed": 1}
+        trace = robsim.Simulation(control=controller, **options).run(300)
+        figure = render(plot_parameters(trace))
+        return [axes.texts[0].get_text() for axes in figure.axes[3:]]
+
+    assert set(shown(robsim.Spin())[:2]) == {"not excited"}
+    assert shown(robsim.DriveAround())[:3] == ["well"] * 3

@@ -1,6 +1,8 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "numpy.hpp"
 #include "robsim/world/renderer.hpp"
@@ -48,10 +50,17 @@ Renderer make_renderer(const std::pair<py::object, py::object>& floor,
   return Renderer(std::move(background), std::move(robot), camera);
 }
 
-bool is_beside(const ImageView& a, const WritableView& b) {
-  const std::uint8_t* end_of_a = a.row(a.height - 1) + std::ptrdiff_t{3} * a.width;
-  const std::uint8_t* end_of_b = b.row(b.height - 1) + std::ptrdiff_t{3} * b.width;
-  return a.stride > 0 && (end_of_a <= b.data || end_of_b <= a.data);
+// The first byte of an image, and the one behind its last.
+std::pair<const std::uint8_t*, const std::uint8_t*> memory_of(const ImageView& image) {
+  const std::uint8_t* top = image.row(0);
+  const std::uint8_t* bottom = image.row(image.height - 1);
+  return {std::min(top, bottom), std::max(top, bottom) + std::ptrdiff_t{3} * image.width};
+}
+
+bool share_memory(const ImageView& a, const ImageView& b) {
+  const auto [begin_a, end_a] = memory_of(a);
+  const auto [begin_b, end_b] = memory_of(b);
+  return begin_a < end_b && begin_b < end_a;
 }
 
 py::array with_noise(const VisualNoise& self, const py::object& image, std::uint64_t seed,
@@ -65,7 +74,7 @@ py::array with_noise(const VisualNoise& self, const py::object& image, std::uint
                           describe(out));
   }
   const bool is_in_place = to.data == clean.data && to.stride == clean.stride;
-  if (!is_in_place && !is_beside(clean, to)) {
+  if (!is_in_place && share_memory(clean, {to.data, to.width, to.height, to.stride})) {
     throw py::value_error("out must be image itself, or share no memory with it");
   }
   {

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
+from robsim.identifiability import check_excitation
 from robsim.numbers import Floats
 from robsim.plotting import style
 from robsim.trace import Trace
@@ -21,15 +22,18 @@ def plot_parameters(
     """Draw the history of the 15 online parameter estimates beside their true values.
 
     The true value is a dotted line that ends in a cross. The limits of each panel hold it and
-    the later half of the run; what the estimate did before may lie outside.
+    the later half of the run; what the estimate did before may lie outside. Above it stands how
+    well the run has excited the parameter, as `robsim.check_excitation` says.
 
     Parameters
     ----------
     trace : Trace
         A run with ``estimate_parameters=True``.
     standard_errors : array (N, 3, 5), optional
-        Of the estimates in each step, as from `robsim.parameter_bounds`: a band of two of them to
-        both sides of the true value, where 95 % of the estimates should lie; inf = no band.
+        Of the estimates in each step, such as
+        ``robsim.check_excitation(trace).noise[:, np.newaxis] * trace.unit_errors``: a band of two
+        of them to both sides of the true value, where 95 % of the estimates should lie; inf = no
+        band.
     axes : array_like (5, 3) of matplotlib.axes.Axes, optional
         Where to draw: rows a1, a2, b1, b2, d1, columns X, Y, P (heading). Default: a new figure.
 
@@ -56,12 +60,15 @@ def plot_parameters(
     if axes.shape != (5, 3):
         raise ValueError(f"axes: expected an array of 5 x 3 axes, got the shape {axes.shape}")
     bands = None if standard_errors is None else _bands(standard_errors, trace.parameters.shape)
+    has_errors = np.isfinite(trace.unit_errors).any()
+    verdicts = check_excitation(trace).verdicts if has_errors else np.full((3, 5), "")
     for i, true in enumerate(np.ravel(trace.info.theta_true)):
         axis, parameter = divmod(i, 5)
         panel = axes[parameter, axis]
         style.show_steps(panel, trace)
         panel.set_ylabel(style.PARAMETER_LABELS[i])
         _draw_parameter(panel, trace.k, trace.parameters[:, axis, parameter], float(true))
+        _add_verdict(panel, str(verdicts[axis, parameter]))
         if bands is not None:
             _draw_band(panel, trace.k, float(true), bands[:, axis, parameter])
     for panel, name in zip(axes[0], ("X", "Y", "P (heading)"), strict=True):
@@ -84,6 +91,13 @@ def _draw_parameter(axes: Axes, k: NDArray[np.int64], history: Floats, true: flo
     axes.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
     last = f"{history[-1]:.5g}" if np.isfinite(history[-1]) else "none"
     axes.set_title(f"true {true:.5g}, last {last}", loc="right", fontsize=7.5, pad=3)
+
+
+def _add_verdict(axes: Axes, verdict: str) -> None:
+    color = style.GUIDE if verdict == "well" else style.BOUND
+    place: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "center"}
+    box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
+    axes.text(0.97, 0.5, verdict, fontsize=7.5, color=color, bbox=box, **place)
 
 
 def _bands(standard_errors: ArrayLike, shape: tuple[int, ...]) -> Floats:
