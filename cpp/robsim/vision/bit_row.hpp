@@ -49,6 +49,7 @@ void for_each_run(const BitRow& row, int width, F&& f) {
   int left = 0;
   for (std::size_t i = 0; i < row.size(); ++i) {
     const std::uint64_t word = row[i];
+    if ((word | before) == 0) continue;
     // A bit that differs from the one before it begins or ends a run.
     std::uint64_t edges = word ^ ((word << 1) | before);
     before = word >> 63;

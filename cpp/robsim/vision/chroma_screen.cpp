@@ -5,10 +5,7 @@
 
 #include "robsim/cpu/cpu_path.hpp"
 #include "robsim/vision/padded_row.hpp"
-
-#if ROBSIM_HAS_AVX2_CODE
-#include <immintrin.h>
-#endif
+#include "robsim/vision/yuv_avx2.hpp"
 
 namespace robsim {
 
@@ -74,6 +71,7 @@ ROBSIM_AVX2 void look_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t>&
   const __m256i limits = _mm256_set1_epi8(static_cast<char>(limit));
   for (std::size_t word = 0; word < may_hold.size(); ++word) {
     const std::uint8_t* pixels = row.pixels(word);
+    prefetch(pixels);
     __m256i largest = _mm256_setzero_si256();
     for (int i = 0; i < 3; ++i) {
       const __m256i larger =

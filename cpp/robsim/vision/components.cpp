@@ -81,7 +81,7 @@ void ComponentFinder::join(std::uint32_t a, std::uint32_t b) {
 }
 
 void ComponentFinder::close_row() {
-  if (open_.empty()) return;
+  if (open_.empty()) return;  // nothing here, and nothing above
   place_.assign(open_.size(), nowhere);
   still_open_.clear();
   for (Run& run : runs_) {

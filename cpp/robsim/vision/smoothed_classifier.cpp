@@ -10,6 +10,9 @@ namespace robsim {
 
 namespace {
 
+// Sums before and behind those of a row: as many as a line of the cache has.
+constexpr std::size_t margin = 32;
+
 // Calls f(first, last) for each stretch first <= i < last of words that fulfil a condition.
 template <typename Condition, typename F>
 void for_each_stretch(std::size_t words, Condition&& condition, F&& f) {
@@ -22,12 +25,11 @@ void for_each_stretch(std::size_t words, Condition&& condition, F&& f) {
 }
 
 // result[i] = flags[i - 1] | flags[i] | flags[i + 1]
-template <typename Flags>
-void widen(const Flags& flags, std::vector<std::uint8_t>& result) {
-  const std::size_t count = flags.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    result[i] = flags[i] || (i > 0 && flags[i - 1]) || (i + 1 < count && flags[i + 1]);
-  }
+void widen(const std::vector<std::uint8_t>& flags, std::vector<std::uint8_t>& result) {
+  const std::size_t last = flags.size() - 1;
+  for (std::size_t i = 1; i < last; ++i) result[i] = flags[i - 1] | flags[i] | flags[i + 1];
+  result[0] = flags[0] | flags[std::min<std::size_t>(1, last)];
+  if (last > 0) result[last] = flags[last - 1] | flags[last];
 }
 
 }  // namespace
@@ -52,7 +54,7 @@ SmoothedClassifier::SmoothedClassifier(const std::vector<ColorClass>& classes, i
     }
     // First what a neutral pixel, with 128 in every channel, does not fulfil.
     std::stable_partition(limits_.back().begin(), limits_.back().end(),
-                          [&](const SumLimits& limit) {
+                          [&](const WindowSums::Limits& limit) {
                             return limit.lower > 128 * area || limit.upper < 128 * area;
                           });
   }
@@ -66,58 +68,82 @@ std::uint8_t* SmoothedClassifier::row(Channel& channel, int v) {
   return channel.rows.data() + 64 * words_ * static_cast<std::size_t>(v % (window_ + 1));
 }
 
+WindowSums::Sum* SmoothedClassifier::column(Channel& channel, std::size_t u) {
+  const auto begin = reinterpret_cast<std::uintptr_t>(channel.columns.data());
+  const std::size_t unaligned = begin % 64 / sizeof(WindowSums::Sum);
+  return channel.columns.data() + (2 * margin - unaligned) + u;
+}
+
 int SmoothedClassifier::within(int v) const { return std::clamp(v, 0, image_.height - 1); }
 
 void SmoothedClassifier::begin(const ImageView& image) {
   image_ = image;
   v_ = 0;
+  colorful_rows_ = 0;
   words_ = words_of(image.width);
   const auto window = static_cast<std::size_t>(window_);
   for (Channel& channel : channels_) {
     if (!channel.is_needed) continue;
     channel.rows.resize(64 * words_ * (window + 1));
-    channel.columns.resize(64 * words_ + window);
-    channel.sums.resize(64 * words_);
+    channel.columns.resize(64 * words_ + 3 * margin);
   }
   may_hold_.resize(window + 1);
-  suspects_.assign(words_, 0);
-  for (Flags* flags : {&active_, &is_summed_, &was_summed_}) flags->assign(words_, 0);
+  for (Flags* flags : {&suspects_, &active_, &is_summed_, &was_summed_}) flags->assign(words_, 0);
   const int reach = window_ / 2;
   for (int v = 0; v <= within(reach); ++v) look(v);
   for (int v = -reach; v <= reach; ++v) {
-    for (std::size_t i = 0; i < words_; ++i) suspects_[i] += may_hold(within(v))[i];
+    for (std::size_t i = 0; i < words_; ++i)
+      suspects_[i] = static_cast<std::uint8_t>(suspects_[i] + may_hold(within(v))[i]);
   }
 }
 
 void SmoothedClassifier::next_row(std::vector<BitRow>& bits) {
-  if (v_ > 0) look_down();
-  find_active();
-  const auto goes_on = [&](std::size_t i) { return is_summed_[i] && was_summed_[i]; };
-  const auto begins = [&](std::size_t i) { return is_summed_[i] && !was_summed_[i]; };
-  for_each_stretch(words_, goes_on, [&](auto first, auto last) { move_down(first, last); });
-  for_each_stretch(words_, begins, [&](auto first, auto last) { fill(first, last); });
-  for (BitRow& row : bits) row.assign(words_, 0);
-  const auto is_active = [&](std::size_t i) { return active_[i] != 0; };
-  for_each_stretch(words_, is_active, [&](auto first, auto last) { classify(first, last, bits); });
+  for (BitRow& row : bits) row.resize(words_);
+  const int reach = window_ / 2;
+  if (v_ > 0 && v_ + reach < image_.height) look(v_ + reach);
+  if (colorful_rows_ > window_) {
+    // All rows of this window and of the one before may hold members everywhere.
+    move_down(0, words_);
+    classify(0, words_, bits);
+  } else {
+    if (v_ > 0) move_suspects_down();
+    find_active();
+    classify_active(bits);
+  }
   ++v_;
 }
 
 void SmoothedClassifier::look(int v) {
   // In noise every pixel is colourful: a look at every eighth row finds out when that ends.
-  const auto is_set = [](std::uint8_t flag) { return flag != 0; };
-  if (v % 8 != 0 && std::all_of(may_hold(v - 1).begin(), may_hold(v - 1).end(), is_set)) {
+  const bool is_taken_for_granted = v % 8 != 0 && colorful_rows_ > 0;
+  if (is_taken_for_granted) {
     may_hold(v).assign(words_, 1);
   } else {
     screen_.look(image_.row(v), image_.width, may_hold(v));
   }
+  const Flags& flags = may_hold(v);
+  const bool is_colorful =
+      is_taken_for_granted || std::find(flags.begin(), flags.end(), 0) == flags.end();
+  colorful_rows_ = is_colorful ? colorful_rows_ + 1 : 0;
 }
 
-void SmoothedClassifier::look_down() {
+void SmoothedClassifier::move_suspects_down() {
   const int reach = window_ / 2;
-  if (v_ + reach < image_.height) look(v_ + reach);
   const Flags& in = may_hold(within(v_ + reach));
   const Flags& out = may_hold(within(v_ - 1 - reach));
-  for (std::size_t i = 0; i < words_; ++i) suspects_[i] += in[i] - out[i];
+  for (std::size_t i = 0; i < words_; ++i) {
+    suspects_[i] = static_cast<std::uint8_t>(suspects_[i] + in[i] - out[i]);
+  }
+}
+
+void SmoothedClassifier::classify_active(std::vector<BitRow>& bits) {
+  const auto goes_on = [&](std::size_t i) { return is_summed_[i] && was_summed_[i]; };
+  const auto begins = [&](std::size_t i) { return is_summed_[i] && !was_summed_[i]; };
+  for_each_stretch(words_, goes_on, [&](auto first, auto last) { move_down(first, last); });
+  for_each_stretch(words_, begins, [&](auto first, auto last) { fill(first, last); });
+  for (BitRow& row : bits) std::fill(row.begin(), row.end(), 0);
+  const auto is_active = [&](std::size_t i) { return active_[i] != 0; };
+  for_each_stretch(words_, is_active, [&](auto first, auto last) { classify(first, last, bits); });
 }
 
 void SmoothedClassifier::find_active() {
@@ -143,7 +169,7 @@ void SmoothedClassifier::fill(std::size_t first, std::size_t last) {
   const WindowSums loops = window_sums(window_);
   for (Channel& channel : channels_) {
     if (!channel.is_needed) continue;
-    WindowSums::Sum* columns = channel.columns.data() + reach + 64 * first;
+    WindowSums::Sum* columns = column(channel, 64 * first);
     std::fill_n(columns, count, WindowSums::Sum{0});
     for (int v = v_ - reach; v <= v_ + reach; ++v) {
       loops.exchange(row(channel, within(v)) + 64 * first, nothing.data(), count, columns);
@@ -159,33 +185,24 @@ void SmoothedClassifier::move_down(std::size_t first, std::size_t last) {
     if (!channel.is_needed) continue;
     loops.exchange(row(channel, within(v_ + reach)) + 64 * first,
                    row(channel, within(v_ - 1 - reach)) + 64 * first, 64 * (last - first),
-                   channel.columns.data() + reach + 64 * first);
+                   column(channel, 64 * first));
   }
 }
 
 void SmoothedClassifier::classify(std::size_t first, std::size_t last, std::vector<BitRow>& bits) {
   const auto reach = static_cast<std::size_t>(window_ / 2);
   const auto width = static_cast<std::size_t>(image_.width);
-  const WindowSums loops = window_sums(window_);
-  for (Channel& channel : channels_) {
-    if (!channel.is_needed) continue;
-    WindowSums::Sum* columns = channel.columns.data();
-    if (first == 0) std::fill_n(columns, reach, columns[reach]);
-    if (last == words_) std::fill_n(columns + reach + width, reach, columns[reach + width - 1]);
-    loops.add_up(columns + 64 * first, 64 * (last - first), channel.sums.data() + 64 * first);
+  WindowSums::Columns columns{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!channels_[i].is_needed) continue;
+    WindowSums::Sum* sums = column(channels_[i], 0);
+    if (first == 0) std::fill_n(sums - reach, reach, sums[0]);
+    if (last == words_) std::fill_n(sums + width, reach, sums[width - 1]);
+    columns[i] = sums - reach;
   }
-  for (std::size_t i = 0; i < limits_.size(); ++i) {
-    for (std::size_t word = first; word < last; ++word) {
-      std::uint64_t members = ~std::uint64_t{0};
-      for (const SumLimits& limit : limits_[i]) {
-        if (members == 0) break;
-        const WindowSums::Sum* sums = channels_[limit.channel].sums.data() + 64 * word;
-        members &= loops.within(sums, limit.lower, limit.upper);
-      }
-      bits[i][word] = members;
-    }
-    if (last == words_ && width % 64 != 0) bits[i].back() &= (std::uint64_t{1} << (width % 64)) - 1;
-  }
+  window_sums(window_).classify(columns, first, last, limits_, bits);
+  if (last < words_ || width % 64 == 0) return;
+  for (BitRow& row : bits) row.back() &= (std::uint64_t{1} << (width % 64)) - 1;
 }
 
 }  // namespace robsim

@@ -29,18 +29,10 @@ class SmoothedClassifier {
   void next_row(std::vector<BitRow>& bits);
 
  private:
-  // lower <= sum of the window <= upper
-  struct SumLimits {
-    std::size_t channel;
-    WindowSums::Sum lower;
-    WindowSums::Sum upper;
-  };
-
   struct Channel {
     bool is_needed = false;
     std::vector<std::uint8_t> rows;        // the newest ones, in turns
     std::vector<WindowSums::Sum> columns;  // sums of the window's rows, with a margin on both sides
-    std::vector<WindowSums::Sum> sums;     // of the window
   };
 
   // A flag for each 64 pixels of a row
@@ -48,24 +40,27 @@ class SmoothedClassifier {
 
   Flags& may_hold(int v);
   std::uint8_t* row(Channel& channel, int v);
+  WindowSums::Sum* column(Channel& channel, std::size_t u);
   int within(int v) const;
   void look(int v);
-  void look_down();
+  void move_suspects_down();
   void find_active();
+  void classify_active(std::vector<BitRow>& bits);
   void convert(int v, std::size_t first, std::size_t last);
   void fill(std::size_t first, std::size_t last);
   void move_down(std::size_t first, std::size_t last);
   void classify(std::size_t first, std::size_t last, std::vector<BitRow>& bits);
 
   int window_;
-  std::vector<std::vector<SumLimits>> limits_;  // per class
+  std::vector<std::vector<WindowSums::Limits>> limits_;  // per class
   ChromaScreen screen_;
   Channel channels_[3];
   ImageView image_;
   std::size_t words_ = 0;         // 64 pixels each
   int v_ = 0;                     // the row at hand
+  int colorful_rows_ = 0;         // the newest ones that may hold members everywhere
   std::vector<Flags> may_hold_;   // a member, of the newest rows, in turns
-  std::vector<int> suspects_;     // how many rows of the window may hold one
+  Flags suspects_;                // how many rows of the window may hold one
   Flags active_;                  // the means decide
   Flags is_summed_, was_summed_;  // the sums of the columns are those of row v, of the row above
 };

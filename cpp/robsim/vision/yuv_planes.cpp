@@ -1,6 +1,7 @@
 #include "robsim/vision/yuv_planes.hpp"
 
 #include <cstddef>
+#include <cstring>
 
 #include "robsim/cpu/cpu_path.hpp"
 #include "robsim/vision/color_class.hpp"
@@ -21,16 +22,28 @@ void convert_plain(const std::uint8_t* rgb, int first, int last, std::uint8_t* c
 }
 
 #if ROBSIM_HAS_AVX2_CODE
+ROBSIM_AVX2_INLINE void convert_32(const std::uint8_t* rgb, int u, std::uint8_t* const* planes) {
+  __m256i yuv[3];
+  convert_block(rgb, planes[0] != nullptr, yuv);
+  for (int channel = 0; channel < 3; ++channel) {
+    if (!planes[channel]) continue;
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(planes[channel] + u), yuv[channel]);
+  }
+}
+
 ROBSIM_AVX2 void convert_avx2(const std::uint8_t* rgb, int first, int last,
                               std::uint8_t* const* planes) {
-  for (int u = first; u + 32 <= last; u += 32) {
-    __m256i yuv[3];
-    convert_block(rgb + std::ptrdiff_t{3} * u, planes[0] != nullptr, yuv);
-    for (int channel = 0; channel < 3; ++channel) {
-      if (!planes[channel]) continue;
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(planes[channel] + u), yuv[channel]);
-    }
+  int u = first;
+  for (; u + 32 <= last; u += 32) {
+    const std::uint8_t* pixels = rgb + std::ptrdiff_t{3} * u;
+    if (u % 64 == 0) prefetch(pixels);
+    convert_32(pixels, u, planes);
   }
+  if (u == last) return;
+  std::uint8_t padded[96] = {};
+  std::memcpy(padded, rgb + std::ptrdiff_t{3} * u,
+              std::size_t{3} * static_cast<std::size_t>(last - u));
+  convert_32(padded, u, planes);
 }
 #endif
 
@@ -40,7 +53,7 @@ void convert_to_planes(const std::uint8_t* rgb, int first, int last, std::uint8_
 #if ROBSIM_HAS_AVX2_CODE
   if (cpu_path() == CpuPath::avx2) {
     convert_avx2(rgb, first, last, planes);
-    first += (last - first) / 32 * 32;
+    return;
   }
 #endif
   convert_plain(rgb, first, last, planes);
