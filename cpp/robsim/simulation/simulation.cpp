@@ -20,6 +20,11 @@ constexpr std::chrono::milliseconds quick{1};  // for all the steps between two 
 constexpr std::int64_t most_steps_between_looks = 64;
 constexpr std::int64_t most_rows_at_once = 1 << 16;  // a longer trace doubles its memory on the way
 
+BlobOptions with_smoothing(BlobOptions blobs, const SimulationOptions& options) {
+  if (options.smoothing) blobs.smoothing = *options.smoothing;
+  return blobs;
+}
+
 void write(double* row, const Pose& pose) {
   row[0] = pose.x;
   row[1] = pose.y;
@@ -76,7 +81,7 @@ class Simulation::NativeWork {
 Simulation::Simulation(SimulationOptions options, Stages stages)
     : options_(std::move(options)),
       stages_(std::move(stages)),
-      finder_(options_.colors, {12, 64, options_.smoothing.value_or(1)}) {
+      finder_(options_.colors, with_smoothing({}, options_)) {
   if (!is_finite(options_.start)) {
     throw std::invalid_argument("start must be a finite pose, got NaN or inf");
   }
@@ -460,9 +465,9 @@ const BlobsByColor& Simulation::blobs() {
 }
 
 void Simulation::suit_finder(const Frame& frame) {
-  BlobOptions options =
-      marker_blobs(options_.locator, frame.plane_map, frame.image.width(), frame.image.height());
-  if (options_.smoothing) options.smoothing = *options_.smoothing;
+  const BlobOptions options = with_smoothing(
+      marker_blobs(options_.locator, frame.plane_map, frame.image.width(), frame.image.height()),
+      options_);
   if (!(options == finder_.options())) finder_ = BlobFinder(options_.colors, options);
 }
 
