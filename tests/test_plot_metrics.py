@@ -11,7 +11,14 @@ from matplotlib.figure import Figure
 import robsim
 from robsim.consistency import nees_report, nis_report
 from robsim.metrics import error_report, pose_errors
-from robsim.plotting import plot_consistency, plot_ellipses, plot_errors, plot_parameters, style
+from robsim.plotting import (
+    plot_batch,
+    plot_consistency,
+    plot_ellipses,
+    plot_errors,
+    plot_parameters,
+    style,
+)
 from robsim.plotting.ellipses import ellipses
 
 NAN = np.nan
@@ -229,6 +236,15 @@ def test_wrong_options_of_ellipses_are_refused(options, message):
         plot_ellipses(make_trace(), **options)
 
 
+def test_the_ellipse_of_a_robot_not_seen_yet_does_not_hide_the_path():
+    covariance = np.tile(np.diag([4.0, 1.0, 1e-4]), (50, 1, 1))
+    usual = plot_ellipses(make_trace(covariance=covariance), every=10).get_xlim()
+    covariance[0] = np.diag([600.0**2, 600.0**2, 3.0])
+    axes = plot_ellipses(make_trace(covariance=covariance), every=10)
+    assert len(drawn_ellipses(axes)) == 4
+    np.testing.assert_allclose(axes.get_xlim(), usual, atol=30)
+
+
 def test_ellipses_need_covariances():
     with pytest.raises(ValueError, match="no estimates with a covariance"):
         plot_ellipses(make_trace(covariance=np.full((50, 3, 3), NAN)))
@@ -252,3 +268,16 @@ def test_two_standard_errors_are_shaded_around_the_true_parameters():
     assert not plot_parameters(trace).axes[0].collections
     with pytest.raises(ValueError, match=r"standard_errors must be of shape \(50, 3, 5\)"):
         plot_parameters(trace, standard_errors=errors[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("plot", "source"),
+    [
+        (plot_errors, "pose_errors"),
+        (plot_consistency, "pose_consistency"),
+        (plot_batch, "batch_estimate"),
+    ],
+)
+def test_a_figure_of_a_report_says_where_to_get_one(plot, source):
+    with pytest.raises(TypeError, match=f"report must be what {source}.* got <Trace"):
+        plot(make_trace())

@@ -48,7 +48,14 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Figure:
     -------
     matplotlib.figure.Figure
         The figure of the axes.
+
+    Raises
+    ------
+    TypeError
+        If the report is none.
     """
+    if not isinstance(report, BatchEstimate):
+        raise TypeError(f"report must be what batch_estimate returns, got {report!r}")
     if ax is None:
         ax = style.NotebookFigure(figsize=(9, 7)).add_subplot()
     true = report.theta_true.ravel()

@@ -27,7 +27,17 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     -------
     matplotlib.axes.Axes
         The axes.
+
+    Raises
+    ------
+    TypeError
+        If the report is none.
     """
+    if not isinstance(report, ConsistencyReport):
+        raise TypeError(
+            "report must be what pose_consistency, nees_report or nis_report returns, "
+            f"got {report!r}"
+        )
     if ax is None:
         figure = style.NotebookFigure(figsize=(8, 3.2))
         ax = figure.add_subplot(axes_class=style.NotebookAxes)

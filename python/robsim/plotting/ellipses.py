@@ -31,7 +31,9 @@ def plot_ellipses(
 
     The true place should lie in its ellipse in 95 % of the steps. Since ellipses are often too
     small to be seen beside a path, they can be magnified, and then the distance from the estimate
-    to the true place is magnified alike: whether it lies within stays as it is.
+    to the true place is magnified alike: whether it lies within stays as it is. An ellipse much
+    larger than path and others, such as that of a robot not seen yet, would hide them: it is left
+    out.
 
     Parameters
     ----------
@@ -71,7 +73,8 @@ def plot_ellipses(
         ax = figure.add_subplot(axes_class=style.NotebookAxes)
     ax.plot(*trace.estimated[:, :2].T, color=style.ESTIMATED, linewidth=1.0, label="estimated path")
     label = f"{100 * level:g} % ellipse"
-    ax.add_collection(_polygons(places[:, np.newaxis] + times * shapes, label), autolim=True)
+    corners = (places[:, np.newaxis] + times * shapes)[_fits(trace, times * shapes)]
+    ax.add_collection(_polygons(corners, label), autolim=True)
     _draw_truth(ax, places, times * (trace.pose_true[rows, :2] - places))
     _finish(ax, times)
     return ax
@@ -126,9 +129,21 @@ def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
     return rows
 
 
+def _extent(trace: Trace) -> float:
+    """Return how long the estimated path is along x or y (px)."""
+    return float(np.ptp(trace.estimated[np.isfinite(trace.estimated[:, 0]), :2], axis=0).max())
+
+
+def _fits(trace: Trace, shapes: Floats) -> NDArray[np.bool_]:
+    """Return which ellipses do not dwarf the path and the other ellipses."""
+    sizes = np.abs(shapes).max(axis=(1, 2))
+    fits: NDArray[np.bool_] = sizes <= max(_extent(trace), 10.0 * float(np.median(sizes)))
+    return fits
+
+
 def _magnification(trace: Trace, shapes: Floats) -> float:
     """Return 1, 2, 5, 10, ..., so that a usual ellipse is about 1/20 of the path long."""
-    extent = np.ptp(trace.estimated[np.isfinite(trace.estimated[:, 0]), :2], axis=0).max()
+    extent = _extent(trace)
     length = 2.0 * np.median(np.abs(shapes).max(axis=(1, 2)))
     if not (extent > 0.0 and length > 0.0):
         return 1.0

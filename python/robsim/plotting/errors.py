@@ -41,9 +41,11 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
 
     Raises
     ------
-    ValueError
-        If `bound` or `axes` is of another shape.
+    TypeError, ValueError
+        If the report is none, or if `bound` or `axes` is of another shape.
     """
+    if not isinstance(report, ErrorReport):
+        raise TypeError(f"report must be what pose_errors or error_report returns, got {report!r}")
     size = len(report.names)
     least = _least_deviations(bound, (len(report.k), size))
     is_new = axes is None
