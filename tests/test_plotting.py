@@ -638,4 +638,4 @@ def test_the_parameters_say_how_well_they_are_excited():
         return [axes.texts[0].get_text() for axes in figure.axes[3:]]
 
     assert set(shown(robsim.Spin())[:2]) == {"not excited"}
-    assert shown(robsim.DriveAround())[:3] == ["well"] * 3
+    assert shown(robsim.DriveAround())[:3] == ["well excited"] * 3

@@ -22,8 +22,9 @@ def plot_parameters(
     """Draw the history of the 15 online parameter estimates beside their true values.
 
     The true value is a dotted line that ends in a cross. The limits of each panel hold it and
-    the later half of the run; what the estimate did before may lie outside. Above it stands how
-    well the run has excited the parameter, as `robsim.check_excitation` says.
+    the later half of the run; what the estimate did before may lie outside. In it stands how
+    well the run has excited the parameter, as `robsim.check_excitation` says: how far noise may
+    scatter the estimate, not whether it is biased.
 
     Parameters
     ----------
@@ -96,8 +97,9 @@ def _draw_parameter(axes: Axes, k: NDArray[np.int64], history: Floats, true: flo
 def _add_verdict(axes: Axes, verdict: str) -> None:
     color = style.GUIDE if verdict == "well" else style.BOUND
     place: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "center"}
+    text = verdict if verdict in ("", "not excited") else f"{verdict} excited"
     box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
-    axes.text(0.97, 0.5, verdict, fontsize=7.5, color=color, bbox=box, **place)
+    axes.text(0.97, 0.33, text, fontsize=7.5, color=color, bbox=box, **place)
 
 
 def _bands(standard_errors: ArrayLike, shape: tuple[int, ...]) -> Floats:
