@@ -75,6 +75,8 @@ def test_from_measurements_the_noise_is_that_of_the_prediction_errors(rng):
 
 
 def test_errors_name_what_is_wrong():
+    with pytest.raises(TypeError, match="trace must be a Trace, got 5"):
+        check_excitation(5)
     trace = run(20)
     for k in (-1, 20):
         with pytest.raises(ValueError, match=r"0\.\.19, got"):

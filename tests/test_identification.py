@@ -301,3 +301,8 @@ def test_bounces_are_breaks_unless_all_samples_are_wanted():
 def test_a_method_that_there_is_not(tracked_run):
     with pytest.raises(ValueError, match="method must be one of 'least_squares', 'instrumental_v"):
         robsim.batch_estimate(tracked_run, method="guess")
+
+
+def test_what_is_no_trace_is_refused():
+    with pytest.raises(TypeError, match="trace must be a Trace, got 'a run'"):
+        robsim.batch_estimate("a run")

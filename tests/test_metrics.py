@@ -130,6 +130,7 @@ def test_pose_errors_of_a_trace_agree_with_its_own():
         (lambda: pose_errors([]), TypeError, "a sequence of them"),
         (lambda: pose_consistency(driven(5)), ValueError, r"estimate_state=\.\.\."),
         (lambda: pose_consistency("run"), TypeError, "must be a Trace"),
+        (lambda: pose_consistency(5), TypeError, "must be a Trace or a sequence of them, got 5"),
         (lambda: parameter_convergence(driven(5)), ValueError, "estimate_parameters=True"),
         (lambda: parameter_bounds(driven(5), sigma=1.0), ValueError, "must be 3 numbers"),
     ],

@@ -135,9 +135,11 @@ def check_excitation(
 
     Raises
     ------
-    ValueError
-        If the trace has no standard errors: an estimator of your own gives none.
+    TypeError, ValueError
+        If it is no trace, or has no standard errors: an estimator of your own gives none.
     """
+    if not isinstance(trace, Trace):
+        raise TypeError(f"trace must be a Trace, got {trace!r}")
     if not np.isfinite(trace.unit_errors).any():
         raise ValueError(
             "the trace has no standard errors: run the simulation with estimate_parameters=True"

@@ -264,9 +264,11 @@ def batch_estimate(
 
     Raises
     ------
-    ValueError
-        If there are too few samples, or a name is none of these.
+    TypeError, ValueError
+        If it is no trace, there are too few samples, or a name is none of these.
     """
+    if not isinstance(trace, Trace):
+        raise TypeError(f"trace must be a Trace, got {trace!r}")
     if method not in _METHODS:
         names = ", ".join(map(repr, _METHODS))
         raise ValueError(f"method must be one of {names}, got {method!r}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -286,7 +286,7 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
 
 def as_runs(traces: Trace | Sequence[Trace]) -> list[Trace]:
     """Return a list of runs of the same steps."""
-    runs = [traces] if isinstance(traces, Trace) else list(traces)
+    runs = [*traces] if isinstance(traces, Iterable) else [traces]
     if not runs or not all(isinstance(trace, Trace) for trace in runs):
         raise TypeError(f"traces must be a Trace or a sequence of them, got {traces!r}")
     steps = {(int(trace.k[0]) if len(trace) else 0, len(trace)) for trace in runs}
