@@ -36,3 +36,8 @@ def test_painted_classes():
     assert painted[5, 5].tolist() == [rgb_to_yuv(image)[5, 5, 0] // 2] * 3
     alone = paint_classes(image, {"dark": masks["dark"]})
     assert alone[80, 80].tolist() == [255, 0, 255]
+
+
+def test_painted_classes_are_those_of_classify():
+    with pytest.raises(TypeError, match="masks must be what classify returns, a dict, got"):
+        paint_classes(np.zeros((4, 4, 3), np.uint8), load_colors())

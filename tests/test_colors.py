@@ -304,3 +304,10 @@ def test_rows_may_lie_anywhere(rng):
     image = rng.integers(0, 256, (9, 7, 3), dtype=np.uint8)
     for view in (image[::2], image[::-1], image[2:5, 1:4]):
         np.testing.assert_array_equal(rgb_to_yuv(view), yuv_formula(view))
+
+
+def test_a_picture_is_no_colour_file(tmp_path):
+    file = tmp_path / "red.png"
+    file.write_bytes(b"\x89PNG")
+    with pytest.raises(ValueError, match=r"red\.png is not a TOML file: it is no text$"):
+        load_colors(file)

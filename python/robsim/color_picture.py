@@ -30,7 +30,14 @@ def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
     -------
     array (H, W, 3) of uint8
         The picture.
+
+    Raises
+    ------
+    TypeError
+        If `masks` is no dict.
     """
+    if not isinstance(masks, dict):
+        raise TypeError(f"masks must be what classify returns, a dict, got {masks!r}")
     luma = rgb_to_yuv(image.image if isinstance(image, Frame) else image)[..., :1]
     painted = np.repeat(luma // 2, 3, axis=2)
     count = np.zeros(luma.shape[:2], dtype=int)

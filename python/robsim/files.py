@@ -50,6 +50,8 @@ def read_toml(path: str | PathLike[str]) -> dict[str, Any]:
     content = Path(path).read_bytes()
     try:
         return tomllib.loads(content.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path} is not a TOML file: it is no text") from error
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path} is not a TOML file: {error}") from error
 
