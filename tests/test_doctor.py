@@ -1,12 +1,16 @@
+import runpy
 import subprocess
 import sys
 import textwrap
 import time
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robsim
+from robsim import reference
 from robsim.doctor import Checkup, Finding, check_estimator, check_parameter_estimator, stages
 
 R = np.diag((0.5**2, 0.5**2, 0.01**2))
@@ -83,6 +87,32 @@ def test_right_state_estimators_are_well(make):
 @pytest.mark.parametrize("dt", [1 / 30, 0.5])
 def test_right_ones_are_well_at_other_sample_times(dt):
     check_estimator(ConstantVelocity, dt=dt).raise_if_ill()
+
+
+FILTERS = [
+    reference.ConstantVelocityKalmanFilter,
+    reference.ExtendedKalmanFilter,
+    reference.UnscentedKalmanFilter,
+    reference.ParticleFilter,
+]
+
+
+@pytest.mark.parametrize("make", FILTERS)
+def test_the_reference_filters_are_well(make):
+    takes_a_model = make is not reference.ConstantVelocityKalmanFilter
+    check_estimator(partial(make, robsim.RobotModel()) if takes_a_model else make).raise_if_ill()
+
+
+TEMPLATE = Path(robsim.__file__).with_name("templates") / "estimate_state.py"
+
+
+def test_the_template_of_a_state_estimator_is_well():
+    check_estimator(runpy.run_path(str(TEMPLATE))["LastPose"]).raise_if_ill()
+
+
+def test_the_template_of_a_state_estimator_examines_itself_as_a_program(capsys):
+    runpy.run_path(str(TEMPLATE), run_name="__main__")
+    assert capsys.readouterr().out.startswith("LastPose is well\n")
 
 
 class ReturnsTheState(ConstantVelocity):
