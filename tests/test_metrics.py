@@ -66,7 +66,7 @@ def test_error_report_against_hand_computed_values():
     np.testing.assert_allclose(report.sd, [np.sqrt(32 / 3), 0, np.sqrt(0.02)])
     np.testing.assert_allclose(report.largest, [5, 0, 0.2])
     np.testing.assert_allclose(report.sd**2 + report.bias**2, report.rmse**2)
-    assert np.isnan(report.claimed_rms).all()
+    assert np.isnan(report.claimed_median).all()
 
 
 def test_error_report_over_runs():
@@ -83,7 +83,7 @@ def test_error_report_over_runs():
 def test_what_is_claimed_stands_beside_the_error():
     covariance = np.broadcast_to(np.diag([4.0, 9.0, 0.01]), (5, 3, 3))
     report = error_report(np.ones((5, 3)), np.zeros((5, 3)), covariance=covariance)
-    np.testing.assert_allclose(report.claimed_rms, [2, 3, 0.1])
+    np.testing.assert_allclose(report.claimed_median, [2, 3, 0.1])
     with pytest.raises(ValueError, match="no negative variance, got -4"):
         error_report(np.ones((5, 3)), np.zeros((5, 3)), covariance=-covariance[:, :, :] * 4 / 9)
 
@@ -102,7 +102,7 @@ def test_error_report_reads_well_and_goes_into_json():
         "unit": "px",
         "known": 0,
         "total": 1,
-        **dict.fromkeys(("rmse", "bias", "sd", "largest", "claimed_rms")),
+        **dict.fromkeys(("rmse", "bias", "sd", "largest", "claimed_median")),
     }
     assert report._repr_html_().count("<tr>") == 4
 
@@ -642,7 +642,7 @@ def test_consistency_of_traces():
 
 def test_errors_of_traces_have_the_claim():
     report = pose_errors(list(estimated(20)))
-    np.testing.assert_allclose(report.claimed_rms, [2, 2, 0.1])
+    np.testing.assert_allclose(report.claimed_median, [2, 2, 0.1])
     np.testing.assert_allclose(report.rmse, [2, 2, 0.1], rtol=0.05)
 
 

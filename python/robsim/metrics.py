@@ -121,11 +121,14 @@ class ErrorReport:
         return np.where(largest < 0, np.nan, largest)
 
     @property
-    def claimed_rms(self) -> Floats:
-        """Root mean square of the claimed standard deviations (n,); NaN without."""
-        if self.claimed is None:
+    def claimed_median(self) -> Floats:
+        """Median of the claimed standard deviations (n,); NaN without.
+
+        Not their root mean square: that is the one of the steps before the robot was first seen.
+        """
+        if self.claimed is None or np.isnan(self.claimed).all():
             return np.full(len(self.names), np.nan)
-        return np.sqrt(mean_of_known(np.square(self.claimed), axis=(0, 1)))
+        return np.asarray(np.nanmedian(self.claimed, axis=(0, 1)))
 
     @property
     def rmse_of_steps(self) -> Floats:
@@ -134,8 +137,8 @@ class ErrorReport:
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """Return name -> {"unit", "known", "total", "rmse", ...}; None = not known."""
-        columns = (self.rmse, self.bias, self.sd, self.largest, self.claimed_rms)
-        keys = ("rmse", "bias", "sd", "largest", "claimed_rms")
+        columns = (self.rmse, self.bias, self.sd, self.largest, self.claimed_median)
+        keys = ("rmse", "bias", "sd", "largest", "claimed_median")
         return {
             name: {"unit": self.units[i], "known": int(self.known[i]), "total": self.total}
             | {
@@ -147,7 +150,7 @@ class ErrorReport:
 
     def _rows(self) -> list[tuple[str, ...]]:
         shown = [("deg", np.rad2deg(1.0)) if u == "rad" else (u, 1.0) for u in self.units]
-        columns = np.array((self.rmse, self.bias, self.sd, self.largest, self.claimed_rms))
+        columns = np.array((self.rmse, self.bias, self.sd, self.largest, self.claimed_median))
         texts = [
             ["-" if np.isnan(value) else f"{value * factor:.4g}" for value in values]
             for (_, factor), values in zip(shown, columns.T, strict=True)
