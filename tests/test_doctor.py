@@ -11,7 +11,14 @@ import pytest
 
 import robsim
 from robsim import reference
-from robsim.doctor import Checkup, Finding, check_estimator, check_parameter_estimator, stages
+from robsim.doctor import (
+    Checkup,
+    Finding,
+    check_estimator,
+    check_parameter_estimator,
+    stages,
+    trial,
+)
 
 R = np.diag((0.5**2, 0.5**2, 0.01**2))
 
@@ -372,6 +379,19 @@ def test_an_estimator_that_never_comes_back_is_stopped(monkeypatch):
     assert (finding.kind, finding.step) == ("too slow", 3)
     assert "never ends" in finding.sentence
     assert finding.line.text in ("while step.k == 3:", "pass")
+
+
+@pytest.mark.parametrize("check", [check_estimator, check_parameter_estimator])
+def test_so_is_a_make_that_never_comes_back(check, monkeypatch):
+    def make():
+        while True:
+            pass
+
+    monkeypatch.setattr(trial, "TIME_LIMIT", 0.3)
+    finding = only(check(make))
+    assert finding.kind == "make fails"
+    assert "never ends" in finding.sentence
+    assert finding.line.text in ("while True:", "pass")
 
 
 class NeedsAModel(ConstantVelocity):

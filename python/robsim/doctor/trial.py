@@ -18,6 +18,7 @@ from robsim.doctor.situations import Situation
 from robsim.doctor.students_line import StudentsLine, line_of_callable, line_of_frame
 from robsim.numbers import Floats
 from robsim.simulation import Simulation
+from robsim.time_limit import TimeLimit
 
 TIME_LIMIT = 5.0  # s a call; who takes longer never comes back
 _TIMED = 20  # calls
@@ -129,8 +130,9 @@ class Patient:
     def fresh(self) -> Callable[[Step], Any]:
         """Return the callback of a fresh estimator."""
         try:
-            with self._observed():
-                estimator = self._make()
+            limit = TimeLimit(TIME_LIMIT)
+            with self._observed(), limit.watching():
+                estimator = limit.limited(lambda: self._make())()
             function = self.slot.entry(estimator)
         except (Exception, SystemExit) as error:
             raise NoEstimator(error) from error
