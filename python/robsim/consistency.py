@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim.chi_square import chi_square_band
 from robsim.metrics import as_runs, mean_of_known, wrapped_error
-from robsim.numbers import Floats
+from robsim.numbers import Floats, floats
 from robsim.trace import Trace
 from robsim.whiteness import WhitenessReport, whitened, whiteness_report
 
@@ -48,7 +48,7 @@ def nees(error: ArrayLike, covariance: ArrayLike) -> Floats:
     ValueError
         If a covariance is not symmetric and positive definite, or the shapes do not fit.
     """
-    return _squares(whitened(np.asarray(error, dtype=np.float64), covariance, name="covariance"))
+    return _squares(whitened(floats("error", error), covariance, name="covariance"))
 
 
 def nis(innovation: ArrayLike, S: ArrayLike) -> Floats:
@@ -71,7 +71,7 @@ def nis(innovation: ArrayLike, S: ArrayLike) -> Floats:
     ValueError
         If an S is not symmetric and positive definite, or the shapes do not fit.
     """
-    return _squares(whitened(np.asarray(innovation, dtype=np.float64), S))
+    return _squares(whitened(floats("innovation", innovation), S))
 
 
 def _squares(white: Floats) -> Floats:
@@ -363,7 +363,7 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
 
 
 def _rows(name: str, values: ArrayLike) -> Floats:
-    rows = np.asarray(values, dtype=np.float64)
+    rows = floats(name, values)
     if rows.ndim not in (2, 3) or 0 in rows.shape:
         raise ValueError(f"{name} must be of shape (N, n) or (M, N, n), got {rows.shape}")
     return rows

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim.numbers import Floats, number
-from robsim.trace import PARAMETER_NAMES, Trace
+from robsim.numbers import Floats, floats, number
+from robsim.trace import PARAMETER_NAMES, Trace, check_trace
 
 
 def convergence_time(
@@ -35,12 +35,12 @@ def convergence_time(
     ValueError
         If the shapes do not fit together.
     """
-    history = np.asarray(estimate, dtype=np.float64)
-    times = np.arange(len(history)) if t is None else np.asarray(t, dtype=np.float64)
+    history = np.atleast_1d(floats("estimate", estimate))
+    times = np.arange(len(history)) if t is None else floats("t", t)
     if not len(history) or times.shape != history.shape[:1]:
         raise ValueError(f"t must have a time for each of {len(history)} steps, got {times.shape}")
     try:
-        is_near = np.abs(history - np.asarray(truth)) <= np.asarray(tolerance)
+        is_near = np.abs(history - floats("truth", truth)) <= floats("tolerance", tolerance)
     except ValueError:
         shapes = f"{np.shape(truth)} and {np.shape(tolerance)}"
         raise ValueError(
@@ -143,8 +143,7 @@ def parameter_convergence(
         If the trace has no parameter estimates or no true parameters, or an argument is not of
         this kind.
     """
-    if not isinstance(trace, Trace):
-        raise TypeError(f"trace must be a Trace, got {trace!r}")
+    check_trace(trace)
     relative = number("tolerance", tolerance, above=0.0)
     offset = number("offset_tolerance", offset_tolerance, above=0.0)
     theta_true = np.array(trace.info.theta_true)

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import regression_samples
-from robsim.numbers import Floats
-from robsim.trace import Trace
+from robsim.numbers import Floats, floats
+from robsim.trace import Trace, check_trace
 
 
 def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:
@@ -42,8 +42,8 @@ def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:
     Statistical Signal Processing: Estimation Theory, 4.3, 1993. With noise in the regressors, too,
     the true bound is larger.
     """
-    rows = np.asarray(phi, dtype=np.float64)
-    noise = np.asarray(sigma, dtype=np.float64)
+    rows = floats("phi", phi)
+    noise = floats("sigma", sigma)
     if rows.ndim < 2 or np.broadcast_shapes(noise.shape, rows.shape[1:-1]) != rows.shape[1:-1]:
         raise ValueError(
             f"phi must be of shape (N, ..., n) with a sigma for each ..., got {rows.shape} and "
@@ -106,7 +106,7 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
         If the trace has no true poses, or sigma is not of this kind.
     """
     _check_truth(trace)
-    noise = np.asarray(sigma, dtype=np.float64)
+    noise = floats("sigma", sigma)
     if noise.shape != (3,):
         raise ValueError(f"sigma must be 3 numbers (px, px, rad), got {sigma!r}")
     phi = np.full((len(trace), 3, 5), np.nan)
@@ -163,9 +163,13 @@ def posterior_cramer_rao_bound(
     Here for J^-1 = P, which allows a singular Q. For a linear system it is the covariance of the
     Kalman filter. Average over runs where the trajectories differ much.
     """
-    F, H, Q, R, P = (np.asarray(matrix, dtype=np.float64) for matrix in (F, H, Q, R, P0))
+    F, H, Q, R, P = map(floats, ("F", "H", "Q", "R", "P0"), (F, H, Q, R, P0))
     has_measurement = _seen_steps(F, seen)
-    steps, n, m = len(has_measurement), P.shape[-1], H.shape[-2] if H.ndim > 1 else 0
+    steps, n, m = (
+        len(has_measurement),
+        P.shape[-1] if P.ndim else 0,
+        H.shape[-2] if H.ndim > 1 else 0,
+    )
     F = _shaped("F", F, (steps - 1, n, n))
     H = _shaped("H", H, (steps, m, n))
     Q, R, P = _shaped("Q", Q, (n, n)), _shaped("R", R, (m, m)), _shaped("P0", P, (n, n))
@@ -245,11 +249,11 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
             f"trace must have no bounce, which the model does not know, got one at step {step}: "
             'take a part, trace[a:b], or run with boundary="unlimited"'
         )
-    start = np.asarray(P0, dtype=np.float64)
+    start = floats("P0", P0)
     if start.shape == (3, 3):
         start = np.tile(start, (2, 2))
     noise = np.zeros((6, 6))
-    noise[:3, :3] = _shaped("Q", np.asarray(Q, dtype=np.float64), (3, 3))
+    noise[:3, :3] = _shaped("Q", floats("Q", Q), (3, 3))
     bounds = posterior_cramer_rao_bound(
         _model_derivatives(trace),
         np.eye(3, 6),
@@ -277,7 +281,6 @@ def _model_derivatives(trace: Trace) -> Floats:
 
 
 def _check_truth(trace: Trace) -> None:
-    if not isinstance(trace, Trace):
-        raise TypeError(f"trace must be a Trace, got {trace!r}")
+    check_trace(trace)
     if not (np.isfinite(trace.pose_true).all() and np.isfinite(trace.info.theta_true).all()):
         raise ValueError("the trace must have true poses and parameters, not only recorded frames")

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robsim.numbers import Floats
+from robsim.numbers import Floats, floats, whole
 from robsim.samples import samples_of
-from robsim.trace import PARAMETER_NAMES, Trace
+from robsim.trace import PARAMETER_NAMES, Trace, check_trace
 
 #: Standard deviation of the noise in the equations of x, y (px) and heading (rad) that true poses,
 #: which have none, are taken to have.
@@ -104,7 +104,7 @@ def judge(
     ValueError
         If the noise is not three numbers of at least 0.
     """
-    values = np.array(ASSUMED_NOISE if noise is None else noise, dtype=np.float64)
+    values = np.array(floats("noise", ASSUMED_NOISE if noise is None else noise))
     if values.shape != (3,) or not (np.isfinite(values) & (values >= 0)).all():
         raise ValueError(f"noise must be three numbers of at least 0 (px, px, rad), got {noise!r}")
     size = np.abs(np.asarray(theta, dtype=np.float64))
@@ -138,16 +138,13 @@ def check_excitation(
     TypeError, ValueError
         If it is no trace, or has no standard errors: an estimator of your own gives none.
     """
-    if not isinstance(trace, Trace):
-        raise TypeError(f"trace must be a Trace, got {trace!r}")
+    check_trace(trace)
     if not np.isfinite(trace.unit_errors).any():
         raise ValueError(
             "the trace has no standard errors: run the simulation with estimate_parameters=True"
         )
     last = int(trace.k[-1])
-    step = last if k is None else k
-    if not trace.k[0] <= step <= last:
-        raise ValueError(f"k must be a step of the trace, {trace.k[0]}..{last}, got {k!r}")
+    step = last if k is None else whole("k", k, least=int(trace.k[0]), most=last)
     until = trace[: step - int(trace.k[0]) + 1]
     theta = until.parameters[-1]
     if noise is None and trace.info.identify_from != "truth":

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import wrap_angle
-from robsim.numbers import Floats
+from robsim.numbers import Floats, floats, is_int
 from robsim.trace import Trace
 
 _SOURCES = {"measurement": "measured", "estimate": "estimated"}
@@ -36,6 +36,7 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
     ValueError
         If the shapes do not fit together, a value is infinite, or there is no such number.
     """
+    estimate, truth = floats("estimate", estimate), floats("truth", truth)
     for name, values in (("estimate", estimate), ("truth", truth)):
         if np.isinf(values).any():
             raise ValueError(f"{name} must be finite, or NaN where not known, got inf")
@@ -45,8 +46,10 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
         shapes = f"{np.shape(estimate)} and {np.shape(truth)}"
         raise ValueError(f"estimate and truth must be of the same shape, got {shapes}") from None
     size = error.shape[-1] if error.ndim else 0
+    if not isinstance(angles, Iterable):
+        raise TypeError(f"angles must be a sequence of ints, got {angles!r}")
     for angle in angles:
-        if not 0 <= angle < size:
+        if not is_int(angle) or not 0 <= angle < size:
             raise ValueError(f"angles must be among the {size} numbers of a row, got {angle!r}")
         error[..., angle] = wrap_angle(error[..., angle])
     return error
@@ -222,16 +225,23 @@ def error_report(
     ValueError
         If the shapes do not fit together.
     """
+    for name, texts in (("names", names), ("units", units)):
+        if isinstance(texts, str) or not isinstance(texts, Iterable):
+            raise TypeError(f"{name} must be a sequence of texts, got {texts!r}")
     angles = [i for i, unit in enumerate(units) if unit == "rad"]
     error = wrapped_error(estimate, truth, angles=angles)
-    if error.ndim not in (2, 3) or not error.shape[-1] == len(names) == len(units):
+    if (
+        error.ndim not in (2, 3)
+        or not error.size
+        or not error.shape[-1] == len(names) == len(units)
+    ):
         raise ValueError(
             f"estimate must be of shape (N, n) or (M, N, n) with a name and a unit for each of the "
             f"n numbers, got {np.shape(estimate)}, {len(names)} names and {len(units)} units"
         )
     claimed = None
     if covariance is not None:
-        matrices = np.asarray(covariance, dtype=np.float64)
+        matrices = floats("covariance", covariance)
         if matrices.shape != (*error.shape, error.shape[-1]):
             expected = (*error.shape, error.shape[-1])
             raise ValueError(f"covariance must be of shape {expected}, got {matrices.shape}")
@@ -266,7 +276,7 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
     TypeError, ValueError
         If the runs do not have the same steps, or have no such poses, or no truth.
     """
-    if of not in _SOURCES:
+    if not isinstance(of, str) or of not in _SOURCES:
         raise ValueError(f"of must be 'estimate' or 'measurement', got {of!r}")
     runs = as_runs(traces)
     poses = np.array([getattr(trace, _SOURCES[of]) for trace in runs])
@@ -289,7 +299,7 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
 
 def as_runs(traces: Trace | Sequence[Trace]) -> list[Trace]:
     """Return a list of runs of the same steps."""
-    runs = [*traces] if isinstance(traces, Iterable) else [traces]
+    runs = [traces] if isinstance(traces, Trace) or not isinstance(traces, Iterable) else [*traces]
     if not runs or not all(isinstance(trace, Trace) for trace in runs):
         raise TypeError(f"traces must be a Trace or a sequence of them, got {traces!r}")
     steps = {(int(trace.k[0]) if len(trace) else 0, len(trace)) for trace in runs}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import reprlib
 from typing import Any
 
 import numpy as np
@@ -54,3 +55,16 @@ def whole(name: str, value: Any, *, least: int, most: int) -> int:
     if not least <= value <= most:
         raise ValueError(f"{name} must lie within {least}..{most}, got {value}")
     return int(value)
+
+
+def floats(name: str, values: Any) -> Floats:
+    """Return an array of numbers, of any shape; NaN and infinity are among them."""
+    try:
+        given = np.asarray(values)
+        # No text, dates or complex numbers.
+        if given.dtype.kind not in "biufO":
+            raise TypeError(given.dtype)
+        return given.astype(np.float64, copy=False)
+    except (TypeError, ValueError):  # rows of different lengths, too
+        message = f"{name} must be an array of numbers, got {reprlib.repr(values)}"
+        raise TypeError(message) from None

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robsim._core import regression_samples
 from robsim.numbers import Floats
-from robsim.trace import Bools, Trace, longest_run
+from robsim.trace import Bools, Trace, check_trace, longest_run
 
 SOURCES = {"truth": "pose_true", "measurement": "measured", "estimate": "estimated"}
 SELECTIONS = ("valid", "longest", "all")
@@ -62,6 +62,7 @@ def samples_of(
     ValueError
         For another name.
     """
+    check_trace(trace)
     source = trace.info.identify_from if identify_from is None else identify_from
     _check("identify_from", source, tuple(SOURCES))
     _check("samples", samples, SELECTIONS)

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import math
+import reprlib
 import tokenize
 import zipfile
 import zlib
@@ -185,6 +186,12 @@ class TrackingStatistics:
             f"tracking: {self.steps} steps, {self.valid} valid ({share}), {self.false} false, "
             f"rms {self.rms_xy:.3f} px and {self.rms_heading_deg:.3f} deg"
         )
+
+
+def check_trace(trace: Any) -> None:
+    """Raise a TypeError unless it is a trace."""
+    if not isinstance(trace, Trace):
+        raise TypeError(f"trace must be a Trace, got {reprlib.repr(trace)}")
 
 
 def longest_run(mask: Bools) -> slice:

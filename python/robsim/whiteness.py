@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim.chi_square import chi_square_tail
-from robsim.numbers import Floats, whole
+from robsim.numbers import Floats, floats, whole
 
 # 95 % of a normal distribution lie within so many standard deviations.
 _LIMIT = 1.96
@@ -107,7 +107,7 @@ def whiteness_report(
     Without gaps this is the statistic of Ljung and Box, On a measure of lack of fit in time series
     models, Biometrika 65(2), 1978.
     """
-    w = np.asarray(innovation, dtype=np.float64)
+    w = floats("innovation", innovation)
     if w.ndim not in (2, 3) or not w.size:
         raise ValueError(f"innovation must be of shape (N, n) or (M, N, n), got {w.shape}")
     lags = whole("lags", lags, least=1, most=10**6)
@@ -157,10 +157,14 @@ def whitened(values: Floats, covariance: ArrayLike, *, name: str = "S") -> Float
         If a covariance is not symmetric and positive definite, a value is infinite, or the shapes
         do not fit.
     """
-    values = np.asarray(values, dtype=np.float64)
-    matrices = np.asarray(covariance, dtype=np.float64)
+    matrices = floats(name, covariance)
+    if not values.ndim:
+        raise ValueError(f"errors and innovations must be rows of n numbers, got {values}")
     shape = (*values.shape, values.shape[-1])
-    if matrices.shape[-2:] != shape[-2:] or matrices.ndim > len(shape):
+    # Those of fewer steps or runs stand for all of them; see numpy's broadcasting.
+    pairs = zip(matrices.shape[::-1], shape[::-1], strict=False)
+    fits = all(size in (1, wanted) for size, wanted in pairs)
+    if matrices.shape[-2:] != shape[-2:] or matrices.ndim > len(shape) or not fits:
         raise ValueError(f"{name} must be of shape {shape} or {shape[-2:]}, got {matrices.shape}")
     matrices = np.broadcast_to(matrices, shape)
     known = ~(np.isnan(values).any(axis=-1) | np.isnan(matrices).any(axis=(-2, -1)))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from robsim.numbers import Floats
 
 HEADING = 2
+_LARGEST = 1e9  # beyond any area and any battery
 Bools = NDArray[np.bool_]
 
 
@@ -78,6 +79,10 @@ def as_record(poses: Any, u: Any, breaks: Any) -> Record:
             f"{breaks.shape}"
         )
     poses[~np.isfinite(poses).all(axis=1)] = np.nan
+    for name, values in (("poses", poses), ("u", u)):
+        if (np.abs(values) > _LARGEST).any():
+            largest = np.nanmax(np.abs(values))
+            raise ValueError(f"{name} must lie within +-{_LARGEST:g}, got {largest:g}")
     return Record(poses, u, breaks)
 
 
