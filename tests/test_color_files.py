@@ -177,3 +177,9 @@ def test_a_damaged_file_is_changed_as_a_whole_or_not_at_all(tmp_path, seed):
             same(load_colors(path), (before | {"red": new}).values())
             count += 1
     assert 0 < count < 60
+
+
+def test_no_colours_are_no_file(tmp_path):
+    with pytest.raises(ValueError, match="colors must have at least one ColorClass, got none"):
+        save_colors(tmp_path / "none.toml", ())
+    assert not (tmp_path / "none.toml").exists()

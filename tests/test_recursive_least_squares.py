@@ -242,3 +242,16 @@ def test_forgetting_without_excitation_stays_finite():
     np.testing.assert_allclose(filter_.P, [[0.5, 0], [0, 2 * LIMIT / 2]], rtol=1e-12)
     assert filter_.theta[0] == pytest.approx(2.0)
     assert filter_.theta[1] == 0
+
+
+@pytest.mark.parametrize(
+    ("parameters", "filters", "message"),
+    [
+        (1001, 1, r"parameters must lie within 1\.\.1000, got 1001"),
+        (2, 100_001, r"filters must lie within 1\.\.100000, got 100001"),
+        (1000, 101, r"filters \* parameters\^2 must be at most 1e8, got 101000000"),
+    ],
+)
+def test_filters_that_no_memory_holds(parameters, filters, message):
+    with pytest.raises(ValueError, match=message):
+        robsim.RecursiveLeastSquares(parameters, filters=filters)

@@ -100,9 +100,12 @@ def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorCl
     Raises
     ------
     ValueError
-        If there is a file that is not a colour file; then it stays as it is.
+        If there is a file that is not a colour file; then it stays as it is. If there are no
+        colours.
     """
     path, classes = Path(path), _classes(colors)
+    if not classes:
+        raise ValueError("colors must have at least one ColorClass, got none")
     if path.exists():
         load_colors(path)
         text = _updated(path.read_bytes().decode("utf-8-sig"), classes)

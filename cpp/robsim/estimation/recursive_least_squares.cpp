@@ -10,6 +10,9 @@ namespace robsim {
 namespace {
 
 constexpr double largest = 1e100;  // squares of larger numbers overflow
+constexpr int most_parameters = 1000;
+constexpr int most_filters = 100'000;
+constexpr double most_numbers = 1e8;  // of all covariances: 0.8 GB
 
 template <typename Number>
 void check(bool holds, const char* expected, Number value) {
@@ -33,8 +36,12 @@ RecursiveLeastSquares::RecursiveLeastSquares(int parameters, int filters, double
       filters_(filters),
       forgetting_(forgetting),
       initial_covariance_(initial_covariance) {
-  check(parameters >= 1, "parameters must be at least 1, got ", parameters);
-  check(filters >= 1, "filters must be at least 1, got ", filters);
+  check(parameters >= 1 && parameters <= most_parameters,
+        "parameters must lie within 1..1000, got ", parameters);
+  check(filters >= 1 && filters <= most_filters, "filters must lie within 1..100000, got ",
+        filters);
+  const double numbers = 1.0 * filters * parameters * parameters;
+  check(numbers <= most_numbers, "filters * parameters^2 must be at most 1e8, got ", numbers);
   check(forgetting > 0 && forgetting <= 1, "forgetting must lie in (0, 1], got ", forgetting);
   check(std::isfinite(initial_covariance) && initial_covariance > 0,
         "initial_covariance must be positive and finite, got ", initial_covariance);
