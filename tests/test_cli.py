@@ -57,6 +57,7 @@ def test_the_demo_first_spins_then_drives(demo):
     assert (u[200:].max(), u[200:].min()) != (0.05, -0.05)
 
 
+@pytest.mark.slow
 def test_the_demo_shows_progress_and_prints_the_table(tmp_path):
     run = cli("demo", "--out", str(tmp_path), "--steps", "230")
     assert run.returncode == 0

@@ -291,8 +291,7 @@ def test_test_refuses(arguments, sentence):
 
 
 # --- help
-
-
+@pytest.mark.slow
 def test_the_examples_of_the_help_work_one_after_the_other():
     for command in ("frame", "train", "show", "test"):
         text = done(command, "--help")

@@ -37,6 +37,7 @@ def test_a_notebook_is_short_and_stripped(file):
         assert (cell["outputs"], cell["execution_count"], cell["metadata"]) == ([], None, {})
 
 
+@pytest.mark.slow
 @each
 def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
     robsim.copy_notebooks(tmp_path)
