@@ -461,7 +461,10 @@ def test_two_threads_cannot_run_one_simulation():
 
 @pytest.mark.skipif(os.name == "nt", reason="no POSIX signals")
 @pytest.mark.parametrize("control", [None, lambda step: (0.1, 0.1)])
-def test_ctrl_c_stops_a_run_with_its_trace_kept(control):
+def test_ctrl_c_stops_a_run_with_its_trace_kept(control, request):
+    # A shell starts what it puts into the background with this signal ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
     sim = robsim.Simulation(control=control, estimate_parameters=True)
     sim.run(1)
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
