@@ -4,7 +4,7 @@ from matplotlib.colors import to_rgb
 
 import robsim
 from robsim.plotting import style
-from robsim.plotting.overlay import NOT_SEEN, draw_overlay
+from robsim.plotting.overlay import draw_overlay
 
 GREY = 120
 OUTLINE = [(50, 50), (50, -50), (-50, -50), (-50, 50)]
@@ -107,7 +107,7 @@ def test_a_path_of_nothing(path):
 )
 def test_not_seen(measurement, blobs, is_told):
     pixels = draw_overlay(make_frame(), measurement=measurement, blobs=blobs)
-    assert has_color(pixels, NOT_SEEN, (20, 20), reach=10) is is_told
+    assert has_color(pixels, style.WRONG, (20, 20), reach=10) is is_told
 
 
 @pytest.mark.parametrize("size", [(1200, 1200), (400, 300), (120, 90), (16, 16)])

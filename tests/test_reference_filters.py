@@ -532,3 +532,14 @@ def test_everything_in_all_is_there():
     assert sorted(reference.__all__) == reference.__all__
     for name in reference.__all__:
         assert getattr(reference, name).__doc__
+
+
+def test_two_simulations_in_turn_cannot_share_a_filter():
+    shared = ConstantVelocityKalmanFilter()
+    options = {"measure": lambda step: None, "estimate_state": shared}
+    one, other = (robsim.Simulation(seed=seed, **options) for seed in (1, 2))
+    one.step()
+    other.step()
+    one.step()
+    with pytest.raises(RuntimeError, match=r"step 1 came twice: make a filter for each simulation"):
+        other.step()

@@ -12,7 +12,7 @@ import typer
 
 from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
-from robsim.cli.shared import Colors, Json, Robot
+from robsim.cli.shared import Colors, Json, Noise, NoisePercent, Robot
 from robsim.cli.text import point, region
 from robsim.color_picture import paint_classes
 from robsim.color_score import ColorScore, Region, score_color
@@ -52,12 +52,8 @@ def frame(
     heading: Annotated[
         float, typer.Option("--heading", help="Degrees clockwise from facing right.")
     ] = 0.0,
-    noise: Annotated[
-        str, typer.Option("--noise", help="Noise of the camera: none, uniform, gaussian.")
-    ] = "none",
-    noise_percent: Annotated[
-        float | None, typer.Option("--noise-percent", help="Its level, such as 10.")
-    ] = None,
+    noise: Noise = "none",
+    noise_percent: NoisePercent = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of the noise.")] = None,
 ) -> None:
     """Write a picture of the simulated robot."""

@@ -9,7 +9,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.outcome import finish
-from robsim.cli.shared import Colors, Json, Robot, Smoothing
+from robsim.cli.shared import Colors, Json, Noise, NoisePercent, Robot, Smoothing
 from robsim.cli.text import size
 
 if TYPE_CHECKING:
@@ -60,12 +60,8 @@ def run(
             "pseudo-random-binary, multi-sine, chirp.",
         ),
     ] = None,
-    noise: Annotated[
-        str, typer.Option("--noise", help="Noise of the camera: none, uniform, gaussian.")
-    ] = "none",
-    noise_percent: Annotated[
-        float | None, typer.Option("--noise-percent", help="Its level, such as 10.")
-    ] = None,
+    noise: Noise = "none",
+    noise_percent: NoisePercent = None,
     dropout: Annotated[
         float, typer.Option("--dropout", help="Share of the steps that hide the robot, 0..1.")
     ] = 0.0,

@@ -20,4 +20,10 @@ Smoothing = Annotated[
         help="Window against noise in px: 3, 5, ... 15; 1 = off. Default: by the marker's size.",
     ),
 ]
+Noise = Annotated[
+    str, typer.Option("--noise", help="Noise of the camera: none, uniform, gaussian.")
+]
+NoisePercent = Annotated[
+    float | None, typer.Option("--noise-percent", help="Its level, such as 10.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")]

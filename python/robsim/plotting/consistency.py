@@ -50,7 +50,7 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     size = 1.6 * style.dot_size(len(k))
     for where, color, share, name in (
         (is_inside, style.ESTIMATED, report.inside, "in"),
-        (values > high, "#c62828", report.above, "above"),
+        (values > high, style.WRONG, report.above, "above"),
         (values < low, style.BATCH, report.below, "below"),
     ):
         label = f"{100 * share:.1f} % {name}"

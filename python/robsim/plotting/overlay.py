@@ -19,7 +19,6 @@ from robsim.pictures import Pixels
 from robsim.plotting import style
 from robsim.plotting.shapes import box_corners, heading_line, placed_outline
 
-NOT_SEEN = "#c62828"  # the label of a frame without a measurement
 SHADE = 0.35  # brightness of the picture under the text
 FINENESS = 3  # lines are drawn so many times larger, then reduced: their edges become smooth
 
@@ -77,7 +76,7 @@ def draw_overlay(
     if measurement is not None:
         canvas.pose(measurement.pose, outline, style.MEASURED)
     elif blobs is not None:
-        canvas.label("not seen", NOT_SEEN)
+        canvas.label("not seen", style.WRONG)
     if text:
         canvas.caption(text)
     return canvas.image

@@ -26,6 +26,7 @@ BATCH = "#e07b00"  # the batch parameter estimate
 FITTED = "#333333"  # the bell curve
 CLAIMED = "#d5e1f8"  # where 95 % should lie: the claim of an estimator, the band of a test
 BOUND = "#b3541e"  # the Cramér-Rao bound
+WRONG = "#c62828"  # not seen; above the band
 RECORD = "#eef1f5"  # background of the steps that the histograms are made from
 GUIDE = "#9aa0a6"  # lines and notes that are no data
 

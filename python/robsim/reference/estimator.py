@@ -54,8 +54,9 @@ class StateEstimator(ABC):
 
     The state is (x, y, heading, and their velocities) in px, rad and s, its heading wrapped.
 
-    A filter begins anew at step 0, and at any step that does not follow the one before. It
-    remembers a run: make one for each simulation.
+    A filter begins anew at step 0, and at any later step that does not follow the one before. It
+    remembers a run: make one for each simulation. A step that comes a second time is a
+    RuntimeError, as when two simulations share a filter.
 
     Attributes
     ----------
@@ -82,15 +83,19 @@ class StateEstimator(ABC):
 
     def __call__(self, step: Step) -> Estimate:
         """Return the pose of a step, its covariance, and as further state its velocity."""
+        if step.k == self._last_step > 0:
+            raise RuntimeError(
+                f"step {step.k} came twice: make a filter for each simulation, or reset() it"
+            )
         if step.k == 0 or step.k != self._last_step + 1:
             self.reset()
-        self._last_step = step.k
         # The prior holds until the robot is seen: where it faces decides where an input drives it.
         if self._has_seen:
             self.predict(step.u, step.dt)
         if step.measurement is not None:
             self.update(step.measurement.pose)
             self._has_seen = True
+        self._last_step = step.k
         return Estimate(self.mean[:3], self.P[:3, :3], self.mean[3:])
 
     @abstractmethod
