@@ -543,3 +543,20 @@ def test_two_simulations_in_turn_cannot_share_a_filter():
     one.step()
     with pytest.raises(RuntimeError, match=r"step 1 came twice: make a filter for each simulation"):
         other.step()
+
+
+def test_a_collapsed_cloud_is_drawn_anew_all_the_same():
+    collapsed = ParticleFilter(count=1000)
+    collapsed.particles[:] = collapsed.particles[0]
+    collapsed.weights[:] = 0
+    collapsed.weights[0] = 1
+    collapsed.predict(np.zeros(2), 0.2)
+    collapsed.P[:, 3:] = collapsed.P[3:, :] = 0  # no spread of velocities: P has no inverse
+    z = collapsed.mean[:3] + (5, 5, 0.1)
+    collapsed.weights[:] = 0
+    collapsed.weights[0] = 1
+    collapsed.update(z)
+    assert collapsed.effective_count == pytest.approx(1000)
+    spread = collapsed.particles.std(axis=0)
+    assert (spread[:3] > 0.001).all()
+    np.testing.assert_allclose(spread[3:], 0, atol=1e-9)

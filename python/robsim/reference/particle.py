@@ -122,10 +122,8 @@ class ParticleFilter(StateEstimator):
 
     def _draw(self, mean: Floats, P: Floats) -> None:
         """Draw the particles from a normal distribution."""
-        # by eigenvalues: a cloud that has collapsed leaves P without a Cholesky factor
-        self.particles = self._rng.multivariate_normal(
-            mean, P, self.count, method="eigh", check_valid="ignore"
-        )
+        # x_i = mean + L n_i with L L' = P and n_i of unit covariance
+        self.particles = mean + self._rng.standard_normal((self.count, 6)) @ _root(P).T
         self.weights = np.full(self.count, 1 / self.count)
 
     def resample(self) -> None:
@@ -146,3 +144,18 @@ class ParticleFilter(StateEstimator):
         deviation = self.particles - self.mean
         deviation[:, 2] = wrap_angle(deviation[:, 2])
         self.P = (self.weights * deviation.T) @ deviation
+
+
+def _root(P: Floats) -> Floats:
+    """Return L with L L' = P, the same on every processor.
+
+    Eigenvectors alone are not: for equal eigenvalues any basis will do, and kernels of the linear
+    algebra differ in the one they give.
+    """
+    try:
+        return np.linalg.cholesky(P)
+    except np.linalg.LinAlgError:  # a collapsed cloud: P is singular
+        # P^(1/2) = V sqrt(D) V' is unique, whatever V is
+        eigenvalues, V = np.linalg.eigh(P)
+        root: Floats = (V * np.sqrt(np.maximum(eigenvalues, 0))) @ V.T
+        return root
