@@ -3,7 +3,7 @@
 import numpy as np
 
 import robsim
-from robsim.scene import make_renderer
+from robsim.simulation._scene import make_renderer
 
 AREA = (1200, 1200)
 

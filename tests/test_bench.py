@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from commands import cli
-from robsim.bench import BenchResult, Case, run_bench, vision
-from robsim.bench.cases import timed
+from robsim.bench import BenchResult, Case, run_bench
+from robsim.bench import _vision as vision
+from robsim.bench._cases import timed
 
 pytest.importorskip("cv2")
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from robsim.bench import estimation
-from robsim.bench.estimation import TextbookRecursiveLeastSquares
+from robsim.bench import _estimation as estimation
+from robsim.bench._estimation import TextbookRecursiveLeastSquares
 
 
 @pytest.mark.parametrize("forgetting", [1.0, 0.95])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robsim.bench import render
+from robsim.bench import _render as render
 
 cv2 = pytest.importorskip("cv2")
 

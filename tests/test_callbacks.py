@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.slots import STEP
+from robsim.simulation._slots import STEP
 
 SMALL = {"camera": (240, 240)}
 GOOD = {

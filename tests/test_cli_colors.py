@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 import robsim
 from robsim import ColorClass, load_colors, read_picture
 from robsim.cli import app
-from robsim.color_score import score_color
-from robsim.colors import SHIPPED_COLORS, color_text, save_colors
+from robsim.vision._color_files import SHIPPED_COLORS, color_text, save_colors
+from robsim.vision._color_score import score_color
 
 pytestmark = pytest.mark.usefixtures("user_folder", "_here")
 

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 import robsim
-from robsim.clip import Clip
+from robsim.imaging._clip import Clip
 
 
 def frames(count=6, *, width=60, height=40):

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robsim import ColorClass, load_colors
-from robsim.colors import color_text, save_colors
+from robsim.vision._color_files import color_text, save_colors
 
 CHANNELS = ("y", "u", "v")
 

@@ -5,7 +5,7 @@ import pytest
 
 import robsim
 from robsim import ColorClass, load_colors, rgb_to_yuv
-from robsim.color_picture import paint_classes
+from robsim.vision._color_masks import paint_classes
 
 
 @pytest.mark.parametrize("smoothing", [1, 3, 7, 15])

@@ -7,7 +7,7 @@ import pytest
 
 import robsim
 from robsim import ColorClass, find_blobs, load_colors
-from robsim.color_score import score_color
+from robsim.vision._color_score import score_color
 
 RED, FLOOR = (198, 36, 40), (150, 148, 146)
 REGION = (30, 40, 49, 59)

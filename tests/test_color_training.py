@@ -8,7 +8,7 @@ import pytest
 import robsim
 from robsim import ColorClass, VisualNoise, load_colors, rgb_to_yuv
 from robsim._core import color_histograms
-from robsim.light import darkened
+from robsim.imaging._shading import darkened
 
 CHANNELS = ("y", "u", "v")
 RED, BLUE, FLOOR = (198, 36, 40), (30, 60, 220), (150, 148, 146)

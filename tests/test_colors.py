@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import robsim
 from robsim import ColorClass, load_colors, rgb_to_yuv
-from robsim.colors import as_colors
+from robsim.vision._color_files import as_colors
 
 CHANNELS = ("y", "u", "v")
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.controllers import FollowPath, GoToPoint
-from robsim.path_score import score_path
+from robsim.control._path_following import FollowPath, GoToPoint
+from robsim.control._path_score import score_path
 
 NOISY = {"camera": (400, 400), "noise": "gaussian", "noise_percent": 10, "measure": True}
 SMALL = {"camera": (240, 240)}

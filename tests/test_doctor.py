@@ -16,9 +16,9 @@ from robsim.doctor import (
     Finding,
     check_estimator,
     check_parameter_estimator,
-    stages,
-    trial,
 )
+from robsim.doctor import _stages as stages
+from robsim.doctor import _trial as trial
 
 R = np.diag((0.5**2, 0.5**2, 0.01**2))
 
@@ -110,7 +110,7 @@ def test_the_reference_filters_are_well(make):
     check_estimator(partial(make, robsim.RobotModel()) if takes_a_model else make).raise_if_ill()
 
 
-TEMPLATE = Path(robsim.__file__).with_name("templates") / "estimate_state.py"
+TEMPLATE = Path(robsim.__file__).with_name("simulation") / "templates" / "estimate_state.py"
 
 
 def test_the_template_of_a_state_estimator_is_well():

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 import typer
 
+from robsim._base.shipped import ASSETS
 from robsim.cli import app
-from robsim.shipped import ASSETS
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 SHELL = "".join(re.findall(r"```sh\n(.*?)```", README, re.DOTALL))

@@ -9,7 +9,7 @@ import pytest
 
 import robsim
 from commands import cli
-from robsim.excitation import Chirp, MultiSine, PseudoRandomBinary, controller_named
+from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary, controller_named
 
 DT = 0.2
 KINDS = [PseudoRandomBinary, MultiSine, Chirp]

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.folders import CallbackFolder, new_folder
-from robsim.slots import ARGUMENTS, ONCE, OPTIONAL, STEP
+from robsim.simulation._folders.callback_folder import CallbackFolder, new_folder
+from robsim.simulation._slots import ARGUMENTS, ONCE, OPTIONAL, STEP
 
 SLOTS = list(ARGUMENTS)
 SMALL = {"area": (300, 300)}

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from robsim import PlaneMap
-from robsim.four_points import plane_map_from_points
+from robsim.imaging._plane_maps import plane_map_from_points
 
 SQUARE = [(0, 0), (100, 0), (100, 100), (0, 100)]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.folders import new_folder
+from robsim.simulation._folders.callback_folder import new_folder
 
 
 @pytest.fixture

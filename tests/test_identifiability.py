@@ -3,7 +3,7 @@ import pytest
 
 import robsim
 from robsim import check_excitation
-from robsim.identifiability import ASSUMED_NOISE, judge
+from robsim.identification._identifiability import ASSUMED_NOISE, judge
 
 THETA = np.array(
     [[1.9, -0.9, 0.2, 0.1, 0.0], [1.9, -0.9, 0.2, 0.1, 0.0], [1.8, -0.8, 0.03, 0.03, 0]]

@@ -5,17 +5,17 @@ import pytest
 from scipy import stats
 
 import robsim
-from robsim.chi_square import chi_square_band
-from robsim.consistency import nees, nees_report, nis, nis_report, pose_consistency
-from robsim.convergence import convergence_time, parameter_convergence
-from robsim.cramer_rao import (
+from robsim.evaluation._chi_square import chi_square_band
+from robsim.evaluation._consistency import nees, nees_report, nis, nis_report, pose_consistency
+from robsim.evaluation._cramer_rao import (
     cramer_rao_bound,
     parameter_bounds,
     pose_bounds,
     posterior_cramer_rao_bound,
 )
-from robsim.metrics import error_report, pose_errors, wrapped_error
-from robsim.whiteness import whiteness_report
+from robsim.evaluation._errors import error_report, pose_errors, wrapped_error
+from robsim.evaluation._whiteness import whiteness_report
+from robsim.identification._convergence import convergence_time, parameter_convergence
 
 NAN = np.nan
 PI = np.pi

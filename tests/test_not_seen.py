@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.not_seen import why_not_seen
+from robsim.cli.detection_failure import why_not_seen
 
 SMALL = {"camera": (600, 600), "measure": True, "seed": 1}
 

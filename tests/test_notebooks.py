@@ -8,7 +8,7 @@ import pytest
 
 import robsim
 from commands import cli
-from robsim.shipped import NOTEBOOKS
+from robsim._base.shipped import NOTEBOOKS
 
 SHIPPED = sorted(NOTEBOOKS.glob("*.ipynb"))
 each = pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)

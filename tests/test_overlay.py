@@ -3,8 +3,8 @@ import pytest
 from matplotlib.colors import to_rgb
 
 import robsim
-from robsim.plotting import style
-from robsim.plotting.overlay import draw_overlay
+from robsim.plotting import _style as style
+from robsim.plotting._overlay import draw_overlay
 
 GREY = 120
 OUTLINE = [(50, 50), (50, -50), (-50, -50), (-50, 50)]

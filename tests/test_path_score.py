@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.path_score import PathScore, as_waypoints, nearest_on_segment, score_path
+from robsim.control._path_score import PathScore, as_waypoints, nearest_on_segment, score_path
 
 NAN = np.nan
 L_TURN = [(100, 0), (100, 100)]

@@ -9,17 +9,17 @@ from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 
 import robsim
-from robsim.consistency import nees_report, nis_report
-from robsim.metrics import error_report, pose_errors
+from robsim.evaluation._consistency import nees_report, nis_report
+from robsim.evaluation._errors import error_report, pose_errors
+from robsim.plotting import _style as style
 from robsim.plotting import (
     plot_batch,
     plot_consistency,
     plot_ellipses,
     plot_errors,
     plot_parameters,
-    style,
 )
-from robsim.plotting.ellipses import ellipses
+from robsim.plotting._ellipses import ellipses
 
 NAN = np.nan
 

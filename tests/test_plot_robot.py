@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 from drawn_robots import box, painted
 from robsim import RobotDefinition, load_robot
-from robsim.plotting import plot_robot, style
+from robsim.plotting import _style as style
+from robsim.plotting import plot_robot
 
 RED, BLUE = box(240, 240, 319, 319), box(80, 200, 159, 279)
 

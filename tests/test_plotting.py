@@ -10,8 +10,9 @@ from matplotlib.colors import same_color, to_rgba
 from matplotlib.figure import Figure
 
 import robsim
-from robsim.plotting import plot_batch, plot_frame, plot_parameters, plot_traces, style
-from robsim.trace import RunInfo, Trace, longest_run
+from robsim.plotting import _style as style
+from robsim.plotting import plot_batch, plot_frame, plot_parameters, plot_traces
+from robsim.trace._trace import RunInfo, Trace, longest_run
 
 THETA_TRUE = (
     (1.9375, -0.9375, 0.20833, 0.20833, 8.3333e-06),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from robsim.folders import new_folder
+from robsim.simulation._folders.callback_folder import new_folder
 
 README = (Path(__file__).parent.parent / "README.md").read_text()
 BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
@@ -49,7 +49,7 @@ def test_the_first_block_is_five_lines_and_ends_with_a_picture():
 
 
 def test_the_table_of_callbacks_names_every_slot():
-    from robsim.slots import ARGUMENTS
+    from robsim.simulation._slots import ARGUMENTS
 
     rows = re.findall(r"^\| `(\w+)` \|.*\|.*\|.*\|$", README, re.MULTILINE)
     assert rows == [*ARGUMENTS]

@@ -8,8 +8,8 @@ import pytest
 from PIL import Image
 
 import robsim
-from robsim.recordings import Recording
-from robsim.video import write_video
+from robsim.imaging._recordings import Recording
+from robsim.imaging._video import write_video
 
 
 def picture(brightness, *, width=32, height=24):

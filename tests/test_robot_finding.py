@@ -6,7 +6,8 @@ from PIL import Image, ImageFilter
 
 from drawn_robots import COLORS, box, painted, star
 from robsim import ColorClass
-from robsim.robots import check_colors, polygons, robot_from_picture
+from robsim.robots import _polygons as polygons
+from robsim.robots import check_colors, robot_from_picture
 
 RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drawn_robots import box, star
-from robsim.robots import polygons
+from robsim.robots import _polygons as polygons
 
 SQUARE = box(0, 0, 4, 4)
 # A square with a notch from the right, as deep as to (1, 2).

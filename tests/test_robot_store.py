@@ -25,7 +25,7 @@ from robsim.robots import (
     save_robot,
     use_robot,
 )
-from robsim.robots.choice import data_folder
+from robsim.robots._default_robot import data_folder
 
 pytestmark = pytest.mark.usefixtures("user_folder")
 
@@ -230,9 +230,9 @@ def broken(*arguments, **options):
 @pytest.mark.parametrize("step", ["write_whole", "read_robot", "rename"])
 def test_a_failing_add_leaves_nothing_behind(user_folder, monkeypatch, step):
     if step == "write_whole":
-        monkeypatch.setattr(robots.files, "write_whole", broken)
+        monkeypatch.setattr(robots._files, "write_whole", broken)
     elif step == "read_robot":
-        monkeypatch.setattr(robots.own, "read_robot", broken)
+        monkeypatch.setattr(robots._user_robots, "read_robot", broken)
     else:
         monkeypatch.setattr(Path, "rename", broken)
     lab = load_robot("lab")

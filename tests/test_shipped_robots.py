@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.robots.lookup import shipped_robots
+from robsim.robots._lookup import shipped_robots
 from scenes import errors_of, poses_within, renderer
 
 NAMES = list(shipped_robots())

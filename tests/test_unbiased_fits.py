@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.fits import METHODS, instrumental_variables, output_error
-from robsim.fits.paths import recursion, sensitivities, simulated_path
+from robsim.identification._fits import METHODS, instrumental_variables, output_error
+from robsim.identification._fits.paths import recursion, sensitivities, simulated_path
 
 TRUTH = robsim.RobotModel().theta
 NOISE = np.array([0.3, 0.3, 0.01])  # px, px, rad

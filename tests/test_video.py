@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.opencv import quiet
-from robsim.recordings import Recording
-from robsim.video import CODECS, VideoWriter, write_video
+from robsim.imaging._images import resized
+from robsim.imaging._opencv import quiet
+from robsim.imaging._recordings import Recording
+from robsim.imaging._video import CODECS, VideoWriter, write_video
 
 pytest.importorskip("cv2")
 
@@ -19,7 +20,7 @@ SMALL = [".mp4", ".webm"]
 def smooth(rng, *, width=64, height=48, count=5):
     """Frames without fine detail, which all codecs keep."""
     coarse = rng.integers(40, 216, (count, 3, 4, 3), dtype=np.uint8)
-    return [robsim.pictures.resized(pixels, width, height) for pixels in coarse]
+    return [resized(pixels, width, height) for pixels in coarse]
 
 
 def images(path):
@@ -137,6 +138,7 @@ FULL_DISK = """
 import resource, sys
 import numpy as np
 import robsim
+from robsim.imaging._images import resized
 frames = np.random.default_rng(1).integers(0, 256, (20, 200, 200, 3), dtype=np.uint8)
 resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
 robsim.write_video(sys.argv[1], frames, fps=5)

@@ -157,7 +157,7 @@ plane_map : PlaneMap, optional
           "_repr_png_",
           [](const Frame& self) -> py::bytes {
             // The core knows no codecs: the package's own one does it.
-            return py::module_::import("robsim.pictures")
+            return py::module_::import("robsim.imaging._images")
                 .attr("png_bytes")(image_array(self.image));
           },
           "Return the image as a PNG file: a frame shows itself in a notebook.")

@@ -3,6 +3,7 @@
 from importlib.metadata import version as _version
 from typing import TYPE_CHECKING, Any
 
+from robsim._base.shipped import copy_notebooks
 from robsim._core import (
     Blob,
     ColorClass,
@@ -33,12 +34,12 @@ from robsim._core import (
     rgb_to_yuv,
     wrap_angle,
 )
-from robsim.chi_square import chi_square_band
-from robsim.clip import Clip
-from robsim.color_picture import paint_classes
-from robsim.color_score import ColorScore, score_color
-from robsim.colors import color_text, load_colors, save_colors
-from robsim.consistency import (
+from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary
+from robsim.control._path_following import FollowPath, GoToPoint
+from robsim.control._path_score import PathScore, score_path
+from robsim.doctor import Checkup, check_estimator, check_parameter_estimator
+from robsim.evaluation._chi_square import chi_square_band
+from robsim.evaluation._consistency import (
     ConsistencyReport,
     nees,
     nees_report,
@@ -46,24 +47,28 @@ from robsim.consistency import (
     nis_report,
     pose_consistency,
 )
-from robsim.controllers import FollowPath, GoToPoint
-from robsim.convergence import ConvergenceReport, convergence_time, parameter_convergence
-from robsim.cramer_rao import (
+from robsim.evaluation._cramer_rao import (
     cramer_rao_bound,
     parameter_bounds,
     pose_bounds,
     posterior_cramer_rao_bound,
 )
-from robsim.doctor import Checkup, check_estimator, check_parameter_estimator
-from robsim.excitation import Chirp, MultiSine, PseudoRandomBinary
-from robsim.fits import ModelFit, instrumental_variables, output_error
-from robsim.four_points import plane_map_from_points
-from robsim.identifiability import Identifiability, check_excitation
-from robsim.identification import BatchEstimate, batch_estimate
-from robsim.metrics import ErrorReport, error_report, pose_errors, wrapped_error
-from robsim.path_score import PathScore, score_path
-from robsim.pictures import read_picture, write_picture
-from robsim.recordings import Recording
+from robsim.evaluation._errors import ErrorReport, error_report, pose_errors, wrapped_error
+from robsim.evaluation._whiteness import WhitenessReport, whiteness_report
+from robsim.identification._batch import BatchEstimate, batch_estimate
+from robsim.identification._convergence import (
+    ConvergenceReport,
+    convergence_time,
+    parameter_convergence,
+)
+from robsim.identification._fits import ModelFit, instrumental_variables, output_error
+from robsim.identification._identifiability import Identifiability, check_excitation
+from robsim.identification._regression import Samples, samples_of
+from robsim.imaging._clip import Clip
+from robsim.imaging._images import read_picture, write_picture
+from robsim.imaging._plane_maps import plane_map_from_points
+from robsim.imaging._recordings import Recording
+from robsim.imaging._video import VideoWriter, write_video
 from robsim.robots import (
     RobotDefinition,
     add_robot,
@@ -78,13 +83,12 @@ from robsim.robots import (
     save_robot,
     use_robot,
 )
-from robsim.samples import Samples, samples_of
-from robsim.scene import draw_red_square
-from robsim.shipped import copy_notebooks
-from robsim.simulation import Simulation
-from robsim.trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
-from robsim.video import VideoWriter, write_video
-from robsim.whiteness import WhitenessReport, whiteness_report
+from robsim.simulation._scene import draw_red_square
+from robsim.simulation._simulation import Simulation
+from robsim.trace._trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
+from robsim.vision._color_files import color_text, load_colors, save_colors
+from robsim.vision._color_masks import paint_classes
+from robsim.vision._color_score import ColorScore, score_color
 
 if TYPE_CHECKING:
     from robsim.plotting import (

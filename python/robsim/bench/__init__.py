@@ -1,6 +1,6 @@
 """Speed against what else there is."""
 
-from robsim.bench.cases import BenchResult, Case
-from robsim.bench.run import run_bench
+from robsim.bench._cases import BenchResult, Case
+from robsim.bench._run import run_bench
 
 __all__ = ["BenchResult", "Case", "run_bench"]

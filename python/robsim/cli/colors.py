@@ -14,12 +14,12 @@ from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
 from robsim.cli.shared import Colors, Json, Noise, NoisePercent, Robot
 from robsim.cli.text import point, region
-from robsim.color_picture import paint_classes
-from robsim.color_score import ColorScore, Region, score_color
-from robsim.colors import SHIPPED_COLORS, color_text, load_colors, save_colors
-from robsim.pictures import Pixels, read_picture, write_picture
-from robsim.robots.polygons import area_and_centroid, mask
-from robsim.simulation import Simulation
+from robsim.imaging._images import Pixels, read_picture, write_picture
+from robsim.robots._polygons import area_and_centroid, mask
+from robsim.simulation._simulation import Simulation
+from robsim.vision._color_files import SHIPPED_COLORS, color_text, load_colors, save_colors
+from robsim.vision._color_masks import paint_classes
+from robsim.vision._color_score import ColorScore, Region, score_color
 
 app = typer.Typer(
     no_args_is_help=True,

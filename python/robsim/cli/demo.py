@@ -31,7 +31,7 @@ def demo(
     as_json: Json = False,
 ) -> None:
     """Drive a robot, track it by camera and find its parameters."""
-    from robsim.demo import run_demo
+    from robsim.cli.demo_run import run_demo
 
     with errors.told():
         result = run_demo(out, steps=steps, seed=seed)

@@ -20,7 +20,7 @@ def notebooks(
     folder: Annotated[Path, typer.Argument(help="The folder; made if there is none.")],
 ) -> None:
     """Copy the notebooks for students into a folder."""
-    from robsim.shipped import copy_notebooks
+    from robsim._base.shipped import copy_notebooks
 
     with errors.told():
         files = copy_notebooks(folder)

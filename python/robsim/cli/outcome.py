@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from robsim import Frame, Simulation, Trace
-    from robsim.pictures import Pixels
+    from robsim.imaging._images import Pixels
 
 
 def finish(
@@ -24,8 +24,8 @@ def finish(
     record: Path | None = None,
 ) -> None:
     """Write the results of a run, and say what they are."""
-    from robsim.not_seen import why_not_seen
-    from robsim.results import write_results
+    from robsim.cli.detection_failure import why_not_seen
+    from robsim.cli.results import write_results
 
     if not len(simulation.trace):
         errors.note("no steps, no results")
@@ -48,7 +48,7 @@ def finish(
 
 
 def _write_videos(simulation: Simulation, video: Path | None, record: Path | None) -> None:
-    from robsim.plotting.replay import annotated_frames
+    from robsim.plotting._replay import annotated_frames
 
     trace = simulation.trace
     if video:
@@ -70,7 +70,7 @@ def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Tra
     """Write the frames of a run to a video file, with a progress bar."""
     from tqdm.auto import tqdm
 
-    from robsim.video import write_video
+    from robsim.imaging._video import write_video
 
     shown = tqdm(frames, total=len(trace), unit="frame", desc=file.name)
     write_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))

@@ -41,8 +41,8 @@ def list_robots() -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from robsim.robots.choice import chosen_robot, gone
-    from robsim.robots.lookup import find_folder, own_robots, shipped_robots
+    from robsim.robots._default_robot import chosen_robot, gone
+    from robsim.robots._lookup import find_folder, own_robots, shipped_robots
 
     wrong: list[object] = []
     chosen = None
@@ -216,7 +216,7 @@ def remove(name: Name) -> None:
 
 def _numbers_of(folder: Path, wrong: list[object]) -> tuple[str, str, str]:
     """Return size, alignment and marker distance; what keeps it from loading goes to `wrong`."""
-    from robsim.robots.files import read_robot
+    from robsim.robots._files import read_robot
 
     try:
         robot = read_robot(folder)

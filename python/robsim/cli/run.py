@@ -33,7 +33,7 @@ def new(
     folder: Annotated[Path, typer.Argument(help="The folder; made if there is none.")],
 ) -> None:
     """Write the default callbacks into a folder."""
-    from robsim.folders import new_folder
+    from robsim.simulation._folders.callback_folder import new_folder
 
     with errors.told():
         files = new_folder(folder)
@@ -104,10 +104,10 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a simulation."""
-    from robsim.excitation import controller_named
-    from robsim.results import check_folder
-    from robsim.simulation import Simulation
-    from robsim.video import VideoWriter
+    from robsim.cli.results import check_folder
+    from robsim.control._excitation import controller_named
+    from robsim.imaging._video import VideoWriter
+    from robsim.simulation._simulation import Simulation
 
     with errors.told(folder):
         options: dict[str, Any] = {

@@ -13,8 +13,8 @@ from robsim.cli.shared import Colors, Json, Robot, Smoothing
 from robsim.cli.text import points, size
 
 if TYPE_CHECKING:
-    from robsim.recordings import Recording
-    from robsim.simulation import Simulation
+    from robsim.imaging._recordings import Recording
+    from robsim.simulation._simulation import Simulation
 
 VIDEO = "tracked.mp4"
 EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
@@ -57,10 +57,10 @@ def track(
     as_json: Json = False,
 ) -> None:
     """Track the robot in a video file or a folder of images."""
-    from robsim.four_points import plane_map_from_points
-    from robsim.recordings import Recording
-    from robsim.results import check_folder
-    from robsim.simulation import Simulation
+    from robsim.cli.results import check_folder
+    from robsim.imaging._plane_maps import plane_map_from_points
+    from robsim.imaging._recordings import Recording
+    from robsim.simulation._simulation import Simulation
 
     with errors.told():
         check_folder(out)
@@ -93,8 +93,8 @@ def track(
 
 
 def _write_video(simulation: Simulation, recording: Recording, file: Path) -> None:
-    from robsim.opencv import load_opencv
-    from robsim.plotting.replay import annotated_frames
+    from robsim.imaging._opencv import load_opencv
+    from robsim.plotting._replay import annotated_frames
 
     try:
         load_opencv("writing a video")

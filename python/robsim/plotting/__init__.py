@@ -4,17 +4,17 @@ The colours mean the same in all of them, see `robsim.plotting.style`. Places ar
 pixels with the y axis downwards, as the camera sees the area; angles are in degrees.
 """
 
-from robsim.plotting.batch import plot_batch
-from robsim.plotting.colors import plot_color_histograms
-from robsim.plotting.consistency import plot_consistency
-from robsim.plotting.ellipses import plot_ellipses
-from robsim.plotting.errors import plot_errors
-from robsim.plotting.frame import plot_frame
-from robsim.plotting.overlay import draw_overlay
-from robsim.plotting.parameters import plot_parameters
-from robsim.plotting.replay import annotated_frames, play
-from robsim.plotting.robot import plot_robot
-from robsim.plotting.traces import plot_traces
+from robsim.plotting._batch import plot_batch
+from robsim.plotting._colors import plot_color_histograms
+from robsim.plotting._consistency import plot_consistency
+from robsim.plotting._ellipses import plot_ellipses
+from robsim.plotting._errors import plot_errors
+from robsim.plotting._frame import plot_frame
+from robsim.plotting._overlay import draw_overlay
+from robsim.plotting._parameters import plot_parameters
+from robsim.plotting._replay import annotated_frames, play
+from robsim.plotting._robot import plot_robot
+from robsim.plotting._traces import plot_traces
 
 __all__ = [
     "annotated_frames",

@@ -4,12 +4,12 @@ Nothing of robsim needs this package: a course in which the students write these
 themselves can delete its folder.
 """
 
-from robsim.reference.constant_velocity import ConstantVelocityKalmanFilter
-from robsim.reference.estimator import Prior
-from robsim.reference.extended import ExtendedKalmanFilter
-from robsim.reference.motion import RobotMotion
-from robsim.reference.particle import ParticleFilter
-from robsim.reference.unscented import UnscentedKalmanFilter
+from robsim.reference._constant_velocity import ConstantVelocityKalmanFilter
+from robsim.reference._estimator import Prior
+from robsim.reference._extended import ExtendedKalmanFilter
+from robsim.reference._motion import RobotMotion
+from robsim.reference._particle import ParticleFilter
+from robsim.reference._unscented import UnscentedKalmanFilter
 
 __all__ = [
     "ConstantVelocityKalmanFilter",

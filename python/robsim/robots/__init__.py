@@ -1,12 +1,12 @@
 """Robots: what they look like, where they are kept, which one is in use."""
 
-from robsim.robots.choice import chosen_robot, reset_robot
-from robsim.robots.colors_seen import check_colors
-from robsim.robots.definition import RobotDefinition
-from robsim.robots.files import save_robot
-from robsim.robots.finding import robot_from_picture
-from robsim.robots.lookup import as_robot, load_robot, robot_names, use_robot
-from robsim.robots.own import add_robot, remove_robot, rotate_robot
+from robsim.robots._default_robot import chosen_robot, reset_robot
+from robsim.robots._definition import RobotDefinition
+from robsim.robots._files import save_robot
+from robsim.robots._finding import robot_from_picture
+from robsim.robots._lookup import as_robot, load_robot, robot_names, use_robot
+from robsim.robots._marker_check import check_colors
+from robsim.robots._user_robots import add_robot, remove_robot, rotate_robot
 
 __all__ = [
     "RobotDefinition",

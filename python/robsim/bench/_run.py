@@ -1,0 +1,112 @@
+"""The cases, one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from robsim._core import cpu_path
+from robsim.bench._cases import BenchResult, Call, Case, timed
+from robsim.bench._estimation import (
+    RECURSIVE_SAMPLES,
+    batch_calls,
+    loops,
+    recursive_calls,
+    steps_per_second,
+)
+from robsim.bench._noise import gaussian_calls, uniform_calls
+from robsim.bench._noisy_step import step_calls
+from robsim.bench._render import render_calls
+from robsim.bench._vision import detect_calls, scene
+from robsim.imaging._opencv import load_opencv
+from robsim.simulation._simulation import Simulation
+
+SIZES = (1200, 480)
+FRAMES = 300
+STEPS = 200_000
+LOOP_ROUNDS = 5
+
+
+def run_bench(
+    *, rounds: int = 25, sizes: tuple[int, ...] = SIZES, frames: int = FRAMES, steps: int = STEPS
+) -> BenchResult:
+    """Time robsim and what a user would take instead, on the same frames.
+
+    Parameters
+    ----------
+    rounds : int
+        How often each is timed; the median counts.
+    sizes : tuple of int
+        Widths and heights of the frames (px).
+    frames, steps : int
+        Length of the runs with and without tracking.
+
+    Returns
+    -------
+    BenchResult
+        The times.
+
+    Raises
+    ------
+    ImportError
+        If OpenCV is not installed.
+    RuntimeError
+        If both sides do not find the same blobs, draw the same robot, estimate the same.
+    """
+    cv2 = load_opencv("the comparison")
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        cases = [case for size in sizes for case in _frame_cases(cv2, size, rounds)]
+    finally:
+        cv2.setNumThreads(threads)
+    cases += _estimation_cases(rounds)
+    rates = {**_tracking_rates(frames), **_loop_rates(steps)}
+    return BenchResult(cpu_path=cpu_path(), cases=tuple(cases), rates=rates)
+
+
+def _frame_cases(cv2: Any, size: int, rounds: int) -> Iterator[Case]:
+    clean = scene("none", size, smoothing=1)
+    words = clean.frame.image.copy().reshape(-1).view(np.uint64)
+    calls: dict[str, Call] = {**detect_calls(cv2, clean), "memory_read": words.max}
+    yield timed(f"detect_clean_{size}", calls, rounds)
+    for kind in ("uniform", "gaussian"):
+        noisy = scene(kind, size)
+        yield timed(f"detect_{kind}_{size}", detect_calls(cv2, noisy), rounds)
+        raw = scene(kind, size, smoothing=1)
+        yield timed(f"detect_{kind}_raw_{size}", detect_calls(cv2, raw), max(1, rounds // 5))
+    pixels = clean.frame.image.copy()
+    yield timed(f"noise_uniform_{size}", uniform_calls(cv2, pixels), rounds)
+    yield timed(f"noise_gaussian_{size}", gaussian_calls(cv2, pixels), rounds)
+    yield timed(f"render_{size}", render_calls(cv2, size), 10 * rounds)
+    yield timed(f"step_gaussian_{size}", step_calls(cv2, noisy), rounds)
+
+
+def _estimation_cases(rounds: int) -> list[Case]:
+    recursive = timed(
+        "recursive_update", recursive_calls(), rounds, unit="ns", repeats=RECURSIVE_SAMPLES
+    )
+    return [recursive, timed("batch_10000x5", batch_calls(), 4 * rounds, unit="us")]
+
+
+def _tracking_rates(frames: int) -> dict[str, float]:
+    """Return the rates with tracking, without noise, in 36 phases."""
+    options: dict[str, Any] = {"robot": "lab", "measure": True, "seed": 1}
+    simulations = {
+        "tracking_smoothing_off": Simulation(smoothing=1, **options),
+        "tracking_default": Simulation(**options),
+    }
+    return {
+        name: steps_per_second(simulation, steps=frames, rounds=LOOP_ROUNDS)
+        for name, simulation in simulations.items()
+    }
+
+
+def _loop_rates(steps: int) -> dict[str, float]:
+    """Return the rates without tracking."""
+    return {
+        f"loop_{name}": steps_per_second(simulation, steps=steps, rounds=LOOP_ROUNDS)
+        for name, simulation in loops().items()
+    }

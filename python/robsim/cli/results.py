@@ -1,0 +1,116 @@
+"""What a run leaves behind: figures, trace, report."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robsim import plotting
+from robsim.identification._batch import BatchEstimate, batch_estimate
+from robsim.simulation._simulation import Simulation
+from robsim.trace._trace import TrackingStatistics
+
+
+def _known(numbers: dict[str, Any]) -> dict[str, Any]:
+    return {name: None if value != value else value for name, value in numbers.items()}
+
+
+_FIGURES = ("camera.png", "traces.png", "parameters.png", "batch.png")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Results:
+    """What was found in a run, and the files that say so.
+
+    Attributes
+    ----------
+    report : BatchEstimate or None
+        True values, batch and online estimates; None if the run does not give one.
+    tracking : TrackingStatistics or None
+        How well vision followed the robot; None if the robot was not tracked.
+    files : tuple of Path
+        The files written.
+    """
+
+    report: BatchEstimate | None
+    tracking: TrackingStatistics | None
+    files: tuple[Path, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the numbers: {"parameters": ..., "tracking": ...}; None = not there."""
+        return {
+            "parameters": self.report.to_dict() if self.report else None,
+            "tracking": _known(asdict(self.tracking)) if self.tracking else None,
+        }
+
+    def __str__(self) -> str:
+        return "\n".join(str(part) for part in (self.report, self.tracking) if part)
+
+
+def check_folder(out: Path) -> None:
+    """Refuse a folder for results that is none."""
+    if out.exists() and not out.is_dir():
+        raise NotADirectoryError(f"{out} is a file, not a folder: give another name")
+
+
+def write_results(out: Path, simulation: Simulation) -> Results:
+    """Write the figures and the trace of a run.
+
+    Parameters
+    ----------
+    out : Path
+        Folder to write to; made if there is none.
+    simulation : Simulation
+        A simulation that has run.
+
+    Returns
+    -------
+    Results
+        The numbers, and the files: camera.png, traces.png, trace.npz; parameters.png and
+        batch.png if parameters were estimated.
+    """
+    trace = simulation.trace
+    is_tracked = "x_measured" in trace.names
+    out.mkdir(parents=True, exist_ok=True)
+    trace.save(out / "trace.npz")
+    figures: dict[str, Any] = {
+        "camera.png": _camera_figure(simulation),
+        "traces.png": plotting.plot_traces(trace),
+    }
+    report = _report(simulation)
+    if np.isfinite(trace.parameters).any() and np.isfinite(trace.pose_true).any():
+        figures["parameters.png"] = plotting.plot_parameters(trace)
+    if report is not None:
+        figures["batch.png"] = plotting.plot_batch(report)
+    for name in _FIGURES:
+        if name in figures:
+            figures[name].savefig(out / name)
+        else:  # that of another run would stay beside this one's
+            (out / name).unlink(missing_ok=True)
+    files = tuple(out / name for name in (*figures, "trace.npz"))
+    return Results(report=report, tracking=trace.tracking() if is_tracked else None, files=files)
+
+
+def _camera_figure(simulation: Simulation) -> Any:
+    newest = simulation.newest
+    is_tracked = "x_measured" in simulation.trace.names
+    axes = plotting.plot_frame(
+        newest.frame,
+        blobs=newest.blobs if is_tracked else None,
+        measurement=newest.measurement,
+        outline=simulation.robot.to_robot_frame(simulation.robot.outline),
+    )
+    return axes.get_figure(root=True)
+
+
+def _report(simulation: Simulation) -> BatchEstimate | None:
+    """Return the batch estimate, if parameters were estimated and the record is long enough."""
+    if not np.isfinite(simulation.trace.parameters).any():
+        return None
+    try:
+        return batch_estimate(simulation.trace)
+    except ValueError:
+        return None

@@ -1,0 +1,113 @@
+"""What the doctor found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+from robsim.doctor._source_line import StudentsLine
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """Something that is wrong with an estimator.
+
+    Attributes
+    ----------
+    kind : str
+        What is wrong, in a word or two, such as ``"asymmetric covariance"``: for programs.
+    sentence : str
+        What is wrong and what to do about it: for people.
+    situation : str
+        What the robot was doing; empty if it does not matter.
+    step : int or None
+        The first step at which it showed; None = no step of its own.
+    line : StudentsLine or None
+        The line that failed, or the function that misbehaves; None = not known.
+    """
+
+    kind: str
+    sentence: str
+    situation: str = ""
+    step: int | None = None
+    line: StudentsLine | None = None
+
+    @property
+    def place(self) -> str:
+        """Step, situation and line, as far as they are known."""
+        step = "" if self.step is None else f"step {self.step}"
+        when = ", ".join(part for part in (step, self.situation) if part)
+        return "; ".join(part for part in (when, str(self.line or "")) if part)
+
+    def __str__(self) -> str:
+        return f"{self.sentence} ({self.place})" if self.place else self.sentence
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checkup:
+    """What the doctor says of an estimator. It is true if nothing is wrong.
+
+    Attributes
+    ----------
+    name : str
+        The estimator.
+    findings : tuple of Finding
+        What is wrong, the cause first; what follows from it is left out.
+    remarks : tuple of str
+        What is not wrong, but worth a thought.
+    """
+
+    name: str
+    findings: tuple[Finding, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    def __bool__(self) -> bool:
+        return not self.findings
+
+    @property
+    def title(self) -> str:
+        """The verdict in a line."""
+        if not self.findings:
+            return f"{self.name} is well"
+        count = len(self.findings)
+        return f"{self.name} is ill: {count} finding{'s' if count > 1 else ''}"
+
+    def raise_if_ill(self) -> Checkup:
+        """Return the checkup if nothing is wrong.
+
+        Raises
+        ------
+        AssertionError
+            If something is: with all the sentences.
+        """
+        if self.findings:
+            raise AssertionError(str(self))
+        return self
+
+    def __str__(self) -> str:
+        lines = [self.title]
+        for number, finding in enumerate(self.findings, 1):
+            lines.append(f"  {number}. {finding}")
+            if finding.line and finding.line.text:
+                lines.append(f"     > {finding.line.text}")
+        return "\n".join([*lines, *(f"  Remark: {remark}" for remark in self.remarks)])
+
+    def __repr__(self) -> str:
+        # pytest shows this where `assert checkup` fails, of long ones only the two ends.
+        return f"<{'; '.join(map(str, self.findings)) or self.title}>"
+
+    def _repr_html_(self) -> str:
+        items = "".join(
+            f"<li>{escape(finding.sentence)}{_place(finding)}{_code(finding.line)}</li>"
+            for finding in self.findings
+        )
+        remarks = "".join(f"<p>Remark: {escape(remark)}</p>" for remark in self.remarks)
+        return f"<p><b>{escape(self.title)}</b></p><ol>{items}</ol>{remarks}"
+
+
+def _place(finding: Finding) -> str:
+    return f"<br><small>{escape(finding.place)}</small>" if finding.place else ""
+
+
+def _code(line: StudentsLine | None) -> str:
+    return f"<br><code>{escape(line.text)}</code>" if line and line.text else ""

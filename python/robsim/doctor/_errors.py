@@ -1,0 +1,72 @@
+"""Errors in a student's estimator, explained."""
+
+from __future__ import annotations
+
+import re
+
+from robsim.doctor._check_report import Finding
+from robsim.doctor._source_line import line_of_error
+from robsim.doctor._trial import TIME_LIMIT, BadResult, Patient, Trial
+
+_REFUSED = re.compile(r"(pose|covariance|state) must be ")
+_NO_SAMPLE = "step.sample is None at the start, after a bounce and where the robot is not seen"
+_NEVER_SEEN = "step.measurement is None before the robot is seen for the first time"
+_NOT_SEEN = "step.measurement is None where the robot is not seen"
+
+
+def finding_of(patient: Patient, trial: Trial) -> Finding:
+    """Return what ended a trial, as a finding."""
+    assert trial.error is not None
+    kind, sentence = _explained(trial.error)
+    missing = _missing(trial)
+    if missing is not None and kind != "too slow":
+        kind, reason = missing
+        sentence = f"{reason}: then {sentence}"
+    return Finding(
+        kind=kind,
+        sentence=sentence,
+        situation=trial.situation.name,
+        step=trial.failed_at,
+        line=line_of_error(trial.error) or patient.line,
+    )
+
+
+def finding_of_make(patient: Patient, error: BaseException) -> Finding:
+    """Return why there is no estimator at all, as a finding."""
+    kind, sentence = _explained(error)
+    if not isinstance(error, BadResult):
+        kind, sentence = "make fails", f"make() gives no estimator: {sentence}"
+    if isinstance(error, TypeError) and "argument" in str(error):
+        sentence += "; make takes none and returns a fresh estimator, as its class may do"
+    return Finding(kind=kind, sentence=sentence, line=line_of_error(error) or patient.line)
+
+
+def _explained(error: BaseException) -> tuple[str, str]:
+    """Return kind and sentence."""
+    text = str(error)
+    if isinstance(error, BadResult):
+        return error.kind, text
+    if isinstance(error, TimeoutError):
+        return "too slow", f"a call takes longer than {TIME_LIMIT:g} s, or never ends"
+    if isinstance(error, ValueError) and "read-only" in text:
+        return (
+            "writes into step",
+            "it writes into an array that it was given, which is read-only: work on a copy, as "
+            "from np.array(...), and beware of +=, -= and [...] =",
+        )
+    if isinstance(error, (TypeError, ValueError)) and _REFUSED.match(text):
+        if "all finite" in text:
+            return "not finite", f"what it puts into its Estimate is not finite: {text}"
+        return "output shape", f"what it puts into its Estimate does not fit: {text}"
+    name = type(error).__name__
+    return "exception", f"it raises {name}: {text}" if text else f"it raises {name}"
+
+
+def _missing(trial: Trial) -> tuple[str, str] | None:
+    """Return kind and sentence if the step had nothing new, and the error may come from that."""
+    seen, k = trial.situation.measurements, trial.failed_at
+    if not seen and k < 2 and "None" in str(trial.error):
+        return "missing sample", _NO_SAMPLE
+    if k >= len(seen) or seen[k] is not None:
+        return None
+    return ("missing measurement", _NOT_SEEN) if any(seen[:k]) else ("never seen yet", _NEVER_SEEN)

@@ -1,0 +1,107 @@
+"""What an estimator must not remember."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim.doctor._check_report import Finding
+from robsim.doctor._errors import finding_of
+from robsim.doctor._situations import Situation
+from robsim.doctor._trial import Patient, Trial
+
+# Relative; the same sums may round differently where arrays lie differently in memory.
+_SAME = 1e-6
+_TOGETHER = 60  # steps
+
+
+def first_difference(one: Floats, other: Floats) -> int | None:
+    """Return the first step at which two records of outputs differ; None = they do not."""
+    steps = min(len(one), len(other))
+    if steps == 0 or one.shape[1] != other.shape[1]:
+        return None if steps == 0 else 0
+    is_close = np.isclose(one[:steps], other[:steps], rtol=_SAME, atol=_SAME, equal_nan=True)
+    differs = ~is_close.all(axis=1)
+    return int(differs.argmax()) if differs.any() else None
+
+
+def replay_finding(patient: Patient, alone: Trial) -> Finding | None:
+    """Return what a second estimator knows of the run of the first, or of the future.
+
+    Parameters
+    ----------
+    patient : Patient
+        The estimator.
+    alone : Trial
+        What a first one did in a situation.
+    """
+    again = patient.try_in(alone.situation.first(len(alone.situation.u) // 2))
+    step = _difference(again, alone)
+    return None if step is None else _not_the_same(patient, alone, again, step)
+
+
+def together_finding(patient: Patient, alone: Trial, other: Situation) -> Finding | None:
+    """Return that two estimators at the same time influence each other.
+
+    Parameters
+    ----------
+    patient : Patient
+        The estimator.
+    alone : Trial
+        What one did in a situation.
+    other : Situation
+        Another one, for a second estimator beside it.
+    """
+    together = patient.try_together(alone.situation.first(_TOGETHER), other)
+    step = _difference(together, alone)
+    if step is None:
+        return None
+    return Finding(
+        kind="shared memory",
+        sentence="two estimators from make() influence each other, as with a global variable or "
+        "a list in the class: keep all memory in self, set in __init__, or in variables of make",
+        situation="two robots at the same time",
+        step=step,
+        line=patient.line,
+    )
+
+
+def _difference(trial: Trial, alone: Trial) -> int | None:
+    """Return the first step that is not as in the first run."""
+    step = first_difference(trial.outputs, alone.outputs)
+    return trial.failed_at if step is None and trial.error else step
+
+
+def _not_the_same(patient: Patient, alone: Trial, again: Trial, step: int) -> Finding:
+    if again.error is not None:
+        return finding_of(patient, again)
+    whole = patient.try_in(alone.situation)
+    if _difference(whole, alone) is None:
+        kind, sentence = (
+            "future",
+            "its result depends on what comes later: the first half of a run, alone, gives "
+            "another one than within the whole run",
+        )
+    elif _changes_less(alone.outputs, again.outputs, patient.try_in(again.situation).outputs):
+        kind, sentence = (
+            "earlier run",
+            "a fresh one from make() remembers the run before: set all memory in __init__ (or "
+            "inside make), not in a global variable, the class or a default argument",
+        )
+    else:
+        kind, sentence = (
+            "random",
+            "the same steps give another result each time: give its random numbers a fixed seed, "
+            "np.random.default_rng(1)",
+        )
+    return Finding(
+        kind=kind, sentence=sentence, situation=again.situation.name, step=step, line=patient.line
+    )
+
+
+def _changes_less(first: Floats, second: Floats, third: Floats) -> bool:
+    """Return whether a third run resembles the second more than that the first."""
+    if len(third) != len(second):
+        return False
+    before = np.nanmax(abs(second - first[: len(second)]))
+    return bool(np.nanmax(abs(third - second)) < 0.2 * before)

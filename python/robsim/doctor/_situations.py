@@ -1,0 +1,142 @@
+"""Recorded situations to try estimators in."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim._core import Measurement, RobotModel, RobotParameters
+
+DT = 0.2
+START = (300.0, 700.0)  # x and y far apart: who takes one for the other is seen
+MEASUREMENT_NOISE = (0.5, 0.5, 0.01)  # px, px, rad
+PROCESS_NOISE = (0.1, 0.1, 0.005)  # px, px, rad
+UNSEEN = range(100, 120)
+STANDS = range(400, 1400)
+
+_ELSEWHERE = np.array((40.0, -60.0, 0.3))  # px, px, rad
+_STEPS = 160
+_SPEED = 3.0  # px a step
+_SEED = 5
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Situation:
+    """What happens to a robot, and what is seen of it.
+
+    Attributes
+    ----------
+    name : str
+        What the robot does, in words.
+    dt : float
+        Time between two steps (s).
+    poses : array (N, 3)
+        The truth: x, y (px), heading (rad). No estimator gets it.
+    u : array (N, 2)
+        Inputs (V).
+    measurements : tuple of N Measurements; None = not seen
+        Empty: the robot is not looked for.
+    """
+
+    name: str
+    dt: float
+    poses: Floats
+    u: Floats
+    measurements: tuple[Measurement | None, ...] = ()
+
+    def first(self, steps: int) -> Situation:
+        """Return the beginning."""
+        return replace(
+            self,
+            poses=self.poses[:steps],
+            u=self.u[:steps],
+            measurements=self.measurements[:steps],
+        )
+
+    def unseen(self, name: str, steps: Collection[int]) -> Situation:
+        """Return it with steps at which the robot is not seen."""
+        seen = (None if k in steps else m for k, m in enumerate(self.measurements))
+        return replace(self, name=name, measurements=tuple(seen))
+
+    def seen_elsewhere(self) -> Situation:
+        """Return it with all that is seen somewhere else."""
+        moved = (m and Measurement(m.pose + _ELSEWHERE) for m in self.measurements)
+        return replace(self, measurements=tuple(moved))
+
+
+@cache
+def weaving(dt: float) -> Situation:
+    """Return a drive in gentle curves, in which the heading stays far from +-pi."""
+    heading: Floats = np.sin(2 * np.pi * np.arange(_STEPS) / 60)
+    return _measured("robot weaves", heading, dt)
+
+
+def blinking(dt: float) -> Situation:
+    """Return the drive in gentle curves, out of sight for three steps again and again."""
+    hidden = [k for k in range(10, _STEPS) if k % 20 in (10, 11, 12)]
+    return weaving(dt).unseen("robot weaves and is hidden now and then", hidden)
+
+
+@cache
+def turning(dt: float) -> Situation:
+    """Return a drive in circles, out of sight after the first step beyond each turn of +-pi."""
+    situation = _measured("robot turns round and round", np.linspace(0.0, 17.5, _STEPS), dt)
+    headings = [m.pose[2] for m in situation.measurements if m is not None]
+    crossings = np.flatnonzero(np.diff(headings) < -np.pi) + 1
+    return situation.unseen(situation.name, {int(k) + i for k in crossings for i in (1, 2, 3)})
+
+
+def _measured(name: str, heading: Floats, dt: float) -> Situation:
+    model = RobotModel(RobotParameters(dt=dt))
+    a1, a2, b1, b2, d1 = model.theta[2]
+    # heading(k) = a1 heading(k-1) + a2 heading(k-2) + b1 u1(k-1) + b2 u2(k-1) + d1, solved for
+    # u = (forward + turn, forward - turn)
+    turn = np.zeros(len(heading))
+    turn[1:-1] = (heading[2:] - a1 * heading[1:-1] - a2 * heading[:-2] - d1) / (b1 - b2)
+    a1, _, b1, b2, _ = model.theta[0]
+    # speed = (a1 - 1) speed + (b1 + b2) forward, when it is steady
+    forward = _SPEED * (2 - a1) / (b1 + b2)
+    u = np.column_stack((forward + turn, forward - turn))
+    poses = _driven(model, u, heading[:2], np.zeros((len(u), 3)))
+    noise = np.random.default_rng(_SEED).normal(0.0, MEASUREMENT_NOISE, poses.shape)
+    seen = tuple(Measurement(pose) for pose in poses + noise)
+    return Situation(name=name, dt=dt, poses=poses, u=u, measurements=seen)
+
+
+@cache
+def excited(dt: float, steps: int) -> Situation:
+    """Return a drive with random voltages, each held for ten steps."""
+    return _disturbed("robot drives around", _held_voltages(steps), dt)
+
+
+@cache
+def resting(dt: float) -> Situation:
+    """Return a drive in which the robot stands for a long time, then drives on."""
+    u = _held_voltages(STANDS.stop + 400)
+    u[STANDS.start : STANDS.stop] = 0.0
+    return _disturbed("robot stands, then drives on", u, dt)
+
+
+def _held_voltages(steps: int) -> Floats:
+    random = np.random.default_rng(_SEED)
+    return np.repeat(random.uniform(-0.5, 1.0, (-(-steps // 10), 2)), 10, axis=0)[:steps]
+
+
+def _disturbed(name: str, u: Floats, dt: float) -> Situation:
+    noise = np.random.default_rng(_SEED + 1).normal(0.0, PROCESS_NOISE, (len(u), 3))
+    noise[~u.any(axis=1)] = 0.0  # where the robot stands
+    poses = _driven(RobotModel(RobotParameters(dt=dt)), u, np.zeros(2), noise)
+    return Situation(name=name, dt=dt, poses=poses, u=u)
+
+
+def _driven(model: RobotModel, u: Floats, heading: Floats, noise: Floats) -> Floats:
+    """Return the path from two headings on."""
+    poses = np.empty((len(u), 3))
+    poses[:2, :2], poses[:2, 2] = START, heading
+    for k in range(2, len(u)):
+        poses[k] = model.predict(poses[k - 1], poses[k - 2], u[k - 1]) + noise[k]
+    return poses

@@ -1,0 +1,144 @@
+"""How the loop calls estimators."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim._core import Estimate, Frame, RobotModel, RobotParameters, Step
+from robsim.doctor._situations import Situation
+from robsim.doctor._trial import TIME_LIMIT, BadResult, Slot
+from robsim.robots import RobotDefinition, load_robot
+from robsim.simulation._simulation import Simulation
+
+_AREA = (64, 64)
+_POSE_AND_COVARIANCE = 12  # numbers of an Estimate before its state
+
+
+@cache
+def _robot() -> RobotDefinition:
+    # Reading it takes as long as a short trial.
+    return load_robot("lab")
+
+
+def _state_entry(estimator: Any) -> Callable[..., Any]:
+    if not callable(estimator):
+        raise BadResult(
+            "not callable",
+            f"make() returns {_described(estimator)}, which cannot be called like "
+            "estimate(step): give its class a method __call__(self, step)",
+        )
+    entry: Callable[..., Any] = estimator
+    return entry
+
+
+def _read_state(result: Any, before: Floats | None) -> Floats:
+    if not isinstance(result, Estimate):
+        raise BadResult(
+            "no Estimate",
+            f"it returns {_described(result)}, not an Estimate: end with "
+            "return robsim.Estimate(pose, covariance)",
+        )
+    output = np.concatenate((result.pose, result.covariance.ravel(), result.state))
+    if before is not None and len(output) != len(before):
+        now, then = (len(numbers) - _POSE_AND_COVARIANCE for numbers in (output, before))
+        raise BadResult(
+            "state length",
+            f"the state in its Estimate has {now} numbers after {then} at the step before: it "
+            "needs the same length at every step",
+        )
+    return output
+
+
+def _simulate_state(situation: Situation, callback: Callable[[Step], Any]) -> Simulation:
+    """Return a simulation with the measurements of a situation and without its truth."""
+    frame = Frame(np.zeros((1, 1, 3), np.uint8))
+    return Simulation(
+        robot=_robot(),
+        area=_AREA,
+        frames=[frame] * len(situation.u),
+        define_model=lambda: RobotModel(RobotParameters(dt=situation.dt)),
+        measure=lambda step: situation.measurements[step.k],
+        estimate_state=callback,
+        control=lambda step: situation.u[step.k],
+        time_limit=TIME_LIMIT,
+    )
+
+
+def _parameter_entry(estimator: Any) -> Callable[..., Any]:
+    entry: Callable[..., Any] = getattr(estimator, "update", estimator)
+    if not callable(entry):
+        raise BadResult(
+            "not callable",
+            f"make() returns {_described(estimator)}, which has no method update(phi, y)",
+        )
+    return entry
+
+
+def _parameter_callback(estimator: Any) -> Callable[[Step], Any]:
+    if not hasattr(estimator, "update"):
+        callback: Callable[[Step], Any] = estimator
+        return callback
+
+    def update(step: Step) -> Any:
+        # As the loop does it: no sample, no update.
+        return step.sample and estimator.update(step.sample.phi, step.sample.y)
+
+    return update
+
+
+def _read_parameters(result: Any, before: Floats | None) -> Floats:
+    if result is None:  # nothing new
+        return np.full(15, np.nan) if before is None else before
+    try:
+        theta = np.array(result, dtype=float)
+    except (TypeError, ValueError):
+        theta = np.empty(0)
+    if theta.shape != (3, 5):
+        raise BadResult(
+            "output shape",
+            f"it returns {_described(result)}, not the parameters, an array of shape (3, 5): rows "
+            "x, y, heading, columns a1, a2, b1, b2, d1",
+        )
+    if not np.isfinite(theta).all():
+        raise BadResult("not finite", "it returns parameters that are not finite, NaN or inf")
+    return theta.ravel()
+
+
+def _simulate_parameters(situation: Situation, callback: Callable[[Step], Any]) -> Simulation:
+    return Simulation(
+        robot=_robot(),
+        area=_AREA,
+        boundary="unlimited",
+        define_model=lambda: RobotModel(RobotParameters(dt=situation.dt)),
+        evaluate_model=lambda world: situation.poses[world.k],
+        estimate_parameters=callback,
+        control=lambda step: situation.u[step.k],
+        time_limit=TIME_LIMIT,
+    )
+
+
+def _described(result: Any) -> str:
+    """Return a result in a few words."""
+    if isinstance(result, np.ndarray):
+        return f"an array of shape {result.shape} of {result.dtype}"
+    text = repr(result)
+    return text if len(text) <= 40 else f"a {type(result).__name__}"
+
+
+STATE = Slot(
+    entry=_state_entry,
+    callback=lambda estimator: estimator,
+    read=_read_state,
+    simulate=_simulate_state,
+)
+PARAMETERS = Slot(
+    entry=_parameter_entry,
+    callback=_parameter_callback,
+    read=_read_parameters,
+    simulate=_simulate_parameters,
+)

@@ -1,0 +1,69 @@
+"""Chi-square bands and tails."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim._base.checks import Floats, number, whole
+
+
+def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floats:
+    """Return the two-sided band of a sum of n squares, averaged over independent runs.
+
+    Parameters
+    ----------
+    n : int
+        Degrees of freedom: 3 for the NEES of a pose, 2 for the NIS of a place.
+    runs : int or array (...) of int
+        How many independent values are averaged; 0 = none.
+    level : float
+        Share of the values that should lie in the band.
+
+    Returns
+    -------
+    array (..., 2)
+        Lower and upper end, NaN for 0 runs.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of this kind.
+
+    Notes
+    -----
+    The sum of n squares of M runs has n M degrees of freedom, so with c = (1 - level)/2 the ends
+    are the quantiles c and 1 - c of chi2(n M), divided by M. Source: Bar-Shalom, Li and
+    Kirubarajan, Estimation with Applications to Tracking and Navigation, 5.4.2, 2001.
+    """
+    from scipy.special import chdtri
+
+    n = whole("n", n, least=1, most=10**9)
+    level = number("level", level, above=0.0)
+    if level >= 1.0:
+        raise ValueError(f"level must lie between 0 and 1, got {level!r}")
+    counts: Any = np.asarray(runs)
+    if counts.dtype.kind not in "iu" or (counts < 0).any():
+        raise ValueError(f"runs must be whole numbers of at least 0, got {runs!r}")
+    counts = np.where(counts == 0, np.nan, counts)[..., np.newaxis]
+    outside = (1.0 - level) / 2.0
+    # chdtri(n, p) is exceeded with the probability p.
+    band: Floats = chdtri(n * counts, np.array((1.0 - outside, outside))) / counts
+    return band
+
+
+def chi_square_tail(value: float, n: int) -> float:
+    """Return the probability that a sum of n squares is larger than a value.
+
+    Parameters
+    ----------
+    value : float
+        The value.
+    n : int
+        Degrees of freedom.
+    """
+    from scipy.special import chdtrc
+
+    return float(chdtrc(n, value))

@@ -1,0 +1,199 @@
+"""Whiteness of an innovation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robsim._base.checks import Floats, floats, whole
+from robsim.evaluation._chi_square import chi_square_tail
+
+# 95 % of a normal distribution lie within so many standard deviations.
+_LIMIT = 1.96
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WhitenessReport:
+    """Whether an innovation is white: what is new at a step must not be foreseen by the last ones.
+
+    Attributes
+    ----------
+    autocorrelation : array (L, n)
+        Of the n numbers of the innovation, at the lags 1..L; NaN where there are no pairs.
+    pairs : array (L, n) of int
+        From how many pairs of steps each is made.
+    ljung_box : float
+        The statistic of Ljung and Box, summed over the n numbers.
+    p_value : float
+        Probability that a white innovation has a larger one.
+    """
+
+    autocorrelation: Floats
+    pairs: NDArray[np.int64]
+    ljung_box: float
+    p_value: float
+
+    @property
+    def limits(self) -> Floats:
+        """Where 95 % of a white innovation's autocorrelations lie: +-1.96/sqrt(pairs), (L, n)."""
+        return np.asarray(_LIMIT / np.sqrt(np.where(self.pairs, self.pairs, np.nan)))
+
+    @property
+    def share_outside(self) -> float:
+        """Share of the autocorrelations outside their limits; 0.05 is expected."""
+        outside = np.count_nonzero(np.abs(self.autocorrelation) > self.limits)
+        return float(outside / np.count_nonzero(self.pairs))
+
+    @property
+    def is_white(self) -> bool:
+        """Whether the p-value is at least 0.05; so 5 % of the right filters fail."""
+        return self.p_value >= 0.05
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return name -> value."""
+        return {
+            "is_white": self.is_white,
+            "p_value": self.p_value,
+            "ljung_box": self.ljung_box,
+            "share_outside": self.share_outside,
+            "lags": len(self.autocorrelation),
+        }
+
+    def __str__(self) -> str:
+        return (
+            f"the innovation is {'white' if self.is_white else 'not white'} "
+            f"(Ljung-Box p = {self.p_value:.3g}; {100 * self.share_outside:.0f} % of "
+            f"{np.count_nonzero(self.pairs)} autocorrelations outside +-1.96/sqrt(N), 5 % expected)"
+        )
+
+    def _repr_html_(self) -> str:
+        return f"<p>{self}</p>"
+
+
+def whiteness_report(
+    innovation: ArrayLike, S: ArrayLike | None = None, *, lags: int = 20
+) -> WhitenessReport:
+    """Test whether an innovation is white.
+
+    Parameters
+    ----------
+    innovation : array (N, n) or (M, N, n)
+        N steps, or M independent runs of N steps; NaN = not seen: no pair is made with it.
+    S : array (n, n) or (..., N, n, n), optional
+        Its covariance. With it the n numbers are made independent first.
+    lags : int
+        Up to how many steps apart.
+
+    Returns
+    -------
+    WhitenessReport
+        Autocorrelations, the Ljung-Box test and a verdict; print it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of this kind, or the record is too short for the lags.
+
+    Notes
+    -----
+    With w whitened, its mean taken as 0 (a bias is not white either), and m_k pairs at lag k of N:
+
+        r_k = mean of w(t) w(t+k) / mean of w(t)^2
+        Q   = (N + 2)/N sum_k m_k r_k^2,  chi2(lags) distributed if w is white
+
+    Without gaps this is the statistic of Ljung and Box, On a measure of lack of fit in time series
+    models, Biometrika 65(2), 1978.
+    """
+    w = floats("innovation", innovation)
+    if w.ndim not in (2, 3) or not w.size:
+        raise ValueError(f"innovation must be of shape (N, n) or (M, N, n), got {w.shape}")
+    lags = whole("lags", lags, least=1, most=10**6)
+    if S is not None:
+        w = whitened(w, S)
+    r, pairs, count = _autocorrelation(w.reshape(-1, *w.shape[-2:]), lags)
+    # Q = (N + 2)/N sum_k m_k r_k^2
+    Q = float(np.nansum((count + 2.0) / count * pairs * np.square(r)))
+    p_value = chi_square_tail(Q, int(np.count_nonzero(pairs)))
+    return WhitenessReport(autocorrelation=r, pairs=pairs, ljung_box=Q, p_value=p_value)
+
+
+def _autocorrelation(w: Floats, lags: int) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64]]:
+    """Return the autocorrelations, the pairs that they are made from, and the known values."""
+    known = ~np.isnan(w)
+    count = np.asarray(np.count_nonzero(known, axis=(0, 1)))
+    w = np.where(known, w, 0.0)
+    shifted = [(slice(k, None), slice(None, max(w.shape[1] - k, 0))) for k in range(1, lags + 1)]
+    pairs = np.array([np.count_nonzero(known[:, a] & known[:, b], axis=(0, 1)) for a, b in shifted])
+    square = np.sum(np.square(w), axis=(0, 1))
+    if not pairs.any(axis=0).all() or (square == 0).any():
+        raise ValueError(
+            f"innovation must have known values, not all 0, up to {lags} steps apart, "
+            f"got {count.tolist()} known ones in {w.shape[0]} runs of {w.shape[1]} steps"
+        )
+    # r_k = mean of w(t) w(t+k) / mean of w(t)^2
+    sums = np.array([np.sum(w[:, a] * w[:, b], axis=(0, 1)) for a, b in shifted])
+    r = sums / np.where(pairs, pairs, np.nan) / (square / count)
+    return r, pairs, count
+
+
+def whitened(values: Floats, covariance: ArrayLike, *, name: str = "S") -> Floats:
+    """Return L^-1 values with L L' = covariance: independent, of variance 1, if that is right.
+
+    Parameters
+    ----------
+    values : array (..., n)
+        Errors or innovations; NaN = not known.
+    covariance : array (..., n, n)
+        Their covariance, or one for all of them.
+    name : str
+        What a message calls it.
+
+    Raises
+    ------
+    ValueError
+        If a covariance is not symmetric and positive definite, a value is infinite, or the shapes
+        do not fit.
+    """
+    matrices = floats(name, covariance)
+    if not values.ndim:
+        raise ValueError(f"errors and innovations must be rows of n numbers, got {values}")
+    shape = (*values.shape, values.shape[-1])
+    # Those of fewer steps or runs stand for all of them; see numpy's broadcasting.
+    pairs = zip(matrices.shape[::-1], shape[::-1], strict=False)
+    fits = all(size in (1, wanted) for size, wanted in pairs)
+    if matrices.shape[-2:] != shape[-2:] or matrices.ndim > len(shape) or not fits:
+        raise ValueError(f"{name} must be of shape {shape} or {shape[-2:]}, got {matrices.shape}")
+    matrices = np.broadcast_to(matrices, shape)
+    known = ~(np.isnan(values).any(axis=-1) | np.isnan(matrices).any(axis=(-2, -1)))
+    result = np.full(values.shape, np.nan)
+    if known.any():
+        result[known] = _whitened_rows(values[known], matrices[known], np.argwhere(known), name)
+    return result
+
+
+def _whitened_rows(
+    values: Floats, matrices: Floats, places: NDArray[np.int64], name: str
+) -> Floats:
+    def check(is_right: Any, what: str) -> None:
+        if not is_right.all():
+            i = int(np.argmin(is_right))
+            at = ", ".join(map(str, places[i]))
+            raise ValueError(f"{name}[{at}] must be {what}, got {matrices[i].tolist()}")
+
+    if np.isinf(values).any():
+        raise ValueError("errors and innovations must be finite, or NaN where not known, got inf")
+    check(np.isfinite(matrices).all(axis=(1, 2)), "finite, or NaN for a step without one")
+    variances = np.diagonal(matrices, axis1=1, axis2=2)
+    check((variances > 0).all(axis=1), "positive definite")
+    # In units of the standard deviations: px and rad differ by orders of magnitude.
+    sd = np.sqrt(variances)
+    correlation = matrices / sd[:, :, np.newaxis] / sd[:, np.newaxis, :]
+    asymmetry = np.abs(correlation - np.swapaxes(correlation, 1, 2)).max(axis=(1, 2))
+    check(asymmetry < 1e-6, "symmetric")
+    check(np.linalg.eigvalsh(correlation)[:, 0] > 1e-14, "positive definite")
+    L = np.linalg.cholesky(correlation)
+    whitened_rows: Floats = np.linalg.solve(L, (values / sd)[..., np.newaxis])[..., 0]
+    return whitened_rows

@@ -1,0 +1,26 @@
+"""Parameters from records: batch estimates, what a record determines, convergence."""
+
+from robsim.identification._batch import BatchEstimate, batch_estimate
+from robsim.identification._convergence import (
+    ConvergenceReport,
+    convergence_time,
+    parameter_convergence,
+)
+from robsim.identification._fits import ModelFit, instrumental_variables, output_error
+from robsim.identification._identifiability import Identifiability, check_excitation
+from robsim.identification._regression import Samples, samples_of
+
+__all__ = [
+    "BatchEstimate",
+    "ConvergenceReport",
+    "Identifiability",
+    "ModelFit",
+    "Samples",
+    "batch_estimate",
+    "check_excitation",
+    "convergence_time",
+    "instrumental_variables",
+    "output_error",
+    "parameter_convergence",
+    "samples_of",
+]

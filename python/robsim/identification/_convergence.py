@@ -1,0 +1,163 @@
+"""Convergence of parameter estimates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim._base.checks import Floats, floats, number
+from robsim.trace._trace import PARAMETER_NAMES, Trace, check_trace
+
+
+def convergence_time(
+    estimate: ArrayLike, truth: ArrayLike, tolerance: ArrayLike, *, t: ArrayLike | None = None
+) -> Floats:
+    """Return when an estimate enters a band around the truth in which it then stays.
+
+    Parameters
+    ----------
+    estimate : array (N, ...)
+        Estimates of N steps; NaN = none, which lies in no band.
+    truth, tolerance : array (...) or float
+        The true value and how far from it the band reaches.
+    t : array (N,), optional
+        Time of each step (s). Default: the number of the row.
+
+    Returns
+    -------
+    array (...)
+        The time; NaN if the last estimate does not lie in the band.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit together.
+    """
+    history = np.atleast_1d(floats("estimate", estimate))
+    times = np.arange(len(history)) if t is None else floats("t", t)
+    if not len(history) or times.shape != history.shape[:1]:
+        raise ValueError(f"t must have a time for each of {len(history)} steps, got {times.shape}")
+    try:
+        is_near = np.abs(history - floats("truth", truth)) <= floats("tolerance", tolerance)
+    except ValueError:
+        shapes = f"{np.shape(truth)} and {np.shape(tolerance)}"
+        raise ValueError(
+            f"truth and tolerance must be of shape {history.shape[1:]}, got {shapes}"
+        ) from None
+    # The estimate stays from row i on if all rows from i to the last are near.
+    rows_at_the_end = np.logical_and.accumulate(is_near[::-1]).sum(axis=0)
+    first = len(history) - rows_at_the_end
+    return np.where(rows_at_the_end > 0, times[np.minimum(first, len(history) - 1)], np.nan)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ConvergenceReport:
+    """When the online estimates of the parameters came to stay near their true values.
+
+    Attributes
+    ----------
+    theta_true, last, tolerance : array (3, 5)
+        True values, last online estimate, what counts as near; rows X, Y, P (heading), columns
+        a1, a2, b1, b2, d1.
+    time : array (3, 5)
+        Time since the first step of the record (s); NaN = not near at the end.
+    title : str
+        Which data the estimate is made from.
+    """
+
+    theta_true: Floats
+    last: Floats
+    tolerance: Floats
+    time: Floats
+    title: str
+
+    def to_dict(self) -> dict[str, dict[str, float | None]]:
+        """Return name -> {"true", "last", "tolerance", "time"}; None = not there."""
+        keys = ("true", "last", "tolerance", "time")
+        columns = (self.theta_true, self.last, self.tolerance, self.time)
+        return {
+            name: {
+                key: float(value) if np.isfinite(value) else None
+                for key, value in zip(keys, values, strict=True)
+            }
+            for name, *values in zip(PARAMETER_NAMES, *map(np.ravel, columns), strict=True)
+        }
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        def text(value: float | None, otherwise: str = "-") -> str:
+            return otherwise if value is None else f"{value:.5g}"
+
+        return [
+            (
+                name,
+                text(values["true"]),
+                text(values["last"]),
+                f"{values['tolerance']:.2g}",
+                text(values["time"], "not near at the end"),
+            )
+            for name, values in self.to_dict().items()
+        ]
+
+    def __str__(self) -> str:
+        rows = [
+            f"{name:<6}{true:>14}{last:>16}{tolerance:>12}{time:>22}"
+            for name, true, last, tolerance, time in [_TITLES, *self._rows()]
+        ]
+        return "\n".join([self.title, *rows])
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{title}</th>" for title in _TITLES)
+        body = "".join(
+            f"<tr>{''.join(f'<td>{text}</td>' for text in row)}</tr>" for row in self._rows()
+        )
+        return f"<p>{self.title}</p><table><tr>{head}</tr>{body}</table>"
+
+
+_TITLES = ("", "True value", "Last estimate", "Tolerance", "Stays near from (s)")
+
+
+def parameter_convergence(
+    trace: Trace, *, tolerance: float = 0.01, offset_tolerance: float = 1e-3
+) -> ConvergenceReport:
+    """Return when the online parameter estimates came to stay near their true values.
+
+    Parameters
+    ----------
+    trace : Trace
+        A run with ``estimate_parameters=True``.
+    tolerance : float
+        What counts as near, relative to the true value, of a1, a2, b1 and b2.
+    offset_tolerance : float
+        What counts as near of d1, whose true value may be 0 (px, px, rad).
+
+    Returns
+    -------
+    ConvergenceReport
+        Times since the first step of the trace; print it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the trace has no parameter estimates or no true parameters, or an argument is not of
+        this kind.
+    """
+    check_trace(trace)
+    relative = number("tolerance", tolerance, above=0.0)
+    offset = number("offset_tolerance", offset_tolerance, above=0.0)
+    theta_true = np.array(trace.info.theta_true)
+    if not (np.isfinite(trace.parameters).any() and np.isfinite(theta_true).all()):
+        raise ValueError(
+            "the trace must have parameter estimates and true parameters: run the simulation with "
+            "estimate_parameters=True"
+        )
+    near = relative * np.abs(theta_true)
+    near[:, 4] = offset
+    return ConvergenceReport(
+        theta_true=theta_true,
+        last=np.array(trace.parameters[-1]),
+        tolerance=near,
+        time=convergence_time(trace.parameters, theta_true, near, t=trace.t - trace.t[0]),
+        title=f"Online estimate from {trace.info.identify_from}: when it stays near the truth",
+    )

@@ -1,0 +1,108 @@
+"""Steps of output error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim.identification._fits.linear import solve, triangle
+from robsim.identification._fits.paths import FIRST, UNKNOWNS, sensitivities, simulated_path
+from robsim.identification._fits.segments import Stretch
+
+# Residuals smaller than this share of the largest coordinate are rounding.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """The parameters theta (3, 5) and the first two poses (S, 2, 3) of each stretch."""
+
+    theta: Floats
+    first: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """The weighted residuals as linear functions of a step of the unknowns.
+
+    Attributes
+    ----------
+    sigma : array (3,)
+        Noise of x, y and heading, which the residuals are divided by.
+    cost : float
+        Sum of their squares.
+    blocks : array (S, 22, 22)
+        For each stretch the triangular factor of [derivatives | residuals], whose columns are
+        the step of the 6 first values, that of the 15 parameters, and the residuals.
+    """
+
+    sigma: Floats
+    cost: float
+    blocks: Floats
+
+    @staticmethod
+    def at(unknowns: Unknowns, stretches: list[Stretch], residuals: Floats) -> Linearisation:
+        """Linearise about the unknowns that left these residuals."""
+        freedom = max(len(residuals) - 2 * len(stretches) - 5, 1)
+        sigma = np.sqrt(np.square(residuals).sum(axis=0) / freedom)
+        sizes = [np.nanmax(np.abs(stretch.poses), axis=0) for stretch in stretches]
+        sigma = np.maximum(sigma, _ROUNDING * np.maximum(np.max(sizes, axis=0), 1.0))
+        blocks = np.zeros((len(stretches), UNKNOWNS + 1, UNKNOWNS + 1))
+        edges = np.cumsum([0, *(stretch.seen.sum() for stretch in stretches)])
+        for i, stretch in enumerate(stretches):
+            path = simulated_path(unknowns.theta, unknowns.first[i], stretch.u)
+            slopes = sensitivities(unknowns.theta, path, stretch.u)[stretch.seen]
+            columns = np.dstack([slopes, residuals[edges[i] : edges[i + 1]]]) / sigma[:, None]
+            factor = triangle(columns.reshape(-1, UNKNOWNS + 1))
+            blocks[i, : len(factor)] = factor
+        return Linearisation(sigma, float(np.square(residuals / sigma).sum()), blocks)
+
+    @property
+    def is_rounding(self) -> bool:
+        """Whether the residuals are far below the least noise that is told from rounding."""
+        return self.cost < 1
+
+    def is_better(self, residuals: Floats) -> bool:
+        """Return whether these residuals cost less."""
+        return bool(np.square(residuals / self.sigma).sum() < self.cost)
+
+    def eliminated(self, damping: float = 0.0) -> tuple[Floats, Floats, Floats]:
+        """Return derivatives and residuals by the 15 parameters alone, and the factors used."""
+        lengths = np.linalg.norm(self.blocks[:, :, :FIRST], axis=1)
+        damper = np.zeros((len(self.blocks), FIRST, UNKNOWNS + 1))
+        damper[:, range(FIRST), range(FIRST)] = np.sqrt(damping) * lengths
+        factors = triangle(np.concatenate([self.blocks, damper], axis=1))
+        rest = factors[:, FIRST:, FIRST:].reshape(-1, UNKNOWNS - FIRST + 1)
+        return rest[:, :-1], rest[:, -1], factors
+
+    def standard_errors(self) -> Floats:
+        """Return those of the parameters (3, 5), NaN where nothing depends on them."""
+        slopes, residuals, _ = self.eliminated()
+        # sigma^2 (J' J)^-1; the slopes are divided by sigma
+        _, covariance = solve(slopes, residuals)
+        return np.sqrt(np.diag(covariance)).reshape(3, 5)
+
+    def expected_gain(self) -> float:
+        """Return what an undamped step would take off the cost, were all of it linear."""
+        slopes, residuals, factors = self.eliminated()
+        left = residuals - slopes @ solve(slopes, residuals)[0]
+        of_first = np.square(factors[:, :FIRST, -1]).sum()
+        return float(of_first + np.square(residuals).sum() - np.square(left).sum())
+
+    def step(self, unknowns: Unknowns, damping: float) -> Unknowns:
+        """Return the unknowns after a damped step."""
+        slopes, residuals, factors = self.eliminated(damping)
+        lengths = np.linalg.norm(slopes, axis=0)
+        damper = np.diag(np.sqrt(damping) * lengths)
+        step, _ = solve(np.vstack([slopes, damper]), np.hstack([residuals, np.zeros(len(lengths))]))
+        # The first rows of each factor: R first + S step = r
+        right = factors[:, :FIRST, -1] - factors[:, :FIRST, FIRST:-1] @ step
+        first = np.array(
+            [solve(factor[:FIRST, :FIRST], r)[0] for factor, r in zip(factors, right, strict=True)]
+        )
+        return Unknowns(
+            unknowns.theta + step.reshape(3, 5),
+            unknowns.first + first.reshape(-1, 3, 2).swapaxes(1, 2),
+        )

@@ -1,0 +1,131 @@
+"""Output error."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim.identification._fits.first_guess import first_guess
+from robsim.identification._fits.linearisation import Linearisation, Unknowns
+from robsim.identification._fits.model_fit import ModelFit, given
+from robsim.identification._fits.paths import simulated_path
+from robsim.identification._fits.segments import Record, Stretch, as_record, split
+
+_ITERATIONS = 30
+_LEAST_POSES = 3
+# The first guess bridges no longer gap: the robot might turn by more than half a turn in it.
+_LONGEST_GAP = 5
+_LEAST_SAMPLES = 8
+# It has converged when the next step is shorter than this, all unknowns together (standard errors),
+_ENOUGH = 1e-2
+# or at least those of the parameters that are given, one by one.
+_SETTLED = 0.1
+_EXPLODED = 1e100
+_FIRST_DAMPING = 1e-8
+_DAMPING_FACTOR = 100.0
+_LARGEST_DAMPING = 1e8
+
+
+def output_error(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
+    """Fit the simulated path of the robot model to measured poses.
+
+    The path depends on the inputs, the 15 parameters and the first two poses of each stretch
+    between breaks; all of them are fitted together, so that the measured places say something
+    about the heading, too. The noise of the poses stays out of the regressors: there is no bias.
+
+    Parameters
+    ----------
+    poses : array (N, 3)
+        Measured x, y (work-area px), heading (rad), wrapped or not; NaN = not seen.
+    u : array (N, 2)
+        The inputs given at these steps (V), also where the robot was not seen.
+    breaks : array (N,) of bool, optional
+        Steps that do not follow from the one before, such as bounces.
+
+    Returns
+    -------
+    ModelFit
+        Parameters and standard errors.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument does not fit, or if there are too few poses.
+
+    Notes
+    -----
+    Gauss-Newton with sensitivity filters, damped where it must be (Levenberg-Marquardt). From a
+    poor start it stalls, so the first guess tries some poles, each of which makes the path linear
+    in all else. x, y and heading are weighted with the noise that the last iteration left in them.
+    Source: Ljung, System Identification, 2nd edition 1999, 4.3 (output error models), 10.2.
+    """
+    record = as_record(poses, u, breaks)
+    stretches = split(record, least=_LEAST_POSES)
+    start = _start(record, stretches)
+    fit, residuals, iterations, converged = _minimise(start, stretches)
+    linear = Linearisation.at(fit, stretches, residuals)
+    theta, errors = given(fit.theta, linear.standard_errors())
+    if not converged:
+        # What the record does not determine may wander for ever; the rest may stand all the same.
+        moved = np.abs(linear.step(fit, 0.0).theta - fit.theta)
+        converged = not (moved > _SETTLED * errors)[np.isfinite(theta)].any()
+    return ModelFit(
+        theta=theta,
+        standard_errors=errors,
+        residual_rms=np.sqrt(np.square(residuals).mean(axis=0)),
+        iterations=iterations,
+        converged=converged,
+    )
+
+
+def _start(record: Record, stretches: list[Stretch]) -> Unknowns:
+    """Return the first guess, and the first poses as measured."""
+    pieces = split(record, longest_gap=_LONGEST_GAP, least=_LEAST_POSES)
+    samples = sum(int(piece.seen.sum()) - 2 for piece in pieces)
+    if samples < _LEAST_SAMPLES:
+        raise ValueError(
+            f"output error needs at least {_LEAST_SAMPLES} poses more than two for each stretch "
+            f"between breaks, got {samples} in {len(stretches)} stretches"
+        )
+    first = np.array([stretch.interpolated()[:2] for stretch in stretches])
+    return Unknowns(first_guess(pieces), first)
+
+
+def _residuals(unknowns: Unknowns, stretches: list[Stretch]) -> Floats | None:
+    """Return measured minus simulated poses (n, 3), or None if the simulation explodes."""
+    parts = []
+    for first, stretch in zip(unknowns.first, stretches, strict=True):
+        with np.errstate(over="ignore", invalid="ignore"):
+            path = simulated_path(unknowns.theta, first, stretch.u)
+            left = (stretch.poses - path)[stretch.seen]
+        if not (np.abs(left) < _EXPLODED).all():
+            return None
+        # In a gap the robot may turn by more than half a turn; the simulated heading knows.
+        left[:, 2] = np.unwrap(left[:, 2])
+        parts.append(left)
+    return np.vstack(parts)
+
+
+def _minimise(unknowns: Unknowns, stretches: list[Stretch]) -> tuple[Unknowns, Floats, int, bool]:
+    """Return the unknowns of the least weighted squares, the residuals, iterations, converged."""
+    residuals = _residuals(unknowns, stretches)
+    # The first guess has no unstable pole: its path does not explode.
+    assert residuals is not None
+    damping = _FIRST_DAMPING
+    for iteration in range(_ITERATIONS):
+        linear = Linearisation.at(unknowns, stretches, residuals)
+        if linear.is_rounding or linear.expected_gain() < _ENOUGH**2:
+            return unknowns, residuals, iteration, True
+        while damping <= _LARGEST_DAMPING:
+            trial = linear.step(unknowns, damping)
+            left = _residuals(trial, stretches)
+            if left is not None and linear.is_better(left):
+                break
+            damping *= _DAMPING_FACTOR
+        else:
+            return unknowns, residuals, iteration, False
+        unknowns, residuals = trial, left
+        damping = max(damping / _DAMPING_FACTOR, 1e-12)
+    return unknowns, residuals, _ITERATIONS, False

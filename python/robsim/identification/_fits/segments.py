@@ -1,0 +1,126 @@
+"""Stretches of a record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._base.checks import Floats
+
+HEADING = 2
+_LARGEST = 1e9  # beyond any area and any battery
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """Measured poses and inputs of N steps.
+
+    Attributes
+    ----------
+    poses : array (N, 3)
+        NaN in the whole row = not seen.
+    u : array (N, 2)
+        Inputs (V).
+    breaks : array (N,) of bool
+        The step does not follow from the one before.
+    """
+
+    poses: Floats
+    u: Floats
+    breaks: Bools
+
+    @property
+    def seen(self) -> Bools:
+        """The steps with a pose."""
+        return np.asarray(np.isfinite(self.poses[:, 0]))
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Steps in a row that follow from each other; the first and the last one are seen.
+
+    Attributes
+    ----------
+    poses : array (n, 3)
+        NaN = not seen. The heading has no jumps of full turns.
+    u : array (n, 2)
+        Inputs (V).
+    seen : array (n,) of bool
+        The steps with a pose.
+    """
+
+    poses: Floats
+    u: Floats
+    seen: Bools
+
+    def interpolated(self) -> Floats:
+        """Return the poses (n, 3), straight lines where it was not seen."""
+        steps = np.arange(len(self.poses))
+        at = steps[self.seen]
+        return np.column_stack([np.interp(steps, at, axis[self.seen]) for axis in self.poses.T])
+
+
+def as_record(poses: Any, u: Any, breaks: Any) -> Record:
+    """Return checked copies; a TypeError or ValueError names what does not fit."""
+    poses = _rows("poses", poses, 3)
+    u = _rows("u", u, 2)
+    if len(u) != len(poses):
+        raise ValueError(f"u must have a row for each of the {len(poses)} poses, got {len(u)}")
+    if not np.isfinite(u).all():
+        raise ValueError(f"u must be finite (V), got {u[~np.isfinite(u)][0]}")
+    breaks = np.zeros(len(poses), dtype=bool) if breaks is None else np.array(breaks)
+    if breaks.dtype != bool or breaks.shape != (len(poses),):
+        raise ValueError(
+            f"breaks must be {len(poses)} bools, one a step, got {breaks.dtype} of shape "
+            f"{breaks.shape}"
+        )
+    poses[~np.isfinite(poses).all(axis=1)] = np.nan
+    for name, values in (("poses", poses), ("u", u)):
+        if (np.abs(values) > _LARGEST).any():
+            largest = np.nanmax(np.abs(values))
+            raise ValueError(f"{name} must lie within +-{_LARGEST:g}, got {largest:g}")
+    return Record(poses, u, breaks)
+
+
+def _rows(name: str, values: Any, width: int) -> Floats:
+    try:
+        rows = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"{name} must be numbers of shape (N, {width}), got {values!r}") from error
+    if rows.ndim != 2 or rows.shape[1] != width:
+        raise ValueError(f"{name} must have the shape (N, {width}), got {rows.shape}")
+    return rows
+
+
+def split(record: Record, *, longest_gap: int | None = None, least: int) -> list[Stretch]:
+    """Return the stretches between the breaks.
+
+    Parameters
+    ----------
+    record : Record
+        What to split.
+    longest_gap : int, optional
+        Also split where the robot was not seen for more steps than that.
+    least : int
+        Stretches with fewer poses than that are left out.
+    """
+    at = np.flatnonzero(record.seen)
+    number = np.cumsum(record.breaks)[at]
+    new = np.diff(number) > 0
+    if longest_gap is not None:
+        new |= np.diff(at) > longest_gap + 1
+    return [
+        _stretch(record, slice(steps[0], steps[-1] + 1))
+        for steps in np.split(at, np.flatnonzero(new) + 1)
+        if len(steps) >= least
+    ]
+
+
+def _stretch(record: Record, part: slice) -> Stretch:
+    poses, seen = record.poses[part].copy(), record.seen[part]
+    poses[seen, HEADING] = np.unwrap(poses[seen, HEADING])
+    return Stretch(poses, record.u[part], seen)

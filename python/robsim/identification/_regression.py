@@ -1,0 +1,98 @@
+"""The samples of a record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._base.checks import Floats
+from robsim._core import regression_samples
+from robsim.trace._trace import Bools, Trace, check_trace, longest_run
+
+SOURCES = {"truth": "pose_true", "measurement": "measured", "estimate": "estimated"}
+SELECTIONS = ("valid", "longest", "all")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Samples:
+    """Samples of the robot model's predictor: y = sum(phi * theta, axis=2).
+
+    Attributes
+    ----------
+    phi : array (N, 3, 5)
+        Regressors of the axes X, Y and P (heading).
+    y : array (N, 3)
+        Outputs x, y (work-area px) and heading (rad).
+    k : array (N,) of int
+        The step whose output y is; its regressors are from the two steps before.
+    identify_from : str
+        The poses that they are made of: truth, measurement or estimate.
+    left_out : int
+        Samples that were left out for a bounce or a missing pose in them.
+    """
+
+    phi: Floats
+    y: Floats
+    k: NDArray[np.int64]
+    identify_from: str
+    left_out: int
+
+
+def samples_of(
+    trace: Trace, *, identify_from: str | None = None, samples: str = "valid"
+) -> Samples:
+    """Return the samples of a trace.
+
+    Parameters
+    ----------
+    trace : Trace
+        The recorded run.
+    identify_from : str, optional
+        ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
+        estimate.
+    samples : str
+        ``"valid"``: all but those that span a bounce or a step without a pose. ``"longest"``: those
+        of the longest record without an interruption. ``"all"``: also those that span a bounce,
+        which the model knows nothing of.
+
+    Raises
+    ------
+    ValueError
+        For another name.
+    """
+    check_trace(trace)
+    source = trace.info.identify_from if identify_from is None else identify_from
+    _check("identify_from", source, tuple(SOURCES))
+    _check("samples", samples, SELECTIONS)
+    poses = getattr(trace, SOURCES[source])
+    follows = _follows(trace, poses, over_bounces=samples == "all")
+    if samples == "longest":
+        record = longest_run(follows)
+        follows = np.isin(np.arange(len(follows)), np.arange(record.start, record.stop))
+    # The sample of step k takes the poses of three steps in a row.
+    is_whole = follows[1:] & follows[:-1]
+    phi, y = np.empty((0, 3, 5)), np.empty((0, 3))
+    if is_whole.any():
+        known = np.where(np.isfinite(poses).all(axis=1)[:, np.newaxis], poses, 0.0)
+        phi, y = (rows[is_whole] for rows in regression_samples(known, np.nan_to_num(trace.u)))
+    return Samples(
+        phi=phi,
+        y=y,
+        k=trace.k[2:][is_whole],
+        identify_from=source,
+        left_out=0 if samples == "longest" else int((~is_whole).sum()),
+    )
+
+
+def _check(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise ValueError(f"{name} must be one of {', '.join(map(repr, known))}, got {value!r}")
+
+
+def _follows(trace: Trace, poses: Floats, *, over_bounces: bool) -> Bools:
+    """Return at which of the steps 1.. the pose follows from the one before."""
+    seen = np.asarray(np.isfinite(poses).all(axis=1))
+    # Step k follows from step k-1 unless a bounce mirrored the robot in it.
+    return np.asarray(seen[1:] & seen[:-1] & (over_bounces | ~trace.bounced[1:]))

@@ -1,0 +1,125 @@
+"""A clip for a notebook."""
+
+from __future__ import annotations
+
+import base64
+import io
+import math
+from collections.abc import Iterable, Iterator
+from os import PathLike
+from pathlib import Path
+
+from PIL import Image, ImageSequence
+
+from robsim._base.checks import number, whole
+from robsim._core import Frame
+from robsim.imaging._frames import check_same_size, frame_pixels, frame_size
+from robsim.imaging._images import Pixels, resized
+
+WIDEST = 16383  # what WebP can hold (px)
+QUALITY = 75  # of WebP, 0..100: 100 noisy frames of 480 px take 1 MB
+EFFORT = 2  # of WebP, 0..6: more takes seconds and saves little
+
+
+class Clip:
+    """Frames that play in a notebook, also in a saved one.
+
+    Parameters
+    ----------
+    frames : iterable of Frame or array (H, W, 3) of uint8
+        The frames, all of one size.
+    fps : float
+        Frames per second, within 0.1..60.
+    width : int
+        Width of the clip (px), within 1..16383. Narrower frames stay as they are.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there are no frames, one is of another kind or size, or `fps` or `width` does not fit.
+
+    Examples
+    --------
+    >>> robsim.Clip((sim.step().frame for _ in range(50)), fps=5)
+    """
+
+    def __init__(self, frames: Iterable[Frame | Pixels], *, fps: float, width: int = 480) -> None:
+        milliseconds = round(1000 / number("fps", fps, "1/s", least=0.1, most=60))
+        width = whole("width", width, least=1, most=WIDEST)
+        pictures = list(_reduced(frames, width))
+        if not pictures:
+            raise ValueError("frames: a clip needs at least one, got none")
+        self._count = len(pictures)
+        self._size = pictures[0].size
+        self._webp = _animation("WEBP", pictures, milliseconds)
+        self._milliseconds = milliseconds
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the clip into a file.
+
+        Parameters
+        ----------
+        path : path
+            A name that ends in ``.webp`` or ``.gif``; a GIF is larger and has fewer colours.
+
+        Raises
+        ------
+        ValueError
+            For another ending.
+        """
+        ending = Path(path).suffix.lower()
+        if ending not in (".webp", ".gif"):
+            raise ValueError(f"{path}: the name of a clip must end in .webp or .gif")
+        data = self._webp if ending == ".webp" else self._gif()
+        Path(path).write_bytes(data)
+
+    def _gif(self) -> bytes:
+        with Image.open(io.BytesIO(self._webp)) as clip:
+            shown = [(p.convert("RGB"), p.info["duration"]) for p in ImageSequence.Iterator(clip)]
+        # What comes twice is one frame of WebP, of twice the time.
+        pictures, times = zip(*shown, strict=True)
+        return _animation("GIF", list(pictures), list(times))
+
+    def _repr_html_(self) -> str:
+        width, height = self._size
+        data = base64.b64encode(self._webp).decode("ascii")
+        return (
+            f'<img src="data:image/webp;base64,{data}" width="{width}" height="{height}" '
+            f'alt="a clip of {self._count} frames">'
+        )
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __repr__(self) -> str:
+        width, height = self._size
+        kilobytes = math.ceil(len(self._webp) / 1000)
+        return f"<Clip: {self._count} frames of {width} x {height} px, {kilobytes} kB>"
+
+
+def _reduced(frames: Iterable[Frame | Pixels], width: int) -> Iterator[Image.Image]:
+    first = None
+    for index, frame in enumerate(frames):
+        pixels = frame_pixels(frame)
+        size = frame_size(pixels)
+        first = first or size
+        check_same_size(f"frame {index}", size, first)
+        share = min(1.0, width / size[0])
+        yield Image.fromarray(
+            resized(pixels, round(share * size[0]), max(1, round(share * size[1])))
+        )
+
+
+def _animation(kind: str, pictures: list[Image.Image], milliseconds: int | list[int]) -> bytes:
+    buffer = io.BytesIO()
+    pictures[0].save(
+        buffer,
+        format=kind,
+        save_all=True,
+        append_images=pictures[1:],
+        duration=milliseconds,
+        loop=0,
+        quality=QUALITY,
+        method=EFFORT,
+    )
+    return buffer.getvalue()

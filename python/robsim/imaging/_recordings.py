@@ -1,0 +1,230 @@
+"""Frames from a recording."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from collections.abc import Generator, Iterator
+from contextlib import closing
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from robsim._base import options
+from robsim._base.checks import number
+from robsim._core import Frame, PlaneMap, RobotParameters
+from robsim.imaging._frames import check_same_size, frame_size
+from robsim.imaging._images import Pixels, read_picture
+from robsim.imaging._opencv import load_opencv, quiet
+
+_WHOLE = 0.95  # share of the frames; some files only estimate their number
+HIGHEST_RATE = 1000.0  # files that do not know their rate often say this one, or more (1/s)
+
+# Pillow knows these by name, but reads no picture from them.
+_NO_PICTURES = {"BUFR", "GRIB", "HDF5", "MPEG"}
+
+
+class Recording:
+    """A video file or a folder of images, as frames; it can be gone through again and again.
+
+    Parameters
+    ----------
+    source : path
+        A video file, or a folder of images of any kind that Pillow reads: in the order of their
+        names, frame2 before frame10. Other files in it are ignored.
+    plane_map : PlaneMap, optional
+        Pixels of the frames to work area. Default: the frames show the whole area, and nothing
+        else, from straight above.
+    area : tuple of int, optional
+        Width and height of the work area (px). Default: what the frames show; without a plane map
+        this is their size.
+    dt : float, optional
+        Time between two frames (s). Default: that of the video file, 0.2 s for a folder.
+
+    Attributes
+    ----------
+    source : pathlib.Path
+        The file or folder.
+    plane_map : PlaneMap
+        Pixels of the frames to work area.
+    area : tuple of int
+        Width and height of the work area (px).
+    dt : float
+        Time between two frames (s): frame k is of the time k dt.
+    size : tuple of int
+        Width and height of the frames (px).
+    count : int or None
+        Number of frames. A video file may be wrong about it, or not know it.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file or folder.
+    ImportError
+        If it is a video, and OpenCV is not installed.
+    ValueError
+        If the file is not a video, has no frames or no plausible frame rate, if the folder has no
+        images, if `dt` or `area` is not positive. While going through the frames: if one is
+        damaged, or of another size than the first.
+
+    Warns
+    -----
+    UserWarning
+        If a video ends early, cut off or damaged.
+
+    Examples
+    --------
+    >>> for frame in robsim.Recording("run.mkv", area=(1200, 1200)):
+    ...     blobs = robsim.find_blobs(frame, robsim.load_colors())
+    """
+
+    def __init__(
+        self,
+        source: str | PathLike[str],
+        *,
+        plane_map: PlaneMap | None = None,
+        area: tuple[int, int] | None = None,
+        dt: float | None = None,
+    ) -> None:
+        self.source = Path(source)
+        if not self.source.exists():
+            raise FileNotFoundError(f"there is no file or folder {self.source}")
+        self._images = _Folder(self.source) if self.source.is_dir() else _Video(self.source)
+        self.size = self._first_size()
+        self.dt = self._images.dt() if dt is None else number("dt", dt, "s", above=0)
+        self.count = self._images.count()
+        if area is not None:
+            self.area = options.size("area", area)
+        else:
+            self.area = self.size if plane_map is None else _area_seen(plane_map, self.size)
+        self.plane_map = plane_map or PlaneMap.scaled(camera=self.size, area=self.area)
+
+    def __iter__(self) -> Iterator[Frame]:
+        with closing(self._images.read()) as images:
+            for index, (name, pixels) in enumerate(images):
+                check_same_size(name, frame_size(pixels), self.size)
+                yield Frame(pixels, t=index * self.dt, index=index, plane_map=self.plane_map)
+
+    def __repr__(self) -> str:
+        count = "frames" if self.count is None else f"{self.count} frames"
+        width, height = self.size
+        return f"<Recording {self.source}: {count} of {width} x {height} px, dt = {self.dt:g} s>"
+
+    def _first_size(self) -> tuple[int, int]:
+        with closing(self._images.read()) as images:
+            for _, pixels in images:
+                return frame_size(pixels)
+        raise ValueError(f"{self.source} has no frames")
+
+
+class _Folder:
+    """The images of a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        endings = _picture_endings()
+        files = [
+            file
+            for file in folder.iterdir()
+            if file.suffix.lower() in endings and file.is_file() and not file.name.startswith(".")
+        ]
+        if not files:
+            raise ValueError(f"there are no images in the folder {folder}")
+        self.files = sorted(files, key=_natural_order)
+
+    def dt(self) -> float:
+        return RobotParameters().dt
+
+    def count(self) -> int:
+        return len(self.files)
+
+    def read(self) -> Generator[tuple[str, Pixels]]:
+        for file in self.files:
+            yield str(file), read_picture(file)
+
+
+def _picture_endings() -> set[str]:
+    readable = Image.registered_extensions().items()
+    return {ending for ending, kind in readable if kind in Image.OPEN and kind not in _NO_PICTURES}
+
+
+def _natural_order(file: Path) -> tuple[list[str | int], str]:
+    parts = re.split(r"(\d+)", file.name.lower())
+    return [int(part) if part.isdecimal() else part for part in parts], file.name
+
+
+class _Video:
+    """A video file."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+        self.cv2 = load_opencv("reading a video")
+        with quiet():
+            capture = self._open()
+            self.rate = float(capture.get(self.cv2.CAP_PROP_FPS))
+            self.frames = capture.get(self.cv2.CAP_PROP_FRAME_COUNT)
+            capture.release()
+
+    def dt(self) -> float:
+        if not 0 < self.rate < HIGHEST_RATE:  # NaN is neither
+            raise ValueError(
+                f"{self.file} has the frame rate {self.rate:g} per second, which can't be: "
+                "give dt, the time between two frames in s"
+            )
+        return 1 / self.rate
+
+    def count(self) -> int | None:
+        known = math.isfinite(self.frames) and self.frames > 0
+        return int(self.frames) if known else None
+
+    def read(self) -> Generator[tuple[str, Pixels]]:
+        with quiet():
+            capture = self._open()
+        index = 0
+        try:
+            while (pixels := self._next(capture)) is not None:
+                yield f"frame {index} of {self.file}", pixels
+                index += 1
+        finally:
+            with quiet():
+                capture.release()
+        known = self.count()
+        if known is not None and index < _WHOLE * known:
+            warnings.warn(
+                f"{self.file} ends after {index} of {known} frames: it is cut off or damaged",
+                stacklevel=4,
+            )
+
+    def _open(self) -> Any:
+        # More threads are no faster, and print what they have against a file at any time.
+        one_thread = [self.cv2.CAP_PROP_N_THREADS, 1]
+        capture = self.cv2.VideoCapture(str(self.file), self.cv2.CAP_FFMPEG, one_thread)
+        if not capture.isOpened():
+            raise ValueError(f"{self.file} is not a video, or it is damaged or cut off")
+        return capture
+
+    def _next(self, capture: Any) -> Pixels | None:
+        with quiet():
+            is_read, pixels = capture.read()
+        if not is_read:
+            return None
+        rgb: Pixels = self.cv2.cvtColor(pixels, self.cv2.COLOR_BGR2RGB)
+        return rgb
+
+
+def _area_seen(plane_map: PlaneMap, size: tuple[int, int]) -> tuple[int, int]:
+    """Return how far the frames show the work area to the right and down (px)."""
+    right, bottom = size[0] - 0.5, size[1] - 0.5
+    corners = np.array([(-0.5, -0.5), (right, -0.5), (right, bottom), (-0.5, bottom)])
+    distance = plane_map.matrix[2, :2] @ corners.T + plane_map.matrix[2, 2]
+    farthest = plane_map.to_world(corners).max(axis=0) + 0.5
+    if np.ptp(np.sign(distance)) or farthest.min() < 1:
+        raise ValueError(
+            "area: with this plane map the frames do not show how large the area is, "
+            "give its width and height in px"
+        )
+    width, height = np.rint(farthest).astype(int).tolist()
+    return width, height

@@ -1,0 +1,189 @@
+"""Frames into a video file."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable
+from os import PathLike
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import number
+from robsim._base.files import aside_of
+from robsim._core import Frame
+from robsim.imaging._frames import check_same_size, frame_pixels, frame_size
+from robsim.imaging._images import Pixels
+from robsim.imaging._opencv import load_opencv, quiet
+
+#: Four letters of the codec for each ending of a file's name.
+CODECS = {".mp4": "mp4v", ".webm": "VP80", ".mkv": "FFV1", ".avi": "FFV1"}
+LOSSLESS = "FFV1"
+
+
+class VideoWriter:
+    """A video file that is written frame by frame, for a ``with`` statement.
+
+    The ending of its name says which kind. ``.mkv`` and ``.avi`` keep every pixel as it is: take
+    them to measure in (about 0.6 MB for a frame of 1200 x 1200 px). ``.mp4`` and ``.webm`` are much
+    smaller, to look at; browsers play ``.webm``. They blur the edges of the markers by a fraction
+    of a pixel, which moves a pose by about 0.2 px and 0.3 degrees.
+
+    The file gets its name when it is complete: at the end, also if an exception brings the end
+    early. What was written up to then plays.
+
+    Parameters
+    ----------
+    path : path
+        The file to write.
+    fps : float
+        Frames per second, within 0.1..500.
+
+    Raises
+    ------
+    FileNotFoundError
+        If its folder does not exist.
+    ImportError
+        If OpenCV is not installed.
+    OSError
+        If the file can't be written.
+    TypeError, ValueError
+        If the ending is not known or `fps` does not fit; at the end, if there were no frames.
+
+    Examples
+    --------
+    >>> with robsim.VideoWriter("run.webm", fps=5) as video:
+    ...     for _ in range(100):
+    ...         video.write(sim.step().frame)
+    """
+
+    def __init__(self, path: str | PathLike[str], *, fps: float) -> None:
+        self.path = Path(path)
+        self.count = 0
+        self._codec = _codec(self.path)
+        # MPEG-4 counts time in at most 65535 parts of a second.
+        rate = number("fps", fps, "1/s", least=0.1, most=500)
+        self._fps = round(rate, min(3, int(math.log10(65535 / rate))))
+        if not self.path.absolute().parent.is_dir():
+            raise FileNotFoundError(f"{self.path}: there is no folder {self.path.parent}")
+        self._cv2 = load_opencv("writing a video")
+        self._part = aside_of(self.path)
+        self._size = (0, 0)
+        self._writer: Any = None
+        self._is_closed = False
+
+    def write(self, frame: Frame | Pixels) -> None:
+        """Add a frame.
+
+        Parameters
+        ----------
+        frame : Frame or array (H, W, 3) of uint8
+            RGB. If H or W is odd, mp4 and webm repeat the last row or column.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is no such array, has another size than the frames before, or has an odd size
+            and the file is a lossless one.
+        """
+        if self._is_closed:
+            raise ValueError(f"{self.path} is complete: open another VideoWriter")
+        pixels = frame_pixels(frame)
+        even = _even(pixels, self._codec)
+        if self._writer is None:
+            self._size = frame_size(pixels)
+            self._writer = self._open(frame_size(even))
+        check_same_size(f"frame {self.count}", frame_size(pixels), self._size)
+        bgr = self._cv2.cvtColor(even, self._cv2.COLOR_RGB2BGR)
+        with quiet():
+            self._writer.write(bgr)
+        self.count += 1
+
+    def close(self) -> None:
+        """End the file and give it its name."""
+        self._is_closed = True
+        if self._writer is None:
+            return
+        with quiet():
+            self._writer.release()
+            self._writer = None
+            video = self._cv2.VideoCapture(str(self._part), self._cv2.CAP_FFMPEG)
+            # OpenCV says nothing of a full disk, and the header may promise what is not there.
+            there = sum(1 for _ in iter(video.grab, False))
+            video.release()
+        if there != self.count:
+            self._part.unlink(missing_ok=True)
+            raise OSError(f"{self.path} could not be written: a full disk, or too small frames")
+        os.replace(self._part, self.path)
+
+    def _open(self, size: tuple[int, int]) -> Any:
+        codec = self._cv2.VideoWriter_fourcc(*self._codec)
+        with quiet():
+            writer = self._cv2.VideoWriter(
+                str(self._part), self._cv2.CAP_FFMPEG, codec, self._fps, size
+            )
+        if not writer.isOpened():
+            self._part.unlink(missing_ok=True)
+            raise OSError(f"{self.path} can't be written with frames of {size[0]} x {size[1]} px")
+        return writer
+
+    def __enter__(self) -> VideoWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+        if self.count == 0 and error is None:
+            raise ValueError(f"{self.path}: there were no frames to write")
+
+
+def write_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, fps: float) -> None:
+    """Write frames into a video file.
+
+    If the frames end with an exception, the file has those before it, and the exception goes on.
+
+    Parameters
+    ----------
+    path : path
+        The file to write; for what the endings mean see `VideoWriter`.
+    frames : iterable of Frame or array (H, W, 3) of uint8
+        The frames, all of one size.
+    fps : float
+        Frames per second, within 0.1..500.
+
+    Raises
+    ------
+    ImportError, OSError, TypeError, ValueError
+        As `VideoWriter`.
+    """
+    with VideoWriter(path, fps=fps) as video:
+        for frame in frames:
+            video.write(frame)
+
+
+def _codec(path: Path) -> str:
+    try:
+        return CODECS[path.suffix.lower()]
+    except KeyError:
+        known = ", ".join(CODECS)
+        raise ValueError(f"{path}: the name of a video must end in one of {known}") from None
+
+
+def _even(pixels: Pixels, codec: str) -> Pixels:
+    """Return the pixels with an even width and height, which is what OpenCV writes."""
+    height, width = pixels.shape[:2]
+    if height % 2 == 0 and width % 2 == 0:
+        return pixels
+    if codec == LOSSLESS:
+        raise ValueError(
+            f"frames of {width} x {height} px do not fit into a lossless video: width and height "
+            "must be even; take .mp4 or .webm, or cut off a row or column"
+        )
+    return np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")

@@ -1,0 +1,154 @@
+"""The figure of the batch estimate."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.markers import CARETLEFT
+
+from robsim._base.checks import Floats
+from robsim.identification._batch import BatchEstimate
+from robsim.plotting import _style as style
+
+_MARKERS = {"batch": "o", "online": "D"}
+_COLORS = {
+    "true": style.TRUE,
+    "model": style.TRUE,
+    "batch": style.BATCH,
+    "online": style.ESTIMATED,
+}
+
+# The rows of the 15 parameters, with some room between the axes of the model.
+_ROWS = np.arange(15) + 0.6 * (np.arange(15) // 5)
+_IS_D1 = np.arange(15) % 5 == 4
+
+
+@style.applied
+def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Figure:
+    """Draw how far the batch and the online estimates of the 15 parameters are from the truth.
+
+    The axis is logarithmic, so that 1e-12 and 1e6 are both readable. The deviation is relative to
+    the true value, but that of d1, which may be 0, absolute: its markers are hollow. A marker
+    that points to the left edge is an exact value. The values stand to the right. A pale bar ends
+    at two standard errors of the batch estimate: 95 % of such estimates lie in theirs, if the noise
+    is in the equations.
+
+    Parameters
+    ----------
+    report : BatchEstimate
+        From `robsim.batch_estimate`. Without an online estimate (all NaN) there is no such column.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw. Default: a new figure of 9 x 7 inches.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure of the axes.
+
+    Raises
+    ------
+    TypeError
+        If the report is none.
+    """
+    if not isinstance(report, BatchEstimate):
+        raise TypeError(f"report must be what batch_estimate returns, got {report!r}")
+    if ax is None:
+        ax = style.NotebookFigure(figsize=(9, 7)).add_subplot()
+    true = report.theta_true.ravel()
+    estimates = {"batch": report.batch.ravel()}
+    if np.isfinite(report.online).any():
+        estimates["online"] = report.online.ravel()
+    deviations = {name: _relative(np.abs(theta - true), true) for name, theta in estimates.items()}
+    reach = 2 * _relative(report.standard_errors.ravel(), true)
+    low, high = _decades(np.concatenate([*deviations.values(), reach]))
+    is_true = report.is_of_the_model
+    _finish_axes(ax, low, high, "true value" if is_true else "model's value")
+    _draw_reach(ax, reach, low)
+    for name, values in deviations.items():
+        _draw_deviations(ax, values, low, name)
+    for i, (name, values) in enumerate({"true" if is_true else "model": true, **estimates}.items()):
+        _write_column(ax, name, values, offset=62.0 + 84.0 * i)
+    ax.set_title(report.title, loc="left", pad=24)
+    ax.legend(loc="upper left", bbox_to_anchor=(1, 0), borderaxespad=0.6, ncols=2)
+    return ax.figure.figure
+
+
+def _relative(size: Floats, theta_true: Floats) -> Floats:
+    """Return sizes relative to the true values, but those of d1 and of a true 0."""
+    scale = np.abs(theta_true)
+    scale[_IS_D1 | (scale == 0)] = 1.0
+    return size / scale
+
+
+def _decades(deviations: Floats) -> tuple[float, float]:
+    """Return limits in whole decades; the lower one stands for an exact value, too."""
+    seen = deviations[np.isfinite(deviations) & (deviations > 0)]
+    low, high = seen.min(initial=1e-3), seen.max(initial=1.0)
+    return 10.0 ** (math.floor(math.log10(low)) - 1), 10.0 ** (math.ceil(math.log10(high)) + 0.5)
+
+
+def _finish_axes(axes: Axes, low: float, high: float, origin: str) -> None:
+    axes.set_xscale("log")
+    axes.set(xlim=(low, high), ylim=(_ROWS[-1] + 0.6, -0.6))
+    axes.minorticks_off()
+    axes.set_yticks(_ROWS, style.PARAMETER_LABELS)
+    axes.tick_params(axis="y", length=0)
+    for share, text in ((0.01, "1 %"), (1.0, "100 %")):
+        axes.axvline(share, color=style.GUIDE, linewidth=0.9, linestyle="--")
+        transform = axes.get_xaxis_transform()
+        axes.text(share, 1.01, text, transform=transform, ha="center", color="#606060")
+    axes.set_xlabel(f"deviation from the {origin}: relative; of d1 (hollow) absolute")
+
+
+def _draw_reach(axes: Axes, reach: Floats, low: float) -> None:
+    """Draw bars from the left edge to where two standard errors reach."""
+    is_known = np.isfinite(reach) & (reach > low)
+    if is_known.any():
+        axes.barh(
+            _ROWS[is_known],
+            reach[is_known] - low,
+            left=low,
+            height=0.62,
+            color=style.BATCH,
+            alpha=0.22,
+            linewidth=0,
+            label="2 standard errors",
+        )
+
+
+def _draw_deviations(axes: Axes, values: Floats, exact: float, name: str) -> None:
+    look: dict[str, Any] = {
+        "color": _COLORS[name],
+        "linestyle": "none",
+        "markersize": 6.5,
+        "markeredgewidth": 1.4,
+        "zorder": 3,
+    }
+    is_exact = values == 0
+    shown = np.where(is_exact, exact, values)
+    for at, marker, face, label in (
+        (~_IS_D1 & ~is_exact, _MARKERS[name], _COLORS[name], name),
+        (_IS_D1 & ~is_exact, _MARKERS[name], "white", None),
+        (is_exact, CARETLEFT, _COLORS[name], None),
+    ):
+        axes.plot(shown[at], _ROWS[at], marker=marker, markerfacecolor=face, label=label, **look)
+
+
+def _write_column(axes: Axes, name: str, values: Floats, *, offset: float) -> None:
+    """Write the values of the rows, right-aligned `offset` points right of the axes."""
+    look: dict[str, Any] = {
+        "xycoords": axes.get_yaxis_transform(),
+        "textcoords": "offset points",
+        "ha": "right",
+        "va": "center",
+    }
+    color = _COLORS[name]
+    axes.annotate(name, (1, -1.1), (offset, 0), color=color, size=9, weight="bold", **look)
+    for row, value in zip(_ROWS, values, strict=True):
+        known = np.isfinite(value)
+        text, color = (f"{value:.6g}", "#202020") if known else ("not determined", style.GUIDE)
+        axes.annotate(text, (1, row), (offset, 0), color=color, **look)

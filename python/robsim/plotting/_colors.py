@@ -1,0 +1,92 @@
+"""The figure of a colour's histograms."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from robsim._base.checks import Floats
+from robsim._core import ColorClass
+from robsim.plotting import _style as style
+
+_NAMES = ("Y: brightness", "U: more = bluer", "V: more = redder")
+
+
+@style.applied
+def plot_color_histograms(
+    histograms: ArrayLike,
+    color: ColorClass,
+    *,
+    others: ArrayLike | None = None,
+    axes: Any = None,
+) -> Figure:
+    """Draw the Y, U and V histograms of a colour's pixels, and the ranges of its class.
+
+    Parameters
+    ----------
+    histograms : array_like (3, 256)
+        Of the pixels that have the colour, as from `color_histograms`.
+    color : ColorClass
+        The class; its ranges are shaded.
+    others : array_like (3, 256), optional
+        Histograms to tell it from, such as those of the whole image.
+    axes : array_like (3,) of matplotlib.axes.Axes, optional
+        Where to draw: Y, U, V. Default: a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure of the axes; a new one has 9 x 2.8 inches.
+
+    Raises
+    ------
+    ValueError
+        If the histograms are not of shape (3, 256), or `axes` is not of shape (3,).
+    """
+    shares = _shares("histograms", histograms)
+    other_shares = None if others is None else _shares("others", others)
+    if axes is None:
+        figure = style.NotebookFigure(figsize=(9, 2.8))
+        axes = figure.subplots(1, 3, sharey=True)
+    axes = np.asarray(axes, dtype=object)
+    if axes.shape != (3,):
+        raise ValueError(f"axes: expected an array of 3 axes, got the shape {axes.shape}")
+    for i, (panel, limits) in enumerate(zip(axes, (color.y, color.u, color.v), strict=True)):
+        if other_shares is not None:
+            _draw_shares(panel, other_shares[i], style.GUIDE, "the whole image")
+        _draw_shares(panel, shares[i], style.drawn_color(color.name), f"pixels of {color.name}")
+        _draw_range(panel, limits, _NAMES[i])
+    axes[0].set_ylabel("pixels (most = 1)")
+    first: Axes = axes[0]
+    first.legend(loc="upper left", fontsize=7.5)
+    return first.figure.figure
+
+
+def _shares(name: str, histograms: ArrayLike) -> Floats:
+    """Return the histograms with their highest counts made 1."""
+    counts = np.asarray(histograms, dtype=float)
+    if counts.shape != (3, 256):
+        raise ValueError(f"{name} must be of shape (3, 256), got {counts.shape}")
+    shares: Floats = counts / np.maximum(counts.max(axis=1, keepdims=True), 1)
+    return shares
+
+
+def _draw_shares(axes: Axes, shares: Floats, color: str, label: str) -> None:
+    axes.stairs(shares, np.arange(257) - 0.5, fill=True, color=color, alpha=0.75, label=label)
+
+
+def _draw_range(axes: Axes, limits: tuple[int, int], name: str) -> None:
+    """Shade the range of a channel, and say what it is."""
+    lower, upper = limits
+    is_open = (lower, upper) == (0, 255)
+    if not is_open:
+        shade = axes.axvspan(lower - 0.5, upper + 0.5, color=style.MEASURED, linewidth=0)
+        shade.set(alpha=0.15, zorder=0)
+    axes.set(xlim=(-0.5, 255.5), ylim=(0, 1.4), xticks=(0, 64, 128, 192, 255))
+    axes.set_yticks((0, 0.5, 1))
+    axes.set_xlabel(name)
+    axes.set_title("class: any" if is_open else f"class: {lower} .. {upper}", loc="left")

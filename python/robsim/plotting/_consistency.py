@@ -1,0 +1,68 @@
+"""The figure of NEES or NIS."""
+
+from __future__ import annotations
+
+from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+
+from robsim.evaluation._consistency import ConsistencyReport
+from robsim.plotting import _style as style
+
+
+@style.applied
+def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Axes:
+    """Draw the NEES or the NIS over the steps with its chi-square band.
+
+    The axis is logarithmic, since the values of a wrong filter may be off by orders of magnitude.
+    Above the band the filter is too confident, below it too cautious.
+
+    Parameters
+    ----------
+    report : ConsistencyReport
+        From `robsim.pose_consistency`, `robsim.nees_report` or `robsim.nis_report`.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw. Default: a new figure of 8 x 3.2 inches.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+
+    Raises
+    ------
+    TypeError
+        If the report is none.
+    """
+    if not isinstance(report, ConsistencyReport):
+        raise TypeError(
+            "report must be what pose_consistency, nees_report or nis_report returns, "
+            f"got {report!r}"
+        )
+    if ax is None:
+        figure = style.NotebookFigure(figsize=(8, 3.2))
+        ax = figure.add_subplot(axes_class=style.NotebookAxes)
+    k, values, (low, high) = report.k, report.values, report.band.T
+    is_inside = (values >= low) & (values <= high)
+    band = f"{100 * report.level:g} % band"
+    ax.fill_between(k, low, high, color=style.CLAIMED, linewidth=0, label=band)
+    ax.axhline(report.n, color=style.GUIDE, linewidth=0.8)
+    ax.plot(k, values, color=style.GUIDE, linewidth=0.5)
+    size = 1.6 * style.dot_size(len(k))
+    for where, color, share, name in (
+        (is_inside, style.ESTIMATED, report.inside, "in"),
+        (values > high, style.WRONG, report.above, "above"),
+        (values < low, style.BATCH, report.below, "below"),
+    ):
+        label = f"{100 * share:.1f} % {name}"
+        ax.plot(k[where], values[where], ".", color=color, markersize=size, label=label)
+    ax.set_yscale("log")
+    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.yaxis.set_major_formatter("{x:g}")
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.set_xlim(k[0] - 0.5, k[-1] + 0.5)
+    ax.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
+    mean = f", mean of {report.runs} runs" if report.runs > 1 else ""
+    ax.set(xlabel="step k", ylabel=f"{report.kind}{mean} ({report.n} is right)")
+    ax.set_title(report.title, loc="left")
+    ax.legend(loc="upper left", bbox_to_anchor=(1, 1), markerscale=1.5)
+    return ax

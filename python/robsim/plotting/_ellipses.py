@@ -1,0 +1,182 @@
+"""The figure of covariance ellipses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+
+from robsim._base.checks import Floats, number, whole
+from robsim.plotting import _style as style
+from robsim.trace._trace import Trace
+
+# Corners of the polygon that stands for an ellipse.
+_CORNERS = 48
+
+
+@style.applied
+def plot_ellipses(
+    trace: Trace,
+    *,
+    every: int | None = None,
+    level: float = 0.95,
+    magnify: float | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the covariance of the estimated place as ellipses along the path.
+
+    The true place should lie in its ellipse in 95 % of the steps. Since ellipses are often too
+    small to be seen beside a path, they can be magnified, and then the distance from the estimate
+    to the true place is magnified alike: whether it lies within stays as it is. An ellipse much
+    larger than path and others, such as that of a robot not seen yet, would hide them: it is left
+    out.
+
+    Parameters
+    ----------
+    trace : Trace
+        A run with a state estimator.
+    every : int, optional
+        Draw the ellipse of every so many steps. Default: about 25 of them.
+    level : float
+        Probability that the true place lies in its ellipse.
+    magnify : float, optional
+        How many times as large to draw ellipses and errors. Default: so that one sees them.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw. Default: a new figure of 7 x 7 inches.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes, y axis downwards, the same scale in x and y.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the trace has no estimates with a covariance, or an argument is not of this kind.
+    """
+    if not isinstance(trace, Trace):
+        raise TypeError(f"trace must be a Trace, got {trace!r}")
+    level = number("level", level, above=0.0)
+    if level >= 1.0:
+        raise ValueError(f"level must lie between 0 and 1, got {level!r}")
+    rows = _drawn_rows(trace, every)
+    places, covariances = trace.estimated[rows, :2], trace.covariance[rows, :2, :2]
+    shapes = ellipses(covariances, level)
+    usual = _magnification(trace, shapes)
+    times = usual if magnify is None else number("magnify", magnify, above=0.0)
+    if ax is None:
+        figure = style.NotebookFigure(figsize=(7, 7))
+        ax = figure.add_subplot(axes_class=style.NotebookAxes)
+    ax.plot(*trace.estimated[:, :2].T, color=style.ESTIMATED, linewidth=1.0, label="estimated path")
+    label = f"{100 * level:g} % ellipse"
+    corners = (places[:, np.newaxis] + times * shapes)[_fits(trace, times * shapes)]
+    ax.add_collection(_polygons(corners, label), autolim=True)
+    _draw_truth(ax, places, times * (trace.pose_true[rows, :2] - places))
+    _finish(ax, times)
+    return ax
+
+
+def ellipses(covariances: Floats, level: float) -> Floats:
+    """Return the corners of ellipses around 0 that hold a share of a normal distribution.
+
+    Parameters
+    ----------
+    covariances : array (N, 2, 2)
+        Covariances of places.
+    level : float
+        The share.
+
+    Returns
+    -------
+    array (N, 48, 2)
+        The corners.
+
+    Raises
+    ------
+    ValueError
+        If a covariance has a negative eigenvalue.
+    """
+    eigenvalues, axes = np.linalg.eigh(covariances)
+    if (eigenvalues[:, 0] < -1e-9 * eigenvalues[:, 1]).any():
+        smallest = eigenvalues[:, 0].min()
+        raise ValueError(f"covariance must be positive definite, got the eigenvalue {smallest:g}")
+    # With 2 degrees of freedom the chi-square quantile has a closed form: -2 ln(1 - level).
+    reach = math.sqrt(-2.0 * math.log1p(-level))
+    angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
+    circle = reach * np.column_stack((np.cos(angle), np.sin(angle)))
+    # c sqrt(eigenvalues) along the axes
+    scaled = axes * np.sqrt(np.maximum(eigenvalues, 0.0))[:, np.newaxis, :]
+    corners: Floats = circle @ np.swapaxes(scaled, 1, 2)
+    return corners
+
+
+def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
+    is_known = np.isfinite(trace.covariance[:, :2, :2]).all(axis=(1, 2))
+    known = np.flatnonzero(is_known & np.isfinite(trace.estimated[:, :2]).all(axis=1))
+    if not len(known):
+        raise ValueError(
+            "the trace has no estimates with a covariance: run the simulation with "
+            "estimate_state=..."
+        )
+    if every is None:
+        every = max(1, round(len(trace) / 25))
+    every = whole("every", every, least=1, most=10**9)
+    rows: NDArray[np.int64] = known[known % every == known[0] % every]
+    return rows
+
+
+def _extent(trace: Trace) -> float:
+    """Return how long the estimated path is along x or y (px)."""
+    return float(np.ptp(trace.estimated[np.isfinite(trace.estimated[:, 0]), :2], axis=0).max())
+
+
+def _fits(trace: Trace, shapes: Floats) -> NDArray[np.bool_]:
+    """Return which ellipses do not dwarf the path and the other ellipses."""
+    sizes = np.abs(shapes).max(axis=(1, 2))
+    fits: NDArray[np.bool_] = sizes <= max(_extent(trace), 10.0 * float(np.median(sizes)))
+    return fits
+
+
+def _magnification(trace: Trace, shapes: Floats) -> float:
+    """Return 1, 2, 5, 10, ..., so that a usual ellipse is about 1/20 of the path long."""
+    extent = _extent(trace)
+    length = 2.0 * np.median(np.abs(shapes).max(axis=(1, 2)))
+    if not (extent > 0.0 and length > 0.0):
+        return 1.0
+    wanted = max(1.0, 0.05 * extent / length)
+    decade = 10.0 ** math.floor(math.log10(wanted))
+    return float(max(step * decade for step in (1, 2, 5) if step * decade <= wanted))
+
+
+def _polygons(corners: Floats, label: str) -> PolyCollection:
+    return PolyCollection(
+        list(corners),
+        facecolor=(*to_rgb(style.ESTIMATED), 0.15),
+        edgecolor=style.ESTIMATED,
+        linewidth=0.9,
+        label=label,
+    )
+
+
+def _draw_truth(ax: Axes, places: Floats, errors: Floats) -> None:
+    true = places + errors
+    ax.plot(*places.T, ".", color=style.ESTIMATED, markersize=3)
+    if np.isfinite(true).any():
+        ends = np.stack((places, true, np.full_like(true, np.nan)), axis=1).reshape(-1, 2)
+        ax.plot(*ends.T, color=style.TRUE, linewidth=0.7)
+        ax.plot(*true.T, ".", color=style.TRUE, markersize=5, label="true place")
+
+
+def _finish(ax: Axes, times: float) -> None:
+    ax.set(xlabel="x (px)", ylabel="y (px)")
+    if times != 1.0:
+        ax.set_title(f"ellipses and errors {times:g} times as large", loc="left")
+    ax.autoscale_view()
+    ax.set_aspect("equal", adjustable="datalim")
+    if not ax.yaxis_inverted():
+        ax.invert_yaxis()
+    ax.legend(loc="upper left", bbox_to_anchor=(1, 1))

@@ -1,0 +1,136 @@
+"""The figure of errors and bounds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike
+
+from robsim._base.checks import Floats
+from robsim.evaluation._errors import ErrorReport, mean_of_known
+from robsim.plotting import _style as style
+from robsim.plotting._error_panels import draw_histogram, limit_panel
+
+
+@style.applied
+def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: Any = None) -> Figure:
+    """Draw errors over the steps, what the estimator claims of them, and their histograms.
+
+    The band reaches two of the claimed standard deviations to both sides: 95 % of the errors of an
+    honest estimator lie in it. The dashed lines are two standard deviations of the bound away: no
+    estimator does better. The bell curve is the normal distribution of the errors' mean and
+    standard deviation. Errors far outside the others stand as triangles at the edge.
+
+    Parameters
+    ----------
+    report : ErrorReport
+        From `robsim.pose_errors` or `robsim.error_report`; of several runs all errors are drawn.
+    bound : array (N, n, n), optional
+        Least covariance in each step, from `robsim.pose_bounds`; of several runs their mean.
+    axes : array_like (n, 2) of matplotlib.axes.Axes, optional
+        Where to draw: errors on the left, histograms on the right. Default: a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure of the axes; a new one is 9 inches wide.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the report is none, or if `bound` or `axes` is of another shape.
+    """
+    if not isinstance(report, ErrorReport):
+        raise TypeError(f"report must be what pose_errors or error_report returns, got {report!r}")
+    size = len(report.names)
+    least = _least_deviations(bound, (len(report.k), size))
+    is_new = axes is None
+    axes = _new_axes(report, size) if is_new else np.asarray(axes, dtype=object)
+    if axes.shape != (size, 2):
+        raise ValueError(f"axes: expected an array of {size} x 2 axes, got the shape {axes.shape}")
+    color = style.MEASURED if report.source == "measurement" else style.ESTIMATED
+    for i, (panel, histogram) in enumerate(axes):
+        factor, unit = style.shown_unit(report.units[i])
+        errors = report.error[:, :, i] * factor
+        _draw_claims(panel, report, i, factor)
+        _draw_errors(panel, report, errors, color)
+        if least is not None:
+            _draw_bound(panel, report, 2.0 * factor * least[:, i])
+        panel.set_ylabel(f"{report.names[i]} ({unit})" if unit else report.names[i])
+        histogram.sharey(panel)
+        draw_histogram(histogram, errors[~np.isnan(errors)], unit, color=color)
+    _finish(axes, is_new=is_new)
+    first: Axes = axes[0, 0]
+    return first.figure.figure
+
+
+def _new_axes(report: ErrorReport, size: int) -> Any:
+    figure = style.NotebookFigure(figsize=(9, 1.3 + 1.6 * size))
+    axes = figure.subplots(size, 2, squeeze=False, width_ratios=(2.4, 1))
+    for panel in axes[:-1, 0]:
+        panel.sharex(axes[-1, 0])
+        panel.tick_params(labelbottom=False)
+    known, total = int(report.known.min()), report.total
+    steps = f"all {total} steps known" if known == total else f"known in {known} of {total} steps"
+    figure.suptitle(f"{report.title}: {steps}")
+    return axes
+
+
+def _draw_claims(panel: Axes, report: ErrorReport, i: int, factor: float) -> None:
+    if report.claimed is None or np.isnan(report.claimed[:, :, i]).all():
+        return
+    reach = 2.0 * factor * np.sqrt(mean_of_known(np.square(report.claimed[:, :, i]), axis=0))
+    panel.fill_between(
+        report.k, -reach, reach, color=style.CLAIMED, linewidth=0, label="claimed (2 sd)"
+    )
+
+
+def _least_deviations(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | None:
+    if bound is None:
+        return None
+    covariances = np.asarray(bound, dtype=np.float64)
+    if covariances.shape != (*shape, shape[1]):
+        raise ValueError(f"bound must be of shape {(*shape, shape[1])}, got {covariances.shape}")
+    return np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
+
+
+def _draw_errors(panel: Axes, report: ErrorReport, errors: Floats, color: str) -> None:
+    runs = len(errors)
+    panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
+    look: dict[str, Any] = {"linewidth": 0.7, "marker": ".", "markersize": 2.0}
+    if runs > 1:
+        look = {"linewidth": 0.4, "alpha": max(0.25, 1.0 / runs)}
+        rmse = np.sqrt(mean_of_known(np.square(errors), axis=0))
+        line: dict[str, Any] = {"color": style.FITTED, "linewidth": 1.2}
+        panel.plot(report.k, 2.0 * rmse, label="2 rmse of the runs", **line)
+        panel.plot(report.k, -2.0 * rmse, **line)
+    for i, run in enumerate(errors):
+        panel.plot(report.k, run, color=color, label="error" if i == 0 else None, **look)
+    limit_panel(panel, np.tile(report.k, runs), errors.ravel())
+    panel.set_xlim(report.k[0] - 0.5, report.k[-1] + 0.5)
+
+
+def _draw_bound(panel: Axes, report: ErrorReport, reach: Floats) -> None:
+    look: dict[str, Any] = {"color": style.BOUND, "linewidth": 1.2, "linestyle": "--"}
+    panel.plot(report.k, reach, label="Cramér-Rao bound (2 sd)", **look)
+    panel.plot(report.k, -reach, **look)
+
+
+def _finish(axes: Any, *, is_new: bool) -> None:
+    figure = axes[0, 0].figure.figure
+    axes[-1, 0].set_xlabel("step k")
+    axes[-1, 1].set_xlabel("steps per bin")
+    axes[-1, 0].xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
+    style.rasterize_long_lines(axes[:, 0])
+    place: Any = figure if is_new else axes[0, 0]
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    look: dict[str, Any] = {"loc": "outside lower center"}
+    if not is_new:
+        look = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
+    legend = place.legend(handles, labels, ncols=4, **look)
+    for handle in legend.legend_handles:
+        handle.set_alpha(1.0)

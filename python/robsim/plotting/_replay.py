@@ -1,0 +1,100 @@
+"""A run as annotated frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from robsim._core import Estimate, Frame, Measurement
+from robsim.imaging._clip import Clip
+from robsim.imaging._images import Pixels
+from robsim.plotting._overlay import draw_overlay
+from robsim.simulation._simulation import Simulation
+from robsim.trace._trace import Trace
+
+
+def annotated_frames(
+    frames: Iterable[Frame],
+    trace: Trace,
+    *,
+    simulation: Simulation,
+) -> Iterator[Pixels]:
+    """Draw onto the frames of a run what was measured in them.
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+        The frames, one for each step of the trace.
+    trace : Trace
+        The run.
+    simulation : Simulation
+        The simulation that ran: its robot's outline is drawn, and the blobs that it finds.
+
+    Yields
+    ------
+    array (H, W, 3) of uint8
+        RGB.
+    """
+    robot = simulation.robot
+    is_tracked = "x_measured" in trace.names
+    outline = robot.to_robot_frame(robot.outline)
+    measured, estimated, covariance = trace.measured, trace.estimated, trace.covariance
+    for i, frame in zip(range(len(trace)), frames, strict=False):
+        is_estimated = np.isfinite(estimated[i]).all()
+        yield draw_overlay(
+            frame,
+            measurement=Measurement(measured[i]) if trace.valid[i] else None,
+            blobs=simulation.find_blobs(frame) if is_tracked else None,
+            outline=outline,
+            path=measured[: i + 1, :2],
+            estimate=Estimate(estimated[i], covariance[i]) if is_estimated else None,
+            text=_caption(int(trace.k[i]), frame.t, measured[i]),
+        )
+
+
+def _caption(k: int, t: float, pose: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+    text = f"k {k}   t {t:.1f} s"
+    if np.isfinite(pose).all():
+        x, y, degrees = pose[0], pose[1], np.rad2deg(pose[2]) % 360
+        text += f"   x {x:.1f}  y {y:.1f} px   heading {degrees:.1f} deg"
+    return text
+
+
+def play(
+    simulation: Simulation,
+    *,
+    start: int = 0,
+    stop: int | None = None,
+    overlay: bool = True,
+    width: int = 480,
+) -> Clip:
+    """Return a run as a clip that plays in a notebook, in the time that the robot takes.
+
+    With a `dt` below 1/60 s or above 10 s it plays slower or faster.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        A simulation that has run; its frames are drawn anew.
+    start, stop : int, optional
+        The steps start..stop - 1. Default: all of them.
+    overlay : bool
+        Draw what was measured.
+    width : int
+        Width of the clip (px).
+
+    Raises
+    ------
+    ValueError
+        If there are no such steps.
+    """
+    trace = simulation.trace[start:stop]
+    frames: Iterable[Frame | Pixels] = (simulation.frame_of(int(k)) for k in trace.k)
+    if overlay:
+        frames = annotated_frames(
+            frames,  # type: ignore[arg-type]
+            trace,
+            simulation=simulation,
+        )
+    return Clip(frames, fps=min(60.0, max(0.1, 1 / trace.info.dt)), width=width)

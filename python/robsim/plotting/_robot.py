@@ -1,0 +1,169 @@
+"""The picture of a robot definition."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Polygon
+from matplotlib.transforms import offset_copy
+
+from robsim._base.checks import Floats
+from robsim.plotting import _style as style
+from robsim.robots import RobotDefinition
+from robsim.robots._polygons import area_and_centroid
+
+_FLOOR = (0.86, 0.86, 0.86)  # behind the transparent parts
+_OUTLINE = "#ffd400"
+_DARK = "#202020"
+
+
+@style.applied
+def plot_robot(definition: RobotDefinition, *, ax: Axes | None = None) -> Axes:
+    """Draw the picture of a robot, and on it what robsim knows of it.
+
+    That is the outline, both marker polygons with the distance of their centroids, the centre,
+    and an arrow to where the robot drives when both wheels turn alike. The axes are in pixels of
+    the picture, lengths on the drawing in px of the work area.
+
+    Parameters
+    ----------
+    definition : RobotDefinition
+        The robot.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw. Default: a new figure, 7 inches wide.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn in.
+    """
+    if not isinstance(definition, RobotDefinition):
+        raise TypeError(f"definition must be a RobotDefinition, got {definition!r}")
+    if ax is None:
+        size = _figure_size(definition)
+        ax = style.NotebookFigure(figsize=size).add_subplot(axes_class=style.NotebookAxes)
+    _show_picture(ax, definition)
+    _draw_polygon(ax, definition.outline, _OUTLINE, "outline")
+    _draw_polygon(ax, definition.red, "red", "red marker")
+    _draw_polygon(ax, definition.blue, "blue", "blue marker")
+    _draw_distance(ax, definition)
+    _draw_heading(ax, definition)
+    _draw_scale(ax, definition)
+    ax.set_title(
+        f"{definition.name}: {definition.size:g} px wide on the work area, "
+        f"alignment {definition.alignment:g}°",
+        loc="left",
+        parse_math=False,
+    )
+    below = offset_copy(ax.transAxes, ax.figure.figure, y=-36, units="points")
+    ax.legend(
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0),
+        bbox_transform=below,
+        ncols=5,
+        borderaxespad=0,
+        columnspacing=1.2,
+        handlelength=1.5,
+    )
+    return ax
+
+
+def _figure_size(definition: RobotDefinition) -> tuple[float, float]:
+    """Return a size (inches) with room for the picture and what stands around it."""
+    height, width = definition.image.shape[:2]
+    return 7.0, 1.3 + 6.1 * float(np.clip(height / width, 0.3, 1.5))
+
+
+def _show_picture(axes: Axes, definition: RobotDefinition) -> None:
+    height, width = definition.image.shape[:2]
+    axes.set_facecolor(_FLOOR)
+    axes.imshow(definition.image)
+    # The outline may reach a little beyond the picture.
+    axes.set(xlim=(-0.02 * width - 0.5, 1.02 * width - 0.5))
+    axes.set(ylim=(1.02 * height - 0.5, -0.02 * height - 0.5))
+    axes.set(xlabel="right (px of the picture)", ylabel="down (px of the picture)")
+    axes.set_autoscale_on(False)
+    axes.grid(False)
+
+
+def _draw_polygon(axes: Axes, corners: Floats, color: str, label: str) -> None:
+    halo = style.haloed(1.6)
+    axes.add_patch(
+        Polygon(corners, fill=False, edgecolor=color, linewidth=1.6, path_effects=halo, label=label)
+    )
+    axes.plot(
+        *corners.T, "o", color=color, markersize=2.5, markeredgecolor="white", markeredgewidth=0.4
+    )
+
+
+def _draw_distance(axes: Axes, definition: RobotDefinition) -> None:
+    """Draw the line between the markers' centroids, with its length."""
+    places = np.array([area_and_centroid(p)[1] for p in (definition.blue, definition.red)])
+    axes.plot(
+        *places.T,
+        color=_DARK,
+        linewidth=1.2,
+        marker="+",
+        markersize=11,
+        markeredgewidth=1.6,
+        path_effects=style.haloed(1.4),
+        label="marker centroids",
+    )
+    text = f"{definition.locator().distance:.1f} px"
+    axes.annotate(
+        text, places.mean(axis=0), (0, 9), textcoords="offset points", ha="center", bbox=style.BOX
+    )
+
+
+def _draw_heading(axes: Axes, definition: RobotDefinition) -> None:
+    """Draw the centre, and the arrow to what faces right after the alignment."""
+    assert definition.centre is not None
+    # The picture is turned clockwise by the alignment, so its front lies as far anticlockwise.
+    angle = -np.deg2rad(definition.alignment)
+    length = 0.8 * definition.radius / definition.unit
+    tip = definition.centre + length * np.array((np.cos(angle), np.sin(angle)))
+    margin = 0.05 * definition.radius / definition.unit
+    left, right = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    axes.set(xlim=(min(left, tip[0] - margin), max(right, tip[0] + margin)))
+    axes.set(ylim=(max(bottom, tip[1] + margin), min(top, tip[1] - margin)))
+    axes.annotate(
+        "",
+        tuple(tip),
+        tuple(definition.centre),
+        arrowprops={
+            "arrowstyle": "-|>,head_length=0.8,head_width=0.4",
+            "color": style.MEASURED,
+            "linewidth": 2.6,
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "path_effects": style.haloed(2.6),
+        },
+    )
+    axes.plot(
+        *definition.centre,
+        "o",
+        color=style.MEASURED,
+        markersize=7,
+        path_effects=style.haloed(0.5),
+        label="centre, heading",
+    )
+
+
+def _draw_scale(axes: Axes, definition: RobotDefinition) -> None:
+    """Draw a bar of a round number of work-area px, about a sixth of the picture."""
+    height = definition.image.shape[0]
+    step = 10.0 ** np.floor(np.log10(definition.size / 6))
+    length = step * max(n for n in (1, 2, 5) if n * step <= definition.size / 6)
+    left, down = 0.03 * definition.image.shape[1], 0.965 * height
+    right = left + length / definition.unit
+    halo = style.haloed(2.5)
+    axes.plot([left, right], [down, down], color=_DARK, linewidth=2.5, path_effects=halo)
+    axes.annotate(
+        f"{length:g} px",
+        ((left + right) / 2, down),
+        (0, 5),
+        textcoords="offset points",
+        ha="center",
+        path_effects=halo,
+    )

@@ -1,0 +1,130 @@
+"""What the figures share: colours, labels, steps, dots."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import is_color_like
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+
+from robsim._base.checks import Floats
+from robsim.trace._trace import PARAMETER_NAMES, Trace
+
+TRUE = "#d100c9"  # the true pose and the true parameters
+MEASURED = "#17a02b"  # what the camera measured
+HELD = "#000000"  # not seen: the last valid pose, repeated
+ESTIMATED = "#1f5fe0"  # the state estimate, the online parameter estimate
+BATCH = "#e07b00"  # the batch parameter estimate
+FITTED = "#333333"  # the bell curve
+CLAIMED = "#d5e1f8"  # where 95 % should lie: the claim of an estimator, the band of a test
+BOUND = "#b3541e"  # the Cramér-Rao bound
+WRONG = "#c62828"  # not seen; above the band
+RECORD = "#eef1f5"  # background of the steps that the histograms are made from
+GUIDE = "#9aa0a6"  # lines and notes that are no data
+
+#: The background of a note on a drawing.
+BOX: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 2}
+
+_UNITS = [
+    unit
+    for length in ("px", "px", "rad")
+    for unit in ("", "", f" ({length}/V)", f" ({length}/V)", f" ({length})")
+]
+PARAMETER_LABELS = [name + unit for name, unit in zip(PARAMETER_NAMES, _UNITS, strict=True)]
+
+_STYLE: dict[Any, Any] = {
+    "figure.dpi": 110,
+    "figure.constrained_layout.use": True,
+    "figure.facecolor": "white",
+    "figure.titlesize": 10.5,
+    "font.size": 8.0,
+    "text.color": "#202020",
+    "axes.facecolor": "white",
+    "axes.edgecolor": "#606060",
+    "axes.labelcolor": "#202020",
+    "axes.labelsize": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.linewidth": 0.7,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e3e3e3",
+    "grid.linewidth": 0.6,
+    "xtick.color": "#404040",
+    "ytick.color": "#404040",
+    "lines.markeredgewidth": 0.0,
+    "legend.fontsize": 9.0,
+    "legend.frameon": False,
+}
+
+#: Decorates a function that draws: the user's own settings of matplotlib stay as they are.
+applied = matplotlib.rc_context(_STYLE)
+
+
+class NotebookFigure(Figure):
+    """A figure that a notebook shows without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png", bbox_inches="tight")
+        return buffer.getvalue()
+
+
+class NotebookAxes(Axes):
+    """The only axes of such a figure: a notebook shows the figure in their place."""
+
+    def _repr_png_(self) -> Any:
+        figure: Any = self.figure
+        return figure._repr_png_()
+
+
+def show_steps(axes: Axes, trace: Trace) -> None:
+    """Make the steps of the trace the x axis."""
+    first = int(trace.k[0]) if len(trace) else 0
+    axes.set_xlim(first - 0.5, first + max(len(trace), 1) - 0.5)
+    axes.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
+    axes.set_xlabel(f"step k (of {trace.info.dt:g} s)")
+
+
+def dot_size(steps: int) -> float:
+    """Return the size of a dot (points): smaller where there are more of them."""
+    return float(np.clip(3.0 * math.sqrt(800 / max(steps, 1)), 2.0, 5.0))
+
+
+def draw_path(axes: Axes, true: Floats, measured: Floats) -> None:
+    """Draw the true path (N, 2) as a line and the measured places on it as dots."""
+    if np.isfinite(true).any():
+        axes.plot(*true.T, color=TRUE, linewidth=3.0, label="true path")
+    size = dot_size(len(true))
+    axes.plot(*measured.T, ".", color=MEASURED, markersize=size, label="measured path")
+
+
+def shown_unit(unit: str) -> tuple[float, str]:
+    """Return the factor and the unit that numbers are drawn in: degrees for rad."""
+    return (math.degrees(1.0), "deg") if unit == "rad" else (1.0, unit)
+
+
+def drawn_color(name: str) -> str:
+    """Return the colour to draw a colour class in: its own if its name is one."""
+    return name if is_color_like(name) else GUIDE
+
+
+def haloed(width: float) -> list[Any]:
+    """Return the effect that keeps a line of this width visible on any background."""
+    return [withStroke(linewidth=width + 1.6, foreground="white")]
+
+
+def rasterize_long_lines(panels: Iterable[Axes]) -> None:
+    """Make lines of very many points images within a PDF or SVG file."""
+    for axes in panels:
+        for line in axes.get_lines():
+            line.set_rasterized(np.size(line.get_xdata()) > 5000)

@@ -1,0 +1,85 @@
+"""The robot in use, and the user's folder that remembers it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from robsim._base.files import read_toml, write_whole
+
+#: The robot in use until the user chooses another.
+DEFAULT = "lab"
+
+_RESET = f"`robsim robots reset` goes back to {DEFAULT!r}"
+
+
+def data_folder() -> Path:
+    """Return the user's folder: ``$ROBSIM_DATA`` if it is set, else the system's place for it."""
+    if folder := os.environ.get("ROBSIM_DATA"):
+        return Path(folder).expanduser()
+    import platformdirs
+
+    return platformdirs.user_data_path("robsim")
+
+
+def settings_file() -> Path:
+    """Return the file that keeps the choice."""
+    return data_folder() / "settings.toml"
+
+
+def chosen_robot() -> str:
+    """Return the name of the robot in use: what ``load_robot()`` loads.
+
+    Raises
+    ------
+    ValueError
+        If the file with the choice is damaged; the message names it.
+    """
+    file = settings_file()
+    try:
+        name: Any = read_toml(file).get("robot", DEFAULT)
+    except FileNotFoundError:
+        return DEFAULT
+    except (ValueError, OSError) as error:
+        raise ValueError(f"settings file {file}: {error}; {_RESET}") from error
+    if not isinstance(name, str):
+        raise ValueError(
+            f"settings file {file}: robot must be the name of a robot, got {name!r}; {_RESET}"
+        )
+    return name
+
+
+def gone(name: str) -> ValueError:
+    """Return the error for a chosen robot that is no longer there."""
+    return ValueError(
+        f"settings file {settings_file()}: the robot in use, {name!r}, is gone; {_RESET}"
+    )
+
+
+def remember(name: str) -> None:
+    """Write the choice down; whatever else the file has stays."""
+    import tomlkit
+
+    file = settings_file()
+    settings = tomlkit.document()
+    try:
+        settings = tomlkit.parse(file.read_text("utf-8-sig"))
+    except FileNotFoundError:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except (ValueError, OSError) as error:
+        raise ValueError(f"settings file {file}: {error}; {_RESET}") from error
+    settings["robot"] = name
+    write_whole(file, tomlkit.dumps(settings).encode())
+
+
+def reset_robot() -> None:
+    """Go back to the robot ``lab``; a damaged file with the choice is put aside."""
+    file = settings_file()
+    if not file.exists():
+        return
+    try:
+        remember(DEFAULT)
+    except ValueError:
+        file.replace(file.with_name(f"settings-damaged-{uuid4().hex[:8]}.toml"))

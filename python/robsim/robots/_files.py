@@ -1,0 +1,128 @@
+"""Robot definitions in files: robot.toml and its picture."""
+
+from __future__ import annotations
+
+import io
+from os import PathLike
+from pathlib import Path, PureWindowsPath
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from robsim._base.checks import Floats
+from robsim._base.files import read_toml, write_whole
+from robsim.imaging._images import read_picture
+from robsim.robots._definition import RobotDefinition
+
+#: The file that makes a folder a robot, and the picture beside it.
+TOML = "robot.toml"
+PICTURE = "robot.png"
+
+_KEYS = {"name", "image", "size", "alignment", "outline", "red", "blue"}
+_OPTIONAL = {"centre", "maximum_blobs"}
+
+_TEXT = """\
+# What a robot looks like from above. Written by robsim, and free to be edited by hand;
+# `robsim robots show FOLDER` says what is wrong with it, and draws it.
+
+name = {name}
+image = "{picture}"   # beside this file; surroundings transparent
+size = {size}   # work-area px that the picture's width stands for
+alignment = {alignment}   # degrees clockwise that turn the picture so that the robot faces right
+
+# Points are [right, down] in picture pixels; the centre of the top left pixel is (0, 0).
+# The point around which the robot turns:
+centre = {centre}
+
+# Polygons. Around the robot:
+outline = {outline}
+
+# Around the red marker; its area and its centroid are what the camera is to see:
+red = {red}
+
+# Around the blue marker:
+blue = {blue}
+
+# So many of the largest blobs of a colour are looked at:
+maximum_blobs = {maximum_blobs}
+"""
+
+
+def read_robot(folder: Path) -> RobotDefinition:
+    """Read the definition of a folder.
+
+    Raises
+    ------
+    ValueError
+        If its files do not define a robot; the message names the file.
+    """
+    file = folder / TOML
+    try:
+        return _from_values(folder, read_toml(file))
+    except (ValueError, TypeError, OSError) as error:
+        raise ValueError(f"robot definition {file}: {error}") from error
+
+
+def save_robot(definition: RobotDefinition, folder: str | PathLike[str]) -> None:
+    """Write a robot definition: a ``robot.toml`` with comments, and its picture ``robot.png``.
+
+    Parameters
+    ----------
+    definition : RobotDefinition
+        The robot. Points are rounded to 0.01 px of the picture.
+    folder : path
+        Is made if there is none. Files of these names in it are replaced, others are left alone.
+    """
+    if not isinstance(definition, RobotDefinition):
+        raise TypeError(f"definition must be a RobotDefinition, got {definition!r}")
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    picture = io.BytesIO()
+    Image.fromarray(definition.image).save(picture, format="PNG")
+    write_whole(folder / PICTURE, picture.getvalue())
+    write_whole(folder / TOML, _as_text(definition).encode())
+
+
+def _from_values(folder: Path, values: dict[str, Any]) -> RobotDefinition:
+    missing = _KEYS - set(values)
+    unknown = set(values) - _KEYS - _OPTIONAL
+    if missing or unknown:
+        what = [f"{key} is missing" for key in sorted(missing)]
+        what += [f"{key} is not known" for key in sorted(unknown)]
+        raise ValueError("; ".join(what))
+    image = values["image"]
+    if not isinstance(image, str):
+        raise TypeError(f"image must be the name of a file, got {image!r}")
+    # Windows knows all the signs that make a path of a name on any system.
+    if image in ("", ".", "..") or PureWindowsPath(image).name != image:
+        raise ValueError(f"image must be the name of a file beside {TOML}, got {image!r}")
+    return RobotDefinition(**{**values, "image": read_picture(folder / image, mode="RGBA")})
+
+
+def _as_text(definition: RobotDefinition) -> str:
+    import tomlkit
+
+    assert definition.centre is not None
+    return _TEXT.format(
+        name=tomlkit.string(definition.name).as_string(),
+        picture=PICTURE,
+        size=float(definition.size),
+        alignment=float(definition.alignment),
+        centre=_point(definition.centre),
+        outline=_points(definition.outline),
+        red=_points(definition.red),
+        blue=_points(definition.blue),
+        maximum_blobs=definition.maximum_blobs,
+    )
+
+
+def _point(point: Floats) -> str:
+    return "[" + ", ".join(f"{value:.2f}" for value in np.round(point, 2) + 0.0) + "]"
+
+
+def _points(points: Floats) -> str:
+    """Return the points, four a line."""
+    texts = [_point(point) for point in points]
+    lines = [", ".join(texts[i : i + 4]) for i in range(0, len(texts), 4)]
+    return "[\n" + "".join(f"    {line},\n" for line in lines) + "]"

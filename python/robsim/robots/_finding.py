@@ -1,0 +1,221 @@
+"""A robot definition out of a plain picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robsim._base.checks import Floats
+from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
+from robsim.imaging._images import Pixels, resized
+from robsim.robots._definition import RobotDefinition
+from robsim.robots._marker_check import LEAST_AREA, over_grey, ranges
+from robsim.robots._polygon_checks import numbers
+from robsim.robots._polygons import area_and_centroid, fitted
+from robsim.vision._color_files import as_colors
+
+LONGEST = 1000  # px, larger pictures are scaled down
+_SIZE = 120.0
+_OPAQUE = 127
+_CORNERS = 36
+_POINTS = 200_000  # about as many stand for a blob when its shape is measured
+
+
+def robot_from_picture(
+    name: str,
+    image: Pixels,
+    *,
+    size: float | None = None,
+    alignment: float | None = None,
+    centre: ArrayLike | None = None,
+    outline: ArrayLike | None = None,
+    red: ArrayLike | None = None,
+    blue: ArrayLike | None = None,
+    colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+) -> RobotDefinition:
+    """Make a robot definition from a picture; what is not given is found in it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the robot.
+    image : array (h, w, 4) of uint8
+        RGBA. If its longer side has more than 1000 px, it is scaled down, the points with it.
+    size : float, optional
+        Work-area px that the width of the picture stands for. Default: 120.
+    alignment : float, optional
+        Degrees clockwise that turn the picture so that the robot faces right. Default: 0.
+    centre : array (2,), optional
+        The robot's centre (picture px). Default: the centroid of the outline.
+    outline : array (N, 2), optional
+        Polygon around the robot (picture px). Default: around what is opaque, so the picture's
+        edge if all of it is.
+    red, blue : array (N, 2), optional
+        Polygons around the markers (picture px). Default: around the biggest blob of the colour,
+        with its area and its centroid.
+    colors : path or iterable of ColorClass, optional
+        Colour file or classes to find the markers with. Default: those that ship with robsim.
+
+    Raises
+    ------
+    ValueError
+        If a marker is not found, or what is found or given makes no robot.
+    """
+    small, scale = _reduced(image)
+    given: dict[str, Any] = {"outline": outline, "red": red, "blue": blue}
+    points = {key: _scaled(key, value, scale) for key, value in given.items() if value is not None}
+    if outline is None:
+        points["outline"] = _opaque_outline(small)
+    for color in ("red", "blue"):
+        if color not in points:
+            points[color] = _marker(small, color, as_colors(colors))
+    if centre is None:
+        middle = area_and_centroid(points["outline"])[1]
+    else:
+        middle = (numbers("centre", centre, (2,)) + 0.5) * scale - 0.5
+    return RobotDefinition(
+        name=name,
+        image=small,
+        size=_SIZE if size is None else size,
+        alignment=0.0 if alignment is None else alignment,
+        centre=middle,
+        outline=points["outline"],
+        red=points["red"],
+        blue=points["blue"],
+    )
+
+
+def _reduced(image: Pixels) -> tuple[Pixels, Floats]:
+    """Return the picture within the longest side, and the scales (2,) that did it."""
+    height, width = image.shape[:2]
+    factor = min(1.0, LONGEST / max(height, width))
+    small = resized(image, max(1, round(factor * width)), max(1, round(factor * height)))
+    return small, np.array((small.shape[1] / width, small.shape[0] / height))
+
+
+def _scaled(name: str, points: ArrayLike, scale: Floats) -> Floats:
+    return (numbers(name, points, (-1, 2)) + 0.5) * scale - 0.5
+
+
+def reduced(definition: RobotDefinition) -> RobotDefinition:
+    """Return the definition with a picture, and its points, of at most 1000 px a side."""
+    small, scale = _reduced(definition.image)
+    if small is definition.image:
+        return definition
+    points = {
+        name: (getattr(definition, name) + 0.5) * scale - 0.5
+        for name in ("centre", "outline", "red", "blue")
+    }
+    return replace(definition, image=small, **points)
+
+
+def _opaque_outline(image: Pixels) -> Floats:
+    """Return the polygon whose sides touch the opaque pixels from all around."""
+    down, right = np.nonzero(image[..., 3] > _OPAQUE)
+    if not len(right):
+        raise ValueError("outline: the picture is transparent everywhere, so there is no robot")
+    height, width = image.shape[:2]
+    angle = 2 * np.pi * np.arange(_CORNERS) / _CORNERS
+    cos, sin = np.cos(angle), np.sin(angle)
+    # How far the outermost pixels, with their corners, reach in each direction.
+    edge = np.unique(np.vstack((_ends(right, down), _ends(down, right)[:, ::-1])), axis=0)
+    reach = (edge @ np.vstack((cos, sin))).max(axis=0) + (abs(cos) + abs(sin)) / 2
+    # A corner is where a side meets the next one: cos x + sin y = reach, for both.
+    sides = np.stack((np.column_stack((cos, sin)), np.roll(np.column_stack((cos, sin)), -1, 0)), 1)
+    corners = np.linalg.solve(sides, np.column_stack((reach, np.roll(reach, -1)))[..., np.newaxis])
+    within = np.clip(corners[..., 0], -0.5, (width - 0.5, height - 0.5))
+    return np.round(within, 2)
+
+
+def _ends(places: NDArray[np.intp], lines: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return the first and the last place of each line, an array (N, 2): place, line."""
+    order = np.lexsort((places, lines))
+    places, lines = places[order], lines[order]
+    starts = np.flatnonzero(np.diff(lines, prepend=-1))
+    ends = np.append(starts[1:], len(lines)) - 1
+    found: NDArray[np.intp] = np.column_stack((places, lines))[np.concatenate((starts, ends))]
+    return found
+
+
+def _marker(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Floats:
+    """Return a polygon with the place, the area and about the shape of the biggest blob."""
+    found = [color for color in colors if color.name == name]
+    if not found:
+        raise ValueError(f"{name} marker: the colours have no {name}: give its polygon, {name}")
+    pixels = over_grey(image)
+    blobs = find_blobs(pixels, found, minimum_area=LEAST_AREA, maximum_count=1)[name]
+    if not blobs:
+        raise ValueError(
+            f"{name} marker: nothing in the picture has the colour {name} ({ranges(found[0])}): "
+            f"give its polygon ({name}) or other colours"
+        )
+    return _polygon_around(_pixels_of(blobs[0], pixels, found[0]), blobs[0])
+
+
+def _pixels_of(blob: Blob, pixels: Pixels, color: ColorClass) -> Floats:
+    """Return the pixels (N, 2) of a blob: right, down."""
+    left, top, right, bottom = blob.bounding_box
+    yuv = rgb_to_yuv(np.ascontiguousarray(pixels[top : bottom + 1, left : right + 1]))
+    lower, upper = np.array((color.y, color.u, color.v)).T
+    is_colored = ((yuv >= lower) & (yuv <= upper)).all(axis=2)
+    # It has a pixel in the top row of its box; a blob of its neighbours may have one there, too.
+    starts = np.flatnonzero(is_colored[0] & ~np.append(False, is_colored[0, :-1]))
+    parts = [_connected(is_colored, start) for start in starts.tolist()]
+    down, across = np.nonzero(max(parts, key=np.count_nonzero))
+    return np.column_stack((across + left, down + top)).astype(float)
+
+
+def _connected(area: NDArray[np.bool_], start: int) -> NDArray[np.bool_]:
+    """Return the part of an area that hangs together with a pixel of its top row."""
+    part = np.zeros_like(area)
+    part[0, start] = True
+    count = 0
+    while (size := int(np.count_nonzero(part))) > count:
+        count = size
+        part = _along_rows(_along_rows(part, area).T, area.T).T
+    return part
+
+
+def _along_rows(part: NDArray[np.bool_], area: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the part, spread over all of each run of the area that it has pixels of."""
+    before = np.zeros_like(area)
+    before[:, 1:] = area[:, :-1]
+    run = np.cumsum(area & ~before).reshape(area.shape)
+    is_reached = np.zeros(run.max() + 1, dtype=bool)
+    is_reached[run[part]] = True
+    return area & is_reached[run]
+
+
+def _polygon_around(pixels: Floats, blob: Blob) -> Floats:
+    """Return a polygon of up to 36 corners with a blob's area and centroid.
+
+    The blob is made as wide as long, and cut into sectors around its centroid; each gets a corner
+    so far out that its area is that of its pixels. So the polygon can't cross itself.
+    """
+    count = int(np.clip(len(pixels) // 12, 8, _CORNERS))
+    points = _subdivided(pixels)
+    offset = points - blob.centroid
+    root = np.linalg.cholesky(offset.T @ offset / len(points))
+    x, y = np.linalg.solve(root, offset.T)
+    sector = np.floor(np.arctan2(y, x) / (2 * np.pi) * count).astype(int) % count
+    # area of a sector of a circle = pi radius^2 / count
+    area = np.bincount(sector, minlength=count) / len(points)
+    radius = np.sqrt(area * count / np.pi)
+    radius = np.maximum(radius, 0.1 * radius.mean())
+    angle = 2 * np.pi * (np.arange(count) + 0.5) / count
+    corners = (root @ (radius * (np.cos(angle), np.sin(angle)))).T
+    return fitted(corners, blob.area, blob.centroid)
+
+
+def _subdivided(pixels: Floats) -> Floats:
+    """Return points (M, 2) spread evenly over the pixels: the fewer pixels, the more in each."""
+    side = int(np.clip(np.sqrt(_POINTS / len(pixels)), 2, 8))
+    parts = (np.arange(side) + 0.5) / side - 0.5
+    grid = np.stack(np.meshgrid(parts, parts), axis=-1).reshape(-1, 2)
+    points: Floats = (pixels[:, np.newaxis] + grid).reshape(-1, 2)
+    return points

@@ -1,0 +1,91 @@
+"""What is wrong with a robot's geometry."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim.robots._polygons import area_and_centroid, crossing, depths, samples
+
+_TOLERANCE = 1.0  # picture px
+_MOST_NAMED = 3  # points in a sentence
+
+
+def geometry_problems(
+    *, width: int, height: int, centre: Floats, outline: Floats, red: Floats, blue: Floats
+) -> list[str]:
+    """Return what is wrong with a robot's geometry, a sentence each; empty if it is right.
+
+    Parameters
+    ----------
+    width, height : int
+        Size of the picture.
+    centre : array (2,)
+        The robot's centre (picture px).
+    outline, red, blue : array (N, 2)
+        Polygons (picture px).
+    """
+    polygons = {"outline": outline, "red": red, "blue": blue}
+    crossings = [_crossing(name, polygon) for name, polygon in polygons.items()]
+    problems = [sentence for sentence in crossings if sentence]
+    problems += _outside_picture(outline, width, height)
+    if problems:
+        return problems
+    for name, points in {"centre": centre[np.newaxis], "red": red, "blue": blue}.items():
+        problems += _outside_outline(name, points, outline)
+    return problems + _overlap(red, blue)
+
+
+def _crossing(name: str, polygon: Floats) -> str | None:
+    pair = crossing(polygon)
+    if pair is None:
+        return None
+    sides = [_named(polygon[[i, (i + 1) % len(polygon)]], " to ") for i in pair]
+    return f"{name} must not cross itself: the side {sides[0]} meets the side {sides[1]}"
+
+
+def _outside_picture(outline: Floats, width: int, height: int) -> list[str]:
+    beyond = np.maximum(-0.5 - outline, outline - (width - 0.5, height - 0.5)).max(axis=1)
+    out = beyond > _TOLERANCE
+    if not out.any():
+        return []
+    return [
+        f"outline must lie within the picture of {width} x {height} px: outside is "
+        f"{_named(outline[out])}, by up to {beyond.max():.1f} px"
+    ]
+
+
+def _outside_outline(name: str, points: Floats, outline: Floats) -> list[str]:
+    """Return the sentence for a point (1, 2), or a polygon with all of its sides, outside."""
+    places = points if len(points) == 1 else samples(points)
+    depth = depths(outline, places)
+    if depth.min() >= -_TOLERANCE:
+        return []
+    corners = points[depths(outline, points) < -_TOLERANCE]
+    shown = corners if len(corners) else places[[depth.argmin()]]
+    return [
+        f"{name} must lie inside the outline: outside is {_named(shown)}, "
+        f"by up to {-depth.min():.1f} px"
+    ]
+
+
+def _overlap(red: Floats, blue: Floats) -> list[str]:
+    """Return the sentence for markers that lie on each other; a common edge is no overlap."""
+    deepest, place = _TOLERANCE, None
+    for inner, outer in ((red, blue), (blue, red)):
+        points = samples(inner)
+        _, centroid = area_and_centroid(inner)
+        if depths(inner, centroid[np.newaxis]) > 0:
+            points = np.vstack((points, centroid))
+        depth = depths(outer, points)
+        if depth.max() > deepest:
+            deepest, place = float(depth.max()), points[[depth.argmax()]]
+    if place is None:
+        return []
+    return [f"red and blue markers must not overlap: they do around {_named(place)}"]
+
+
+def _named(points: Floats, between: str = ", ") -> str:
+    text = between.join(f"({x:.5g}, {y:.5g})" for x, y in points[:_MOST_NAMED])
+    more = len(points) - _MOST_NAMED
+    return f"{text} and {more} more" if more > 0 else text

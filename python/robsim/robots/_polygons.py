@@ -1,0 +1,110 @@
+"""The geometry of polygons.
+
+A polygon is an array (N, 2) of corners; the last one joins the first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._base.checks import Floats
+
+_MOST_SAMPLES = 2000
+
+
+def area_and_centroid(polygon: Floats) -> tuple[float, Floats]:
+    """Return the area and the centroid (2,) of what the polygon encloses."""
+    a = polygon - polygon[0]
+    b = np.roll(a, -1, axis=0)
+    twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    centroid: Floats = polygon[0] + twice @ (a + b) / (3 * twice.sum())
+    return abs(float(twice.sum())) / 2, centroid
+
+
+def fitted(polygon: Floats, area: float, centroid: Floats) -> Floats:
+    """Return the polygon moved to the centroid and scaled to the area."""
+    own_area, own_centroid = area_and_centroid(polygon)
+    moved: Floats = centroid + (polygon - own_centroid) * np.sqrt(area / own_area)
+    return moved
+
+
+def contains(polygon: Floats, points: Floats) -> NDArray[np.bool_]:
+    """Return which of the points (M, 2) lie inside: a ray to the right crosses an odd number."""
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    x, y = points[:, :1], points[:, 1:]
+    crosses = (a[:, 1] > y) != (b[:, 1] > y)
+    rise = b[:, 1] - a[:, 1]
+    slope = (b[:, 0] - a[:, 0]) / np.where(rise == 0, 1.0, rise)
+    is_right = x < a[:, 0] + (y - a[:, 1]) * slope
+    inside: NDArray[np.bool_] = (crosses & is_right).sum(axis=1) % 2 == 1
+    return inside
+
+
+def distances(polygon: Floats, points: Floats) -> Floats:
+    """Return how far the points (M, 2) are from the sides of the polygon."""
+    side = np.roll(polygon, -1, axis=0) - polygon
+    offset = points[:, np.newaxis] - polygon
+    along = np.clip((offset * side).sum(axis=2) / (side**2).sum(axis=1), 0.0, 1.0)
+    nearest: Floats = np.linalg.norm(offset - along[..., np.newaxis] * side, axis=2).min(axis=1)
+    return nearest
+
+
+def depths(polygon: Floats, points: Floats) -> Floats:
+    """Return how deep the points (M, 2) lie inside the polygon; outside it is negative."""
+    away = distances(polygon, points)
+    return np.where(contains(polygon, points), away, -away)
+
+
+def samples(polygon: Floats) -> Floats:
+    """Return points (M, 2) all along the sides, the corners among them, about a px apart."""
+    side = np.roll(polygon, -1, axis=0) - polygon
+    length = np.linalg.norm(side, axis=1)
+    spacing = max(1.0, float(length.sum()) / _MOST_SAMPLES)
+    count = np.ceil(length / spacing).astype(int)
+    i = np.repeat(np.arange(len(polygon)), count)
+    share = (np.arange(count.sum()) - (np.cumsum(count) - count)[i]) / count[i]
+    points: Floats = polygon[i] + share[:, np.newaxis] * side[i]
+    return points
+
+
+def crossing(polygon: Floats) -> tuple[int, int] | None:
+    """Return two sides that cross or touch each other though they are no neighbours.
+
+    Side i goes from corner i to the next one.
+    """
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    # On which side of each side's line the ends of all sides lie: [i, j] of side i, end of j.
+    start, end = _turns(a, b, a), _turns(a, b, b)
+    apart = start * end > 0
+    boxes_meet = np.ones_like(apart)
+    for axis in (0, 1):
+        low, high = np.minimum(a, b)[:, axis], np.maximum(a, b)[:, axis]
+        boxes_meet &= (low[:, np.newaxis] <= high) & (low <= high[:, np.newaxis])
+    meet = ~apart & ~apart.T & boxes_meet
+    i, j = np.nonzero(np.triu(meet, 2))
+    is_pair = j - i < len(polygon) - 1  # the last side is a neighbour of the first
+    pairs = zip(i[is_pair].tolist(), j[is_pair].tolist(), strict=True)
+    return next(pairs, None)
+
+
+def _turns(a: Floats, b: Floats, points: Floats) -> Floats:
+    """Return the cross products (b_i - a_i) x (points_j - a_i)."""
+    side = b - a
+    offset = points[np.newaxis] - a[:, np.newaxis]
+    cross: Floats = side[:, :1] * offset[..., 1] - side[:, 1:] * offset[..., 0]
+    return cross
+
+
+def mask(polygon: Floats, width: int, height: int) -> NDArray[np.bool_]:
+    """Return which pixels (height, width) of a picture have their centre in the polygon."""
+    covered = np.zeros((height, width), dtype=bool)
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    top, bottom = np.clip((a[:, 1].min(), a[:, 1].max()), 0, height - 1).astype(int)
+    for down in range(top, bottom + 1):
+        crosses = (a[:, 1] > down) != (b[:, 1] > down)
+        (x0, y0), (x1, y1) = a[crosses].T, b[crosses].T
+        sides = np.sort(x0 + (down - y0) * (x1 - x0) / (y1 - y0))
+        # Between an odd number of sides and the next one is the inside.
+        covered[down] = np.searchsorted(sides, np.arange(width)) % 2 == 1
+    return covered

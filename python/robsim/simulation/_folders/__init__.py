@@ -1,0 +1,1 @@
+"""Callbacks from a folder of files."""

@@ -1,0 +1,231 @@
+"""Callbacks from a folder."""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import inspect
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from os import PathLike
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from robsim._base.files import as_folder, copy_files
+from robsim.simulation._folders.modules import FolderModules, taken_names
+from robsim.simulation._folders.spelling import misspelt
+from robsim.simulation._slots import ARGUMENTS, SWITCHES
+
+_TEMPLATES = Path(__file__).parents[1] / "templates"
+
+Callbacks = dict[str, Callable[..., Any] | bool]
+
+
+def new_folder(folder: str | PathLike[str]) -> list[Path]:
+    """Write the default callbacks to a folder, to be edited.
+
+    Parameters
+    ----------
+    folder : path
+        The folder; it is made if needed.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    FileExistsError
+        If one of them is there already; then nothing is written.
+    NotADirectoryError
+        If `folder` is a file.
+    """
+    return copy_files([_TEMPLATES / f"{slot}.py" for slot in ARGUMENTS], folder)
+
+
+class CallbackFolder:
+    """A folder with a file for each callback, named after its slot, such as ``control.py``.
+
+    A file defines a function of its own name. ``ENABLED = False`` in it switches it off. Other
+    files of the folder are helpers, which the callbacks can import by name.
+
+    Parameters
+    ----------
+    folder : path
+        The folder.
+
+    Raises
+    ------
+    TypeError
+        If it is not a path.
+    """
+
+    def __init__(self, folder: str | PathLike[str]) -> None:
+        self.path = as_folder(folder)
+        self._place = self.path.absolute()  # wherever the program goes later
+        self._modules = FolderModules(self.path, self._place, {})
+
+    def load(self) -> Callbacks:
+        """Read, compile and execute the files; if one fails, what was loaded before stays.
+
+        Returns
+        -------
+        dict of str to callable or bool
+            The callbacks by slot. False = switched off, True = robsim's own stage. A slot without
+            a file is not in it.
+
+        Raises
+        ------
+        FileNotFoundError, NotADirectoryError
+            If there is no such folder.
+        ValueError, TypeError
+            If it has no callback files, or one of them does not define its callback.
+        Exception
+            Whatever a file raises when it is executed, a SyntaxError among them, with a note that
+            names the file.
+
+        Warns
+        -----
+        UserWarning
+            If the name of a file looks like that of a misspelt slot.
+        """
+        sources = self._read()
+        imported = _imported_names(sources)
+        for name in sorted(taken_names(sources) & imported):
+            raise ValueError(
+                f"{self.path / name}.py has the name of a module that comes with Python or "
+                "robsim: rename it"
+            )
+        for name, slot in misspelt(sources).items():
+            if name not in imported:
+                message = f"{self.path / name}.py is no callback: did you mean {slot}.py?"
+                warnings.warn_explicit(message, UserWarning, str(self._place / f"{name}.py"), 0)
+        modules = FolderModules(self.path, self._place, sources)
+        with modules.importable():
+            callbacks = {
+                slot: _callback(modules.execute(slot), slot, self.path / f"{slot}.py")
+                for slot in ARGUMENTS
+                if slot in sources
+            }
+        self._modules = modules
+        return callbacks
+
+    @property
+    def changed(self) -> set[str]:
+        """Names, without ``.py``, of the files that are not what they were when they were loaded.
+
+        Raises
+        ------
+        FileNotFoundError, NotADirectoryError, ValueError
+            As `load`, if the folder or all its callbacks are gone.
+        """
+        now, then = self._read(), self._modules.sources
+        return {name for name in now.keys() | then.keys() if now.get(name) != then.get(name)}
+
+    @contextmanager
+    def importable(self) -> Iterator[None]:
+        """Let the callbacks import the helpers, for as long as the context lasts.
+
+        Whatever other modules have the same names is put back afterwards. Other threads wait for
+        their turn.
+        """
+        with self._modules.importable():
+            yield
+
+    def _read(self) -> dict[str, bytes]:
+        """Return the content of the Python files by their names without ``.py``."""
+        if not self._place.exists():
+            raise FileNotFoundError(f"no folder {self.path}: robsim new {self.path} makes one")
+        if not self._place.is_dir():
+            raise NotADirectoryError(f"{self.path} is a file, not a folder of callbacks")
+        # Editors keep files of their own with a dot in front.
+        files = [file for file in self._place.glob("*.py") if not file.name.startswith(".")]
+        sources = {file.stem: file.read_bytes() for file in sorted(files) if file.is_file()}
+        if not sources.keys() & ARGUMENTS.keys():
+            hints = [
+                f"; did you mean {slot}.py by {name}.py?"
+                for name, slot in misspelt(sources).items()
+            ]
+            raise ValueError(
+                f"{self.path} has no callback files: robsim new {self.path} writes them"
+                + "".join(hints)
+            )
+        return sources
+
+    def __repr__(self) -> str:
+        return f"<CallbackFolder: {self.path}>"
+
+
+def _callback(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] | bool:
+    """Return what a file defines for its slot, after a look at it."""
+    enabled = getattr(module, "ENABLED", True)
+    if not isinstance(enabled, bool):
+        raise TypeError(f"{file}: ENABLED must be True or False, got {enabled!r}")
+    if not enabled:
+        return False
+    wanted = f"{slot}({ARGUMENTS[slot]})"
+    if not hasattr(module, slot):
+        raise ValueError(f"{file} must define {wanted}; it defines: {_definitions(module, slot)}")
+    callback = getattr(module, slot)
+    if isinstance(callback, bool) and slot in SWITCHES:
+        return callback
+    if not callable(callback):
+        raise TypeError(f"{file}: {slot} must be a function {wanted}, got {callback!r}")
+    signature = _signature(callback)
+    arguments = [None] if ARGUMENTS[slot] else []
+    if signature and not _takes(signature, arguments):
+        count = "one argument" if arguments else "no argument"
+        raise TypeError(f"{file}: {wanted} must take {count}, got {slot}{signature}")
+    return callback  # type: ignore[no-any-return]
+
+
+def _definitions(module: ModuleType, slot: str) -> str:
+    """Return the names that a file defines itself, the one most like the slot's first."""
+    names = [
+        name
+        for name, value in vars(module).items()
+        if callable(value) and getattr(value, "__module__", None) == module.__name__
+    ]
+    return ", ".join(sorted(names, key=lambda name: -_likeness(name, slot))) or "no function"
+
+
+def _likeness(name: str, slot: str) -> float:
+    return difflib.SequenceMatcher(None, name.lower(), slot).ratio()
+
+
+def _signature(callback: Callable[..., Any]) -> inspect.Signature | None:
+    try:
+        return inspect.signature(callback)
+    except (TypeError, ValueError):  # of the core's own objects
+        return None
+
+
+def _takes(signature: inspect.Signature, arguments: list[None]) -> bool:
+    try:
+        signature.bind(*arguments)
+    except TypeError:
+        return False
+    return True
+
+
+def _imported_names(sources: Mapping[str, bytes]) -> set[str]:
+    """Return the modules that the files import from one another, or from elsewhere."""
+    names: set[str] = set()
+    for name, source in sources.items():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # compiling the file for good gives them once more
+            try:
+                tree = ast.parse(source)
+            except (SyntaxError, ValueError, RecursionError, MemoryError):
+                continue
+        imported: set[str] = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                imported |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level and node.module:
+                imported.add(node.module.partition(".")[0])
+        names |= imported - {name}
+    return names

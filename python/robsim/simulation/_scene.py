@@ -1,0 +1,202 @@
+"""The scene under the camera: floor, shadow, robot picture."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from os import PathLike
+
+import numpy as np
+
+from robsim._base.shipped import ASSETS
+from robsim._core import Renderer
+from robsim.imaging._images import Pixels, read_picture, resized
+from robsim.imaging._shading import SHADOW, darkened, lightened
+from robsim.robots import RobotDefinition
+
+#: Number of headings that the original program shows the robot in.
+PHASES = 36
+
+# The square that the default background shows: left, top, side (work-area px), RGB.
+_SQUARE = (572, 64, 56, (198, 36, 40))
+
+
+def draw_red_square(background: Pixels) -> Pixels:
+    """Draw a red square near the top: the default of the slot ``adjust_background``.
+
+    It is bigger than the robot's red marker; vision must not fall for it.
+
+    Parameters
+    ----------
+    background : array (H, W, 3) of uint8
+        The work area in RGB, a pixel a work-area px.
+
+    Returns
+    -------
+    array (H, W, 3) of uint8
+        The changed one.
+    """
+    left, top, side, color = _SQUARE
+    background[top : top + side, left : left + side] = color
+    return background
+
+
+def make_renderer(
+    *,
+    robot: RobotDefinition,
+    area: tuple[int, int],
+    camera: tuple[int, int],
+    phases: int,
+    background: Pixels | None,
+    adjust_background: Callable[[Pixels], Pixels],
+) -> Renderer:
+    """Return what draws the scene.
+
+    Parameters
+    ----------
+    robot : RobotDefinition
+        The robot.
+    area, camera : tuple of int
+        Width and height of the work area (px) and of the frame (px).
+    phases : int
+        Number of headings the robot is shown in; 0 = any.
+    background : array (H, W, 3) of uint8, or None
+        The floor, in the size of the area. None = the one that ships with robsim.
+    adjust_background : callable
+        Gets the work area with its shadow, returns the changed one.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `adjust_background` returns another kind of array; the message says so.
+    """
+    floor = _shipped_floor(area) if background is None else background
+    shadowed_floor = darkened(floor)
+    home, shadowed_home = _home(floor, shadowed_floor, adjust_background)
+    sprite, centre, unit = robot_sprite(robot, max(camera[0] / area[0], camera[1] / area[1]))
+    return Renderer(
+        floor=(resized(floor, *camera), resized(shadowed_floor, *camera)),
+        home=(resized(home, *camera), resized(shadowed_home, *camera)),
+        shadow_left=_shadow_left(camera[0]),
+        shadow_factor=SHADOW,
+        sprite=sprite,
+        centre=centre,
+        unit=unit,
+        alignment=np.deg2rad(robot.alignment),
+        phases=phases,
+        area=area,
+    )
+
+
+def _shadow_left(width: int) -> int:
+    return round(width * 2 / 3)
+
+
+def _home(
+    floor: Pixels, shadowed_floor: Pixels, adjust_background: Callable[[Pixels], Pixels]
+) -> tuple[Pixels, Pixels]:
+    """Return the work area after the callback, lit and in the shadow."""
+    left = _shadow_left(floor.shape[1])
+    shown = np.concatenate((floor[:, :left], shadowed_floor[:, left:]), axis=1)
+    adjusted = _adjusted(adjust_background, shown)
+    changed = np.bitwise_or.reduce(adjusted ^ shown, axis=2) > 0
+    drawn_in_light, drawn_in_shadow = changed.copy(), changed
+    drawn_in_light[:, left:] = False
+    drawn_in_shadow[:, :left] = False
+    # What was drawn into the light is darkened in the shadow, and the other way round.
+    home, shadowed_home = floor.copy(), shadowed_floor.copy()
+    home[drawn_in_light] = adjusted[drawn_in_light]
+    home[drawn_in_shadow] = lightened(adjusted[drawn_in_shadow])
+    shadowed_home[drawn_in_light] = darkened(adjusted[drawn_in_light])
+    shadowed_home[drawn_in_shadow] = adjusted[drawn_in_shadow]
+    return home, shadowed_home
+
+
+def as_floor(
+    background: Pixels | str | PathLike[str] | None, area: tuple[int, int]
+) -> Pixels | None:
+    """Return a user's floor in the size of the work area; None stays None.
+
+    Parameters
+    ----------
+    background : array (H, W, 3) of uint8, path, or None
+        The floor.
+    area : tuple of int
+        Width and height of the work area (px).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not a picture.
+    """
+    if background is None:
+        return None
+    pixels = read_picture(background) if isinstance(background, (str, PathLike)) else background
+    if not isinstance(pixels, np.ndarray) or pixels.dtype != np.uint8:
+        raise TypeError(f"background must be a uint8 array or a file, got {type(pixels).__name__}")
+    if pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
+        raise ValueError(f"background must have the shape (H, W, 3), got {pixels.shape}")
+    return resized(np.ascontiguousarray(pixels), *area)
+
+
+def _shipped_floor(area: tuple[int, int]) -> Pixels:
+    """Return our floor, repeated or cut to the size of the work area."""
+    width, height = area
+    tile = read_picture(ASSETS / "floor.jpg")
+    across, down = -(-width // tile.shape[1]), -(-height // tile.shape[0])
+    return np.ascontiguousarray(np.tile(tile, (down, across, 1))[:height, :width])
+
+
+def _adjusted(adjust_background: Callable[[Pixels], Pixels], shown: Pixels) -> Pixels:
+    """Return what the callback makes of the work area."""
+    try:
+        adjusted = adjust_background(shown.copy())
+        expected = f"adjust_background must return a uint8 array of shape {shown.shape}"
+        place = _place(adjust_background)
+        if not isinstance(adjusted, np.ndarray):
+            raise TypeError(f"{expected}, got {adjusted!r}{place}")
+        if adjusted.dtype != np.uint8 or adjusted.shape != shown.shape:
+            raise ValueError(f"{expected}, got {adjusted.dtype} of shape {adjusted.shape}{place}")
+    except Exception as error:
+        error.add_note("in the callback adjust_background at the start")
+        raise
+    return adjusted
+
+
+def _place(callback: Callable[..., object]) -> str:
+    """Return where a function is defined, as in a traceback, if it is one of Python."""
+    code = getattr(inspect.unwrap(callback), "__code__", None)
+    if code is None:
+        return ""
+    return f'\n  File "{code.co_filename}", line {code.co_firstlineno}, in {code.co_name}'
+
+
+def robot_sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[float, float], float]:
+    """Return the robot's picture at the camera's scale, its centre in it, and its unit.
+
+    Parameters
+    ----------
+    robot : RobotDefinition
+        The robot.
+    scale : float
+        Camera pixels per work-area px.
+
+    Returns
+    -------
+    sprite : array (h, w, 4) of uint8
+        RGBA.
+    centre : tuple of float
+        u, v of the robot's centre (sprite px).
+    unit : float
+        Work-area px that a sprite pixel stands for.
+    """
+    height, width = robot.image.shape[:2]
+    small_width = max(1, round(robot.size * scale))
+    small_height = max(1, round(robot.size * scale * height / width))
+    sprite = resized(robot.image, small_width, small_height)
+    assert robot.centre is not None
+    centre = (
+        (robot.centre[0] + 0.5) * small_width / width - 0.5,
+        (robot.centre[1] + 0.5) * small_height / height - 0.5,
+    )
+    return sprite, centre, robot.size / small_width

@@ -1,0 +1,112 @@
+"""A time limit for callbacks."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import math
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+from robsim._base.checks import number
+
+# Wakes the main thread out of a system call, where there is such a signal (not on Windows).
+_WAKE_UP: Any = getattr(signal, "SIGUSR2", None) if hasattr(signal, "pthread_kill") else None
+
+
+class _TimeIsUp(BaseException):
+    """Interrupts a callback; no ``except Exception`` in it keeps it from ending."""
+
+
+class TimeLimit:
+    """Ends callbacks that take too long.
+
+    A thread watches the callbacks during a run and interrupts the one that is late. Code that never
+    comes back to Python, such as one endless call of a compiled library, cannot be interrupted; in
+    other threads than the main one, and on Windows, neither can a call that sleeps.
+
+    Parameters
+    ----------
+    seconds : float
+        The longest time that a call of a callback may take (s).
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = number("time_limit", seconds, "s", above=0)
+        self._lock = threading.Lock()
+        self._deadline = math.inf
+        self._is_up = False
+        self._thread = 0  # the one that runs the callbacks
+        self._is_awakened = False  # it is interrupted by a signal
+
+    def limited(self, callback: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the callback with the limit; it raises a TimeoutError when the time is up."""
+
+        @functools.wraps(callback)
+        def call(*arguments: Any) -> Any:
+            try:
+                try:
+                    self._deadline = time.monotonic() + self.seconds
+                    result = callback(*arguments)
+                finally:
+                    with self._lock:
+                        is_late = self._is_up or time.monotonic() > self._deadline
+                        self._deadline, self._is_up = math.inf, False
+            except _TimeIsUp as up:
+                raise TimeoutError(self._message()).with_traceback(up.__traceback__) from None
+            if is_late:
+                raise TimeoutError(self._message())
+            return result
+
+        return call
+
+    def _message(self) -> str:
+        return f"the callback took longer than time_limit = {self.seconds:g} s"
+
+    @contextmanager
+    def watching(self) -> Iterator[None]:
+        """Watch the callbacks that this thread runs, for as long as the context lasts."""
+        self._thread = threading.get_ident()
+        self._deadline, self._is_up = math.inf, False
+        is_main = threading.current_thread() is threading.main_thread()
+        self._is_awakened = is_main and _WAKE_UP is not None
+        before = signal.getsignal(_WAKE_UP) if self._is_awakened else None
+        done = threading.Event()
+        watch = threading.Thread(target=self._watch, args=(done,), daemon=True)
+        try:
+            if self._is_awakened:
+                signal.signal(_WAKE_UP, _interrupt)
+            watch.start()
+            yield
+        finally:
+            done.set()
+            if watch.ident is not None:
+                watch.join()
+            if self._is_awakened:
+                signal.signal(_WAKE_UP, before)
+
+    def _watch(self, done: threading.Event) -> None:
+        while not done.wait(min(self.seconds / 4, 0.05)):
+            with self._lock:
+                if time.monotonic() > self._deadline:
+                    self._is_up = True
+                    # once more, should the callback catch it and go on
+                    self._deadline = time.monotonic() + self.seconds
+                    self._interrupt_callback()
+
+    def _interrupt_callback(self) -> None:
+        if self._is_awakened:
+            signal.pthread_kill(self._thread, _WAKE_UP)
+        else:
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                ctypes.c_ulong(self._thread), ctypes.py_object(_TimeIsUp)
+            )
+
+
+def _interrupt(signum: int, frame: FrameType | None) -> None:
+    raise _TimeIsUp

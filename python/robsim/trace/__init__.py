@@ -1,0 +1,10 @@
+"""The recorded run: named columns, slices, files."""
+
+from robsim.trace._trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
+
+__all__ = [
+    "PARAMETER_NAMES",
+    "RunInfo",
+    "Trace",
+    "TrackingStatistics",
+]

@@ -1,0 +1,190 @@
+"""Colour classes in TOML files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from robsim._base.files import read_toml, write_whole
+from robsim._base.shipped import ASSETS
+from robsim._core import ColorClass
+
+#: The colour file that ships with robsim.
+SHIPPED_COLORS = ASSETS / "colors.toml"
+
+_CHANNELS = ("y", "u", "v")
+
+_HEADER = """\
+# Colours to look for: ranges of Y (brightness), U and V, ends included. 128 is neutral;
+# more U = bluer, more V = redder. `robsim colors show FILE` shows them.
+
+"""
+
+
+def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ...]:
+    """Read colour classes from a TOML file.
+
+    A table for each colour has the ranges of Y, U and V, ends included; a missing one means any
+    value::
+
+        [red]
+        u = [0, 120]
+        v = [164, 255]
+
+    Parameters
+    ----------
+    path : path, optional
+        The file. Default: the one that ships with robsim, with red and blue.
+
+    Returns
+    -------
+    tuple of ColorClass
+        In the order of the file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is not TOML, or not a colour file; the message says where.
+    """
+    path = SHIPPED_COLORS if path is None else Path(path)
+    tables = read_toml(path)
+    try:
+        if not tables:
+            raise ValueError("it has no colours, expected tables such as [red]")
+        return tuple(_color(name, table) for name, table in tables.items())
+    except ValueError as error:
+        raise ValueError(f"colour file {path}: {error}") from error
+
+
+def color_text(colors: ColorClass | Iterable[ColorClass]) -> str:
+    """Return colour classes as the text of a colour file: to be pasted into one.
+
+    Parameters
+    ----------
+    colors : ColorClass or iterable of ColorClass
+        The colours.
+
+    Returns
+    -------
+    str
+        A TOML table for each.
+    """
+    import tomlkit
+
+    document = tomlkit.document()
+    for color in _classes(colors):
+        table = tomlkit.table()
+        for channel in _CHANNELS:
+            table.add(channel, list(getattr(color, channel)))
+        document.add(color.name, table)
+    return document.as_string()
+
+
+def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorClass]) -> None:
+    """Write colour classes into a colour file.
+
+    If there is such a file, it keeps its comments and its other colours; of those that are there
+    already, the ranges change.
+
+    Parameters
+    ----------
+    path : path
+        The file; it is made, with its folder, if there is none.
+    colors : ColorClass or iterable of ColorClass
+        The colours.
+
+    Raises
+    ------
+    ValueError
+        If there is a file that is not a colour file; then it stays as it is. If there are no
+        colours.
+    """
+    path, classes = Path(path), _classes(colors)
+    if not classes:
+        raise ValueError("colors must have at least one ColorClass, got none")
+    if path.exists():
+        load_colors(path)
+        text = _updated(path.read_bytes().decode("utf-8-sig"), classes)
+    else:
+        text = _HEADER + color_text(classes)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, text.encode())
+
+
+def _updated(text: str, colors: Iterable[ColorClass]) -> str:
+    """Return the text of a colour file with other ranges of these colours."""
+    import tomlkit
+
+    document = tomlkit.parse(text)
+    for color in colors:
+        if color.name not in document:
+            text = document.as_string().rstrip()
+            document = tomlkit.parse(f"{text}\n\n{color_text(color)}")
+            continue
+        table: Any = document[color.name]
+        for channel in _CHANNELS:
+            value = list(getattr(color, channel))
+            if table.get(channel, [0, 255]) != value:
+                table[channel] = value
+    return document.as_string()
+
+
+def _classes(colors: ColorClass | Iterable[ColorClass]) -> tuple[ColorClass, ...]:
+    """Return colour classes, each with a name of its own."""
+    if isinstance(colors, ColorClass):
+        return (colors,)
+    if colors is None or isinstance(colors, (str, PathLike)):
+        raise TypeError(f"colors must be ColorClass objects, got {colors!r}")
+    classes = as_colors(colors)
+    if len({color.name for color in classes}) < len(classes):
+        names = ", ".join(color.name for color in classes)
+        raise ValueError(f"colors must have different names, got {names}")
+    return classes
+
+
+def _color(name: str, table: Any) -> ColorClass:
+    if not isinstance(table, dict):
+        raise ValueError(f"[{name}] must be a table with y, u and v, got {table!r}")
+    unknown = set(table) - set(_CHANNELS)
+    if unknown:
+        raise ValueError(f"[{name}] must have y, u and v only, got {', '.join(sorted(unknown))}")
+    return ColorClass(name, **{channel: _range(name, channel, table[channel]) for channel in table})
+
+
+def _range(name: str, channel: str, value: Any) -> tuple[int, int]:
+    numbers = value if isinstance(value, list) else []
+    if len(numbers) != 2 or not all(type(number) is int for number in numbers):
+        raise ValueError(f"{channel} of [{name}] must be [lower, upper], two ints, got {value!r}")
+    if not all(0 <= number <= 255 for number in numbers):
+        raise ValueError(f"{channel} of [{name}] must lie within 0..255, got {value!r}")
+    return numbers[0], numbers[1]
+
+
+def as_colors(
+    colors: str | PathLike[str] | Iterable[ColorClass] | None,
+) -> tuple[ColorClass, ...]:
+    """Return colour classes, from a file if a path came; None = the shipped ones.
+
+    Parameters
+    ----------
+    colors : path, iterable of ColorClass, or None
+        The colours.
+
+    Raises
+    ------
+    TypeError
+        If something else came.
+    """
+    if colors is None or isinstance(colors, (str, PathLike)):
+        return load_colors(colors)
+    if not isinstance(colors, Iterable):
+        raise TypeError(f"colors must be ColorClass objects or a file, got {colors!r}")
+    result = tuple(colors)
+    wrong = [color for color in result if not isinstance(color, ColorClass)]
+    if wrong:
+        raise TypeError(f"colors must be ColorClass objects or a file, got {wrong[0]!r}")
+    return result

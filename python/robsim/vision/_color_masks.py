@@ -1,0 +1,55 @@
+"""Pictures of colour classes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import ImageColor
+
+from robsim._core import Frame, rgb_to_yuv
+from robsim.imaging._images import Pixels
+
+Mask = NDArray[np.bool_]
+
+_SEVERAL = (255, 255, 255)
+_OTHERS = ((255, 0, 255), (0, 255, 255), (255, 160, 0), (160, 255, 0))  # for names of no colour
+
+
+def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
+    """Paint which pixel belongs to which colour class.
+
+    Parameters
+    ----------
+    image : Frame or array (H, W, 3) of uint8
+        RGB; what belongs to no class is shown in a dark grey.
+    masks : dict of str to array (H, W) of bool
+        As from `classify`. A class whose name is a colour is painted in it; what belongs to
+        several, white.
+
+    Returns
+    -------
+    array (H, W, 3) of uint8
+        The picture.
+
+    Raises
+    ------
+    TypeError
+        If `masks` is no dict.
+    """
+    if not isinstance(masks, dict):
+        raise TypeError(f"masks must be what classify returns, a dict, got {masks!r}")
+    luma = rgb_to_yuv(image.image if isinstance(image, Frame) else image)[..., :1]
+    painted = np.repeat(luma // 2, 3, axis=2)
+    count = np.zeros(luma.shape[:2], dtype=int)
+    for i, (name, mask) in enumerate(masks.items()):
+        painted[mask] = _paint(name, i)
+        count += mask
+    painted[count > 1] = _SEVERAL
+    return painted
+
+
+def _paint(name: str, index: int) -> tuple[int, ...]:
+    try:
+        return ImageColor.getrgb(name)[:3]
+    except ValueError:
+        return _OTHERS[index % len(_OTHERS)]
