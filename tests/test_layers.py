@@ -10,17 +10,24 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 
-# Each room and the rooms that it may include.
+# Each room and the rooms that it may include; none includes one that includes it.
 CPP = {
-    "cpu": set(),
+    "simd": set(),
     "geometry": set(),
     "random": set(),
-    "estimation": {"cpu"},
+    "estimation": {"simd"},
     "imaging": {"geometry"},
     "model": {"geometry"},
-    "world": {"cpu", "geometry", "imaging", "model", "random"},
-    "vision": {"cpu", "geometry", "imaging", "model"},
-    "simulation": {"geometry", "random", "estimation", "imaging", "model", "world", "vision"},
+    "world/noise": {"simd", "random", "imaging"},
+    "world/sprite": {"simd", "geometry", "imaging"},
+    "world": {"geometry", "imaging", "world/sprite"},
+    "vision/color": {"imaging"},
+    "vision/pixels": {"simd", "imaging", "vision/color"},
+    "vision": {"geometry", "imaging", "vision/color", "vision/pixels"},
+    "simulation": {
+        *("geometry", "random", "estimation", "imaging", "model"),
+        *("world", "world/noise", "vision", "vision/color"),
+    },
 }
 
 # The storeys of the Python package, from the ground up. A room imports from the storeys below its
@@ -39,28 +46,37 @@ PYTHON = {
 }
 
 
+# A folder that holds more is two rooms (a .cpp and its .hpp count once).
+MOST_MODULES = {"cli": 15, "plotting": 15}
+MOST_MODULES_ELSEWHERE = 12
+
+
 def included_rooms(file):
-    return set(re.findall(r'#include "robsim/(\w+)/', file.read_text()))
+    return set(re.findall(r'#include "robsim/([\w/]+)/\w+\.hpp"', file.read_text()))
 
 
 @pytest.mark.skipif(not (ROOT / "cpp").is_dir(), reason="needs the sources")
 def test_cpp_rooms_include_only_what_lies_below_them():
-    rooms = {path.name for path in (ROOT / "cpp/robsim").iterdir()}
-    assert rooms == set(CPP)
+    files = [*(ROOT / "cpp/robsim").rglob("*.?pp")]
+    room_of = {file: str(file.parent.relative_to(ROOT / "cpp/robsim")) for file in files}
+    assert set(room_of.values()) == set(CPP)
+    for file, room in room_of.items():
+        assert included_rooms(file) <= CPP[room] | {room}, file
+        assert "bindings" not in file.read_text(), file
+        assert "pybind11" not in file.read_text(), file
+
+
+def test_the_order_of_the_cpp_rooms_has_no_circle():
+    rooms = list(CPP)
     for room, allowed in CPP.items():
-        files = list((ROOT / "cpp/robsim" / room).iterdir())
-        assert files
-        for file in files:
-            assert included_rooms(file) <= allowed | {room}, file
-            assert "bindings" not in file.read_text(), file
-            assert "pybind11" not in file.read_text(), file
+        assert all(rooms.index(below) < rooms.index(room) for below in allowed), room
 
 
 @pytest.mark.skipif(not (ROOT / "cpp").is_dir(), reason="needs the sources")
 def test_estimation_stands_on_eigen_and_the_processor_alone():
     for file in (ROOT / "cpp/robsim/estimation").iterdir():
         includes = re.findall(r"#include [<\"](\S+)[>\"]", file.read_text())
-        own = ("Eigen/", "robsim/estimation/", "robsim/cpu/")
+        own = ("Eigen/", "robsim/estimation/", "robsim/simd/")
         foreign = [i for i in includes if "/" in i and not i.startswith(own)]
         assert not foreign, file
 
@@ -101,6 +117,15 @@ def test_python_rooms_import_only_from_the_storeys_below():
     for file, room in files.items():
         for imported in set(imported_rooms(file)) - {room}:
             assert storey_of[imported] < storey_of[room], (file, imported)
+
+
+@pytest.mark.skipif(not (ROOT / "cpp").is_dir(), reason="needs the sources")
+def test_no_room_is_crowded():
+    folders = [f for top in ("cpp", "python/robsim") for f in (ROOT / top).rglob("*") if f.is_dir()]
+    for folder in [*folders, ROOT / "python/robsim"]:
+        modules = {f.stem for f in folder.iterdir() if f.suffix in (".py", ".cpp", ".hpp")}
+        most = MOST_MODULES.get(folder.name, MOST_MODULES_ELSEWHERE)
+        assert len(modules) <= most, (folder, len(modules))
 
 
 CHECK = """

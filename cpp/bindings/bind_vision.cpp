@@ -7,7 +7,7 @@
 
 #include "numpy.hpp"
 #include "robsim/imaging/frame.hpp"
-#include "robsim/vision/color_training.hpp"
+#include "robsim/vision/color/color_training.hpp"
 #include "robsim/vision/marker_blobs.hpp"
 
 namespace py = pybind11;

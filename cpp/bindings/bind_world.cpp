@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "numpy.hpp"
+#include "robsim/world/noise/visual_noise.hpp"
 #include "robsim/world/renderer.hpp"
-#include "robsim/world/visual_noise.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -3,7 +3,7 @@
 
 namespace py = pybind11;
 
-void bind_cpu(py::module_& module);
+void bind_simd(py::module_& module);
 void bind_geometry(py::module_& module);
 void bind_imaging(py::module_& module);
 void bind_model(py::module_& module);
@@ -14,7 +14,7 @@ void bind_simulation(py::module_& module);
 
 PYBIND11_MODULE(_core, module) {
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
-  bind_cpu(module);
+  bind_simd(module);
   bind_geometry(module);
   bind_imaging(module);
   bind_model(module);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "robsim/estimation/lanes.hpp"
+#include "robsim/simd/lanes.hpp"
 
 namespace robsim {
 

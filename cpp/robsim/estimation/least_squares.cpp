@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "robsim/cpu/cpu_path.hpp"
-#include "robsim/estimation/lanes.hpp"
+#include "robsim/simd/cpu_path.hpp"
+#include "robsim/simd/lanes.hpp"
 
 namespace robsim {
 

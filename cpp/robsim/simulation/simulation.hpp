@@ -10,7 +10,7 @@
 #include "robsim/simulation/stages.hpp"
 #include "robsim/simulation/trace.hpp"
 #include "robsim/vision/marker_blobs.hpp"
-#include "robsim/world/visual_noise.hpp"
+#include "robsim/world/noise/visual_noise.hpp"
 #include "robsim/world/work_area.hpp"
 
 namespace robsim {

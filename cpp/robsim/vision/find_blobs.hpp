@@ -7,8 +7,8 @@
 
 #include "robsim/geometry/pose.hpp"
 #include "robsim/imaging/image.hpp"
-#include "robsim/vision/components.hpp"
-#include "robsim/vision/row_classifier.hpp"
+#include "robsim/vision/pixels/components.hpp"
+#include "robsim/vision/pixels/row_classifier.hpp"
 
 namespace robsim {
 

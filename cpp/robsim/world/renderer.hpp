@@ -5,7 +5,7 @@
 
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/world/background.hpp"
-#include "robsim/world/robot_image.hpp"
+#include "robsim/world/sprite/robot_image.hpp"
 
 namespace robsim {
 

@@ -152,11 +152,9 @@ def _root(P: Floats) -> Floats:
     Eigenvectors alone are not: for equal eigenvalues any basis will do, and kernels of the linear
     algebra differ in the one they give.
     """
-    root: Floats
     try:
-        root = np.linalg.cholesky(P)
+        return np.asarray(np.linalg.cholesky(P), dtype=np.float64)
     except np.linalg.LinAlgError:  # a collapsed cloud: P is singular
         # P^(1/2) = V sqrt(D) V' is unique, whatever V is
         eigenvalues, V = np.linalg.eigh(P)
-        root = (V * np.sqrt(np.maximum(eigenvalues, 0))) @ V.T
-    return root
+        return np.asarray((V * np.sqrt(np.maximum(eigenvalues, 0))) @ V.T, dtype=np.float64)

@@ -1,0 +1,50 @@
+// Room simd.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "robsim/simd/cpu_path.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+
+void bind_simd(py::module_& module) {
+  module.def(
+      "cpu_path", [] { return std::string(name_of(cpu_path())); },
+      "Return which instructions the hot loops use: \"baseline\" or \"avx2\".");
+  module.def(
+      "cpu_paths",
+      [] {
+        std::vector<std::string> names;
+        for (const CpuPath path : cpu_paths()) names.emplace_back(name_of(path));
+        return names;
+      },
+      "Return those that this processor can use, the fastest last.");
+  module.def(
+      "force_cpu_path",
+      [](const std::string& name) {
+        for (const CpuPath path : cpu_paths()) {
+          if (name == name_of(path)) {
+            force_cpu_path(path);
+            return;
+          }
+        }
+        throw std::invalid_argument("path must be one that this processor has, got '" + name + "'");
+      },
+      py::arg("path"), R"(
+Use other instructions from now on. The results are the same, bit for bit.
+
+Parameters
+----------
+path : str
+    One of `cpu_paths`.
+
+Raises
+------
+ValueError
+    If this processor does not have it.
+)");
+}

@@ -1,0 +1,113 @@
+#include "robsim/vision/pixels/chroma_screen.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "robsim/simd/cpu_path.hpp"
+#include "robsim/vision/pixels/padded_row.hpp"
+#include "robsim/vision/pixels/yuv_avx2.hpp"
+
+namespace robsim {
+
+namespace {
+
+// With |R - G| <= d and |G - B| <= d:
+//   U - 128 = floor((64 (B - G) + 22 (G - R))/128) lies within floor(-86 d/128)..floor(86 d/128)
+//   V - 128 = floor((64 (R - G) + 10 (G - B))/128) lies within floor(-74 d/128)..floor(74 d/128)
+bool excludes(const ColorClass& color, int d) {
+  const int reach[] = {86 * d, 74 * d};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (color.lower[i + 1] > 128 + (reach[i] >> 7)) return true;
+    if (color.upper[i + 1] < 128 + (-reach[i] >> 7)) return true;
+  }
+  return false;
+}
+
+int safe_difference(const ColorClass& color) {
+  int d = -1;
+  while (d < 255 && excludes(color, d + 1)) ++d;
+  return d;
+}
+
+// 255 for a byte whose next one is of the same pixel: the difference between a pixel's blue and the
+// next one's red says nothing.
+constexpr auto is_red_or_green = [] {
+  std::array<std::uint8_t, 192> result{};
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = i % 3 == 2 ? 0 : 255;
+  return result;
+}();
+
+// Does |R - G| or |G - B| of one of 64 pixels exceed the limit? Reads a byte beyond them.
+// The loops run over all neighbours in memory: a compiler does many of them at a time.
+bool is_colorful_plain(const std::uint8_t* bytes, int limit) {
+  std::uint8_t differences[192];
+  for (int i = 0; i < 192; ++i) {
+    const std::uint8_t a = bytes[i];
+    const std::uint8_t b = bytes[i + 1];
+    differences[i] = static_cast<std::uint8_t>((a > b ? a : b) - (a > b ? b : a));
+  }
+  std::uint8_t largest = 0;
+  for (int i = 0; i < 192; ++i) {
+    const std::uint8_t counted = differences[i] & is_red_or_green[i];
+    largest = largest > counted ? largest : counted;
+  }
+  return largest > limit;
+}
+
+#if ROBSIM_HAS_AVX2_CODE
+
+ROBSIM_AVX2_INLINE __m256i loaded(const std::uint8_t* bytes) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes));
+}
+
+// |byte i - byte i+1|, 32 times
+ROBSIM_AVX2_INLINE __m256i differences(const std::uint8_t* bytes) {
+  const __m256i a = loaded(bytes);
+  const __m256i b = loaded(bytes + 1);
+  return _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
+}
+
+ROBSIM_AVX2 void look_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_hold) {
+  const __m256i limits = _mm256_set1_epi8(static_cast<char>(limit));
+  for (std::size_t word = 0; word < may_hold.size(); ++word) {
+    const std::uint8_t* pixels = row.pixels(word);
+    prefetch(pixels);
+    __m256i largest = _mm256_setzero_si256();
+    for (int i = 0; i < 3; ++i) {
+      const __m256i larger =
+          _mm256_max_epu8(differences(pixels + 32 * i), differences(pixels + 32 * i + 96));
+      largest =
+          _mm256_max_epu8(largest, _mm256_and_si256(larger, loaded(&is_red_or_green[32 * i])));
+    }
+    const __m256i beyond = _mm256_subs_epu8(largest, limits);
+    may_hold[word] = !_mm256_testz_si256(beyond, beyond);
+  }
+}
+
+#endif
+
+}  // namespace
+
+ChromaScreen::ChromaScreen(const std::vector<ColorClass>& classes) : safe_difference_(255) {
+  for (const ColorClass& color : classes) {
+    safe_difference_ = std::min(safe_difference_, safe_difference(color));
+  }
+}
+
+void ChromaScreen::look(const std::uint8_t* rgb, int width,
+                        std::vector<std::uint8_t>& may_hold) const {
+  may_hold.assign(words_of(width), 1);
+  if (safe_difference_ < 0) return;
+  PaddedRow row(rgb, width);
+#if ROBSIM_HAS_AVX2_CODE
+  if (cpu_path() == CpuPath::avx2) {
+    look_avx2(row, safe_difference_, may_hold);
+    return;
+  }
+#endif
+  for (std::size_t word = 0; word < may_hold.size(); ++word) {
+    may_hold[word] = is_colorful_plain(row.pixels(word), safe_difference_);
+  }
+}
+
+}  // namespace robsim

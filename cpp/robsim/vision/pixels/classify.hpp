@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "robsim/vision/color/color_class.hpp"
+#include "robsim/vision/pixels/bit_row.hpp"
+#include "robsim/vision/pixels/chroma_screen.hpp"
+
+namespace robsim {
+
+/// What a class asks of a channel (0 = Y, 1 = U, 2 = V) that it does not take whole.
+struct ChannelLimits {
+  std::size_t channel;
+  std::uint8_t lower;
+  std::uint8_t upper;
+};
+
+/// Tells which pixels belong to which class.
+class Classifier {
+ public:
+  static constexpr std::size_t most_classes = 32;
+
+  /// Throws std::invalid_argument for more classes than that.
+  explicit Classifier(const std::vector<ColorClass>& classes);
+
+  /// Sets, for each class, the bits of the pixels of a row of RGB8 that belong to it.
+  void classify(const std::uint8_t* rgb, int width, std::vector<BitRow>& bits);
+
+ private:
+  std::vector<std::vector<ChannelLimits>> limits_;  // per class
+  ChromaScreen screen_;
+  std::vector<std::uint8_t> may_hold_;  // a member, per 64 pixels
+};
+
+}  // namespace robsim

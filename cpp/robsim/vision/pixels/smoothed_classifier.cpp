@@ -1,0 +1,208 @@
+#include "robsim/vision/pixels/smoothed_classifier.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "robsim/vision/pixels/yuv_planes.hpp"
+
+namespace robsim {
+
+namespace {
+
+// Sums before and behind those of a row: as many as a line of the cache has.
+constexpr std::size_t margin = 32;
+
+// Calls f(first, last) for each stretch first <= i < last of words that fulfil a condition.
+template <typename Condition, typename F>
+void for_each_stretch(std::size_t words, Condition&& condition, F&& f) {
+  for (std::size_t first = 0; first < words;) {
+    std::size_t last = first;
+    while (last < words && condition(last)) ++last;
+    if (last > first) f(first, last);
+    first = last + 1;
+  }
+}
+
+// result[i] = flags[i - 1] | flags[i] | flags[i + 1]
+void widen(const std::vector<std::uint8_t>& flags, std::vector<std::uint8_t>& result) {
+  const std::size_t last = flags.size() - 1;
+  for (std::size_t i = 1; i < last; ++i) result[i] = flags[i - 1] | flags[i] | flags[i + 1];
+  result[0] = flags[0] | flags[std::min<std::size_t>(1, last)];
+  if (last > 0) result[last] = flags[last - 1] | flags[last];
+}
+
+}  // namespace
+
+SmoothedClassifier::SmoothedClassifier(const std::vector<ColorClass>& classes, int window)
+    : window_(window), screen_(classes) {
+  if (window < 3 || window > largest_window || window % 2 == 0) {
+    throw std::invalid_argument("smoothing must be 1 = off, or a window of 3, 5, ... 15 px, got " +
+                                std::to_string(window));
+  }
+  const int area = window * window;
+  for (const ColorClass& color : classes) {
+    limits_.emplace_back();
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const int lower = color.lower[channel];
+      const int upper = color.upper[channel];
+      if (lower == 0 && upper == 255) continue;
+      // lower <= floor(sum / area) <= upper
+      limits_.back().push_back({channel, static_cast<WindowSums::Sum>(lower * area),
+                                static_cast<WindowSums::Sum>((upper + 1) * area - 1)});
+      channels_[channel].is_needed = true;
+    }
+    // First what a neutral pixel, with 128 in every channel, does not fulfil.
+    std::stable_partition(limits_.back().begin(), limits_.back().end(),
+                          [&](const WindowSums::Limits& limit) {
+                            return limit.lower > 128 * area || limit.upper < 128 * area;
+                          });
+  }
+}
+
+SmoothedClassifier::Flags& SmoothedClassifier::may_hold(int v) {
+  return may_hold_[static_cast<std::size_t>(v % (window_ + 1))];
+}
+
+std::uint8_t* SmoothedClassifier::row(Channel& channel, int v) {
+  return channel.rows.data() + 64 * words_ * static_cast<std::size_t>(v % (window_ + 1));
+}
+
+WindowSums::Sum* SmoothedClassifier::column(Channel& channel, std::size_t u) {
+  const auto begin = reinterpret_cast<std::uintptr_t>(channel.columns.data());
+  const std::size_t unaligned = begin % 64 / sizeof(WindowSums::Sum);
+  return channel.columns.data() + (2 * margin - unaligned) + u;
+}
+
+int SmoothedClassifier::within(int v) const { return std::clamp(v, 0, image_.height - 1); }
+
+void SmoothedClassifier::begin(const ImageView& image) {
+  image_ = image;
+  v_ = 0;
+  colorful_rows_ = 0;
+  words_ = words_of(image.width);
+  const auto window = static_cast<std::size_t>(window_);
+  for (Channel& channel : channels_) {
+    if (!channel.is_needed) continue;
+    channel.rows.resize(64 * words_ * (window + 1));
+    channel.columns.resize(64 * words_ + 3 * margin);
+  }
+  may_hold_.resize(window + 1);
+  for (Flags* flags : {&suspects_, &active_, &is_summed_, &was_summed_}) flags->assign(words_, 0);
+  const int reach = window_ / 2;
+  for (int v = 0; v <= within(reach); ++v) look(v);
+  for (int v = -reach; v <= reach; ++v) {
+    for (std::size_t i = 0; i < words_; ++i)
+      suspects_[i] = static_cast<std::uint8_t>(suspects_[i] + may_hold(within(v))[i]);
+  }
+}
+
+void SmoothedClassifier::next_row(std::vector<BitRow>& bits) {
+  for (BitRow& row : bits) row.resize(words_);
+  const int reach = window_ / 2;
+  if (v_ > 0 && v_ + reach < image_.height) look(v_ + reach);
+  if (colorful_rows_ > window_) {
+    // All rows of this window and of the one before may hold members everywhere.
+    move_down(0, words_);
+    classify(0, words_, bits);
+  } else {
+    if (v_ > 0) move_suspects_down();
+    find_active();
+    classify_active(bits);
+  }
+  ++v_;
+}
+
+void SmoothedClassifier::look(int v) {
+  // In noise every pixel is colourful: a look at every eighth row finds out when that ends.
+  const bool is_taken_for_granted = v % 8 != 0 && colorful_rows_ > 0;
+  if (is_taken_for_granted) {
+    may_hold(v).assign(words_, 1);
+  } else {
+    screen_.look(image_.row(v), image_.width, may_hold(v));
+  }
+  const Flags& flags = may_hold(v);
+  const bool is_colorful =
+      is_taken_for_granted || std::find(flags.begin(), flags.end(), 0) == flags.end();
+  colorful_rows_ = is_colorful ? colorful_rows_ + 1 : 0;
+}
+
+void SmoothedClassifier::move_suspects_down() {
+  const int reach = window_ / 2;
+  const Flags& in = may_hold(within(v_ + reach));
+  const Flags& out = may_hold(within(v_ - 1 - reach));
+  for (std::size_t i = 0; i < words_; ++i) {
+    suspects_[i] = static_cast<std::uint8_t>(suspects_[i] + in[i] - out[i]);
+  }
+}
+
+void SmoothedClassifier::classify_active(std::vector<BitRow>& bits) {
+  const auto goes_on = [&](std::size_t i) { return is_summed_[i] && was_summed_[i]; };
+  const auto begins = [&](std::size_t i) { return is_summed_[i] && !was_summed_[i]; };
+  for_each_stretch(words_, goes_on, [&](auto first, auto last) { move_down(first, last); });
+  for_each_stretch(words_, begins, [&](auto first, auto last) { fill(first, last); });
+  for (BitRow& row : bits) std::fill(row.begin(), row.end(), 0);
+  const auto is_active = [&](std::size_t i) { return active_[i] != 0; };
+  for_each_stretch(words_, is_active, [&](auto first, auto last) { classify(first, last, bits); });
+}
+
+void SmoothedClassifier::find_active() {
+  widen(suspects_, active_);
+  std::swap(is_summed_, was_summed_);
+  widen(active_, is_summed_);
+}
+
+void SmoothedClassifier::convert(int v, std::size_t first, std::size_t last) {
+  std::uint8_t* planes[3] = {};
+  for (int channel = 0; channel < 3; ++channel) {
+    if (channels_[channel].is_needed) planes[channel] = row(channels_[channel], v);
+  }
+  const int end = std::min(image_.width, static_cast<int>(64 * last));
+  convert_to_planes(image_.row(v), static_cast<int>(64 * first), end, planes);
+}
+
+void SmoothedClassifier::fill(std::size_t first, std::size_t last) {
+  const int reach = window_ / 2;
+  for (int v = within(v_ - reach); v <= within(v_ + reach); ++v) convert(v, first, last);
+  const std::size_t count = 64 * (last - first);
+  const std::vector<std::uint8_t> nothing(count, 0);
+  const WindowSums loops = window_sums(window_);
+  for (Channel& channel : channels_) {
+    if (!channel.is_needed) continue;
+    WindowSums::Sum* columns = column(channel, 64 * first);
+    std::fill_n(columns, count, WindowSums::Sum{0});
+    for (int v = v_ - reach; v <= v_ + reach; ++v) {
+      loops.exchange(row(channel, within(v)) + 64 * first, nothing.data(), count, columns);
+    }
+  }
+}
+
+void SmoothedClassifier::move_down(std::size_t first, std::size_t last) {
+  const int reach = window_ / 2;
+  if (v_ + reach < image_.height) convert(v_ + reach, first, last);
+  const WindowSums loops = window_sums(window_);
+  for (Channel& channel : channels_) {
+    if (!channel.is_needed) continue;
+    loops.exchange(row(channel, within(v_ + reach)) + 64 * first,
+                   row(channel, within(v_ - 1 - reach)) + 64 * first, 64 * (last - first),
+                   column(channel, 64 * first));
+  }
+}
+
+void SmoothedClassifier::classify(std::size_t first, std::size_t last, std::vector<BitRow>& bits) {
+  const auto reach = static_cast<std::size_t>(window_ / 2);
+  const auto width = static_cast<std::size_t>(image_.width);
+  WindowSums::Columns columns{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!channels_[i].is_needed) continue;
+    WindowSums::Sum* sums = column(channels_[i], 0);
+    if (first == 0) std::fill_n(sums - reach, reach, sums[0]);
+    if (last == words_) std::fill_n(sums + width, reach, sums[width - 1]);
+    columns[i] = sums - reach;
+  }
+  window_sums(window_).classify(columns, first, last, limits_, bits);
+  if (last < words_ || width % 64 == 0) return;
+  for (BitRow& row : bits) row.back() &= (std::uint64_t{1} << (width % 64)) - 1;
+}
+
+}  // namespace robsim

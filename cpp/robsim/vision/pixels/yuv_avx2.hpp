@@ -1,0 +1,79 @@
+#pragma once
+
+#include "robsim/simd/cpu_path.hpp"
+
+#if ROBSIM_HAS_AVX2_CODE
+
+#include <immintrin.h>
+
+#include <cstdint>
+
+namespace robsim {
+
+// Asks for 64 pixels of the row below or so: rows lie one after the other nearly always, and where
+// they do not, nothing is lost.
+ROBSIM_AVX2_INLINE void prefetch(const std::uint8_t* rgb) {
+  constexpr std::uintptr_t ahead = 4096;
+  const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(rgb) + ahead;
+  for (std::uintptr_t line = 0; line < 192; line += 64) {
+    _mm_prefetch(reinterpret_cast<const char*>(address + line), _MM_HINT_T0);
+  }
+}
+
+ROBSIM_AVX2_INLINE __m256i both_lanes(const std::uint8_t* low, const std::uint8_t* high) {
+  const __m128i a = _mm_loadu_si128(reinterpret_cast<const __m128i*>(low));
+  const __m128i b = _mm_loadu_si128(reinterpret_cast<const __m128i*>(high));
+  return _mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1);
+}
+
+// 16 pixels: 8 in each lane, as pairs of bytes (r, g) and (b, 0).
+struct Pairs {
+  __m256i rg;
+  __m256i b0;
+};
+
+// Each lane holds 24 bytes of pixels, loaded as bytes 0..15 and 8..23.
+ROBSIM_AVX2_INLINE Pairs pairs(const std::uint8_t* low, const std::uint8_t* high) {
+  const __m256i first = both_lanes(low, high);
+  const __m256i second = both_lanes(low + 8, high + 8);
+  const __m256i rg_of_first = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(0, 1, 3, 4, 6, 7, 9, 10, 12, 13, -1, -1, -1, -1, -1, -1));
+  const __m256i rg_of_second = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 7, 8, 10, 11, 13, 14));
+  const __m256i b_of_first = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(2, -1, 5, -1, 8, -1, 11, -1, 14, -1, -1, -1, -1, -1, -1, -1));
+  const __m256i b_of_second = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 9, -1, 12, -1, 15, -1));
+  return {_mm256_or_si256(_mm256_shuffle_epi8(first, rg_of_first),
+                          _mm256_shuffle_epi8(second, rg_of_second)),
+          _mm256_or_si256(_mm256_shuffle_epi8(first, b_of_first),
+                          _mm256_shuffle_epi8(second, b_of_second))};
+}
+
+// (wr r + wg g + wb b) >> 7, 16 bits a pixel
+ROBSIM_AVX2_INLINE __m256i weighted(const Pairs& pixels, int wr, int wg, int wb) {
+  const auto weights = static_cast<short>((wr & 0xFF) | ((wg & 0xFF) << 8));
+  const __m256i sum =
+      _mm256_add_epi16(_mm256_maddubs_epi16(pixels.rg, _mm256_set1_epi16(weights)),
+                       _mm256_maddubs_epi16(pixels.b0, _mm256_set1_epi16(short(wb & 0xFF))));
+  return _mm256_srai_epi16(sum, 7);
+}
+
+// The Y, U and V of 32 pixels; Y only if somebody asks for it.
+ROBSIM_AVX2_INLINE void convert_block(const std::uint8_t* rgb, bool needs_y, __m256i* yuv) {
+  // Packing joins lanes: pixels 0..7 and 16..23 go with 8..15 and 24..31.
+  const Pairs even = pairs(rgb, rgb + 48);
+  const Pairs odd = pairs(rgb + 24, rgb + 72);
+  const __m256i neutral = _mm256_set1_epi8(static_cast<char>(128));
+  if (needs_y) {
+    yuv[0] = _mm256_packus_epi16(weighted(even, 38, 75, 15), weighted(odd, 38, 75, 15));
+  }
+  yuv[1] = _mm256_add_epi8(
+      neutral, _mm256_packs_epi16(weighted(even, -22, -42, 64), weighted(odd, -22, -42, 64)));
+  yuv[2] = _mm256_add_epi8(
+      neutral, _mm256_packs_epi16(weighted(even, 64, -54, -10), weighted(odd, 64, -54, -10)));
+}
+
+}  // namespace robsim
+
+#endif

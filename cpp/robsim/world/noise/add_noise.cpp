@@ -1,0 +1,257 @@
+#include "robsim/world/noise/add_noise.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "robsim/random/counter_random.hpp"
+#include "robsim/simd/cpu_path.hpp"
+
+#if ROBSIM_HAS_AVX2_CODE
+#include <immintrin.h>
+#endif
+
+namespace robsim {
+
+namespace {
+
+constexpr int block = 32;  // bytes at a time
+
+// --- one byte after the other
+
+struct Draw {
+  std::uint8_t bytes[block];
+};
+
+Draw draw(std::uint64_t (&state)[4][NoiseStream::lanes]) {
+  Draw result;
+  for (int lane = 0; lane < NoiseStream::lanes; ++lane) {
+    std::uint64_t& s0 = state[0][lane];
+    std::uint64_t& s1 = state[1][lane];
+    std::uint64_t& s2 = state[2][lane];
+    std::uint64_t& s3 = state[3][lane];
+    const std::uint64_t bits = s0 + s3;
+    for (int i = 0; i < 8; ++i) {
+      result.bytes[8 * lane + i] = static_cast<std::uint8_t>(bits >> (8 * i));
+    }
+    const std::uint64_t shifted = s1 << 17;
+    s2 ^= s0;
+    s3 ^= s1;
+    s1 ^= s2;
+    s0 ^= s3;
+    s2 ^= shifted;
+    s3 = (s3 << 45) | (s3 >> 19);
+  }
+  return result;
+}
+
+int gaussian_step(std::uint8_t a, std::uint8_t b, std::uint8_t c, const GaussianTables& tables) {
+  // a and b: 5 bits each for the triangle, 4 of the others for the place, the last for the sign
+  const std::size_t place = (a >> 5) | ((b >> 2) & 8);
+  const bool is_own = static_cast<std::int8_t>(c) < tables.threshold[place];
+  const std::size_t i = is_own ? place : tables.alias[place];
+  const int step = tables.node[i] + (a & tables.mask[i]) - (b & tables.mask[i]);
+  return (b & 128) != 0 ? -step : step;
+}
+
+void add_gaussian_plain(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
+                        NoiseStream& stream, std::uint8_t* noisy) {
+  for (int first = 0; first < bytes; first += block) {
+    const Draw a = draw(stream.state[0]);
+    const Draw b = draw(stream.state[1]);
+    const Draw c = draw(stream.state[2]);
+    const int count = std::min(block, bytes - first);
+    for (int i = 0; i < count; ++i) {
+      const int step = gaussian_step(a.bytes[i], b.bytes[i], c.bytes[i], tables);
+      noisy[first + i] = static_cast<std::uint8_t>(std::clamp(clean[first + i] + step, 0, 255));
+    }
+  }
+}
+
+void add_uniform_plain(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
+                       NoiseStream& stream, std::uint8_t* noisy) {
+  for (int first = 0; first < bytes; first += block) {
+    const Draw draws[2] = {draw(stream.state[0]), draw(stream.state[1])};
+    const int count = std::min(block, bytes - first);
+    for (int i = 0; i < count; ++i) {
+      const std::uint8_t* half = draws[i / 16].bytes + 2 * (i % 16);
+      const std::uint32_t bits = half[0] | (std::uint32_t{half[1]} << 8);
+      const int drawn = static_cast<int>((bits * steps.scale) >> 16) + steps.offset;
+      // A shift of a negative number rounds down, as the wide instruction does.
+      const int step = (drawn >> steps.shift) * (1 << steps.doublings);
+      noisy[first + i] = static_cast<std::uint8_t>(std::clamp(clean[first + i] + step, 0, 255));
+    }
+  }
+}
+
+#if ROBSIM_HAS_AVX2_CODE
+
+// --- 32 bytes at a time
+
+struct Wide {
+  __m256i s0;
+  __m256i s1;
+  __m256i s2;
+  __m256i s3;
+};
+
+ROBSIM_AVX2_INLINE Wide load(const std::uint64_t (&state)[4][NoiseStream::lanes]) {
+  const auto* s = reinterpret_cast<const __m256i*>(state);
+  return {_mm256_load_si256(s), _mm256_load_si256(s + 1), _mm256_load_si256(s + 2),
+          _mm256_load_si256(s + 3)};
+}
+
+ROBSIM_AVX2_INLINE void store(const Wide& wide, std::uint64_t (&state)[4][NoiseStream::lanes]) {
+  auto* s = reinterpret_cast<__m256i*>(state);
+  _mm256_store_si256(s, wide.s0);
+  _mm256_store_si256(s + 1, wide.s1);
+  _mm256_store_si256(s + 2, wide.s2);
+  _mm256_store_si256(s + 3, wide.s3);
+}
+
+ROBSIM_AVX2_INLINE __m256i draw(Wide& s) {
+  const __m256i bits = _mm256_add_epi64(s.s0, s.s3);
+  const __m256i shifted = _mm256_slli_epi64(s.s1, 17);
+  s.s2 = _mm256_xor_si256(s.s2, s.s0);
+  s.s3 = _mm256_xor_si256(s.s3, s.s1);
+  s.s1 = _mm256_xor_si256(s.s1, s.s2);
+  s.s0 = _mm256_xor_si256(s.s0, s.s3);
+  s.s2 = _mm256_xor_si256(s.s2, shifted);
+  s.s3 = _mm256_or_si256(_mm256_slli_epi64(s.s3, 45), _mm256_srli_epi64(s.s3, 19));
+  return bits;
+}
+
+template <typename T>
+ROBSIM_AVX2_INLINE __m256i table(const std::array<T, 16>& values) {
+  return _mm256_broadcastsi128_si256(
+      _mm_loadu_si128(reinterpret_cast<const __m128i*>(values.data())));
+}
+
+// The tables in registers.
+struct WideTables {
+  __m256i threshold;
+  __m256i alias;
+  __m256i node;
+  __m256i mask;
+};
+
+ROBSIM_AVX2_INLINE __m256i with_gaussian(__m256i value, __m256i a, __m256i b, __m256i c,
+                                         const WideTables& tables) {
+  const __m256i low = _mm256_and_si256(_mm256_srli_epi16(a, 5), _mm256_set1_epi8(7));
+  const __m256i high = _mm256_and_si256(_mm256_srli_epi16(b, 2), _mm256_set1_epi8(8));
+  const __m256i place = _mm256_or_si256(low, high);
+  const __m256i is_own = _mm256_cmpgt_epi8(_mm256_shuffle_epi8(tables.threshold, place), c);
+  const __m256i i = _mm256_blendv_epi8(_mm256_shuffle_epi8(tables.alias, place), place, is_own);
+  const __m256i mask = _mm256_shuffle_epi8(tables.mask, i);
+  const __m256i node = _mm256_shuffle_epi8(tables.node, i);
+  const __m256i u1 = _mm256_and_si256(a, mask);
+  const __m256i u2 = _mm256_and_si256(b, mask);
+  // step = more - less, with one of the two 0; for the other sign they change their roles
+  const __m256i up = _mm256_adds_epu8(node, _mm256_subs_epu8(u1, u2));
+  const __m256i down = _mm256_subs_epu8(u2, u1);
+  const __m256i more = _mm256_subs_epu8(up, down);
+  const __m256i less = _mm256_subs_epu8(down, up);
+  const __m256i plus = _mm256_blendv_epi8(more, less, b);
+  const __m256i minus = _mm256_blendv_epi8(less, more, b);
+  return _mm256_subs_epu8(_mm256_adds_epu8(value, plus), minus);
+}
+
+ROBSIM_AVX2_INLINE __m256i with_uniform(__m256i value, __m256i a, __m256i b,
+                                        const UniformSteps& steps) {
+  const __m256i scale = _mm256_set1_epi16(static_cast<short>(steps.scale));
+  const __m256i offset = _mm256_set1_epi16(steps.offset);
+  const __m128i shift = _mm_cvtsi32_si128(steps.shift);
+  const auto step = [&](__m256i bits) ROBSIM_AVX2 {
+    const __m256i drawn = _mm256_add_epi16(_mm256_mulhi_epu16(bits, scale), offset);
+    __m256i result = _mm256_sra_epi16(drawn, shift);
+    for (int i = 0; i < steps.doublings; ++i) result = _mm256_adds_epi16(result, result);
+    return result;
+  };
+  const __m256i low = _mm256_cvtepu8_epi16(_mm256_castsi256_si128(value));
+  const __m256i high = _mm256_cvtepu8_epi16(_mm256_extracti128_si256(value, 1));
+  const __m256i sums =
+      _mm256_packus_epi16(_mm256_adds_epi16(low, step(a)), _mm256_adds_epi16(high, step(b)));
+  return _mm256_permute4x64_epi64(sums, 0b11011000);  // packing joins lanes
+}
+
+// Calls next(32 bytes) for each block of a row; the last one is filled up.
+template <typename Next>
+ROBSIM_AVX2_INLINE void for_each_block(const std::uint8_t* clean, int bytes, std::uint8_t* noisy,
+                                       Next next) {
+  int i = 0;
+  for (; i + block <= bytes; i += block) {
+    const __m256i value = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(clean + i));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(noisy + i), next(value));
+  }
+  if (i == bytes) return;
+  alignas(32) std::uint8_t last[block] = {0};
+  const auto count = static_cast<std::size_t>(bytes - i);
+  std::memcpy(last, clean + i, count);
+  auto* wide = reinterpret_cast<__m256i*>(last);
+  _mm256_store_si256(wide, next(_mm256_load_si256(wide)));
+  std::memcpy(noisy + i, last, count);
+}
+
+ROBSIM_AVX2 void add_gaussian_avx2(const std::uint8_t* clean, int bytes,
+                                   const GaussianTables& tables, NoiseStream& stream,
+                                   std::uint8_t* noisy) {
+  const WideTables wide = {table(tables.threshold), table(tables.alias), table(tables.node),
+                           table(tables.mask)};
+  Wide a = load(stream.state[0]);
+  Wide b = load(stream.state[1]);
+  Wide c = load(stream.state[2]);
+  for_each_block(clean, bytes, noisy, [&](__m256i value) ROBSIM_AVX2 {
+    return with_gaussian(value, draw(a), draw(b), draw(c), wide);
+  });
+  store(a, stream.state[0]);
+  store(b, stream.state[1]);
+  store(c, stream.state[2]);
+}
+
+ROBSIM_AVX2 void add_uniform_avx2(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
+                                  NoiseStream& stream, std::uint8_t* noisy) {
+  Wide a = load(stream.state[0]);
+  Wide b = load(stream.state[1]);
+  for_each_block(clean, bytes, noisy, [&](__m256i value) ROBSIM_AVX2 {
+    return with_uniform(value, draw(a), draw(b), steps);
+  });
+  store(a, stream.state[0]);
+  store(b, stream.state[1]);
+}
+
+#endif
+
+}  // namespace
+
+NoiseStream::NoiseStream(std::uint64_t seed, std::uint64_t index) {
+  const std::uint64_t key = random_bits(seed, index);
+  std::uint64_t counter = 0;
+  for (auto& generator : state) {
+    for (auto& word : generator) {
+      for (std::uint64_t& lane : word) lane = random_bits(key, counter++);
+    }
+  }
+}
+
+void add_gaussian(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
+                  NoiseStream& stream, std::uint8_t* noisy) {
+#if ROBSIM_HAS_AVX2_CODE
+  if (cpu_path() == CpuPath::avx2) {
+    add_gaussian_avx2(clean, bytes, tables, stream, noisy);
+    return;
+  }
+#endif
+  add_gaussian_plain(clean, bytes, tables, stream, noisy);
+}
+
+void add_uniform(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
+                 NoiseStream& stream, std::uint8_t* noisy) {
+#if ROBSIM_HAS_AVX2_CODE
+  if (cpu_path() == CpuPath::avx2) {
+    add_uniform_avx2(clean, bytes, steps, stream, noisy);
+    return;
+  }
+#endif
+  add_uniform_plain(clean, bytes, steps, stream, noisy);
+}
+
+}  // namespace robsim

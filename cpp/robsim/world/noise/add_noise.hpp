@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include "robsim/world/noise/noise_tables.hpp"
+
+namespace robsim {
+
+/// The random bits of one frame: three streams of 32 bytes a draw, each of four generators side by
+/// side. Generator: xoshiro256+ 1.0 (Blackman and Vigna 2019).
+struct NoiseStream {
+  static constexpr int streams = 3;
+  static constexpr int lanes = 4;
+
+  NoiseStream(std::uint64_t seed, std::uint64_t index);
+
+  alignas(32) std::uint64_t state[streams][4][lanes];
+};
+
+/// Writes bytes + noise, clipped to 0..255; every 32 bytes of a row take one draw of each stream.
+void add_gaussian(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
+                  NoiseStream& stream, std::uint8_t* noisy);
+
+void add_uniform(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
+                 NoiseStream& stream, std::uint8_t* noisy);
+
+}  // namespace robsim

@@ -1,0 +1,145 @@
+#include "robsim/world/sprite/robot_image.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace robsim {
+
+namespace {
+
+constexpr double most_reach = 20000;  // work-area px
+
+// Keeps places far outside the view within the range of int.
+Point near_the_view(const Point& pixel) {
+  constexpr double far = 1e8;
+  return {std::clamp(pixel.x, -far, far), std::clamp(pixel.y, -far, far)};
+}
+
+// Makes the box of what has been drawn grow by columns of the next row.
+void add_row(PixelBox& box, const Span& columns, int v) {
+  if (columns.first >= columns.last) return;
+  if (box.empty()) box = {columns.first, v, columns.last, v};
+  box = {std::min(box.left, columns.first), box.top, std::max(box.right, columns.last), v + 1};
+}
+
+// Calls draw(columns, brightness) for what lies in the light and for what lies in the shadow.
+template <typename Draw>
+void draw_parts(const Span& columns, const Shadow& shadow, Draw draw) {
+  const int edge = std::clamp(shadow.left, columns.first, columns.last);
+  const auto factor = static_cast<float>(shadow.factor);
+  if (columns.first < edge) draw(Span{columns.first, edge}, 1.0F);
+  if (edge < columns.last) draw(Span{edge, columns.last}, factor);
+}
+
+}  // namespace
+
+RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double alignment,
+                       int phases, const PlaneMap& camera)
+    : sprite_(with_rim(sprite)),
+      centre_{centre.x + 1, centre.y + 1},
+      unit_(unit),
+      alignment_(alignment),
+      pixel_size_{camera.matrix()[0], camera.matrix()[4]} {
+  if (!(std::isfinite(unit) && unit > 0)) {
+    throw std::invalid_argument("unit must be positive and finite (work-area px), got " +
+                                std::to_string(unit));
+  }
+  if (phases < 0) {
+    throw std::invalid_argument("phases must be at least 0, got " + std::to_string(phases));
+  }
+  const double du = std::max(centre_.x, sprite_.width - 2 - centre_.x);
+  const double dv = std::max(centre_.y, sprite_.height - 2 - centre_.y);
+  radius_ = unit_ * std::hypot(du, dv);
+  if (!(radius_ < most_reach)) {
+    throw std::invalid_argument("centre and unit must keep the robot's picture within " +
+                                std::to_string(static_cast<int>(most_reach)) +
+                                " work-area px of its centre");
+  }
+  for (int i = 0; i < phases; ++i) phases_.push_back(make_phase(2 * pi * i / phases));
+}
+
+PixelBox RobotImage::draw(const Point& pixel, double heading, const Shadow& shadow,
+                          Image& image) const {
+  const Point place = near_the_view(pixel);
+  return phases_.empty() ? draw_turned(place, heading, shadow, image)
+                         : draw_phase(place, heading, shadow, image);
+}
+
+PixelBox RobotImage::reach(const Point& pixel) const {
+  const double ru = radius_ / pixel_size_.x;
+  const double rv = radius_ / pixel_size_.y;
+  return {static_cast<int>(std::floor(pixel.x - ru)), static_cast<int>(std::floor(pixel.y - rv)),
+          static_cast<int>(std::ceil(pixel.x + ru)) + 1,
+          static_cast<int>(std::ceil(pixel.y + rv)) + 1};
+}
+
+SpriteLine RobotImage::line(const Point& pixel, const Point& ahead, int v) const {
+  // The place in the sprite: the offset from the robot's centre, turned back.
+  const Point scale{pixel_size_.x / unit_, pixel_size_.y / unit_};
+  const double dx = -pixel.x * scale.x;
+  const double dy = (v - pixel.y) * scale.y;
+  return {{centre_.x + dx * ahead.x + dy * ahead.y, centre_.y - dx * ahead.y + dy * ahead.x},
+          {scale.x * ahead.x, -scale.x * ahead.y}};
+}
+
+Point RobotImage::direction(double heading) const {
+  return {std::cos(heading + alignment_), std::sin(heading + alignment_)};
+}
+
+RobotImage::Phase RobotImage::make_phase(double heading) const {
+  const PixelBox box = reach({0, 0});
+  const Point ahead = direction(heading);
+  Phase phase;
+  for (int v = box.top; v < box.bottom; ++v) {
+    const SpriteLine place = line({0, 0}, ahead, v);
+    const Span columns = span_within(sprite_, place, {box.left, box.right});
+    phase.push_back(without_transparent_ends(sample(sprite_, place, columns)));
+  }
+  return phase;
+}
+
+PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shadow& shadow,
+                                 Image& image) const {
+  const PixelBox box = intersection(reach(pixel), image.box());
+  if (box.empty()) return {};
+  PixelBox drawn;
+  const Point ahead = direction(heading);
+  for (int v = box.top; v < box.bottom; ++v) {
+    const SpriteLine place = line(pixel, ahead, v);
+    const Span columns = span_within(sprite_, place, {box.left, box.right});
+    add_row(drawn, columns, v);
+    draw_parts(columns, shadow, [&](const Span& part, float brightness) {
+      blend(sprite_, place, part, brightness, image.row(v) + std::ptrdiff_t{3} * part.first);
+    });
+  }
+  return drawn;
+}
+
+PixelBox RobotImage::draw_phase(const Point& pixel, double heading, const Shadow& shadow,
+                                Image& image) const {
+  const int count = static_cast<int>(phases_.size());
+  const int nearest = static_cast<int>(std::lround(wrap_angle(heading) / (2 * pi) * count));
+  const Phase& phase = phases_[static_cast<std::size_t>((nearest + count) % count)];
+  const int u = static_cast<int>(std::round(pixel.x));
+  const int v = static_cast<int>(std::round(pixel.y));
+  const PixelBox around = reach({0, 0});
+  const PixelBox box = intersection(
+      {u + around.left, v + around.top, u + around.right, v + around.bottom}, image.box());
+  if (box.empty()) return {};
+  PixelBox drawn;
+  for (int row = box.top; row < box.bottom; ++row) {
+    const Strip& strip = phase[static_cast<std::size_t>(row - v - around.top)];
+    const int left = u + strip.left;
+    const Span columns{std::clamp(left, box.left, box.right),
+                       std::clamp(left + strip.width, box.left, box.right)};
+    add_row(drawn, columns, row);
+    draw_parts(columns, shadow, [&](const Span& part, float brightness) {
+      blend(strip, {part.first - left, part.last - left}, brightness,
+            image.row(row) + std::ptrdiff_t{3} * part.first);
+    });
+  }
+  return drawn;
+}
+
+}  // namespace robsim

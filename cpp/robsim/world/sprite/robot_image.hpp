@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include "robsim/geometry/pose.hpp"
+#include "robsim/imaging/image.hpp"
+#include "robsim/imaging/plane_map.hpp"
+#include "robsim/world/sprite/blend.hpp"
+#include "robsim/world/sprite/sprite.hpp"
+
+namespace robsim {
+
+/// The part of the view that lies in the shadow: columns from `left` on, darkened to `factor`.
+struct Shadow {
+  int left = 0;
+  double factor = 1;
+};
+
+/// The robot seen from above, in any heading.
+/// With phases > 0 it is shown in the nearest of so many headings, at the nearest whole pixel, as
+/// in the program of 2008; with phases = 0 at its exact place and heading.
+class RobotImage {
+ public:
+  /// `centre` is the robot's centre in sprite pixels, `unit` the work-area px that a sprite pixel
+  /// stands for, `alignment` (rad, clockwise) what turns the picture so that the robot faces +x,
+  /// `camera` the map of the frames to draw into.
+  RobotImage(const Sprite& sprite, Point centre, double unit, double alignment, int phases,
+             const PlaneMap& camera);
+
+  /// Draws the robot, its centre at `pixel`, and returns the box of the pixels that it has touched.
+  PixelBox draw(const Point& pixel, double heading, const Shadow& shadow, Image& image) const;
+
+ private:
+  // A strip for each row around the robot's centre.
+  using Phase = std::vector<Strip>;
+
+  PixelBox reach(const Point& pixel) const;
+  Point direction(double heading) const;  // of the picture: cosine and sine
+  SpriteLine line(const Point& pixel, const Point& ahead, int v) const;
+  Phase make_phase(double heading) const;
+  PixelBox draw_turned(const Point& pixel, double heading, const Shadow& shadow,
+                       Image& image) const;
+  PixelBox draw_phase(const Point& pixel, double heading, const Shadow& shadow, Image& image) const;
+
+  Sprite sprite_;  // with a transparent rim
+  Point centre_;
+  double unit_;
+  double alignment_;
+  Point pixel_size_;  // work-area px per camera pixel
+  double radius_;     // of the sprite's farthest corner, work-area px
+  std::vector<Phase> phases_;
+};
+
+}  // namespace robsim
