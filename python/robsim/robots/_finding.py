@@ -171,14 +171,26 @@ def _pixels_of(blob: Blob, pixels: Pixels, color: ColorClass) -> Floats:
 
 
 def _connected(area: NDArray[np.bool_], start: int) -> NDArray[np.bool_]:
-    """Return the part of an area that hangs together with a pixel of its top row."""
+    """Return the part of an area that is connected (8 neighbours) with a pixel of its top row."""
     part = np.zeros_like(area)
     part[0, start] = True
     count = 0
     while (size := int(np.count_nonzero(part))) > count:
         count = size
+        part = area & _with_neighbours(part)
         part = _along_rows(_along_rows(part, area).T, area.T).T
     return part
+
+
+def _with_neighbours(part: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the pixels of a part and their 8 neighbours."""
+    wide = part.copy()
+    wide[:, 1:] |= part[:, :-1]
+    wide[:, :-1] |= part[:, 1:]
+    grown = wide.copy()
+    grown[1:] |= wide[:-1]
+    grown[:-1] |= wide[1:]
+    return grown
 
 
 def _along_rows(part: NDArray[np.bool_], area: NDArray[np.bool_]) -> NDArray[np.bool_]:
