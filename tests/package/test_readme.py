@@ -9,7 +9,8 @@ import pytest
 
 from robsim.simulation._folders.callback_folder import new_folder
 
-README = (Path(__file__).parent.parent / "README.md").read_text()
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text()
 BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
 
 
@@ -55,16 +56,14 @@ def test_the_table_of_callbacks_names_every_slot():
     assert rows == [*ARGUMENTS]
 
 
-@pytest.mark.skipif(
-    not Path(__file__).parent.with_name("assets").is_dir(), reason="needs the sources"
-)
+@pytest.mark.skipif(not (ROOT / "assets").is_dir(), reason="needs the sources")
 def test_the_pictures_are_there():
     for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", README):
-        assert (Path(__file__).parent.parent / name).is_file()
+        assert (Path(__file__).parents[2] / name).is_file()
 
 
 def test_the_commands_of_run_are_there():
-    script = Path(__file__).parent.with_name("run")
+    script = ROOT / "run"
     if not script.is_file():
         pytest.skip("needs the sources")
     commands = re.findall(r"^\./run (\w+)", README, re.MULTILINE)

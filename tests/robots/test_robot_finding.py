@@ -139,7 +139,9 @@ def test_a_large_picture_is_scaled_down_with_its_points():
     assert robot.locator().distance == pytest.approx(160 * 120 / 400, abs=0.1)
 
 
-def test_a_photo_with_noise_and_blur(rng):
+@pytest.mark.parametrize("seed", range(5))
+def test_a_photo_with_noise_and_blur(seed):
+    rng = np.random.default_rng(seed)
     image = Image.fromarray(painted(RED, BLUE)).convert("RGB").filter(ImageFilter.GaussianBlur(2))
     noisy = np.clip(np.array(image) + rng.normal(0, 12, (400, 400, 3)), 0, 255).astype(np.uint8)
     noisy = np.dstack((noisy, np.full((400, 400), 255, np.uint8)))
