@@ -113,7 +113,7 @@ ROBOTS = {
         size=draw_robot2.SIZE,
         alignment=90,
         about="a portrait on a cart, somebody in a red jacket before blue sky.\n"
-        "# Its patches lie farther apart than the lab robot's markers: its locator never finds it.",
+        "# Its patches lie farther apart than the lab robot's markers: its markers never finds it.",
         image="a photo print, not transparent; its head is up",
         centre="The point around which the robot turns, the middle of the print:",
         outline="Around the print:",

@@ -131,7 +131,7 @@ def add_electronics(scene: Scene, rng: np.random.Generator) -> None:
 
 
 def add_battery(scene: Scene, rng: np.random.Generator) -> None:
-    """The battery pack on the left half of the front, its strap, cable and switch."""
+    """The checks pack on the left half of the front, its strap, cable and switch."""
     scene.box(21.4, -17.5, 12.4, 14.6, 23.5, PACK, 2.6, 2.2)
     where = scene.window(21.4, -17.5, 14)
     crinkle = noise(rng, (FINE, FINE), (18, 44))[where]

@@ -96,8 +96,8 @@ def add_lock(scene: Scene, x: float, y: float, ground: float, rng: np.random.Gen
     radius = rng.uniform(1.9, 3.1)
     where = scene.window(x, y, radius + 0.5)
     dx, dy = scene.x[where] - x, scene.y[where] - y
-    stretch, turn = rng.uniform(0.8, 1.2), rng.uniform(0, np.pi)
-    away = oval(scene, where, x, y, radius * stretch, radius / stretch, turn)
+    segment, turn = rng.uniform(0.8, 1.2), rng.uniform(0, np.pi)
+    away = oval(scene, where, x, y, radius * segment, radius / segment, turn)
     angle = np.arctan2(dy, dx) * rng.choice((-1, 1)) + rng.uniform(0, 6.3)
     spiral = np.cos(2 * np.pi * 1.9 * away - angle)
     top = ground + 2.2 * np.sqrt(np.clip(1 - away**2, 0, None)) + 0.34 * spiral * ramp(away, 0, 0.3)

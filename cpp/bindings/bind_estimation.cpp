@@ -30,7 +30,7 @@ py::array_t<double> theta_of(const RecursiveLeastSquares& self) {
 
 py::array_t<double> unit_errors_of(const RecursiveLeastSquares& self) {
   py::array_t<double> errors(theta_shape(self));
-  self.write_unit_errors(errors.mutable_data());
+  self.write_standard_errors_unscaled(errors.mutable_data());
   return read_only(errors);
 }
 
@@ -45,7 +45,7 @@ py::array_t<double> covariance_of(const RecursiveLeastSquares& self) {
   return to_array(values.data(), shape);
 }
 
-py::object samples_of(const RecursiveLeastSquares& self) {
+py::object regression_of(const RecursiveLeastSquares& self) {
   if (self.filters() == 1) return py::int_(self.samples(0));
   py::array_t<std::int64_t> samples(self.filters());
   for (int i = 0; i < self.filters(); ++i) samples.mutable_at(i) = self.samples(i);
@@ -162,11 +162,11 @@ TypeError, ValueError
           "array (parameters, parameters), for several filters (filters, parameters, parameters):\n"
           "covariance of the estimates in units of the variance of the output noise.")
       .def_property_readonly(
-          "unit_errors", &unit_errors_of,
+          "standard_errors_unscaled", &unit_errors_of,
           "array, shaped as theta: standard errors of the estimates in units of the standard\n"
           "deviation of the output noise, the square roots of the diagonal of P.")
       .def_property_readonly(
-          "samples", &samples_of,
+          "samples", &regression_of,
           "int, or array (filters,) of int: samples taken in; those at which a filter held do not\n"
           "count.")
       .def_property_readonly("forgetting", &RecursiveLeastSquares::forgetting,
@@ -189,9 +189,10 @@ TypeError, ValueError
       .def_readonly("residual_rms", &LeastSquaresFit::residual_rms,
                     "float: root mean square of y - phi theta.")
       .def_property_readonly(
-          "unit_errors",
+          "standard_errors_unscaled",
           [](const LeastSquaresFit& self) {
-            return to_array(self.unit_errors.data(), {self.unit_errors.size()});
+            return to_array(self.standard_errors_unscaled.data(),
+                            {self.standard_errors_unscaled.size()});
           },
           "array (n,): standard errors of theta in units of the standard deviation of the noise;\n"
           "inf where the samples say nothing.")
@@ -215,7 +216,7 @@ y : array (N,)
 Returns
 -------
 LeastSquaresFit
-    theta, rank, condition, residual_rms, unit_errors, standard_errors.
+    theta, rank, condition, residual_rms, standard_errors_unscaled, standard_errors.
 
 Notes
 -----

@@ -50,7 +50,7 @@ std::string repr(const RobotParameters& p) {
 // The samples of an unbroken record of N poses: N - 2 regressors and outputs.
 using Arrays = py::typing::Tuple<py::array_t<double>, py::array_t<double>>;
 
-Arrays samples_of(py::handle poses_value, py::handle u_value) {
+Arrays regression_of(py::handle poses_value, py::handle u_value) {
   const Doubles poses = doubles_from(poses_value, "poses", Shape{-1, 3}, "poses, shape (N, 3)");
   const py::ssize_t n = poses.shape(0);
   const Doubles u = doubles_from(u_value, "u", Shape{n, 2}, "one input a pose, shape (N, 2)");
@@ -196,7 +196,7 @@ array (3,)
                " s, theta =\n" + py::str(to_array(self.theta())).cast<std::string>() + ">";
       });
 
-  module.def("regression_samples", &samples_of, py::arg("poses"), py::arg("u"), R"(
+  module.def("regression", &regression_of, py::arg("poses"), py::arg("u"), R"(
 Return the samples of the robot model's predictor in an unbroken record.
 
 Parameters

@@ -47,7 +47,7 @@ class PythonInterpreter : public Interpreter {
 std::unique_ptr<SlottedSimulation> make_simulation(
     std::pair<int, int> area, const std::string& boundary, double robot_radius,
     const py::object& start, const VisualNoise& noise, const std::vector<ColorClass>& colors,
-    const Locator& locator, std::optional<int> smoothing, const std::string& identify_from,
+    const MarkerLayout& markers, std::optional<int> smoothing, const std::string& identify_from,
     std::uint64_t controller_seed, std::uint64_t noise_seed, double dropout, int dropout_steps,
     std::uint64_t dropout_seed) {
   SimulationOptions options;
@@ -59,7 +59,7 @@ std::unique_ptr<SlottedSimulation> make_simulation(
   options.start = pose_from(start, "start");
   options.noise = noise;
   options.colors = colors;
-  options.locator = locator;
+  options.markers = markers;
   options.smoothing = smoothing;
   options.identify_from = choice_from<IdentifyFrom>("identify_from", identify_from,
                                                     {{"truth", IdentifyFrom::truth},
@@ -277,7 +277,7 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
       .def_property_readonly(
           "estimator", [](const Step& self) { return to_python(self.estimator); },
           "The object that init_parameter_estimator made.")
-      .def_readonly("locator", &Step::locator, "Locator: where the robot carries its markers.")
+      .def_readonly("markers", &Step::markers, "MarkerLayout: where the robot carries its markers.")
       .def("__repr__", [](const Step& self) { return "<Step " + std::to_string(self.k) + ">"; });
 }
 
@@ -331,7 +331,7 @@ void bind_simulation(py::module_& module) {
                                 py::custom_type_setup(&collect_garbage))
       .def(py::init(&make_simulation), py::kw_only(), py::arg("area"), py::arg("boundary"),
            py::arg("robot_radius"), py::arg("start"), py::arg("noise"), py::arg("colors"),
-           py::arg("locator"), py::arg("smoothing"), py::arg("identify_from"),
+           py::arg("markers"), py::arg("smoothing"), py::arg("identify_from"),
            py::arg("controller_seed"), py::arg("noise_seed"), py::arg("dropout"),
            py::arg("dropout_steps"), py::arg("dropout_seed"))
       .def("set_stage", &SlottedSimulation::set_stage, py::arg("slot"), py::arg("value"),
@@ -373,10 +373,12 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("model", [](const SlottedSimulation& self) { return self.model(); })
       .def_property_readonly(
           "estimator", [](const SlottedSimulation& self) { return to_python(self.estimator()); })
-      .def_property_readonly("newest", [](const SlottedSimulation& self) { return self.newest(); })
+      .def_property_readonly("last_step",
+                             [](const SlottedSimulation& self) { return self.last_step(); })
       .def_property_readonly("frame", [](SlottedSimulation& self) { return self.frame(); })
       .def_property_readonly("blobs", [](SlottedSimulation& self) { return self.blobs(); })
       .def(
-          "frame_of", [](SlottedSimulation& self, std::int64_t k) { return self.frame_of(k); },
-          py::arg("k"), "Return the frame of a recorded step, drawn anew.");
+          "render_step",
+          [](SlottedSimulation& self, std::int64_t k) { return self.render_step(k); }, py::arg("k"),
+          "Return the frame of a recorded step, drawn anew.");
 }

@@ -64,12 +64,12 @@ PixelBox region_from(const py::object& region) {
 }
 
 BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors,
-                  const std::optional<Locator>& locator, std::optional<std::int64_t> minimum_area,
-                  std::optional<int> maximum_count, std::optional<int> smoothing,
-                  const py::object& region) {
+                  const std::optional<MarkerLayout>& markers,
+                  std::optional<std::int64_t> minimum_area, std::optional<int> maximum_count,
+                  std::optional<int> smoothing, const py::object& region) {
   const ImageView view = view_of(image);
   BlobOptions options;
-  if (locator) options = marker_blobs(*locator, plane_map_of(image), view.width, view.height);
+  if (markers) options = marker_blobs(*markers, plane_map_of(image), view.width, view.height);
   if (minimum_area) options.minimum_area = *minimum_area;
   if (maximum_count) options.maximum_count = *maximum_count;
   if (smoothing) options.smoothing = *smoothing;
@@ -143,18 +143,18 @@ py::array_t<std::int64_t> histograms_of(const py::object& image, const py::objec
   return result;
 }
 
-Locator with_options(Locator locator, double distance_tolerance, double area_tolerance,
-                     int maximum_blobs) {
-  locator.distance_tolerance = distance_tolerance;
-  locator.area_tolerance = area_tolerance;
-  locator.maximum_blobs = maximum_blobs;
-  check_locator(locator);
-  return locator;
+MarkerLayout with_options(MarkerLayout markers, double distance_tolerance, double area_tolerance,
+                          int maximum_blobs) {
+  markers.distance_tolerance = distance_tolerance;
+  markers.area_tolerance = area_tolerance;
+  markers.maximum_blobs = maximum_blobs;
+  check_marker_layout(markers);
+  return markers;
 }
 
 void bind_locator(py::module_& module) {
-  const Locator defaults;
-  py::class_<Locator>(module, "Locator", R"(
+  const MarkerLayout defaults;
+  py::class_<MarkerLayout>(module, "MarkerLayout", R"(
 Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
 
 The line from blue to red lies across the heading, red on the robot's right. Markers in other
@@ -176,7 +176,7 @@ maximum_blobs : int
 )")
       .def(py::init([](double distance, double offset, double distance_tolerance,
                        double area_tolerance, int maximum_blobs) {
-             return with_options(Locator::across(distance, offset), distance_tolerance,
+             return with_options(MarkerLayout::across(distance, offset), distance_tolerance,
                                  area_tolerance, maximum_blobs);
            }),
            py::arg("distance"), py::arg("offset"), py::kw_only(),
@@ -188,39 +188,40 @@ maximum_blobs : int
           [](const py::object& red, const py::object& blue, double distance_tolerance,
              double area_tolerance, int maximum_blobs) {
             return with_options(
-                Locator::from_markers(polygon_from(red, "red"), polygon_from(blue, "blue")),
+                MarkerLayout::from_markers(polygon_from(red, "red"), polygon_from(blue, "blue")),
                 distance_tolerance, area_tolerance, maximum_blobs);
           },
           py::arg("red"), py::arg("blue"), py::kw_only(),
           py::arg("distance_tolerance") = defaults.distance_tolerance,
           py::arg("area_tolerance") = defaults.area_tolerance,
           py::arg("maximum_blobs") = defaults.maximum_blobs, R"(
-Return the locator of a robot with these markers; it knows their areas, too.
+Return the marker layout of a robot with these markers; it knows their areas, too.
 
 Parameters
 ----------
 red, blue : array (N, 2)
     Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
 distance_tolerance, area_tolerance, maximum_blobs
-    As for `Locator`.
+    As for `MarkerLayout`.
 )")
-      .def_property_readonly("distance", &Locator::distance,
+      .def_property_readonly("distance", &MarkerLayout::distance,
                              "float: between the markers' centroids (work-area px).")
-      .def_property_readonly("offset", &Locator::offset,
+      .def_property_readonly("offset", &MarkerLayout::offset,
                              "float: from the markers' midpoint forward to the centre (px).")
       .def_property_readonly(
-          "red", [](const Locator& self) { return to_array(self.red); },
+          "red", [](const MarkerLayout& self) { return to_array(self.red); },
           "array (2,): the red marker's place, forward and right of the centre (px).")
       .def_property_readonly(
-          "blue", [](const Locator& self) { return to_array(self.blue); },
+          "blue", [](const MarkerLayout& self) { return to_array(self.blue); },
           "array (2,): the blue marker's place, forward and right of the centre (px).")
-      .def_readonly("red_area", &Locator::red_area, "float: px^2, NaN = not known.")
-      .def_readonly("blue_area", &Locator::blue_area, "float: px^2, NaN = not known.")
-      .def_readonly("distance_tolerance", &Locator::distance_tolerance, "float: share.")
-      .def_readonly("area_tolerance", &Locator::area_tolerance, "float: factor.")
-      .def_readonly("maximum_blobs", &Locator::maximum_blobs, "int: of the largest of a colour.")
-      .def("__repr__", [](const Locator& self) {
-        return "<Locator: markers " + std::to_string(self.distance()) + " px apart, centre " +
+      .def_readonly("red_area", &MarkerLayout::red_area, "float: px^2, NaN = not known.")
+      .def_readonly("blue_area", &MarkerLayout::blue_area, "float: px^2, NaN = not known.")
+      .def_readonly("distance_tolerance", &MarkerLayout::distance_tolerance, "float: share.")
+      .def_readonly("area_tolerance", &MarkerLayout::area_tolerance, "float: factor.")
+      .def_readonly("maximum_blobs", &MarkerLayout::maximum_blobs,
+                    "int: of the largest of a colour.")
+      .def("__repr__", [](const MarkerLayout& self) {
+        return "<MarkerLayout: markers " + std::to_string(self.distance()) + " px apart, centre " +
                std::to_string(self.offset()) + " px ahead of their midpoint>";
       });
 }
@@ -247,7 +248,7 @@ A connected component (8 neighbours) of pixels of one colour class, in pixels of
 
   const BlobOptions defaults;
   module.def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
-             py::arg("locator") = py::none(), py::arg("minimum_area") = py::none(),
+             py::arg("markers") = py::none(), py::arg("minimum_area") = py::none(),
              py::arg("maximum_count") = py::none(), py::arg("smoothing") = py::none(),
              py::arg("region") = py::none(), R"(
 Find the blobs of every colour class in one pass over an image.
@@ -258,19 +259,19 @@ image : Frame or array (H, W, 3) of uint8
     RGB; rows may lie at any distance in memory.
 colors : list of ColorClass
     The colours to look for; a pixel may belong to several.
-locator : Locator, optional
+markers : MarkerLayout, optional
     The robot whose markers are looked for: the defaults of the other options are those with which
     they are found, in noise, too. Its lengths count as px of an array, or by the plane map of a
     Frame.
 minimum_area : int, optional
-    Smaller blobs are dropped (px). Default: 12, or an eighth of the locator's smaller marker.
+    Smaller blobs are dropped (px). Default: 12, or an eighth of the smaller marker.
 maximum_count : int, optional
-    Only so many of the largest blobs of a colour are returned. Default: 64, or as the locator
+    Only so many of the largest blobs of a colour are returned. Default: 64, or as the markers
     says.
 smoothing : int, optional
     A pixel is judged by the mean of the window around it, so many px wide: 3, 5, ... 15, against
     noise; between a quarter and three quarters of a marker's width. 1 = by itself. Default: 1, or
-    0.28 of the width of the locator's smaller marker, at most 7.
+    0.28 of the width of the smaller marker, at most 7.
 region : tuple of int, optional
     (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
     pixels are looked at, as if the image ended there. Places remain those in the whole image.
@@ -332,10 +333,10 @@ pose : array (3,)
 
   module.def(
       "locate",
-      [](const BlobsByColor& blobs, const Locator& locator, const PlaneMap& plane_map) {
-        return locate(blobs, locator, plane_map);
+      [](const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map) {
+        return locate(blobs, markers, plane_map);
       },
-      py::arg("blobs"), py::arg("locator"), py::arg("plane_map") = PlaneMap(), R"(
+      py::arg("blobs"), py::arg("markers"), py::arg("plane_map") = PlaneMap(), R"(
 Return the pose of the robot whose markers are among the blobs.
 
 It is that of the red-blue pair whose distance and areas fit. Blobs at the border of the frame are
@@ -345,7 +346,7 @@ Parameters
 ----------
 blobs : dict of str to list of Blob
     As from `find_blobs`; "red" and "blue" are looked at.
-locator : Locator
+markers : MarkerLayout
     Where the robot carries its markers.
 plane_map : PlaneMap, optional
     Pixels of the blobs' frame to work area. Default: the identity.

@@ -152,14 +152,14 @@ void set_estimate_parameters(Stages& stages, const py::object& value, StepObject
 }
 
 void set_measure(Stages& stages, const py::object& value, StepObject& object,
-                 const Locator& locator) {
+                 const MarkerLayout& markers) {
   if (is_off(value)) {
     stages.measure = {};
     return;
   }
   if (is_default(value)) {
-    stages.measure = {[locator](const StepPointer& step) {
-                        return locate(*step->blobs, locator, step->frame->plane_map);
+    stages.measure = {[markers](const StepPointer& step) {
+                        return locate(*step->blobs, markers, step->frame->plane_map);
                       },
                       false};
     return;
@@ -257,7 +257,7 @@ py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator) {
 }
 
 void SlottedSimulation::set_stage(const std::string& slot, const py::object& value) {
-  const Locator& locator = options().locator;
+  const MarkerLayout& markers = options().markers;
   const std::unordered_map<std::string, std::function<void(Stages&)>> setters = {
       {"define_model", [&](Stages& s) { set_define_model(s, value); }},
       {"init_parameter_estimator", [&](Stages& s) { set_init_parameter_estimator(s, value); }},
@@ -265,7 +265,7 @@ void SlottedSimulation::set_stage(const std::string& slot, const py::object& val
       {"take_frame", [&](Stages& s) { set_take_frame(s, value); }},
       {"evaluate_model", [&](Stages& s) { set_evaluate_model(s, value); }},
       {"estimate_parameters", [&](Stages& s) { set_estimate_parameters(s, value, step_object); }},
-      {"measure", [&](Stages& s) { set_measure(s, value, step_object, locator); }},
+      {"measure", [&](Stages& s) { set_measure(s, value, step_object, markers); }},
       {"estimate_state", [&](Stages& s) { set_estimate_state(s, value, step_object); }},
       {"control", [&](Stages& s) { set_control(s, value, step_object); }},
   };

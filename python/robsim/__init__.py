@@ -12,7 +12,7 @@ from robsim._core import (
     Estimate,
     Frame,
     LeastSquaresFit,
-    Locator,
+    MarkerLayout,
     Measurement,
     PlaneMap,
     RecursiveLeastSquares,
@@ -30,21 +30,21 @@ from robsim._core import (
     find_blobs,
     least_squares,
     locate,
-    regression_samples,
+    regression,
     rgb_to_yuv,
     wrap_angle,
 )
 from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.control._path_following import FollowPath, GoToPoint
 from robsim.control._path_score import PathScore, score_path
-from robsim.doctor import Checkup, check_estimator, check_parameter_estimator
+from robsim.doctor import CheckReport, check_estimator, check_parameter_estimator
 from robsim.evaluation._chi_square import chi_square_band
 from robsim.evaluation._consistency import (
     ConsistencyReport,
     nees,
-    nees_report,
+    nees_consistency,
     nis,
-    nis_report,
+    nis_consistency,
     pose_consistency,
 )
 from robsim.evaluation._cramer_rao import (
@@ -53,8 +53,8 @@ from robsim.evaluation._cramer_rao import (
     pose_bounds,
     posterior_cramer_rao_bound,
 )
-from robsim.evaluation._errors import ErrorReport, error_report, pose_errors, wrapped_error
-from robsim.evaluation._whiteness import WhitenessReport, whiteness_report
+from robsim.evaluation._errors import ErrorReport, estimation_errors, pose_errors, wrapped_error
+from robsim.evaluation._whiteness import WhitenessReport, whiteness
 from robsim.identification._batch import BatchEstimate, batch_estimate
 from robsim.identification._convergence import (
     ConvergenceReport,
@@ -62,31 +62,31 @@ from robsim.identification._convergence import (
     parameter_convergence,
 )
 from robsim.identification._fits import ModelFit, instrumental_variables, output_error
-from robsim.identification._identifiability import Identifiability, check_excitation
-from robsim.identification._regression import Samples, samples_of
+from robsim.identification._identifiability import Identifiability, identifiability
+from robsim.identification._regression import Regression, regression_of
 from robsim.imaging._clip import Clip
-from robsim.imaging._images import read_picture, write_picture
+from robsim.imaging._images import load_image, save_image
 from robsim.imaging._plane_maps import plane_map_from_points
 from robsim.imaging._recordings import Recording
-from robsim.imaging._video import VideoWriter, write_video
+from robsim.imaging._video import VideoWriter, save_video
 from robsim.robots import (
     RobotDefinition,
     add_robot,
     check_colors,
-    chosen_robot,
+    default_robot,
     load_robot,
     remove_robot,
-    reset_robot,
+    reset_default_robot,
     robot_from_picture,
     robot_names,
     rotate_robot,
     save_robot,
-    use_robot,
+    set_default_robot,
 )
 from robsim.simulation._scene import draw_red_square
 from robsim.simulation._simulation import Simulation
 from robsim.trace._trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
-from robsim.vision._color_files import color_text, load_colors, save_colors
+from robsim.vision._color_files import colors_to_toml, load_colors, save_colors
 from robsim.vision._color_masks import paint_classes
 from robsim.vision._color_score import ColorScore, score_color
 
@@ -112,7 +112,7 @@ __all__ = [
     "PARAMETER_NAMES",
     "BatchEstimate",
     "Blob",
-    "Checkup",
+    "CheckReport",
     "Chirp",
     "Clip",
     "ColorClass",
@@ -128,7 +128,7 @@ __all__ = [
     "GoToPoint",
     "Identifiability",
     "LeastSquaresFit",
-    "Locator",
+    "MarkerLayout",
     "Measurement",
     "ModelFit",
     "MultiSine",
@@ -137,13 +137,13 @@ __all__ = [
     "PseudoRandomBinary",
     "Recording",
     "RecursiveLeastSquares",
+    "Regression",
     "Renderer",
     "RobotDefinition",
     "RobotModel",
     "RobotParameters",
     "RunInfo",
     "Sample",
-    "Samples",
     "Simulation",
     "Spin",
     "Step",
@@ -160,29 +160,30 @@ __all__ = [
     "batch_estimate",
     "check_colors",
     "check_estimator",
-    "check_excitation",
     "check_parameter_estimator",
     "chi_square_band",
-    "chosen_robot",
     "classify",
     "color_histograms",
-    "color_text",
+    "colors_to_toml",
     "convergence_time",
     "copy_notebooks",
     "cramer_rao_bound",
+    "default_robot",
     "draw_overlay",
     "draw_red_square",
-    "error_report",
+    "estimation_errors",
     "find_blobs",
+    "identifiability",
     "instrumental_variables",
     "least_squares",
     "load_colors",
+    "load_image",
     "load_robot",
     "locate",
     "nees",
-    "nees_report",
+    "nees_consistency",
     "nis",
-    "nis_report",
+    "nis_consistency",
     "output_error",
     "paint_classes",
     "parameter_bounds",
@@ -202,25 +203,24 @@ __all__ = [
     "pose_consistency",
     "pose_errors",
     "posterior_cramer_rao_bound",
-    "read_picture",
-    "regression_samples",
+    "regression",
+    "regression_of",
     "remove_robot",
-    "reset_robot",
+    "reset_default_robot",
     "rgb_to_yuv",
     "robot_from_picture",
     "robot_names",
     "rotate_robot",
-    "samples_of",
     "save_colors",
+    "save_image",
     "save_robot",
+    "save_video",
     "score_color",
     "score_path",
-    "use_robot",
-    "whiteness_report",
+    "set_default_robot",
+    "whiteness",
     "wrap_angle",
     "wrapped_error",
-    "write_picture",
-    "write_video",
 ]
 
 

@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'Locator', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression_samples', 'rgb_to_yuv', 'wrap_angle']
+__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'MarkerLayout', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression', 'rgb_to_yuv', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
@@ -435,7 +435,7 @@ class ColorClass:
         """
         tuple of int: luma.
         """
-class Locator:
+class MarkerLayout:
     """
     Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
     
@@ -457,16 +457,16 @@ class Locator:
         So many of the largest blobs of a colour are looked at.
     """
     @staticmethod
-    def from_markers(red: typing.Any, blue: typing.Any, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> Locator:
+    def from_markers(red: typing.Any, blue: typing.Any, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> MarkerLayout:
         """
-        Return the locator of a robot with these markers; it knows their areas, too.
+        Return the marker layout of a robot with these markers; it knows their areas, too.
         
         Parameters
         ----------
         red, blue : array (N, 2)
             Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
         distance_tolerance, area_tolerance, maximum_blobs
-            As for `Locator`.
+            As for `MarkerLayout`.
         """
     def __init__(self, distance: typing.SupportsFloat | typing.SupportsIndex, offset: typing.SupportsFloat | typing.SupportsIndex, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> None:
         ...
@@ -651,15 +651,15 @@ class RecursiveLeastSquares:
         count.
         """
     @property
-    def theta(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (parameters,) or (filters, parameters): the estimates.
-        """
-    @property
-    def unit_errors(self) -> numpy.typing.NDArray[numpy.float64]:
+    def standard_errors_unscaled(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array, shaped as theta: standard errors of the estimates in units of the standard
         deviation of the output noise, the square roots of the diagonal of P.
+        """
+    @property
+    def theta(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (parameters,) or (filters, parameters): the estimates.
         """
 class LeastSquaresFit:
     """
@@ -686,15 +686,15 @@ class LeastSquaresFit:
         array (n,): standard errors of theta, with the noise estimated from the residuals.
         """
     @property
-    def theta(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (n,): the parameters, NaN where the samples say nothing.
-        """
-    @property
-    def unit_errors(self) -> numpy.typing.NDArray[numpy.float64]:
+    def standard_errors_unscaled(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (n,): standard errors of theta in units of the standard deviation of the noise;
         inf where the samples say nothing.
+        """
+    @property
+    def theta(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (n,): the parameters, NaN where the samples say nothing.
         """
 class Estimate:
     """
@@ -827,9 +827,9 @@ class Step:
         int: number of the step, from 0.
         """
     @property
-    def locator(self) -> Locator:
+    def markers(self) -> MarkerLayout:
         """
-        Locator: where the robot carries its markers.
+        MarkerLayout: where the robot carries its markers.
         """
     @property
     def measurement(self) -> Measurement | None:
@@ -934,13 +934,13 @@ class Simulation:
     """
     The loop. Users take robsim.Simulation.
     """
-    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], locator: Locator, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_steps: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_steps: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
         """
         Return the columns of the trace: name -> array (rows, width).
         """
-    def frame_of(self, k: typing.SupportsInt | typing.SupportsIndex) -> Frame:
+    def render_step(self, k: typing.SupportsInt | typing.SupportsIndex) -> Frame:
         """
         Return the frame of a recorded step, drawn anew.
         """
@@ -976,6 +976,9 @@ class Simulation:
     def is_running(self) -> bool:
         ...
     @property
+    def last_step(self) -> Step:
+        ...
+    @property
     def maximum_count(self) -> int:
         """
         int: of the blobs of a colour.
@@ -987,9 +990,6 @@ class Simulation:
         """
     @property
     def model(self) -> RobotModel:
-        ...
-    @property
-    def newest(self) -> Step:
         ...
     @property
     def rows(self) -> int:
@@ -1053,7 +1053,7 @@ def cpu_paths() -> list[str]:
     """
     Return those that this processor can use, the fastest last.
     """
-def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, locator: Locator | None = None, minimum_area: typing.SupportsInt | typing.SupportsIndex | None = None, maximum_count: typing.SupportsInt | typing.SupportsIndex | None = None, smoothing: typing.SupportsInt | typing.SupportsIndex | None = None, region: typing.Any = None) -> dict[str, list[Blob]]:
+def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, minimum_area: typing.SupportsInt | typing.SupportsIndex | None = None, maximum_count: typing.SupportsInt | typing.SupportsIndex | None = None, smoothing: typing.SupportsInt | typing.SupportsIndex | None = None, region: typing.Any = None) -> dict[str, list[Blob]]:
     """
     Find the blobs of every colour class in one pass over an image.
     
@@ -1063,19 +1063,19 @@ def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], 
         RGB; rows may lie at any distance in memory.
     colors : list of ColorClass
         The colours to look for; a pixel may belong to several.
-    locator : Locator, optional
+    markers : MarkerLayout, optional
         The robot whose markers are looked for: the defaults of the other options are those with which
         they are found, in noise, too. Its lengths count as px of an array, or by the plane map of a
         Frame.
     minimum_area : int, optional
-        Smaller blobs are dropped (px). Default: 12, or an eighth of the locator's smaller marker.
+        Smaller blobs are dropped (px). Default: 12, or an eighth of the smaller marker.
     maximum_count : int, optional
-        Only so many of the largest blobs of a colour are returned. Default: 64, or as the locator
+        Only so many of the largest blobs of a colour are returned. Default: 64, or as the markers
         says.
     smoothing : int, optional
         A pixel is judged by the mean of the window around it, so many px wide: 3, 5, ... 15, against
         noise; between a quarter and three quarters of a marker's width. 1 = by itself. Default: 1, or
-        0.28 of the width of the locator's smaller marker, at most 7.
+        0.28 of the width of the smaller marker, at most 7.
     region : tuple of int, optional
         (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
         pixels are looked at, as if the image ended there. Places remain those in the whole image.
@@ -1118,14 +1118,14 @@ def least_squares(phi: typing.Any, y: typing.Any) -> LeastSquaresFit:
     Returns
     -------
     LeastSquaresFit
-        theta, rank, condition, residual_rms, unit_errors, standard_errors.
+        theta, rank, condition, residual_rms, standard_errors_unscaled, standard_errors.
     
     Notes
     -----
     Householder QR, block after block of rows, and column pivoting in what comes of that (Golub and Van
     Loan, Matrix Computations, 5.2.2 and 5.4.2). The standard errors hold for white noise in y.
     """
-def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], locator: Locator, plane_map: PlaneMap = ...) -> Measurement | None:
+def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, plane_map: PlaneMap = ...) -> Measurement | None:
     """
     Return the pose of the robot whose markers are among the blobs.
     
@@ -1136,7 +1136,7 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     ----------
     blobs : dict of str to list of Blob
         As from `find_blobs`; "red" and "blue" are looked at.
-    locator : Locator
+    markers : MarkerLayout
         Where the robot carries its markers.
     plane_map : PlaneMap, optional
         Pixels of the blobs' frame to work area. Default: the identity.
@@ -1146,7 +1146,7 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     Measurement or None
         None = not seen: no pair fits, or two fit equally well.
     """
-def regression_samples(poses: typing.Any, u: typing.Any) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+def regression(poses: typing.Any, u: typing.Any) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
     """
     Return the samples of the robot model's predictor in an unbroken record.
     

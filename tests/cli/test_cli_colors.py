@@ -10,9 +10,9 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import robsim
-from robsim import ColorClass, load_colors, read_picture
+from robsim import ColorClass, load_colors, load_image
 from robsim.cli import app
-from robsim.vision._color_files import SHIPPED_COLORS, color_text, save_colors
+from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, save_colors
 from robsim.vision._color_score import score_color
 
 pytestmark = pytest.mark.usefixtures("user_folder", "_here")
@@ -69,7 +69,7 @@ def picture(name, *, rgb=RED, light=1.0):
 def test_frame_says_where_the_markers_are():
     lines = done("frame", "--robot", "lab", "--at", "300,400", "--heading", "45").splitlines()
     assert lines[0] == "drawn in frame.png: the robot lab"
-    image = read_picture("frame.png")
+    image = load_image("frame.png")
     assert image.shape == (1200, 1200, 3)
     blobs = robsim.find_blobs(image, load_colors())
     for line, name in zip(lines[1:], ("red", "blue"), strict=True):
@@ -85,7 +85,7 @@ def test_frame_says_where_the_markers_are():
 def test_frame_in_noise():
     done("frame", "a/clean.png", "--seed", 1)
     done("frame", "noisy.png", "--noise", "gaussian", "--noise-percent", 10, "--seed", 1)
-    difference = read_picture("noisy.png") - read_picture("a/clean.png").astype(float)
+    difference = load_image("noisy.png") - load_image("a/clean.png").astype(float)
     assert difference.std() == pytest.approx(25.5, rel=0.1)
 
 
@@ -93,7 +93,7 @@ def test_frame_of_a_robot_whose_markers_are_not_plain():
     # The markers of robot2 are the clothes and the sky around a head.
     lines = done("frame", "--robot", "robot2").splitlines()
     left, top, right, bottom = map(int, lines[1].split()[-1].split(","))
-    red = robsim.classify(read_picture("frame.png"), load_colors())["red"]
+    red = robsim.classify(load_image("frame.png"), load_colors())["red"]
     assert red[top : bottom + 1, left : right + 1].mean() > 0.8
     assert lines[2] == "  blue marker: see the picture"
 
@@ -147,8 +147,8 @@ def test_show_a_file():
 def test_train_prints_what_it_finds():
     picture("a.png")
     text = done("train", "a.png", "--region", "30,40,49,59", "--name", "red")
-    color = ColorClass.from_region(read_picture("a.png"), REGION, name="red")
-    assert text == color_text(color) + "\n"
+    color = ColorClass.from_region(load_image("a.png"), REGION, name="red")
+    assert text == colors_to_toml(color) + "\n"
     assert [path.name for path in Path().iterdir()] == ["a.png"]
     wide = done("train", "a.png", "--region", "30,40,49,59", "--name", "red", "--margin", 0)
     assert "v = [208, 255]" in wide
@@ -169,7 +169,7 @@ def test_train_writes_a_file_and_a_figure():
     done("train", "b.png", *region, "--name", "blue", "--to", "x/c.toml")
     red, blue = load_colors("x/c.toml")
     assert (red.name, blue.name) == ("red", "blue")
-    blobs = robsim.find_blobs(read_picture("b.png"), [red, blue])
+    blobs = robsim.find_blobs(load_image("b.png"), [red, blue])
     assert [len(blobs[name]) for name in ("red", "blue")] == [0, 1]
 
 
@@ -225,7 +225,7 @@ def test_test_counts_blobs_and_paints():
     assert table["a.png", "red"] == ["400", "1", "400 px", "(39.5, 49.5)"]
     assert table["a.png", "blue"] == ["0", "0"]
     assert text.splitlines()[-1] == "painted in seen/a.png"
-    painted = read_picture("seen/a.png")
+    painted = load_image("seen/a.png")
     assert painted.shape == (100, 120, 3)
     assert painted[50, 40].tolist() == [255, 0, 0]
     assert painted[5, 5].tolist() == [74] * 3
@@ -237,7 +237,7 @@ def test_test_on_several_pictures():
     table = rows(done("test", "a.png", "b.png", "--smoothing", 1, "--out", "seen"))
     assert table["a.png", "red"][0] == table["b.png", "blue"][0] == "400"
     assert sorted(path.name for path in Path("seen").iterdir()) == ["a.png", "b.png"]
-    assert read_picture("seen/b.png")[50, 40].tolist() == [0, 0, 255]
+    assert load_image("seen/b.png")[50, 40].tolist() == [0, 0, 255]
 
 
 def test_test_as_json():
@@ -258,10 +258,10 @@ def test_test_scores_a_colour():
     weak = ColorClass("red", v=(170, 255))
     save_colors("weak.toml", [weak, ColorClass("blue", u=(156, 255))])
     arguments = "test", "a.png", "--colors", "weak.toml", "--region", "red=30,40,49,59"
-    score = score_color(read_picture("a.png"), weak, [REGION])
+    score = score_color(load_image("a.png"), weak, [REGION])
     text = done(*arguments)
     assert str(score) in text
-    assert f"better:\n{color_text(score.proposed)}" in text
+    assert f"better:\n{colors_to_toml(score.proposed)}" in text
     result = json.loads(done(*arguments, "--json"))
     assert result["scores"] == [json.loads(json.dumps(score.to_dict()))]
 

@@ -14,7 +14,14 @@ from typer.testing import CliRunner
 
 from drawn_robots import box, painted, random_robot
 from robsim.cli import app
-from robsim.robots import add_robot, chosen_robot, load_robot, robot_names, save_robot, use_robot
+from robsim.robots import (
+    add_robot,
+    default_robot,
+    load_robot,
+    robot_names,
+    save_robot,
+    set_default_robot,
+)
 
 pytestmark = pytest.mark.usefixtures("user_folder", "_here")
 
@@ -71,7 +78,7 @@ def test_list():
     assert table["lab"] == ["120 px", "90°, faces up", "43.0 px", "shipped", "in use"]
     assert table["sheep"][-1] == "shipped"
     add_robot("mine", "lab", alignment=-30)
-    use_robot("mine")
+    set_default_robot("mine")
     table = rows(done("list"))
     assert table["mine"] == ["120 px", "-30°", "43.0 px", "yours", "in use"]
     assert table["lab"][-1] == "shipped"
@@ -92,7 +99,7 @@ def test_a_damaged_robot_is_listed_with_its_error(user_folder):
 
 def test_list_says_what_is_wrong_with_the_choice(user_folder):
     add_robot("mine", "lab")
-    use_robot("mine")
+    set_default_robot("mine")
     shutil.rmtree(user_folder / "robots/mine")
     result = robots("list")
     assert "in use" not in result.stdout
@@ -113,7 +120,7 @@ def test_list_names_a_robot_that_is_hidden(user_folder):
 
 def test_the_longest_names_fit_in_80_columns():
     add_robot("x" * 40, "lab", alignment=-123.456)
-    use_robot("x" * 40)
+    set_default_robot("x" * 40)
     lines = done("list").splitlines()
     assert max(map(len, lines)) <= 80
     name = [line.split()[0] for line in lines if line.strip().startswith("x")]
@@ -140,7 +147,7 @@ def test_show():
 
 
 def test_show_draws_the_robot_in_use_by_default():
-    use_robot("sheep")
+    set_default_robot("sheep")
     assert done("show").startswith("sheep: ")
     assert Path("robot-sheep.png").is_file()
 
@@ -315,7 +322,7 @@ def test_rotate():
 
 def test_use_reset_remove():
     assert done("use", "SHEEP") == "in use: sheep\n"
-    assert chosen_robot() == "sheep"
+    assert default_robot() == "sheep"
     assert done("reset") == "in use: lab\n"
     done("add", "mine", "lab")
     done("use", "mine")

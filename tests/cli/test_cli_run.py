@@ -159,9 +159,7 @@ def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
     (tmp_path / "frames").mkdir()
     for k in range(12):
         image = sim.step().frame.image
-        robsim.write_picture(
-            tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300]
-        )
+        robsim.save_image(tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300])
     run = cli("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
     assert run.returncode == 2
     assert "frame10.png is 400 x 300 px large, the frames before it 400 x 400" in run.stderr
@@ -174,7 +172,7 @@ def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
 def test_without_opencv_images_are_tracked_all_the_same(tmp_path):
     frame = robsim.Simulation(camera=(400, 400), seed=1).frame
     (tmp_path / "frames").mkdir()
-    robsim.write_picture(tmp_path / "frames" / "frame0.png", frame.image)
+    robsim.save_image(tmp_path / "frames" / "frame0.png", frame.image)
     (tmp_path / "cv2.py").write_text("raise ImportError('not here')")
     run = cli("track", "frames", "--area", "1200x1200", cwd=tmp_path)
     assert run.returncode == 0, run.stderr
@@ -203,7 +201,7 @@ def test_a_callback_that_ends_the_program_keeps_the_steps(mine):
 
 def test_unknown_numbers_are_null_in_json(tmp_path):
     frame = robsim.Simulation(camera=(400, 400), seed=1).frame
-    robsim.write_picture(tmp_path / "frame0.png", frame.image)
+    robsim.save_image(tmp_path / "frame0.png", frame.image)
     run = cli(
         "track", ".", "--area", "1200x1200", "--out", "out", "--no-video", "--json", cwd=tmp_path
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.cli.detection_failure import why_not_seen
+from robsim.cli.detection_failure import explain_no_detection
 
 SMALL = {"camera": (600, 600), "measure": True, "seed": 1}
 
@@ -14,25 +14,28 @@ SMALL = {"camera": (600, 600), "measure": True, "seed": 1}
 def reason(**options):
     sim = robsim.Simulation(**SMALL, **options)
     sim.run(3)
-    return why_not_seen(sim.trace, sim.locator)
+    return explain_no_detection(sim.trace, sim.markers)
 
 
 def test_a_robot_that_was_seen_needs_no_reason():
     assert reason() is None
-    assert why_not_seen(robsim.Simulation().run(2), robsim.load_robot("lab").locator()) is None
+    assert (
+        explain_no_detection(robsim.Simulation().run(2), robsim.load_robot("lab").marker_layout())
+        is None
+    )
 
 
 def test_another_robot():
     wanted = r"the markers are 43\.0 px apart, but the red and blue blobs seen 7[01]\.\d px "
-    assert re.match(wanted, reason(robot="robot2", locator="lab"))
+    assert re.match(wanted, reason(robot="robot2", markers="lab"))
 
 
 def test_another_area():
     frames = [robsim.Simulation(**SMALL).frame.image] * 2
     sim = robsim.Simulation(frames=[robsim.Frame(image) for image in frames], area=(600, 600))
     sim.run()
-    assert "43.0 px apart, but the red and blue blobs seen 21." in why_not_seen(
-        sim.trace, sim.locator
+    assert "43.0 px apart, but the red and blue blobs seen 21." in explain_no_detection(
+        sim.trace, sim.markers
     )
 
 
@@ -55,7 +58,7 @@ def test_never_in_the_same_frame():
     blue[..., 0] = np.minimum(blue[..., 0], blue[..., 2])
     sim = robsim.Simulation(frames=[robsim.Frame(red), robsim.Frame(blue)])
     sim.run()
-    assert why_not_seen(sim.trace, sim.locator) == (
+    assert explain_no_detection(sim.trace, sim.markers) == (
         "red and blue blobs were not seen in the same frame"
     )
 
@@ -67,4 +70,6 @@ def test_markers_of_another_size():
 
     sim = robsim.Simulation(camera=(600, 600), measure=measure, seed=1)
     sim.run(2)
-    assert "px apart were seen, as the markers are, but" in why_not_seen(sim.trace, sim.locator)
+    assert "px apart were seen, as the markers are, but" in explain_no_detection(
+        sim.trace, sim.markers
+    )

@@ -12,8 +12,8 @@ import pytest
 import robsim
 from robsim import reference
 from robsim.doctor import (
-    Checkup,
-    Finding,
+    CheckReport,
+    Problem,
     check_estimator,
     check_parameter_estimator,
 )
@@ -77,10 +77,10 @@ def complementary():
 
 
 def only(checkup):
-    """The one finding of a checkup: the cause, and nothing that follows from it."""
+    """The one problem of a checkup: the cause, and nothing that follows from it."""
     assert not checkup
-    assert len(checkup.findings) == 1, str(checkup)
-    return checkup.findings[0]
+    assert len(checkup.problems) == 1, str(checkup)
+    return checkup.problems[0]
 
 
 @pytest.mark.parametrize("make", [ConstantVelocity, complementary])
@@ -88,12 +88,12 @@ def test_right_state_estimators_are_well(make):
     checkup = check_estimator(make)
     assert checkup, str(checkup)
     assert str(checkup).startswith(f"{checkup.name} is well")
-    assert checkup.raise_if_ill() is checkup
+    assert checkup.raise_for_problems() is checkup
 
 
 @pytest.mark.parametrize("dt", [1 / 30, 0.5])
 def test_right_ones_are_well_at_other_sample_times(dt):
-    check_estimator(ConstantVelocity, dt=dt).raise_if_ill()
+    check_estimator(ConstantVelocity, dt=dt).raise_for_problems()
 
 
 FILTERS = [
@@ -107,14 +107,16 @@ FILTERS = [
 @pytest.mark.parametrize("make", FILTERS)
 def test_the_reference_filters_are_well(make):
     takes_a_model = make is not reference.ConstantVelocityKalmanFilter
-    check_estimator(partial(make, robsim.RobotModel()) if takes_a_model else make).raise_if_ill()
+    check_estimator(
+        partial(make, robsim.RobotModel()) if takes_a_model else make
+    ).raise_for_problems()
 
 
 TEMPLATE = Path(robsim.__file__).with_name("simulation") / "templates" / "estimate_state.py"
 
 
 def test_the_template_of_a_state_estimator_is_well():
-    check_estimator(runpy.run_path(str(TEMPLATE))["LastPose"]).raise_if_ill()
+    check_estimator(runpy.run_path(str(TEMPLATE))["LastPose"]).raise_for_problems()
 
 
 def test_the_template_of_a_state_estimator_examines_itself_as_a_program(capsys):
@@ -356,12 +358,12 @@ BROKEN = [
 def test_a_broken_state_estimator_is_told_its_cause_and_nothing_else(
     make, kind, words, line, capsys
 ):
-    finding = only(check_estimator(make))
-    assert finding.kind == kind
-    assert words in finding.sentence
-    assert line in finding.line.text
-    assert finding.line.file == __file__
-    assert f"test_doctor.py:{finding.line.number} in {finding.line.function}" in str(finding)
+    problem = only(check_estimator(make))
+    assert problem.kind == kind
+    assert words in problem.sentence
+    assert line in problem.line.text
+    assert problem.line.file == __file__
+    assert f"test_doctor.py:{problem.line.number} in {problem.line.function}" in str(problem)
     assert capsys.readouterr().out == ""
 
 
@@ -375,10 +377,10 @@ def test_an_estimator_that_never_comes_back_is_stopped(monkeypatch):
         return estimate
 
     monkeypatch.setattr(stages, "TIME_LIMIT", 0.3)
-    finding = only(check_estimator(make))
-    assert (finding.kind, finding.step) == ("too slow", 3)
-    assert "never ends" in finding.sentence
-    assert finding.line.text in ("while step.k == 3:", "pass")
+    problem = only(check_estimator(make))
+    assert (problem.kind, problem.step) == ("too slow", 3)
+    assert "never ends" in problem.sentence
+    assert problem.line.text in ("while step.k == 3:", "pass")
 
 
 @pytest.mark.parametrize("check", [check_estimator, check_parameter_estimator])
@@ -388,10 +390,10 @@ def test_so_is_a_make_that_never_comes_back(check, monkeypatch):
             pass
 
     monkeypatch.setattr(trial, "TIME_LIMIT", 0.3)
-    finding = only(check(make))
-    assert finding.kind == "make fails"
-    assert "never ends" in finding.sentence
-    assert finding.line.text in ("while True:", "pass")
+    problem = only(check(make))
+    assert problem.kind == "make fails"
+    assert "never ends" in problem.sentence
+    assert problem.line.text in ("while True:", "pass")
 
 
 class NeedsAModel(ConstantVelocity):
@@ -409,9 +411,9 @@ class NeedsAModel(ConstantVelocity):
      (lambda: lambda: 3, "exception", "takes 0 positional arguments but 1 was given")],
 )  # fmt: skip
 def test_what_makes_no_estimator_is_told_so(make, kind, words):
-    finding = only(check_estimator(make))
-    assert finding.kind == kind
-    assert words in finding.sentence
+    problem = only(check_estimator(make))
+    assert problem.kind == kind
+    assert words in problem.sentence
 
 
 def test_a_wrong_argument_is_refused():
@@ -460,7 +462,7 @@ def test_independent_findings_are_all_told():
         def predict(self, dt):
             super().predict(0.2)
 
-    kinds = [finding.kind for finding in check_estimator(Both).findings]
+    kinds = [problem.kind for problem in check_estimator(Both).problems]
     assert kinds == ["ignores dt", "prints"]
 
 
@@ -503,7 +505,7 @@ def as_callback():
     ids=["numpy", "callback", "1", "0.99", "0.95"],
 )  # fmt: skip
 def test_right_parameter_estimators_are_well(make):
-    check_parameter_estimator(make).raise_if_ill()
+    check_parameter_estimator(make).raise_for_problems()
 
 
 class Diverges(LeastSquares):
@@ -517,9 +519,9 @@ def test_slow_forgetting_diverges_in_a_longer_run():
         forgetting = 0.999
 
     assert check_parameter_estimator(Slowly)
-    finding = only(check_parameter_estimator(Slowly, updates=30_000))
-    assert finding.kind == "diverges"
-    assert finding.step > 10_000
+    problem = only(check_parameter_estimator(Slowly, updates=30_000))
+    assert problem.kind == "diverges"
+    assert problem.step > 10_000
 
 
 class Wrapped:
@@ -658,42 +660,42 @@ BROKEN_PARAMETERS = [
 def test_a_broken_parameter_estimator_is_told_its_cause_and_nothing_else(
     make, kind, words, line, capsys
 ):
-    finding = only(check_parameter_estimator(make, updates=3000))
-    assert finding.kind == kind
-    assert words in finding.sentence
-    assert line in finding.line.text
+    problem = only(check_parameter_estimator(make, updates=3000))
+    assert problem.kind == kind
+    assert words in problem.sentence
+    assert line in problem.line.text
     assert capsys.readouterr().out == ""
 
 
 def test_what_has_no_update_is_told_so():
-    finding = only(check_parameter_estimator(lambda: [1, 2]))
-    assert finding.kind == "not callable"
-    assert "make() returns [1, 2], which has no method update(phi, y)" in finding.sentence
+    problem = only(check_parameter_estimator(lambda: [1, 2]))
+    assert problem.kind == "not callable"
+    assert "make() returns [1, 2], which has no method update(phi, y)" in problem.sentence
 
 
 def test_the_report_as_text_and_as_html():
-    checkup = Checkup(
+    checkup = CheckReport(
         name="<filter>",
-        findings=(
-            Finding(kind="a", sentence="it is < 0", situation="robot turns", step=7),
-            Finding(kind="b", sentence="it is late"),
+        problems=(
+            Problem(kind="a", sentence="it is < 0", situation="robot turns", step=7),
+            Problem(kind="b", sentence="it is late"),
         ),
         remarks=("what about u & dt?",),
     )
     assert not checkup
     assert str(checkup) == textwrap.dedent("""\
-        <filter> is ill: 2 findings
+        <filter> is ill: 2 problems
           1. it is < 0 (step 7, robot turns)
           2. it is late
           Remark: what about u & dt?""")
     assert checkup._repr_html_() == (
-        "<p><b>&lt;filter&gt; is ill: 2 findings</b></p>"
+        "<p><b>&lt;filter&gt; is ill: 2 problems</b></p>"
         "<ol><li>it is &lt; 0<br><small>step 7, robot turns</small></li>"
         "<li>it is late</li></ol>"
         "<p>Remark: what about u &amp; dt?</p>"
     )
     with pytest.raises(AssertionError) as caught:
-        checkup.raise_if_ill()
+        checkup.raise_for_problems()
     assert str(caught.value) == str(checkup)
 
 
@@ -715,7 +717,7 @@ def test_plain():
 
 
 def test_thorough():
-    check_estimator(make).raise_if_ill()
+    check_estimator(make).raise_for_problems()
 """
 
 

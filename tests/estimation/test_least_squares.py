@@ -61,7 +61,7 @@ def test_standard_errors_are_those_of_the_normal_equations(rng, samples):
     y = phi @ (1.0, 2.0, 3.0, 4.0) + rng.normal(size=samples)
     fit = robsim.least_squares(phi, y)
     unit, errors = normal_equations(phi, y)
-    np.testing.assert_allclose(fit.unit_errors, unit, rtol=1e-10)
+    np.testing.assert_allclose(fit.standard_errors_unscaled, unit, rtol=1e-10)
     np.testing.assert_allclose(fit.standard_errors, errors, rtol=1e-10)
     theta, squares, _, _ = np.linalg.lstsq(phi, y, rcond=None)
     np.testing.assert_allclose(fit.theta, theta, rtol=1e-10)
@@ -74,15 +74,15 @@ def test_standard_errors_of_what_is_determined_do_not_feel_the_rest(rng):
     phi = np.column_stack([full, 2 * full[:, 1], np.zeros(50)])
     fit = robsim.least_squares(phi, y)
     unit, errors = normal_equations(full, y)
-    np.testing.assert_allclose(fit.unit_errors[[0, 2]], unit[[0, 2]], rtol=1e-10)
+    np.testing.assert_allclose(fit.standard_errors_unscaled[[0, 2]], unit[[0, 2]], rtol=1e-10)
     np.testing.assert_allclose(fit.standard_errors[[0, 2]], errors[[0, 2]], rtol=1e-10)
     assert np.isinf(fit.standard_errors[[1, 3, 4]]).all()
-    assert np.isinf(fit.unit_errors[[1, 3, 4]]).all()
+    assert np.isinf(fit.standard_errors_unscaled[[1, 3, 4]]).all()
     assert fit.residual_rms == pytest.approx(robsim.least_squares(full, y).residual_rms, rel=1e-10)
 
 
 def test_as_many_samples_as_parameters_say_nothing_of_the_noise(rng):
     fit = robsim.least_squares(rng.normal(size=(3, 3)), rng.normal(size=3))
     assert np.isnan(fit.standard_errors).all()
-    assert np.isfinite(fit.unit_errors).all()
+    assert np.isfinite(fit.standard_errors_unscaled).all()
     assert fit.residual_rms < 1e-12

@@ -48,7 +48,7 @@ def test_without_forgetting_it_equals_the_ridge_solution_to_the_last_digits(
 
 def test_on_a_drive_it_equals_the_ridge_solution_to_the_last_digits(rng):
     run = robsim.Simulation(control=robsim.DriveAround(), boundary="unlimited", seed=4).run(200)
-    phi, y = _core.regression_samples(run.pose_true, run.u)
+    phi, y = _core.regression(run.pose_true, run.u)
     y = y + (0.1, 0.1, 0.005) * rng.normal(size=y.shape)
     theta = robsim.RecursiveLeastSquares(5, filters=3, initial_covariance=2.0**20).update(phi, y)
     for axis in range(3):
@@ -165,7 +165,7 @@ def test_unit_errors_are_the_roots_of_the_diagonal(rng):
     filters = robsim.RecursiveLeastSquares(4, filters=2, forgetting=0.95)
     filters.update(rng.normal(size=(20, 2, 4)), rng.normal(size=(20, 2)))
     diagonals = np.diagonal(filters.P, axis1=1, axis2=2)
-    np.testing.assert_allclose(filters.unit_errors, np.sqrt(diagonals), rtol=1e-13)
+    np.testing.assert_allclose(filters.standard_errors_unscaled, np.sqrt(diagonals), rtol=1e-13)
 
 
 def test_reset_goes_back_to_the_start():

@@ -6,15 +6,21 @@ from scipy import stats
 
 import robsim
 from robsim.evaluation._chi_square import chi_square_band
-from robsim.evaluation._consistency import nees, nees_report, nis, nis_report, pose_consistency
+from robsim.evaluation._consistency import (
+    nees,
+    nees_consistency,
+    nis,
+    nis_consistency,
+    pose_consistency,
+)
 from robsim.evaluation._cramer_rao import (
     cramer_rao_bound,
     parameter_bounds,
     pose_bounds,
     posterior_cramer_rao_bound,
 )
-from robsim.evaluation._errors import error_report, pose_errors, wrapped_error
-from robsim.evaluation._whiteness import whiteness_report
+from robsim.evaluation._errors import estimation_errors, pose_errors, wrapped_error
+from robsim.evaluation._whiteness import whiteness
 from robsim.identification._convergence import convergence_time, parameter_convergence
 
 NAN = np.nan
@@ -58,7 +64,7 @@ def test_the_error_of_a_heading_goes_the_short_way():
 def test_error_report_against_hand_computed_values():
     truth = np.zeros((4, 3))
     estimate = [[1, 0, 0.1], [-3, 0, 0.1], [NAN, NAN, NAN], [5, 0, 2 * PI - 0.2]]
-    report = error_report(estimate, truth)
+    report = estimation_errors(estimate, truth)
     np.testing.assert_array_equal(report.known, [3, 3, 3])
     assert report.total == 4
     np.testing.assert_allclose(report.rmse, [np.sqrt(35 / 3), 0, np.sqrt(0.02)])
@@ -66,13 +72,13 @@ def test_error_report_against_hand_computed_values():
     np.testing.assert_allclose(report.sd, [np.sqrt(32 / 3), 0, np.sqrt(0.02)])
     np.testing.assert_allclose(report.largest, [5, 0, 0.2])
     np.testing.assert_allclose(report.sd**2 + report.bias**2, report.rmse**2)
-    assert np.isnan(report.claimed_median).all()
+    assert np.isnan(report.reported_sd_median).all()
 
 
 def test_error_report_over_runs():
     truth = np.zeros((2, 3, 1))
     estimate = np.array([[3.0, NAN, 1.0], [4.0, 2.0, NAN]])[..., None]
-    report = error_report(estimate, truth, names=["z"], units=["m"], source="student")
+    report = estimation_errors(estimate, truth, names=["z"], units=["m"], source="student")
     np.testing.assert_array_equal(report.known, [4])
     np.testing.assert_allclose(report.rmse_of_steps[:, 0], [np.sqrt(12.5), 2.0, 1.0])
     np.testing.assert_allclose(report.rmse, np.sqrt(30 / 4))
@@ -82,14 +88,16 @@ def test_error_report_over_runs():
 
 def test_what_is_claimed_stands_beside_the_error():
     covariance = np.broadcast_to(np.diag([4.0, 9.0, 0.01]), (5, 3, 3))
-    report = error_report(np.ones((5, 3)), np.zeros((5, 3)), covariance=covariance)
-    np.testing.assert_allclose(report.claimed_median, [2, 3, 0.1])
+    report = estimation_errors(np.ones((5, 3)), np.zeros((5, 3)), covariance=covariance)
+    np.testing.assert_allclose(report.reported_sd_median, [2, 3, 0.1])
     with pytest.raises(ValueError, match="no negative variance, got -4"):
-        error_report(np.ones((5, 3)), np.zeros((5, 3)), covariance=-covariance[:, :, :] * 4 / 9)
+        estimation_errors(
+            np.ones((5, 3)), np.zeros((5, 3)), covariance=-covariance[:, :, :] * 4 / 9
+        )
 
 
 def test_error_report_reads_well_and_goes_into_json():
-    report = error_report([[1.0, NAN, PI / 180]], [[0.0, 0.0, 0.0]])
+    report = estimation_errors([[1.0, NAN, PI / 180]], [[0.0, 0.0, 0.0]])
     lines = str(report).splitlines()
     assert lines[0] == "estimate minus truth"
     assert lines[2].split() == ["x", "(px)", "1", "1", "0", "1", "-", "1", "of", "1"]
@@ -102,7 +110,7 @@ def test_error_report_reads_well_and_goes_into_json():
         "unit": "px",
         "known": 0,
         "total": 1,
-        **dict.fromkeys(("rmse", "bias", "sd", "largest", "claimed_median")),
+        **dict.fromkeys(("rmse", "bias", "sd", "largest", "reported_sd_median")),
     }
     assert report._repr_html_().count("<tr>") == 4
 
@@ -122,7 +130,11 @@ def test_pose_errors_of_a_trace_agree_with_its_own():
     [
         (lambda: wrapped_error(np.ones((2, 3)), np.ones((3, 3))), ValueError, "same shape, got"),
         (lambda: wrapped_error([1.0, 2.0], [0.0, 0.0]), ValueError, "among the 2 numbers"),
-        (lambda: error_report([1.0], [0.0], units=["px"], names=["x"]), ValueError, "must be of"),
+        (
+            lambda: estimation_errors([1.0], [0.0], units=["px"], names=["x"]),
+            ValueError,
+            "must be of",
+        ),
         (lambda: pose_errors(driven(5), of="guess"), ValueError, "'estimate' or 'measurement'"),
         (lambda: pose_errors(driven(5)), ValueError, r"with estimate_state=\.\.\."),
         (lambda: pose_errors(driven(5), of="measurement"), ValueError, "with measure=True"),
@@ -214,7 +226,7 @@ def test_the_band_is_wider_where_fewer_runs_are_known():
     error = np.ones((3, 4, 2))
     error[0, 1] = NAN
     error[:, 2] = NAN
-    report = nees_report(error, np.eye(2))
+    report = nees_consistency(error, np.eye(2))
     np.testing.assert_array_equal(report.counts, [3, 2, 0, 3])
     np.testing.assert_allclose(report.values, [2, 2, NAN, 2])
     np.testing.assert_allclose(report.band[1], stats.chi2(4).ppf([0.025, 0.975]) / 2)
@@ -225,21 +237,21 @@ def test_the_band_is_wider_where_fewer_runs_are_known():
 
 def test_shares_and_mean_by_hand():
     # n = 1: the band is 0.00098..5.02
-    report = nees_report(np.array([[0.0], [1.0], [2.0], [3.0], [NAN]]), [[1.0]])
+    report = nees_consistency(np.array([[0.0], [1.0], [2.0], [3.0], [NAN]]), [[1.0]])
     assert (report.below, report.inside, report.above) == (0.25, 0.5, 0.25)
     assert report.mean == pytest.approx(14 / 4)
     assert np.isnan(report.mean_error)
-    runs = nees_report(np.array([[[1.0], [1.0]], [[2.0], [NAN]]]), [[1.0]])
+    runs = nees_consistency(np.array([[[1.0], [1.0]], [[2.0], [NAN]]]), [[1.0]])
     assert runs.mean == pytest.approx(2.0)  # of the three values that are known
     assert runs.mean_error == pytest.approx(np.std([1, 4], ddof=1) / np.sqrt(2))
 
 
-def test_a_filter_that_runs_away_is_too_confident():
-    report = nees_report(1e50 ** np.arange(1, 6)[:, None], [[1.0]])
+def test_a_filter_that_runs_away_is_optimistic():
+    report = nees_consistency(1e50 ** np.arange(1, 6)[:, None], [[1.0]])
     assert np.isinf(report.values[-1])
     assert report.above == 1.0
-    assert report.verdict == "too confident"
-    assert "mean inf +- inf" in str(nees_report(np.full((20, 5, 1), 1e200), [[1.0]]))
+    assert report.verdict == "optimistic"
+    assert "mean inf +- inf" in str(nees_consistency(np.full((20, 5, 1), 1e200), [[1.0]]))
 
 
 @pytest.mark.parametrize(
@@ -251,7 +263,7 @@ def test_what_is_infinite_is_refused_not_taken_for_unseen(call):
 
 
 def test_nothing_known_is_said():
-    report = nees_report(np.full((5, 3), NAN), np.eye(3))
+    report = nees_consistency(np.full((5, 3), NAN), np.eye(3))
     assert report.verdict == "not known"
     assert "nothing is known of the filter" in str(report)
     assert json.loads(json.dumps(report.to_dict()))["mean"] is None
@@ -261,7 +273,7 @@ def test_white_noise_lies_in_the_band_as_often_as_the_band_says():
     rng = np.random.default_rng(11)
     L = np.array([[2.0, 0.0], [0.7, 0.5]])
     innovation = rng.normal(size=(20_000, 2)) @ L.T
-    report = nis_report(innovation, L @ L.T)
+    report = nis_consistency(innovation, L @ L.T)
     # 4 standard deviations of a share of 95 % in 20 000 trials
     assert abs(report.inside - 0.95) < 4 * np.sqrt(0.95 * 0.05 / 20_000)
     assert abs(report.above - 0.025) < 4 * np.sqrt(0.025 / 20_000)
@@ -307,9 +319,9 @@ def test_the_nees_of_single_runs_of_a_right_filter_lies_in_the_band():
     assert (shares >= 0.8).sum() >= 399
     assert abs(shares.mean() - 0.95) < 0.005
     for error, share in zip(errors[:20], shares, strict=False):
-        report = nees_report(error, P)
+        report = nees_consistency(error, P)
         assert report.inside == pytest.approx(share)
-        assert report.verdict == ("consistent" if share >= 0.8 else "too confident")
+        assert report.verdict == ("consistent" if share >= 0.8 else "optimistic")
 
 
 def test_the_mean_nees_in_time_would_fail_right_filters():
@@ -326,45 +338,45 @@ def test_the_mean_nis_fails_five_percent():
     # 3.2 standard deviations of a share of 5 % in 400 trials
     assert abs(np.mean(~is_right) - 0.05) < 0.035
     for one, expected in zip(innovations[:20], is_right, strict=False):
-        assert (nis_report(one, S).verdict == "consistent") == expected
+        assert (nis_consistency(one, S).verdict == "consistent") == expected
 
 
 @pytest.mark.parametrize(
     ("q", "r", "verdict"),
     [
         (1, 1, "consistent"),
-        (4, 1, "too cautious"),
-        (1, 4, "too cautious"),
-        (0.25, 1, "too confident"),
-        (1, 0.25, "too confident"),
+        (4, 1, "conservative"),
+        (1, 4, "conservative"),
+        (0.25, 1, "optimistic"),
+        (1, 0.25, "optimistic"),
     ],
 )
 def test_a_wrong_q_or_r_is_called(q, r, verdict):
     errors, P, innovations, S = filtered(100, 200, q=q, r=r, seed=4)
     for runs in np.split(np.arange(100), 5):
-        report = nees_report(errors[runs], P)
+        report = nees_consistency(errors[runs], P)
         assert report.verdict == verdict, str(report)
         assert verdict in str(report)
-    assert nis_report(innovations, S).verdict == verdict
+    assert nis_consistency(innovations, S).verdict == verdict
 
 
 def test_one_run_cannot_show_a_cautious_filter_and_says_so():
     errors, P, innovations, S = filtered(1, 200, r=4, seed=5)
-    report = nees_report(errors[0], P)
+    report = nees_consistency(errors[0], P)
     assert report.verdict == "consistent"
-    assert "too cautious shows only over 20 runs" in str(report)
-    assert nis_report(innovations[0], S).verdict == "too cautious"
+    assert "conservative shows only over 20 runs" in str(report)
+    assert nis_consistency(innovations[0], S).verdict == "conservative"
 
 
 def test_a_mean_that_is_off_is_called_with_most_steps_in_the_band():
     # errors 15 % too small in the square: 20 runs, white, so 4 standard errors are 6 %
     rng = np.random.default_rng(6)
     errors = rng.normal(size=(20, 500, 3)) * np.sqrt(0.85)
-    report = nees_report(errors, np.eye(3))
+    report = nees_consistency(errors, np.eye(3))
     assert report.inside > 0.8
-    assert report.verdict == "too cautious"
-    assert nees_report(errors[:19], np.eye(3)).verdict == "consistent"
-    assert nees_report(errors / np.sqrt(0.85), np.eye(3)).verdict == "consistent"
+    assert report.verdict == "conservative"
+    assert nees_consistency(errors[:19], np.eye(3)).verdict == "consistent"
+    assert nees_consistency(errors / np.sqrt(0.85), np.eye(3)).verdict == "consistent"
 
 
 # whiteness
@@ -372,7 +384,7 @@ def test_a_mean_that_is_off_is_called_with_most_steps_in_the_band():
 
 def test_autocorrelation_and_ljung_box_by_hand():
     w = np.array([1.0, -1.0, 2.0, 0.0, 1.0])
-    result = whiteness_report(w[:, None], lags=2)
+    result = whiteness(w[:, None], lags=2)
     square = 7 / 5
     r = [(-1 - 2 + 0 + 0) / 4 / square, (2 + 0 + 2) / 3 / square]
     np.testing.assert_allclose(result.autocorrelation[:, 0], r)
@@ -384,17 +396,17 @@ def test_autocorrelation_and_ljung_box_by_hand():
 
 
 def test_no_pair_is_made_with_a_step_that_was_not_seen():
-    result = whiteness_report(np.array([[1.0], [NAN], [2.0], [3.0]]), lags=3)
+    result = whiteness(np.array([[1.0], [NAN], [2.0], [3.0]]), lags=3)
     np.testing.assert_array_equal(result.pairs[:, 0], [1, 1, 1])
     np.testing.assert_allclose(result.autocorrelation[:, 0], np.array([6, 2, 3]) / (14 / 3))
     # nor across the runs
-    runs = whiteness_report(np.ones((3, 2, 1)), lags=1)
+    runs = whiteness(np.ones((3, 2, 1)), lags=1)
     np.testing.assert_array_equal(runs.pairs, [[3]])
 
 
 def test_white_innovations_pass_in_95_percent():
     rng = np.random.default_rng(8)
-    results = [whiteness_report(rng.normal(size=(200, 2)), lags=10) for _ in range(400)]
+    results = [whiteness(rng.normal(size=(200, 2)), lags=10) for _ in range(400)]
     # 4 standard deviations of a share of 5 % in 400 trials
     assert abs(np.mean([not result.is_white for result in results]) - 0.05) < 0.044
     assert abs(np.mean([result.share_outside for result in results]) - 0.05) < 0.01
@@ -404,28 +416,28 @@ def test_what_is_not_white_is_called():
     rng = np.random.default_rng(9)
     noise = rng.normal(size=(500, 1))
     for values in (noise[1:] + 0.5 * noise[:-1], noise + 0.5, np.cumsum(noise, axis=0)):
-        assert not whiteness_report(values).is_white
-    assert "not white" in str(whiteness_report(noise + 0.5))
+        assert not whiteness(values).is_white
+    assert "not white" in str(whiteness(noise + 0.5))
     _, _, innovations, S = filtered(1, 500, q=1 / 64, seed=10)
-    assert not nis_report(innovations[0], S).whiteness.is_white
+    assert not nis_consistency(innovations[0], S).whiteness.is_white
 
 
 def test_an_innovation_whose_numbers_depend_on_each_other_is_whitened_first():
     rng = np.random.default_rng(12)
     S = np.array([[1.0, 0.99], [0.99, 1.0]])
     innovations = rng.multivariate_normal(np.zeros(2), S, (200, 100))
-    p = [whiteness_report(one, S, lags=10).p_value for one in innovations]
+    p = [whiteness(one, S, lags=10).p_value for one in innovations]
     assert stats.kstest(p, "uniform").pvalue > 0.001
 
 
 @pytest.mark.parametrize("values", [np.zeros((50, 1)), np.full((50, 1), NAN), np.ones((1, 1))])
 def test_whiteness_needs_values(values):
     with pytest.raises(ValueError, match="must have known values, not all 0"):
-        whiteness_report(values)
+        whiteness(values)
 
 
 def test_a_short_record_has_no_whiteness():
-    assert nis_report(np.ones((3, 1)), np.eye(1)).whiteness is None
+    assert nis_consistency(np.ones((3, 1)), np.eye(1)).whiteness is None
 
 
 # convergence
@@ -505,7 +517,7 @@ def test_parameter_bounds_of_a_drive():
     bounds = parameter_bounds(trace, sigma=sigma)
     assert bounds.shape == (200, 3, 5)
     assert np.isinf(bounds[:2]).all()
-    phi, _ = robsim.regression_samples(trace.pose_true, trace.u)
+    phi, _ = robsim.regression(trace.pose_true, trace.u)
     for axis in range(3):
         Phi = phi[:, axis]
         # the pseudo-inverse of columns of length 1 is well enough conditioned
@@ -616,7 +628,7 @@ def test_a_bound_across_a_bounce_is_refused():
 # a trace with estimates
 
 
-def estimated(runs, *, claimed=1.0):
+def estimated(runs, *, reported_sd=1.0):
     """Runs whose estimates have the covariance diag(4, 4, 0.01), and claim it times a factor."""
     rng = np.random.default_rng(15)
     P = np.diag([4.0, 4.0, 0.01])
@@ -624,7 +636,7 @@ def estimated(runs, *, claimed=1.0):
     for _ in range(runs):
         poses = pose_true + rng.multivariate_normal(np.zeros(3), P, 100)
         poses[:, 2] = robsim.wrap_angle(poses[:, 2])
-        covariance = np.broadcast_to(claimed * P, (100, 3, 3))
+        covariance = np.broadcast_to(reported_sd * P, (100, 3, 3))
         yield trace_of(pose_true, estimated=poses, covariance=covariance)
 
 
@@ -634,23 +646,23 @@ def test_consistency_of_traces():
     assert report.verdict == "consistent"
     assert (report.n, report.runs, len(report.values)) == (3, 20, 100)
     assert report.mean == pytest.approx(3, abs=4 * np.sqrt(6 / 2000))
-    assert pose_consistency(list(estimated(20, claimed=4))).verdict == "too cautious"
-    assert pose_consistency(list(estimated(20, claimed=0.25))).verdict == "too confident"
+    assert pose_consistency(list(estimated(20, reported_sd=4))).verdict == "conservative"
+    assert pose_consistency(list(estimated(20, reported_sd=0.25))).verdict == "optimistic"
     part = pose_consistency(next(estimated(1))[30:])
     np.testing.assert_array_equal(part.k, np.arange(30, 100))
 
 
 def test_errors_of_traces_have_the_claim():
     report = pose_errors(list(estimated(20)))
-    np.testing.assert_allclose(report.claimed_median, [2, 2, 0.1])
+    np.testing.assert_allclose(report.reported_sd_median, [2, 2, 0.1])
     np.testing.assert_allclose(report.rmse, [2, 2, 0.1], rtol=0.05)
 
 
 def test_a_consistency_report_reads_well():
-    report = pose_consistency(list(estimated(20, claimed=0.25)))
+    report = pose_consistency(list(estimated(20, reported_sd=0.25)))
     lines = str(report).splitlines()
-    assert lines[0] == "NEES: the filter is too confident"
+    assert lines[0] == "NEES: the filter is optimistic"
     assert lines[1] == "20 runs of 100 steps, 3 degrees of freedom"
     assert lines[2].endswith("0.0 % below")
-    assert report._repr_html_().startswith("<p><b>NEES: the filter is too confident</b></p>")
-    assert json.loads(json.dumps(report.to_dict()))["verdict"] == "too confident"
+    assert report._repr_html_().startswith("<p><b>NEES: the filter is optimistic</b></p>")
+    assert json.loads(json.dumps(report.to_dict()))["verdict"] == "optimistic"

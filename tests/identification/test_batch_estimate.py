@@ -99,7 +99,7 @@ def test_from_measurements_the_longest_record_has_no_gap():
 @pytest.mark.parametrize("samples", ["valid", "all"])
 def test_from_measurements_a_missing_pose_costs_three_samples(samples):
     trace = seldom_seen()
-    found = robsim.samples_of(trace, identify_from="measurement", samples=samples)
+    found = robsim.regression_of(trace, identify_from="measurement", samples=samples)
     missing = [100, 101, 102, 400, 401, 402]
     np.testing.assert_array_equal(found.k, np.setdiff1d(np.arange(2, 500), missing))
     assert found.left_out == 6
@@ -141,7 +141,7 @@ def test_standard_errors_are_as_large_as_the_noise_makes_them(rng):
     trace = driven(400, evaluate_model=noise_in_the_equation(rng))
     report = robsim.batch_estimate(trace)
     np.testing.assert_allclose(report.residual_rms, (0.1, 0.1, 0.005), rtol=0.15)
-    expected = np.array((0.1, 0.1, 0.005))[:, np.newaxis] * report.unit_errors
+    expected = np.array((0.1, 0.1, 0.005))[:, np.newaxis] * report.standard_errors_unscaled
     np.testing.assert_allclose(report.standard_errors, expected, rtol=0.15)
     assert np.abs(report.batch - report.theta_true).max() < 5 * report.standard_errors.max()
 
@@ -173,19 +173,24 @@ def test_standard_errors_cover_the_truth():
 def test_the_standard_errors_of_recursive_and_batch_estimates_agree():
     trace = driven(300)
     report = robsim.batch_estimate(trace)
-    np.testing.assert_allclose(trace.unit_errors[-1], report.unit_errors, rtol=1e-4)
-    assert np.isnan(trace.unit_errors[:2]).all()
-    assert (np.diff(trace.unit_errors[2:], axis=0) <= 1e-9 * trace.unit_errors[2:-1]).all()
+    np.testing.assert_allclose(
+        trace.standard_errors_unscaled[-1], report.standard_errors_unscaled, rtol=1e-4
+    )
+    assert np.isnan(trace.standard_errors_unscaled[:2]).all()
+    assert (
+        np.diff(trace.standard_errors_unscaled[2:], axis=0)
+        <= 1e-9 * trace.standard_errors_unscaled[2:-1]
+    ).all()
 
 
 def test_a_robot_that_does_not_move_as_its_model_says_is_noticed(rng):
     options = {"boundary": "bounce", "seed": 3}
     right = robsim.batch_estimate(driven(200, **options))
-    assert right.is_of_the_model
+    assert right.is_model_exact
     assert "True value" in str(right)
     for evaluate_model in (robsim.Unicycle(), noise_in_the_equation(rng)):
         report = robsim.batch_estimate(driven(200, evaluate_model=evaluate_model, **options))
-        assert not report.is_of_the_model
+        assert not report.is_model_exact
         assert "Model value" in str(report)
         assert "True value" not in str(report)
         assert "does not move as its model says" in str(report)
@@ -195,7 +200,7 @@ def test_a_robot_that_does_not_move_as_its_model_says_is_noticed(rng):
 def test_the_report_as_a_data_frame():
     pytest.importorskip("pandas")
     report = robsim.batch_estimate(driven(300))
-    frame = report.to_frame()
+    frame = report.to_pandas()
     assert list(frame.columns) == ["true", "batch", "standard_error", "online", "excited"]
     assert frame.index.name == "parameter"
     assert frame.loc["b1P", "true"] == pytest.approx(0.030556, abs=1e-6)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim import check_excitation
+from robsim import identifiability
 from robsim.identification._identifiability import ASSUMED_NOISE, judge
 
 THETA = np.array(
@@ -47,14 +47,14 @@ def test_a_spinning_robot_says_nothing_of_x_and_y_and_driving_around_changes_it(
         return robsim.Spin()(step) if step.k < 200 else robsim.DriveAround()(step)
 
     trace = run(1000, control=control)
-    spinning = check_excitation(trace, k=199)
+    spinning = identifiability(trace, k=199)
     assert (spinning.verdicts[:2] == "not excited").all()
     assert str(spinning).splitlines()[1:3] == ["X: not excited", "Y: not excited"]
-    driving = check_excitation(trace)
+    driving = identifiability(trace)
     assert (driving.verdicts == "well").all()
-    np.testing.assert_array_equal(driving.relative, check_excitation(trace, k=999).relative)
+    np.testing.assert_array_equal(driving.relative, identifiability(trace, k=999).relative)
     np.testing.assert_array_equal(
-        check_excitation(trace[100:500], k=199).relative, spinning.relative
+        identifiability(trace[100:500], k=199).relative, spinning.relative
     )
 
 
@@ -65,7 +65,7 @@ def test_from_measurements_the_noise_is_that_of_the_prediction_errors(rng):
         return robsim.Measurement(path[step.k] + rng.normal(size=3) * (0.3, 0.3, 0.01))
 
     trace = run(600, control=robsim.DriveAround(), measure=measure, identify_from="measurement")
-    found = check_excitation(trace)
+    found = identifiability(trace)
     assert not found.is_assumed
     report = robsim.batch_estimate(trace)
     np.testing.assert_allclose(found.noise, report.identifiability.noise, rtol=0.01)
@@ -76,16 +76,16 @@ def test_from_measurements_the_noise_is_that_of_the_prediction_errors(rng):
 
 def test_errors_name_what_is_wrong():
     with pytest.raises(TypeError, match="trace must be a Trace, got 5"):
-        check_excitation(5)
+        identifiability(5)
     trace = run(20)
     for k in (-1, 20):
         with pytest.raises(ValueError, match=r"0\.\.19, got"):
-            check_excitation(trace, k=k)
+            identifiability(trace, k=k)
     for noise in ((1, 2), (1, 2, -1), (1, 2, np.nan)):
         with pytest.raises(ValueError, match="noise must be three numbers"):
-            check_excitation(trace, noise=noise)
+            identifiability(trace, noise=noise)
     with pytest.raises(ValueError, match="no standard errors"):
-        check_excitation(run(20, estimate_parameters=False))
+        identifiability(run(20, estimate_parameters=False))
 
 
 def test_an_estimator_of_ones_own_gives_no_standard_errors():
@@ -94,8 +94,8 @@ def test_an_estimator_of_ones_own_gives_no_standard_errors():
             return np.ones((3, 5))
 
     trace = run(20, init_parameter_estimator=lambda model: Own())
-    assert np.isnan(trace.unit_errors).all()
-    assert "unit_error_a1X" not in trace.names
+    assert np.isnan(trace.standard_errors_unscaled).all()
+    assert "standard_error_unscaled_a1X" not in trace.names
 
 
 def test_the_default_estimator_in_a_callback_gives_standard_errors():
@@ -103,5 +103,5 @@ def test_the_default_estimator_in_a_callback_gives_standard_errors():
         return step.sample and step.estimator.update(step.sample.phi, step.sample.y)
 
     own, default = run(50, estimate_parameters=estimate_parameters), run(50)
-    np.testing.assert_array_equal(own.unit_errors, default.unit_errors)
-    assert np.isnan(run(50, estimate_parameters=lambda step: None).unit_errors).all()
+    np.testing.assert_array_equal(own.standard_errors_unscaled, default.standard_errors_unscaled)
+    assert np.isnan(run(50, estimate_parameters=lambda step: None).standard_errors_unscaled).all()

@@ -116,7 +116,7 @@ def least_squares_of_many(seeds):
     results = []
     for seed in range(seeds):
         path, u, noise = drive(seed)
-        phi, y = robsim.regression_samples(path + noise, u)
+        phi, y = robsim.regression(path + noise, u)
         results.append([robsim.least_squares(phi[:, i], y[:, i]).theta for i in range(3)])
     return np.array(results)
 
@@ -325,7 +325,7 @@ def test_the_arguments_stay_as_they_are(fit):
 
 
 def least_squares(poses, u):
-    phi, y = robsim.regression_samples(poses, u)
+    phi, y = robsim.regression(poses, u)
     return np.array([robsim.least_squares(phi[:, i], y[:, i]).theta for i in range(3)])
 
 

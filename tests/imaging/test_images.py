@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from robsim import read_picture
+from robsim import load_image
 
 
 @pytest.fixture
@@ -17,7 +17,7 @@ def pixels(rng):
 @pytest.mark.parametrize("kind", ["png", "bmp", "tiff", "webp"])
 def test_a_lossless_picture_is_read_as_it_was_written(pixels, tmp_path, kind):
     Image.fromarray(pixels).save(tmp_path / f"a.{kind}", lossless=True)
-    np.testing.assert_array_equal(read_picture(tmp_path / f"a.{kind}"), pixels)
+    np.testing.assert_array_equal(load_image(tmp_path / f"a.{kind}"), pixels)
 
 
 @pytest.mark.parametrize(
@@ -28,34 +28,34 @@ def test_a_photo_is_turned_as_its_camera_says(pixels, tmp_path, orientation, tur
     exif = Image.Exif()
     exif[0x0112] = orientation
     Image.fromarray(pixels).save(tmp_path / "photo.png", exif=exif)
-    np.testing.assert_array_equal(read_picture(tmp_path / "photo.png"), turned(pixels))
+    np.testing.assert_array_equal(load_image(tmp_path / "photo.png"), turned(pixels))
 
 
 def test_sixteen_bits_become_eight(tmp_path):
     values = np.array([[0, 257, 128 * 257, 65535]], dtype=np.uint16)
     Image.fromarray(values).save(tmp_path / "deep.png")
-    np.testing.assert_array_equal(read_picture(tmp_path / "deep.png")[0, :, 0], [0, 1, 128, 255])
+    np.testing.assert_array_equal(load_image(tmp_path / "deep.png")[0, :, 0], [0, 1, 128, 255])
 
 
 def test_transparency_is_kept_for_those_who_ask(pixels, tmp_path):
     rgba = np.dstack((pixels, pixels[:, :, 0]))
     Image.fromarray(rgba).save(tmp_path / "a.png")
-    np.testing.assert_array_equal(read_picture(tmp_path / "a.png", mode="RGBA"), rgba)
+    np.testing.assert_array_equal(load_image(tmp_path / "a.png", mode="RGBA"), rgba)
 
 
 def test_every_wrong_file_gets_a_sentence_with_its_name(pixels, tmp_path):
     (tmp_path / "text.png").write_text("hello")
     with pytest.raises(ValueError, match=r"text\.png is not a picture of a kind"):
-        read_picture(tmp_path / "text.png")
+        load_image(tmp_path / "text.png")
     Image.fromarray(pixels).save(tmp_path / "cut.png")
     (tmp_path / "cut.png").write_bytes((tmp_path / "cut.png").read_bytes()[:-60])
     with pytest.raises(ValueError, match=r"cut\.png cannot be read as a picture: "):
-        read_picture(tmp_path / "cut.png")
+        load_image(tmp_path / "cut.png")
     Image.fromarray(np.zeros((2, 2), np.float32)).save(tmp_path / "f.tiff")
     with pytest.raises(ValueError, match=r"f\.tiff cannot be read as a picture: its"):
-        read_picture(tmp_path / "f.tiff")
+        load_image(tmp_path / "f.tiff")
     with pytest.raises(FileNotFoundError):
-        read_picture(tmp_path / "none.png")
+        load_image(tmp_path / "none.png")
 
 
 @pytest.mark.parametrize("side", [10_000, 100_000])
@@ -67,4 +67,4 @@ def test_a_small_file_that_claims_to_be_huge_is_refused(tmp_path, side):
     data[29:33] = zlib.crc32(bytes(data[12:29])).to_bytes(4, "big")
     file.write_bytes(data)
     with pytest.raises(ValueError, match=r"bomb\.png has too many pixels: .*100000000"):
-        read_picture(file)
+        load_image(file)

@@ -9,7 +9,7 @@ from PIL import Image
 
 import robsim
 from robsim.imaging._recordings import Recording
-from robsim.imaging._video import write_video
+from robsim.imaging._video import save_video
 
 
 def picture(brightness, *, width=32, height=24):
@@ -23,7 +23,7 @@ def picture(brightness, *, width=32, height=24):
 def folder(tmp_path):
     """Five images whose brightness is their number."""
     for number in (1, 2, 3, 10, 20):
-        robsim.write_picture(tmp_path / f"frame{number}.png", picture(number))
+        robsim.save_image(tmp_path / f"frame{number}.png", picture(number))
     return tmp_path
 
 
@@ -40,7 +40,7 @@ def collect(frames, into):
 def video(tmp_path):
     pytest.importorskip("cv2")
     file = tmp_path / "100% run.mkv"
-    write_video(file, [picture(number) for number in range(8)], fps=12.5)
+    save_video(file, [picture(number) for number in range(8)], fps=12.5)
     return file
 
 
@@ -72,7 +72,7 @@ class TestFolder:
     def test_names_that_are_hard_to_sort(self, tmp_path):
         names = ["2.png", "10.png", "a01.png", "a1.PNG", "a.png", "B3.png", "b\u00b2.png"]
         for number, name in enumerate(names):
-            robsim.write_picture(tmp_path / name, picture(number))
+            robsim.save_image(tmp_path / name, picture(number))
         assert brightness(Recording(tmp_path)) == list(range(len(names)))
 
     def test_every_kind_of_picture_becomes_rgb(self, tmp_path):
@@ -107,7 +107,7 @@ class TestFolder:
         assert brightness(got) == [1, 2]
 
     def test_a_change_of_size_comes_after_the_frames_before(self, folder):
-        robsim.write_picture(folder / "frame10.png", picture(10, width=30))
+        robsim.save_image(folder / "frame10.png", picture(10, width=30))
         got = []
         with pytest.raises(
             ValueError, match=r"frame10\.png is 30 x 24 px large, the frames before it 32 x 24 px"
@@ -209,7 +209,7 @@ class TestVideo:
         pytest.importorskip("cv2")
         whole, half = tmp_path / f"whole{ending}", tmp_path / f"half{ending}"
         frames = rng.integers(0, 256, (10, 48, 64, 3), dtype=np.uint8)
-        write_video(whole, frames, fps=5)
+        save_video(whole, frames, fps=5)
         for share in (0.5, 0.9):
             half.write_bytes(whole.read_bytes()[: int(share * whole.stat().st_size)])
             if ending == ".mp4":  # its table of contents comes last

@@ -9,7 +9,7 @@ import robsim
 from robsim.imaging._images import resized
 from robsim.imaging._opencv import quiet
 from robsim.imaging._recordings import Recording
-from robsim.imaging._video import CODECS, VideoWriter, write_video
+from robsim.imaging._video import CODECS, VideoWriter, save_video
 
 pytest.importorskip("cv2")
 
@@ -35,7 +35,7 @@ def files(folder):
 def test_lossless_is_lossless(tmp_path, rng, ending):
     path = tmp_path / f"run{ending}"
     frames = rng.integers(0, 256, (6, 48, 64, 3), dtype=np.uint8)
-    write_video(path, frames, fps=5)
+    save_video(path, frames, fps=5)
     np.testing.assert_array_equal(images(path), frames)
     assert files(tmp_path) == [path.name]
 
@@ -44,7 +44,7 @@ def test_lossless_is_lossless(tmp_path, rng, ending):
 def test_small_files_look_alike(tmp_path, rng, ending):
     path = tmp_path / f"run{ending.upper()}"
     frames = smooth(rng)
-    write_video(path, frames, fps=5)
+    save_video(path, frames, fps=5)
     error = np.abs(np.subtract(images(path), frames, dtype=float))
     assert error.mean() < 5  # as if red and blue were swapped: 50
 
@@ -53,14 +53,14 @@ def test_small_files_look_alike(tmp_path, rng, ending):
 @pytest.mark.parametrize("fps", [0.1, 1 / 3, 5, 29.97, 1 / 0.015, 100.001, 333.3333, 500])
 def test_keeps_the_rate(tmp_path, ending, fps):
     path = tmp_path / f"run{ending}"
-    write_video(path, np.zeros((3, 64, 64, 3), dtype=np.uint8), fps=fps)
+    save_video(path, np.zeros((3, 64, 64, 3), dtype=np.uint8), fps=fps)
     assert pytest.approx(1 / fps, rel=2e-3) == Recording(path).dt
 
 
 def test_takes_frames_and_arrays(tmp_path, rng):
     frames = smooth(rng)
-    write_video(tmp_path / "a.mkv", [robsim.Frame(pixels) for pixels in frames], fps=5)
-    write_video(tmp_path / "b.mkv", np.array(frames)[:, :, ::-1], fps=5)
+    save_video(tmp_path / "a.mkv", [robsim.Frame(pixels) for pixels in frames], fps=5)
+    save_video(tmp_path / "b.mkv", np.array(frames)[:, :, ::-1], fps=5)
     np.testing.assert_array_equal(images(tmp_path / "a.mkv"), frames)
     np.testing.assert_array_equal(images(tmp_path / "b.mkv"), np.array(frames)[:, :, ::-1])
 
@@ -69,7 +69,7 @@ def test_takes_frames_and_arrays(tmp_path, rng):
 def test_odd_sizes_are_filled_up(tmp_path, rng, ending):
     path = tmp_path / f"run{ending}"
     frames = smooth(rng, width=65, height=47)
-    write_video(path, frames, fps=5)
+    save_video(path, frames, fps=5)
     got = np.array(images(path), dtype=float)
     assert got.shape == (5, 48, 66, 3)
     assert np.abs(got[:, :47, :65] - frames).mean() < 5
@@ -81,14 +81,14 @@ def test_odd_sizes_are_filled_up(tmp_path, rng, ending):
 def test_odd_sizes_are_refused_where_every_pixel_counts(tmp_path, ending, size):
     frame = np.zeros((size[1], size[0], 3), dtype=np.uint8)
     with pytest.raises(ValueError, match=f"{size[0]} x {size[1]} px do not fit .* take .mp4"):
-        write_video(tmp_path / f"run{ending}", [frame], fps=5)
+        save_video(tmp_path / f"run{ending}", [frame], fps=5)
     assert files(tmp_path) == []
 
 
 def test_a_change_of_size_leaves_what_came_before(tmp_path, rng):
     frames = [*smooth(rng), np.zeros((48, 66, 3), dtype=np.uint8)]
     with pytest.raises(ValueError, match="frame 5 is 66 x 48 px large, the frames before it 64 x"):
-        write_video(tmp_path / "run.mkv", frames, fps=5)
+        save_video(tmp_path / "run.mkv", frames, fps=5)
     np.testing.assert_array_equal(images(tmp_path / "run.mkv"), frames[:5])
 
 
@@ -100,7 +100,7 @@ def test_an_exception_leaves_what_came_before(tmp_path, rng, ending):
 
     path = tmp_path / f"run{ending}"
     with pytest.raises(KeyboardInterrupt):
-        write_video(path, broken_off(), fps=5)
+        save_video(path, broken_off(), fps=5)
     assert len(images(path)) == 5
     assert files(tmp_path) == [path.name]
 
@@ -109,14 +109,14 @@ def test_no_frames_leave_the_old_file(tmp_path):
     path = tmp_path / "run.mp4"
     path.write_text("an older one")
     with pytest.raises(ValueError, match=r"run\.mp4: there were no frames to write"):
-        write_video(path, [], fps=5)
+        save_video(path, [], fps=5)
     assert path.read_text() == "an older one"
     assert files(tmp_path) == ["run.mp4"]
 
 
 def test_an_exception_before_the_first_frame_goes_on(tmp_path):
     with pytest.raises(ZeroDivisionError):
-        write_video(tmp_path / "run.mp4", (1 / 0 for _ in range(3)), fps=5)
+        save_video(tmp_path / "run.mp4", (1 / 0 for _ in range(3)), fps=5)
     assert files(tmp_path) == []
 
 
@@ -141,7 +141,7 @@ import robsim
 from robsim.imaging._images import resized
 frames = np.random.default_rng(1).integers(0, 256, (20, 200, 200, 3), dtype=np.uint8)
 resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
-robsim.write_video(sys.argv[1], frames, fps=5)
+robsim.save_video(sys.argv[1], frames, fps=5)
 """
 
 
@@ -158,12 +158,12 @@ def test_a_full_disk_leaves_no_part_of_a_video(tmp_path, name):
 @pytest.mark.parametrize("name", ["run", "run.mov", "run.gif", ".mp4"])
 def test_other_endings(tmp_path, name):
     with pytest.raises(ValueError, match=r"must end in one of \.mp4, \.webm, \.mkv, \.avi"):
-        write_video(tmp_path / name, [], fps=5)
+        save_video(tmp_path / name, [], fps=5)
 
 
 def test_a_folder_that_is_not_there(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"run\.mp4: there is no folder .*gone"):
-        write_video(tmp_path / "gone/run.mp4", [], fps=5)
+        save_video(tmp_path / "gone/run.mp4", [], fps=5)
 
 
 @pytest.mark.parametrize(
@@ -177,7 +177,7 @@ def test_a_folder_that_is_not_there(tmp_path):
 )
 def test_frames_of_another_kind(tmp_path, frame, error, message):
     with pytest.raises(error, match=message):
-        write_video(tmp_path / "run.mp4", [frame], fps=5)
+        save_video(tmp_path / "run.mp4", [frame], fps=5)
     assert files(tmp_path) == []
 
 
@@ -196,16 +196,16 @@ def test_a_rate_of_another_kind(tmp_path):
 def test_frames_that_the_codec_does_not_take(tmp_path, name, size):
     frame = np.zeros((size[1], size[0], 3), dtype=np.uint8)
     with pytest.raises(OSError, match=rf"{name} (can't|could not) be written"):
-        write_video(tmp_path / name, [frame], fps=5)
+        save_video(tmp_path / name, [frame], fps=5)
     assert files(tmp_path) == []
 
 
 def test_the_terminal_stays_clean(tmp_path, rng, capfd):
     for ending in CODECS:
-        write_video(tmp_path / f"run{ending}", smooth(rng), fps=5)
+        save_video(tmp_path / f"run{ending}", smooth(rng), fps=5)
         images(tmp_path / f"run{ending}")
     with pytest.raises(OSError, match="written"):
-        write_video(tmp_path / "a.webm", [np.zeros((4, 4, 3), dtype=np.uint8)], fps=5)
+        save_video(tmp_path / "a.webm", [np.zeros((4, 4, 3), dtype=np.uint8)], fps=5)
     assert capfd.readouterr() == ("", "")
 
 
@@ -227,7 +227,7 @@ def test_quiet_threads_leave_stderr_as_it_was(capfd):
 def test_without_opencv(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "cv2", None)
     with pytest.raises(ImportError, match=r"needs OpenCV: pip install 'robsim\[camera\]'"):
-        write_video(tmp_path / "run.mp4", [], fps=5)
+        save_video(tmp_path / "run.mp4", [], fps=5)
 
 
 @pytest.fixture(scope="module")
@@ -242,9 +242,9 @@ def run():
 
 
 def measured_in(path):
-    colors, locator = robsim.load_colors(), robsim.load_robot("lab").locator()
+    colors, markers = robsim.load_colors(), robsim.load_robot("lab").marker_layout()
     found = [
-        robsim.locate(robsim.find_blobs(frame, colors, locator=locator), locator, frame.plane_map)
+        robsim.locate(robsim.find_blobs(frame, colors, markers=markers), markers, frame.plane_map)
         for frame in Recording(path)
     ]
     return np.array([measurement.pose for measurement in found])
@@ -252,14 +252,14 @@ def measured_in(path):
 
 def test_a_run_in_a_lossless_video_measures_the_same(tmp_path, run):
     frames, measured = run
-    write_video(tmp_path / "run.mkv", frames[:15], fps=5)
+    save_video(tmp_path / "run.mkv", frames[:15], fps=5)
     np.testing.assert_array_equal(measured_in(tmp_path / "run.mkv"), measured[:15])
 
 
 @pytest.mark.parametrize("ending", SMALL)
 def test_a_run_in_a_small_video_measures_nearly_the_same(tmp_path, run, ending):
     frames, measured = run
-    write_video(tmp_path / f"run{ending}", frames, fps=5)
+    save_video(tmp_path / f"run{ending}", frames, fps=5)
     error = measured_in(tmp_path / f"run{ending}") - measured
     heading = np.rad2deg(robsim.wrap_angle(error[:, 2]))
     rms = np.sqrt(np.mean(np.sum(error[:, :2] ** 2, axis=1))), np.sqrt(np.mean(heading**2))

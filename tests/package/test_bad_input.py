@@ -14,7 +14,7 @@ from robsim import (
     DriveAround,
     Estimate,
     Frame,
-    Locator,
+    MarkerLayout,
     Measurement,
     PlaneMap,
     RecursiveLeastSquares,
@@ -27,7 +27,7 @@ from robsim import (
     find_blobs,
     least_squares,
     locate,
-    regression_samples,
+    regression,
     rgb_to_yuv,
 )
 
@@ -244,7 +244,7 @@ def test_misspelt_arguments():
     refuses("time", Frame, IMAGE, time=3)
     refuses("mas", RobotParameters, mas=3)
     refuses("lambda_", RecursiveLeastSquares, 5, lambda_=1)
-    refuses("tolerance", Locator, 43, 14, tolerance=1)
+    refuses("tolerance", MarkerLayout, 43, 14, tolerance=1)
 
 
 @pytest.mark.parametrize(
@@ -288,17 +288,26 @@ def test_seeds_of_noise(name, value):
 
 
 @pytest.mark.parametrize(
-    ("blobs", "locator", "plane_map", "name"),
+    ("blobs", "markers", "plane_map", "name"),
     [
-        *((value, Locator(43, 14), PlaneMap(), "blobs") for value in (None, [], "red", {1: []})),
-        *((value, Locator(43, 14), PlaneMap(), "blobs") for value in ({"red": [1]}, {"red": None})),
-        *(({}, value, PlaneMap(), "locator") for value in (None, (43, 14), "lab")),
-        *(({}, Locator(43, 14), value, "plane_map") for value in (None, np.eye(3), "identity")),
+        *(
+            (value, MarkerLayout(43, 14), PlaneMap(), "blobs")
+            for value in (None, [], "red", {1: []})
+        ),
+        *(
+            (value, MarkerLayout(43, 14), PlaneMap(), "blobs")
+            for value in ({"red": [1]}, {"red": None})
+        ),
+        *(({}, value, PlaneMap(), "markers") for value in (None, (43, 14), "lab")),
+        *(
+            ({}, MarkerLayout(43, 14), value, "plane_map")
+            for value in (None, np.eye(3), "identity")
+        ),
     ],
     ids=short,
 )
-def test_locate(blobs, locator, plane_map, name):
-    refuses(name, locate, blobs, locator, plane_map)
+def test_locate(blobs, markers, plane_map, name):
+    refuses(name, locate, blobs, markers, plane_map)
 
 
 @pytest.mark.parametrize(
@@ -312,7 +321,7 @@ def test_locate(blobs, locator, plane_map, name):
 )
 def test_locator(name, value):
     options = {"distance": 43, "offset": 14} | {name: value}
-    refuses(name, Locator, **options)
+    refuses(name, MarkerLayout, **options)
 
 
 NO_POLYGONS = {
@@ -339,18 +348,18 @@ NO_POLYGONS = {
 @pytest.mark.parametrize("name", ["red", "blue"])
 def test_what_is_no_polygon(name, polygon):
     markers = {"red": np.add(SQUARE, (0, 50)), "blue": SQUARE} | {name: polygon}
-    refuses(name, Locator.from_markers, **markers)
+    refuses(name, MarkerLayout.from_markers, **markers)
 
 
 @pytest.mark.parametrize("polygon", [SQUARE * 1e160, SQUARE + 1e300], ids=["large", "far"])
 def test_polygons_beyond_all_bounds(polygon):
     with pytest.raises(ValueError, match=r"red|distance"):
-        Locator.from_markers(polygon, SQUARE)
+        MarkerLayout.from_markers(polygon, SQUARE)
 
 
 def test_markers_in_one_place():
     with pytest.raises(ValueError, match="distance between the markers"):
-        Locator.from_markers(SQUARE, SQUARE)
+        MarkerLayout.from_markers(SQUARE, SQUARE)
 
 
 # --- plane map
@@ -501,7 +510,7 @@ def test_a_pose_of_floats_is_kept_or_refused(pose):
     [
         ("pose", lambda: Measurement((10**400, 0, 0))),
         ("pixels", lambda: PlaneMap().to_world((10**400, 0))),
-        ("red", lambda: Locator.from_markers([[10**400, 0], [1, 0], [1, 1]], SQUARE)),
+        ("red", lambda: MarkerLayout.from_markers([[10**400, 0], [1, 0], [1, 1]], SQUARE)),
         ("y", lambda: RecursiveLeastSquares(2).update([1, 2], 10**400)),
         ("start", lambda: Simulation(start=(10**400, 0, 0))),
     ],
@@ -713,17 +722,17 @@ POSES, INPUTS = np.zeros((4, 3)), np.zeros((4, 2))
     ids=short,
 )
 def test_regression_samples(poses, u, name):
-    refuses(name, regression_samples, poses, u)
+    refuses(name, regression, poses, u)
 
 
 @given(rows=st.integers(0, 6), others=st.integers(0, 6))
 def test_as_many_inputs_as_poses(rows, others):
     if rows == others:
-        phi, y = regression_samples(np.zeros((rows, 3)), np.zeros((rows, 2)))
+        phi, y = regression(np.zeros((rows, 3)), np.zeros((rows, 2)))
         assert phi.shape == (max(rows - 2, 0), 3, 5)
         assert y.shape == (max(rows - 2, 0), 3)
     else:
-        refuses("u", regression_samples, np.zeros((rows, 3)), np.zeros((others, 2)))
+        refuses("u", regression, np.zeros((rows, 3)), np.zeros((others, 2)))
 
 
 # --- estimation
@@ -847,7 +856,7 @@ WRONG_OPTIONS = {
     "start": ("middle", "", "Random", (NAN, 0, 0), (1, 2), 5, True, {}, (1e300, 1, 1), (-1, 9, 0)),
     "seed": (-1, 1.5, NAN, "1", True, [1], (1, 2), np.int64(-1), np.random.PCG64(1), object()),
     "colors": (5, 1.5, COLORS[0], [1], [None], ["red"], b"red", {"red": 1}, [COLORS[0]] * 2),
-    "locator": ("no such robot", 5, (43, 14), True),
+    "markers": ("no such robot", 5, (43, 14), True),
     "identify_from": ("camera", "", "Truth", 5, True, ["truth"], b"measurement"),
 }
 

@@ -9,8 +9,8 @@ from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 
 import robsim
-from robsim.evaluation._consistency import nees_report, nis_report
-from robsim.evaluation._errors import error_report, pose_errors
+from robsim.evaluation._consistency import nees_consistency, nis_consistency
+from robsim.evaluation._errors import estimation_errors, pose_errors
 from robsim.plotting import _style as style
 from robsim.plotting import (
     plot_batch,
@@ -90,7 +90,7 @@ def test_errors_stand_beside_their_histograms():
 def test_the_claim_and_the_bound_are_drawn_at_two_standard_deviations():
     bound = np.broadcast_to(np.diag([0.25, 0.25, 1e-6]), (50, 3, 3))
     panel = plot_errors(pose_errors(make_trace()), bound=bound).axes[0]
-    assert labels(panel) == ["claimed (2 sd)", "error", "Cramér-Rao bound (2 sd)"]
+    assert labels(panel) == ["reported_sd (2 sd)", "error", "Cramér-Rao bound (2 sd)"]
     assert set(top_of(panel.collections[0]).values()) == {4.0}
     np.testing.assert_allclose(line(panel, "Cramér-Rao bound (2 sd)").get_ydata(), 1.0)
     with pytest.raises(ValueError, match=r"bound must be of shape \(50, 3, 3\), got \(3, 3\)"):
@@ -111,7 +111,7 @@ def test_errors_of_measurements_are_green_and_unknown_ones_counted():
 def test_errors_of_runs_have_their_root_mean_square():
     rng = np.random.default_rng(1)
     errors = rng.normal(size=(10, 30, 1))
-    report = error_report(errors, np.zeros((10, 30, 1)), names=["z"], units=["m"])
+    report = estimation_errors(errors, np.zeros((10, 30, 1)), names=["z"], units=["m"])
     figure = Figure()
     axes = figure.subplots(1, 2, squeeze=False)
     assert plot_errors(report, axes=axes) is figure
@@ -139,7 +139,7 @@ def test_an_error_far_outside_is_marked_at_the_edge():
 
 def test_the_values_stand_with_their_band():
     # n = 1: the band is 0.00098..5.02
-    report = nees_report(np.array([[1.0], [0.001], [NAN], [3.0], [1.5]]), [[1.0]])
+    report = nees_consistency(np.array([[1.0], [0.001], [NAN], [3.0], [1.5]]), [[1.0]])
     axes = plot_consistency(report)
     assert labels(axes) == ["95 % band", "50.0 % in", "25.0 % above", "25.0 % below"]
     np.testing.assert_array_equal(line(axes, "50.0 % in").get_xdata(), [0, 4])
@@ -154,19 +154,19 @@ def test_the_values_stand_with_their_band():
 
 def test_the_verdict_is_the_title():
     rng = np.random.default_rng(2)
-    axes = plot_consistency(nis_report(3 * rng.normal(size=(20, 80, 2)), np.eye(2)))
-    assert axes.get_title(loc="left") == "NIS: the filter is too confident"
+    axes = plot_consistency(nis_consistency(3 * rng.normal(size=(20, 80, 2)), np.eye(2)))
+    assert axes.get_title(loc="left") == "NIS: the filter is optimistic"
     assert axes.get_ylabel() == "NIS, mean of 20 runs (2 is right)"
     render(axes.figure)
 
 
 def test_consistency_takes_axes():
     axes = Figure().subplots()
-    assert plot_consistency(nees_report(np.ones((5, 2)), np.eye(2)), ax=axes) is axes
+    assert plot_consistency(nees_consistency(np.ones((5, 2)), np.eye(2)), ax=axes) is axes
 
 
 def test_nothing_known_draws_nothing():
-    axes = plot_consistency(nees_report(np.full((5, 2), NAN), np.eye(2)))
+    axes = plot_consistency(nees_consistency(np.full((5, 2), NAN), np.eye(2)))
     assert "nothing is known" in axes.get_title(loc="left")
     render(axes.figure)
 

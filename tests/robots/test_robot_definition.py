@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from robsim import Locator, RobotDefinition, Simulation, load_robot, robot_names
+from robsim import MarkerLayout, RobotDefinition, Simulation, load_robot, robot_names
 from robsim.robots import as_robot, check_colors
 
 PICTURE = np.zeros((10, 20, 4), np.uint8)
@@ -74,12 +74,12 @@ def test_the_lab_robot_ships():
 
 def test_the_lab_robot_has_the_geometry_of_the_manual():
     robot = load_robot("lab")
-    locator = robot.locator()
-    assert locator.distance == pytest.approx(43, abs=1e-3)
-    assert locator.offset == pytest.approx(14, abs=1e-3)
-    np.testing.assert_allclose(locator.red, [-14, 21.5], atol=1e-3)
-    np.testing.assert_allclose(locator.blue, [-14, -21.5], atol=1e-3)
-    assert locator.red_area == pytest.approx(locator.blue_area, rel=1e-6)
+    markers = robot.marker_layout()
+    assert markers.distance == pytest.approx(43, abs=1e-3)
+    assert markers.offset == pytest.approx(14, abs=1e-3)
+    np.testing.assert_allclose(markers.red, [-14, 21.5], atol=1e-3)
+    np.testing.assert_allclose(markers.blue, [-14, -21.5], atol=1e-3)
+    assert markers.red_area == pytest.approx(markers.blue_area, rel=1e-6)
     assert 40 < robot.radius < 60
 
 
@@ -145,11 +145,11 @@ def test_radius_is_the_farthest_corner(alignment):
 
 def test_the_locator_of_the_toy():
     # alignment 90: markers at (15.5, 7.5) and (3.5, 7.5), 3 picture pixels square
-    locator = definition(alignment=90).locator()
-    np.testing.assert_allclose(locator.red, [-6, 12])
-    np.testing.assert_allclose(locator.blue, [-6, -12])
-    assert (locator.distance, locator.offset) == pytest.approx((24, 6))
-    assert (locator.red_area, locator.blue_area) == pytest.approx((36, 36))
+    markers = definition(alignment=90).marker_layout()
+    np.testing.assert_allclose(markers.red, [-6, 12])
+    np.testing.assert_allclose(markers.blue, [-6, -12])
+    assert (markers.distance, markers.offset) == pytest.approx((24, 6))
+    assert (markers.red_area, markers.blue_area) == pytest.approx((36, 36))
 
 
 SIDE = st.floats(2, 40)
@@ -186,13 +186,13 @@ def test_the_locator_of_random_markers(red, blue, place, apart, clockwise):
     blue_centroid, blue_area = triangles(markers["blue"], blue_place)
     if clockwise:
         markers = {name: polygon[::-1] for name, polygon in markers.items()}
-    locator = Locator.from_markers(**markers)
-    np.testing.assert_allclose(locator.red, red_centroid, atol=1e-8)
-    np.testing.assert_allclose(locator.blue, blue_centroid, atol=1e-8)
-    assert locator.distance == pytest.approx(np.linalg.norm(red_centroid - blue_centroid))
-    assert locator.red_area == pytest.approx(red_area)
-    assert locator.blue_area == pytest.approx(blue_area)
-    assert locator.offset == pytest.approx(-(red_centroid + blue_centroid)[0] / 2, abs=1e-8)
+    markers = MarkerLayout.from_markers(**markers)
+    np.testing.assert_allclose(markers.red, red_centroid, atol=1e-8)
+    np.testing.assert_allclose(markers.blue, blue_centroid, atol=1e-8)
+    assert markers.distance == pytest.approx(np.linalg.norm(red_centroid - blue_centroid))
+    assert markers.red_area == pytest.approx(red_area)
+    assert markers.blue_area == pytest.approx(blue_area)
+    assert markers.offset == pytest.approx(-(red_centroid + blue_centroid)[0] / 2, abs=1e-8)
 
 
 @settings(max_examples=60)
@@ -229,7 +229,7 @@ def test_an_opaque_or_grey_picture_will_do(folder):
 def test_a_simulation_takes_the_folder(folder):
     sim = Simulation(robot=folder(), area=(200, 100))
     assert sim.robot.name == "toy"
-    assert sim.locator.distance == pytest.approx(24)
+    assert sim.markers.distance == pytest.approx(24)
 
 
 def refuses(path, key):
@@ -449,7 +449,7 @@ def test_markers_that_overlap():
     inside = refused(red=[[0, 0], [19, 0], [19, 9], [0, 9]])
     assert inside.startswith("red and blue markers must not overlap")
     beside = definition(red=[[5, 6], [8, 6], [8, 9], [5, 9]])  # a common edge
-    assert beside.locator().distance == pytest.approx(6)
+    assert beside.marker_layout().distance == pytest.approx(6)
 
 
 def test_all_that_is_wrong_is_said_at_once():

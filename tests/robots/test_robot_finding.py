@@ -136,7 +136,7 @@ def test_a_large_picture_is_scaled_down_with_its_points():
     assert robot.image.shape == (1000, 1000, 4)
     np.testing.assert_allclose(robot.centre, (499.5, 624.5))
     np.testing.assert_allclose(robot.red, 2.5 * (RED + 0.5) - 0.5)
-    assert robot.locator().distance == pytest.approx(160 * 120 / 400, abs=0.1)
+    assert robot.marker_layout().distance == pytest.approx(160 * 120 / 400, abs=0.1)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -147,7 +147,7 @@ def test_a_photo_with_noise_and_blur(seed):
     noisy = np.dstack((noisy, np.full((400, 400), 255, np.uint8)))
     robot = robot_from_picture("toy", noisy)
     assert check_colors(robot) == []
-    assert robot.locator().distance == pytest.approx(160 * 120 / 400, abs=0.3)
+    assert robot.marker_layout().distance == pytest.approx(160 * 120 / 400, abs=0.3)
 
 
 @pytest.mark.parametrize("name", ["red", "blue"])

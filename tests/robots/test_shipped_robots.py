@@ -68,11 +68,11 @@ def test_vision_sees_one_blob_where_the_polygon_is(name, light, marker):
     blobs = robsim.find_blobs(frame, robsim.load_colors(), minimum_area=1)[marker]
     near = [blob for blob in blobs if np.hypot(*(blob.centroid - (x, 600))) < robot.radius]
     assert len(near) == 1
-    locator = robot.locator()
+    markers = robot.marker_layout()
     place = near[0].centroid - (x, 600)
-    np.testing.assert_allclose(place, getattr(locator, marker), atol=0.3)
+    np.testing.assert_allclose(place, getattr(markers, marker), atol=0.3)
     # Limits that hold in noise take in a third of a pixel of the marker's blurred rim.
-    assert near[0].area == pytest.approx(getattr(locator, f"{marker}_area"), rel=0.08)
+    assert near[0].area == pytest.approx(getattr(markers, f"{marker}_area"), rel=0.08)
 
 
 # --- found
@@ -116,7 +116,7 @@ def test_the_36_phases_are_found(name, noise):
 def test_found_anywhere_at_any_heading(name, rng):
     robot = robsim.load_robot(name)
     poses = poses_within(rng, 60, margin=robot.radius + 5)
-    errors = errors_of(renderer(robot=robot), poses, locator=robot.locator())
+    errors = errors_of(renderer(robot=robot), poses, markers=robot.marker_layout())
     assert np.isfinite(errors).all()
     # across the edge of the shadow, too
     assert np.hypot(errors[:, 0], errors[:, 1]).max() < 0.8
@@ -129,7 +129,7 @@ def test_found_anywhere_at_any_heading(name, rng):
 @pytest.mark.parametrize("name", OTHERS)
 def test_the_lab_robots_locator_never_finds_it(name):
     for options in ({"rotation": "continuous"}, {"noise": "gaussian", "noise_percent": 5}):
-        trace = drive(name, locator="lab", boundary="unlimited", camera=CAMERA, seed=5, **options)
+        trace = drive(name, markers="lab", boundary="unlimited", camera=CAMERA, seed=5, **options)
         assert trace.tracking().valid == 0
         for centroids in trace.blobs.values():
             assert np.isfinite(centroids[:, 0]).all()
@@ -137,5 +137,5 @@ def test_the_lab_robots_locator_never_finds_it(name):
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_it_is_far_from_the_lab_robot(name):
-    lab, other = robsim.load_robot("lab").locator(), robsim.load_robot(name).locator()
+    lab, other = robsim.load_robot("lab").marker_layout(), robsim.load_robot(name).marker_layout()
     assert abs(other.distance / lab.distance - 1) > 2 * lab.distance_tolerance

@@ -13,17 +13,17 @@ import pytest
 from PIL import Image
 
 from drawn_robots import box, painted, random_robot
-from robsim import DriveAround, Locator, Simulation, robots
+from robsim import DriveAround, MarkerLayout, Simulation, robots
 from robsim.robots import (
     add_robot,
-    chosen_robot,
+    default_robot,
     load_robot,
     remove_robot,
-    reset_robot,
+    reset_default_robot,
     robot_names,
     rotate_robot,
     save_robot,
-    use_robot,
+    set_default_robot,
 )
 from robsim.robots._default_robot import data_folder
 
@@ -60,9 +60,9 @@ def test_the_user_folder(user_folder, monkeypatch):
 
 def test_looking_writes_nothing(user_folder):
     assert robot_names() == SHIPPED
-    assert chosen_robot() == "lab"
+    assert default_robot() == "lab"
     assert load_robot().name == "lab"
-    reset_robot()
+    reset_default_robot()
     assert not user_folder.exists()
 
 
@@ -77,7 +77,7 @@ def test_a_robot_from_each_kind_of_source(user_folder, photo, tmp_path):
         assert robot.name == f"robot-{number}"
     assert robot_names() == SHIPPED + [f"robot-{number}" for number in range(8)]
     assert files(user_folder / "robots/robot-0") == ["robot.png", "robot.toml"]
-    distances = [load_robot(f"robot-{number}").locator().distance for number in range(8)]
+    distances = [load_robot(f"robot-{number}").marker_layout().distance for number in range(8)]
     assert distances == pytest.approx([43] * 5 + [48] * 2 + [43], abs=0.02)
 
 
@@ -112,7 +112,7 @@ def test_any_kind_of_picture(tmp_path, kind):
     else:
         image.save(file)
         robot = add_robot("mine", file)
-        assert robot.locator().distance == pytest.approx(48, abs=0.2)
+        assert robot.marker_layout().distance == pytest.approx(48, abs=0.2)
     assert robot.image.shape == (400, 400, 4)
 
 
@@ -126,8 +126,8 @@ def test_a_large_robot_is_scaled_down(side):
     size = 120 * image.shape[1] / 1440
     robot = add_robot("mine", replace(lab, image=image, size=size, **points))
     assert max(robot.image.shape) == 1000
-    assert robot.locator().distance == pytest.approx(43, abs=0.05)
-    assert robot.locator().offset == pytest.approx(14, abs=0.05)
+    assert robot.marker_layout().distance == pytest.approx(43, abs=0.05)
+    assert robot.marker_layout().offset == pytest.approx(14, abs=0.05)
 
 
 def test_upper_and_lower_case_are_the_same():
@@ -138,8 +138,8 @@ def test_upper_and_lower_case_are_the_same():
     add_robot("MINE", "lab", overwrite=True)
     assert robot_names()[-1] == "MINE"
     assert len(robot_names()) == 4
-    use_robot("mine")
-    assert chosen_robot() == "MINE"
+    set_default_robot("mine")
+    assert default_robot() == "MINE"
 
 
 def test_an_own_robot_is_replaced_only_when_asked(user_folder):
@@ -339,19 +339,19 @@ def test_rotate_by_no_number(degrees):
 
 def test_remove(user_folder):
     add_robot("mine", "lab")
-    use_robot("mine")
+    set_default_robot("mine")
     remove_robot("Mine")
     assert robot_names() == SHIPPED
-    assert chosen_robot() == "lab"
+    assert default_robot() == "lab"
     assert files(user_folder) == ["settings.toml"]
 
 
 def test_removing_another_robot_keeps_the_choice():
     add_robot("mine", "lab")
     add_robot("other", "lab")
-    use_robot("mine")
+    set_default_robot("mine")
     remove_robot("other")
-    assert chosen_robot() == "mine"
+    assert default_robot() == "mine"
 
 
 def test_a_damaged_robot_and_damaged_settings_do_not_keep_one_from_removing(user_folder):
@@ -378,19 +378,19 @@ def test_there_is_nothing_of_this_name(name):
 
 
 def test_the_choice_is_what_load_robot_loads():
-    use_robot("SHEEP")
-    assert chosen_robot() == "sheep"
+    set_default_robot("SHEEP")
+    assert default_robot() == "sheep"
     assert load_robot().name == "sheep"
     assert robots.as_robot(None).name == "sheep"
     assert load_robot("lab").name == "lab"
     assert Simulation().robot.name == "sheep"
-    reset_robot()
+    reset_default_robot()
     assert load_robot().name == "lab"
 
 
 def test_the_choice_survives_a_restart():
     add_robot("mine", "lab")
-    use_robot("mine")
+    set_default_robot("mine")
     run = "import robsim.robots; print(robsim.robots.load_robot().name)"
     result = subprocess.run([sys.executable, "-c", run], capture_output=True, text=True, check=True)
     assert result.stdout == "mine\n"
@@ -399,7 +399,7 @@ def test_the_choice_survives_a_restart():
 @pytest.mark.parametrize("name", ["none", "", "..", "/"])
 def test_a_robot_that_is_none_is_not_chosen(user_folder, name):
     with pytest.raises(ValueError, match=r"no robot .* there are lab, robot2, sheep"):
-        use_robot(name)
+        set_default_robot(name)
     assert not user_folder.exists()
 
 
@@ -407,8 +407,8 @@ def test_a_damaged_robot_is_not_chosen(user_folder):
     add_robot("mine", "lab")
     (user_folder / "robots/mine/robot.png").unlink()
     with pytest.raises(ValueError, match=r"robot definition .*mine"):
-        use_robot("mine")
-    assert chosen_robot() == "lab"
+        set_default_robot("mine")
+    assert default_robot() == "lab"
 
 
 def test_other_settings_are_kept(user_folder):
@@ -416,15 +416,15 @@ def test_other_settings_are_kept(user_folder):
     before = "# mine\nlanguage = 'en'  # a note\n\n[window]\nrobot = 'other'\n"
     settings = user_folder / "settings.toml"
     settings.write_text(before)
-    assert chosen_robot() == "lab"
-    use_robot("sheep")
+    assert default_robot() == "lab"
+    set_default_robot("sheep")
     values = tomllib.loads(settings.read_text())
     assert values == {"language": "en", "robot": "sheep", "window": {"robot": "other"}}
     assert "# mine" in settings.read_text()
     assert "# a note" in settings.read_text()
-    reset_robot()
+    reset_default_robot()
     assert tomllib.loads(settings.read_text())["window"] == {"robot": "other"}
-    assert chosen_robot() == "lab"
+    assert default_robot() == "lab"
 
 
 DAMAGED = ["oops", "robot = ", "robot = 5", "robot = ['lab']", "[robot]\nname = 'lab'", b"\xff\xfe"]
@@ -435,44 +435,44 @@ def test_damaged_settings(user_folder, content):
     user_folder.mkdir()
     settings = user_folder / "settings.toml"
     settings.write_bytes(content if isinstance(content, bytes) else content.encode())
-    for attempt in (chosen_robot, load_robot, Simulation):
+    for attempt in (default_robot, load_robot, Simulation):
         with pytest.raises(ValueError, match=r"settings\.toml.*`robsim robots reset` goes back"):
             attempt()
-    reset_robot()
-    assert chosen_robot() == "lab"
-    use_robot("sheep")
-    assert chosen_robot() == "sheep"
+    reset_default_robot()
+    assert default_robot() == "lab"
+    set_default_robot("sheep")
+    assert default_robot() == "sheep"
 
 
 def test_settings_that_are_a_folder(user_folder):
     (user_folder / "settings.toml").mkdir(parents=True)
     with pytest.raises(ValueError, match=r"settings\.toml.*robsim robots reset"):
-        chosen_robot()
+        default_robot()
     with pytest.raises(ValueError, match=r"settings\.toml.*robsim robots reset"):
-        use_robot("sheep")
-    reset_robot()
-    assert chosen_robot() == "lab"
+        set_default_robot("sheep")
+    reset_default_robot()
+    assert default_robot() == "lab"
 
 
 def test_settings_that_are_no_toml_are_put_aside(user_folder):
     user_folder.mkdir()
     (user_folder / "settings.toml").write_text("oops")
     with pytest.raises(ValueError, match="robsim robots reset"):
-        use_robot("sheep")
-    reset_robot()
+        set_default_robot("sheep")
+    reset_default_robot()
     (aside,) = user_folder.glob("settings-damaged-*.toml")
     assert aside.read_text() == "oops"
 
 
 def test_a_chosen_robot_that_is_gone(user_folder):
     add_robot("mine", "lab")
-    use_robot("mine")
+    set_default_robot("mine")
     shutil.rmtree(user_folder / "robots/mine")
     for attempt in (load_robot, Simulation):
         with pytest.raises(ValueError, match=r"settings\.toml: the robot in use, 'mine', is gone"):
             attempt()
-    assert chosen_robot() == "mine"
-    reset_robot()
+    assert default_robot() == "mine"
+    reset_default_robot()
     assert load_robot().name == "lab"
 
 
@@ -508,15 +508,17 @@ def test_strange_things_in_the_user_folder(user_folder):
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_a_robot_made_up_on_the_spot(seed, tmp_path):
-    """Drawn, added as a mere picture, used, tracked by its own locator only, removed."""
+    """Drawn, added as a mere picture, used, tracked by its own markers only, removed."""
     print(f"seed of the robot: {seed}")
     rng = np.random.default_rng(seed)
     drawn = random_robot(rng)
     Image.fromarray(drawn.image).save(tmp_path / "drawn.png")
     add_robot("drawn", tmp_path / "drawn.png", size=drawn.size)
     rotate_robot("drawn", drawn.alignment)
-    use_robot("drawn")
-    assert load_robot().locator().distance == pytest.approx(drawn.locator().distance, abs=0.3)
+    set_default_robot("drawn")
+    assert load_robot().marker_layout().distance == pytest.approx(
+        drawn.marker_layout().distance, abs=0.3
+    )
     options = {"area": (600, 600), "rotation": "continuous", "measure": True, "seed": seed}
     trace = Simulation(control=DriveAround(), **options).run(120)
     assert trace.info.robot == "drawn"
@@ -525,8 +527,8 @@ def test_a_robot_made_up_on_the_spot(seed, tmp_path):
     assert statistics.false == 0
     assert statistics.rms_xy < 1
     assert statistics.rms_heading_deg < 2
-    for locator in ("lab", Locator(43, 14)):
-        other = Simulation(control=DriveAround(), locator=locator, **options).run(120)
+    for markers in ("lab", MarkerLayout(43, 14)):
+        other = Simulation(control=DriveAround(), markers=markers, **options).run(120)
         assert not other.valid.any()
     remove_robot("drawn")
     assert load_robot().name == "lab"
@@ -536,7 +538,7 @@ def test_a_robot_made_up_on_the_spot(seed, tmp_path):
 def test_the_number_of_blobs_is_kept(tmp_path):
     few = replace(load_robot("lab"), maximum_blobs=3)
     save_robot(few, tmp_path / "few")
-    assert load_robot(tmp_path / "few").locator().maximum_blobs == 3
+    assert load_robot(tmp_path / "few").marker_layout().maximum_blobs == 3
     file = tmp_path / "few/robot.toml"
     file.write_text(file.read_text().replace("maximum_blobs = 3", "maximum_blobs = 0"))
     with pytest.raises(ValueError, match=r"robot\.toml: maximum_blobs must lie within 1..100000"):

@@ -156,7 +156,7 @@ def test_an_estimator_object_of_ones_own():
     trace = sim.run(6)
     np.testing.assert_array_equal(trace.parameters[:, 0, 0], [np.nan, np.nan, 1, 2, 3, 4])
     assert sim.estimator.samples[0][0].shape == (3, 5)
-    assert sim.newest.estimator is sim.estimator
+    assert sim.last_step.estimator is sim.estimator
 
 
 def test_an_estimator_object_that_returns_nonsense():
@@ -189,7 +189,7 @@ def test_the_robot_half_cannot_reach_the_truth():
     step = robsim.Simulation(measure=True, estimate_parameters=True, **SMALL).step()
     names = {name for name in dir(step) if not name.startswith("_")}
     assert names == {"k", "t", "dt", "u", "frame", "blobs", "measurement", "estimate",
-                     "parameters", "sample", "estimator", "locator"}  # fmt: skip
+                     "parameters", "sample", "estimator", "markers"}  # fmt: skip
     for name in names:
         with pytest.raises(AttributeError):
             setattr(step, name, None)
@@ -268,7 +268,7 @@ def test_what_a_callback_keeps_of_a_step_stays_what_it_is():
             np.testing.assert_array_equal(step.parameters, trace.parameters[step.k])
     assert [frame.index for frame in frames] == [1, 4, 7, 10]
     for frame in frames:
-        np.testing.assert_array_equal(frame.image, sim.frame_of(frame.index).image)
+        np.testing.assert_array_equal(frame.image, sim.render_step(frame.index).image)
     for k, centroid, blob in blobs:
         np.testing.assert_array_equal(blob.centroid, centroid)
         np.testing.assert_allclose(3 * centroid + 1, trace.blobs["red"][k, 0])

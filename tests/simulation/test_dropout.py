@@ -11,7 +11,7 @@ def test_a_hidden_robot_is_neither_drawn_nor_found():
     trace = sim.run(3)
     assert not trace.valid.any()
     assert np.isfinite(trace.pose_true).all()
-    assert sim.newest.blobs == {"red": [], "blue": []}
+    assert sim.last_step.blobs == {"red": [], "blue": []}
 
 
 def test_stretches_are_hidden_with_the_probability():
@@ -61,18 +61,18 @@ def test_the_frame_of_a_recorded_step_is_the_one_that_was(boundary):
     )
     frames = [sim.step().frame for _ in range(150)]
     for k in (0, 149, 3, 77, 76, 140):
-        again = sim.frame_of(k)
+        again = sim.render_step(k)
         assert (again.index, again.t) == (frames[k].index, frames[k].t)
         np.testing.assert_array_equal(again.image, frames[k].image)
         np.testing.assert_array_equal(again.plane_map.matrix, frames[k].plane_map.matrix)
     for k in (-1, 150):
         with pytest.raises(IndexError, match=r"there are steps 0\.\.149, got k ="):
-            sim.frame_of(k)
+            sim.render_step(k)
 
 
 def test_step_locator_is_what_the_default_measurement_uses():
     def measure(step):
-        return robsim.locate(step.blobs, step.locator, step.frame.plane_map)
+        return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
 
     own, default = (
         robsim.Simulation(**{**OPTIONS, "measure": which}).run(10) for which in (measure, True)

@@ -97,7 +97,7 @@ def test_progress_and_no_frames_at_all(run, capsys):
     with pytest.raises(RuntimeError, match="there is no frame yet"):
         _ = sim.frame
     with pytest.raises(RuntimeError, match="not kept"):
-        sim.frame_of(0)
+        sim.render_step(0)
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_parameters_can_be_estimated_when_the_inputs_are_known():
 
 
 def test_a_model_with_another_time_step_than_the_frames_is_refused(run, tmp_path):
-    robsim.write_video(tmp_path / "run.mkv", run[0], fps=10)
+    robsim.save_video(tmp_path / "run.mkv", run[0], fps=10)
     recording = robsim.Recording(tmp_path / "run.mkv", area=(1200, 1200))
 
     def define_model():

@@ -150,7 +150,7 @@ def test_the_input_of_a_step_moves_the_robot_in_the_next():
     assert worlds == [(0, [0, 0]), (1, [1, 0]), (2, [2, 0]), (3, [3, 0])]
 
 
-def samples_of(sim, steps):
+def regression_of(sim, steps):
     samples = []
 
     @sim.estimate_parameters
@@ -161,9 +161,9 @@ def samples_of(sim, steps):
 
 
 def test_from_truth_the_sample_of_a_step_is_there_in_that_step():
-    samples, trace = samples_of(robsim.Simulation(control=robsim.DriveAround(), seed=3), 20)
+    samples, trace = regression_of(robsim.Simulation(control=robsim.DriveAround(), seed=3), 20)
     assert samples[:2] == [None, None]
-    phi, y = robsim.regression_samples(trace.pose_true, trace.u)
+    phi, y = robsim.regression(trace.pose_true, trace.u)
     for k in range(2, 20):
         assert samples[k].k == k
         np.testing.assert_array_equal(samples[k].phi, phi[k - 2])
@@ -183,9 +183,9 @@ def test_from_measurement_or_estimate_it_is_that_of_the_step_before(source):
         estimate_state=lambda step: robsim.Estimate(pose(step.k), np.eye(3)),
         **SMALL,
     )
-    samples, trace = samples_of(sim, 20)
+    samples, trace = regression_of(sim, 20)
     assert samples[:3] == [None, None, None]
-    phi, y = robsim.regression_samples([pose(k) for k in range(20)], trace.u)
+    phi, y = robsim.regression([pose(k) for k in range(20)], trace.u)
     for k in range(3, 20):
         assert samples[k].k == k - 1
         np.testing.assert_allclose(samples[k].phi, phi[k - 3])
@@ -198,12 +198,12 @@ def test_a_sample_that_spans_a_missing_measurement_or_a_bounce_is_none():
         measure=lambda step: None if step.k == 6 else robsim.Measurement((1.0, 2.0, 3.0)),
         **SMALL,
     )
-    samples, _ = samples_of(sim, 12)
+    samples, _ = regression_of(sim, 12)
     missing = [k for k, sample in enumerate(samples) if sample is None]
     assert missing == [0, 1, 2, 7, 8, 9]
 
     drive = robsim.Simulation(start=(1100.0, 600.0, 0.0), control=lambda step: (1.0, 1.0))
-    samples, trace = samples_of(drive, 60)
+    samples, trace = regression_of(drive, 60)
     (bounce,) = np.nonzero(trace.bounced)[0]
     missing = [k for k, sample in enumerate(samples) if sample is None]
     assert missing == [0, 1, bounce, bounce + 1]

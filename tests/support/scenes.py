@@ -25,14 +25,14 @@ def poses_within(rng, count, margin=60):
     return np.column_stack((xy, rng.uniform(-np.pi, np.pi, count)))
 
 
-def errors_of(draw, poses, *, locator=None, camera=AREA):
+def errors_of(draw, poses, *, markers=None, camera=AREA):
     """Measured minus true poses (N, 3), NaN where the robot is not seen."""
-    locator = robsim.load_robot().locator() if locator is None else locator
+    markers = robsim.load_robot().marker_layout() if markers is None else markers
     colors = robsim.load_colors()
     plane_map = robsim.PlaneMap.scaled(camera, AREA)
     errors = np.full((len(poses), 3), np.nan)
     for error, pose in zip(errors, poses, strict=True):
-        seen = robsim.locate(robsim.find_blobs(draw.render(pose), colors), locator, plane_map)
+        seen = robsim.locate(robsim.find_blobs(draw.render(pose), colors), markers, plane_map)
         if seen is not None:
             error[:] = seen.pose - pose
             error[2] = robsim.wrap_angle(error[2])

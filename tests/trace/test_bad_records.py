@@ -22,13 +22,13 @@ def test_what_is_no_array_of_numbers_is_refused(wrong):
     refuses("covariance", robsim.nees, ERRORS, wrong)
     refuses("innovation", robsim.nis, wrong, ALIKE)
     refuses("S", robsim.nis, ERRORS, wrong)
-    refuses("error", robsim.nees_report, wrong, ALIKE)
-    refuses("innovation", robsim.nis_report, wrong, ALIKE)
-    refuses("innovation", robsim.whiteness_report, wrong)
-    refuses("S", robsim.whiteness_report, ERRORS, wrong)
+    refuses("error", robsim.nees_consistency, wrong, ALIKE)
+    refuses("innovation", robsim.nis_consistency, wrong, ALIKE)
+    refuses("innovation", robsim.whiteness, wrong)
+    refuses("S", robsim.whiteness, ERRORS, wrong)
     refuses("estimate", robsim.wrapped_error, wrong, ERRORS)
-    refuses("truth", robsim.error_report, ERRORS, wrong)
-    refuses("covariance", robsim.error_report, ERRORS, ERRORS, covariance=wrong)
+    refuses("truth", robsim.estimation_errors, ERRORS, wrong)
+    refuses("covariance", robsim.estimation_errors, ERRORS, ERRORS, covariance=wrong)
     refuses("phi", robsim.cramer_rao_bound, wrong, 1.0)
     refuses("sigma", robsim.cramer_rao_bound, ERRORS, wrong)
     refuses("estimate", robsim.convergence_time, wrong, 1.0, 1.0)
@@ -49,9 +49,9 @@ def test_a_single_number_is_no_row():
 
 
 def test_shapes_that_do_not_fit_together():
-    refuses("S", robsim.nis_report, np.ones((10, 3)), np.tile(ALIKE, (5, 1, 1)))
+    refuses("S", robsim.nis_consistency, np.ones((10, 3)), np.tile(ALIKE, (5, 1, 1)))
     refuses("covariance", robsim.nees, np.ones((2, 10, 3)), np.tile(ALIKE, (2, 1, 1)))
-    refuses("estimate", robsim.error_report, np.ones((0, 3)), np.ones((0, 3)))
+    refuses("estimate", robsim.estimation_errors, np.ones((0, 3)), np.ones((0, 3)))
 
 
 def test_none_in_an_array_is_not_known():
@@ -60,16 +60,16 @@ def test_none_in_an_array_is_not_known():
 
 @pytest.mark.parametrize("wrong", [None, 1, "x"])
 def test_names_units_and_angles_are_sequences(wrong):
-    refuses("names", robsim.error_report, ERRORS, ERRORS, names=wrong)
-    refuses("units", robsim.error_report, ERRORS, ERRORS, units=wrong)
+    refuses("names", robsim.estimation_errors, ERRORS, ERRORS, names=wrong)
+    refuses("units", robsim.estimation_errors, ERRORS, ERRORS, units=wrong)
     refuses("angles", robsim.wrapped_error, ERRORS, ERRORS, angles=wrong)
 
 
 @pytest.mark.parametrize("wrong", [None, 1, "x", ERRORS])
 def test_what_is_no_trace_is_refused(wrong):
     refuses("trace", robsim.batch_estimate, wrong)
-    refuses("trace", robsim.check_excitation, wrong)
-    refuses("trace", robsim.samples_of, wrong)
+    refuses("trace", robsim.identifiability, wrong)
+    refuses("trace", robsim.regression_of, wrong)
     refuses("trace", robsim.parameter_convergence, wrong)
     refuses("trace", robsim.parameter_bounds, wrong, sigma=(1, 1, 1))
     refuses("traces", robsim.pose_errors, wrong)
@@ -87,8 +87,8 @@ def test_names_of_a_batch_estimate_are_texts():
 @pytest.mark.parametrize("wrong", ["a", 2.5, [3], True, 5, -1, 10**30])
 def test_the_step_of_an_excitation_is_one_of_the_trace(wrong):
     trace = robsim.Simulation(estimate_parameters=True, seed=1, camera=(60, 60)).run(5)
-    refuses("k", robsim.check_excitation, trace, k=wrong)
-    refuses("noise", robsim.check_excitation, trace, noise="a")
+    refuses("k", robsim.identifiability, trace, k=wrong)
+    refuses("noise", robsim.identifiability, trace, noise="a")
 
 
 @pytest.mark.parametrize("fit", [robsim.instrumental_variables, robsim.output_error])

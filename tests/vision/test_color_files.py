@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robsim import ColorClass, load_colors
-from robsim.vision._color_files import color_text, save_colors
+from robsim.vision._color_files import colors_to_toml, save_colors
 
 CHANNELS = ("y", "u", "v")
 
@@ -28,14 +28,14 @@ COLOR = st.builds(lambda name, y, u, v: ColorClass(name, y=y, u=u, v=v), NAMES, 
 
 
 def test_the_text_of_a_colour():
-    text = color_text(ColorClass("red", u=(0, 150), v=(156, 255)))
+    text = colors_to_toml(ColorClass("red", u=(0, 150), v=(156, 255)))
     assert text.strip() == "[red]\ny = [0, 255]\nu = [0, 150]\nv = [156, 255]"
 
 
 @settings(max_examples=30)
 @given(colors=st.lists(COLOR, max_size=4, unique_by=lambda color: color.name))
 def test_text_is_read_back(tmp_path_factory, colors):
-    tables = tomllib.loads(color_text(colors))
+    tables = tomllib.loads(colors_to_toml(colors))
     assert [(name, *map(tuple, table.values())) for name, table in tables.items()] == [
         (color.name, *ranges(color)) for color in colors
     ]
@@ -121,7 +121,7 @@ def test_wrong_colours_are_not_saved(tmp_path):
     with pytest.raises(ValueError, match="different names, got red, red"):
         save_colors(path, [red, red])
     with pytest.raises(ValueError, match="different names"):
-        color_text([red, red])
+        colors_to_toml([red, red])
     assert not path.exists()
 
 

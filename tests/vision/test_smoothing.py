@@ -75,19 +75,19 @@ def test_what_is_looked_for_comes_from_the_robot():
     assert options_of(robsim.Simulation(robot=lab, measure=True, camera=(480, 480))) == (11, 64, 3)
     few = dataclasses.replace(lab, maximum_blobs=3)
     assert options_of(robsim.Simulation(robot=few, measure=True, smoothing=1)) == (66, 3, 1)
-    bare = robsim.Locator(43, 14)  # knows no areas
-    assert options_of(robsim.Simulation(locator=bare, measure=True)) == (12, 64, 1)
+    bare = robsim.MarkerLayout(43, 14)  # knows no areas
+    assert options_of(robsim.Simulation(markers=bare, measure=True)) == (12, 64, 1)
 
 
 def test_find_blobs_takes_them_from_a_locator_too():
     sim = robsim.Simulation(robot="lab", camera=(480, 480), noise="gaussian", noise_percent=40)
-    locator = robsim.load_robot("lab").locator()
-    found = robsim.find_blobs(sim.frame, sim.colors, locator=locator)
+    markers = robsim.load_robot("lab").marker_layout()
+    found = robsim.find_blobs(sim.frame, sim.colors, markers=markers)
     same = robsim.find_blobs(sim.frame, sim.colors, minimum_area=11, smoothing=3)
     assert [b.area for b in found["red"]] == [b.area for b in same["red"]]
     assert [b.area for b in found["red"]] == [b.area for b in sim.find_blobs(sim.frame)["red"]]
-    raw = robsim.find_blobs(sim.frame, sim.colors, locator=locator, smoothing=1, minimum_area=1)
+    raw = robsim.find_blobs(sim.frame, sim.colors, markers=markers, smoothing=1, minimum_area=1)
     assert len(raw["red"]) == 64
     # of an array nobody knows the scale: a pixel counts as one of the area
-    plain = robsim.find_blobs(sim.frame.image, sim.colors, locator=locator)
+    plain = robsim.find_blobs(sim.frame.image, sim.colors, markers=markers)
     assert all(blob.area >= 66 for blob in plain["red"])

@@ -192,7 +192,7 @@ ROBSIM_INLINE void FilterGroup::write_variances(double* variances, int n) const 
   }
 }
 
-void FilterGroup::write_unit_errors(double* errors) const {
+void FilterGroup::write_standard_errors_unscaled(double* errors) const {
   if (parameters_ == five) {
     write_variances(errors, five);
   } else {

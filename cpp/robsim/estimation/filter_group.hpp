@@ -16,8 +16,8 @@ class FilterGroup {
 
   int filters() const { return filters_; }
 
-  /// Samples one after the other: in phi the regressors of the first filter, of the second, ..., in
-  /// y their outputs. From one sample to the next there are `stride` outputs.
+  /// Samples one after the other: in phi the regressors of the first filter, of the second, ...,
+  /// in y their outputs. From one sample to the next there are `stride` outputs.
   struct Samples {
     const double* phi;
     const double* y;
@@ -30,7 +30,7 @@ class FilterGroup {
 
   /// The estimates, and the square roots of the diagonal of P, filter by filter.
   void write_estimates(double* estimates) const;
-  void write_unit_errors(double* errors) const;
+  void write_standard_errors_unscaled(double* errors) const;
 
   /// What the trace of P of a filter never exceeds.
   double covariance_limit() const { return covariance_limit_; }

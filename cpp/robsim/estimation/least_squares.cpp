@@ -108,7 +108,7 @@ MatrixXd null_space(const PivotedQr& qr, Index n) {
 
 // Square roots of the diagonal of (R11' R11)^-1, in phi's order; what is not in R11 counts as
 // known.
-VectorXd unit_errors(const PivotedQr& qr, Index n) {
+VectorXd standard_errors_unscaled(const PivotedQr& qr, Index n) {
   const Index rank = qr.rank();
   const MatrixXd R = qr.matrixR().topLeftCorner(rank, rank);
   const MatrixXd inverse = R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(rank, rank));
@@ -151,15 +151,16 @@ LeastSquaresFit least_squares(const Eigen::Ref<const Rows>& phi,
   const double smallest = phi.rows() < n ? 0 : std::abs(qr.matrixR()(n - 1, n - 1));
   fit.condition = smallest > 0 ? std::abs(qr.matrixR()(0, 0)) / smallest : infinity;
   fit.theta = qr.solve(R.col(n).head(n)).cwiseQuotient(scale);
-  fit.unit_errors = unit_errors(qr, n).cwiseQuotient(scale);
+  fit.standard_errors_unscaled = standard_errors_unscaled(qr, n).cwiseQuotient(scale);
   const double residual = residual_norm(qr, R);
   const auto freedom = static_cast<double>(phi.rows() - qr.rank());
   fit.residual_rms = residual / std::sqrt(static_cast<double>(phi.rows()));
-  fit.standard_errors = fit.unit_errors * (freedom > 0 ? residual / std::sqrt(freedom) : nan);
+  fit.standard_errors =
+      fit.standard_errors_unscaled * (freedom > 0 ? residual / std::sqrt(freedom) : nan);
   if (qr.rank() < n) {
     const auto is_free = (null_space(qr, n).rowwise().norm().array() > 1e-9).eval();
     fit.theta = is_free.select(nan, fit.theta);
-    for (VectorXd* errors : {&fit.unit_errors, &fit.standard_errors}) {
+    for (VectorXd* errors : {&fit.standard_errors_unscaled, &fit.standard_errors}) {
       *errors = is_free.select(infinity, *errors);
     }
   }

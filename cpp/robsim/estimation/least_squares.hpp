@@ -12,7 +12,7 @@ struct LeastSquaresFit {
 
   // Square roots of the diagonal of (phi' phi)^-1: standard errors in units of the standard
   // deviation of the noise. Infinite where theta is NaN.
-  Eigen::VectorXd unit_errors;
+  Eigen::VectorXd standard_errors_unscaled;
 
   // The same times the noise's standard deviation estimated from the residuals, which has
   // samples - rank degrees of freedom. NaN if there are none.

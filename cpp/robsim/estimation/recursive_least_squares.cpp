@@ -84,9 +84,9 @@ void RecursiveLeastSquares::write_estimates(double* estimates) const {
   }
 }
 
-void RecursiveLeastSquares::write_unit_errors(double* errors) const {
+void RecursiveLeastSquares::write_standard_errors_unscaled(double* errors) const {
   for (const FilterGroup& group : groups_) {
-    group.write_unit_errors(errors);
+    group.write_standard_errors_unscaled(errors);
     errors += group.filters() * parameters_;
   }
 }

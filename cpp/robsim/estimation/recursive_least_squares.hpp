@@ -33,11 +33,11 @@ class RecursiveLeastSquares {
   /// What the trace of P never exceeds: 1e9 for each parameter, or what it is at the start.
   double covariance_limit() const { return groups_.front().covariance_limit(); }
 
-  /// Samples of every filter, one after the other. A sample has the regressors of filter 0, those
-  /// of filter 1, ... in phi, and their outputs in y. A filter whose own regressors or output have
-  /// a NaN holds: nothing of it changes. If `history` is given, the estimates after each sample
-  /// are written to it, in the order of phi.
-  /// Throws std::invalid_argument for infinity and beyond 1e100, and changes nothing then.
+  /// Samples of every filter, one after the other. A sample has the regressors of filter 0,
+  /// those of filter 1, ... in phi, and their outputs in y. A filter whose own regressors or output
+  /// have a NaN holds: nothing of it changes. If `history` is given, the estimates after each
+  /// sample are written to it, in the order of phi. Throws std::invalid_argument for infinity and
+  /// beyond 1e100, and changes nothing then.
   void update(const double* phi, const double* y, std::int64_t samples = 1,
               double* history = nullptr);
 
@@ -46,7 +46,7 @@ class RecursiveLeastSquares {
 
   /// Their standard errors in units of the standard deviation of the output noise: the square roots
   /// of the diagonal of P, row by row.
-  void write_unit_errors(double* errors) const;
+  void write_standard_errors_unscaled(double* errors) const;
 
   /// The covariance P of one filter, in units of the variance of its output noise.
   Eigen::MatrixXd covariance(int filter) const;

@@ -22,9 +22,9 @@ AxisMatrix RecursiveEstimator::update(const Step& step) {
   return theta;
 }
 
-bool RecursiveEstimator::write_unit_errors(double* errors) const {
+bool RecursiveEstimator::write_standard_errors_unscaled(double* errors) const {
   if (filters_->samples(0) == 0) return false;
-  filters_->write_unit_errors(errors);
+  filters_->write_standard_errors_unscaled(errors);
   return true;
 }
 

@@ -16,10 +16,10 @@ class ParameterEstimator {
   virtual AxisMatrix update(const Step& step) = 0;
 
   /// True if it knows the standard errors of its estimates.
-  virtual bool has_unit_errors() const { return false; }
+  virtual bool has_standard_errors() const { return false; }
 
   /// Writes them in units of the noise, 3 x 5 numbers; false, if there are none yet.
-  virtual bool write_unit_errors(double*) const { return false; }
+  virtual bool write_standard_errors_unscaled(double*) const { return false; }
 
   /// True if it needs the Python interpreter.
   virtual bool is_interpreted() const { return false; }
@@ -31,8 +31,8 @@ class RecursiveEstimator : public ParameterEstimator {
   explicit RecursiveEstimator(std::shared_ptr<RecursiveLeastSquares> filters);
 
   AxisMatrix update(const Step& step) override;
-  bool has_unit_errors() const override { return true; }
-  bool write_unit_errors(double* errors) const override;
+  bool has_standard_errors() const override { return true; }
+  bool write_standard_errors_unscaled(double* errors) const override;
   const std::shared_ptr<RecursiveLeastSquares>& filters() const { return filters_; }
 
  private:

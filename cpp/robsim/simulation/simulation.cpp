@@ -222,7 +222,7 @@ void Simulation::begin_step() {
   step_->u = input_;
   step_->parameters = parameters_;
   step_->estimator = estimator_;
-  step_->locator = options_.locator;
+  step_->markers = options_.markers;
   step_->controller_seed = options_.controller_seed;
   step_->source = this;
 }
@@ -337,7 +337,8 @@ void Simulation::add_columns() {
   }
   if (stages_.estimate_parameters) {
     columns_.parameters = &trace_.column("parameters", 15);
-    if (estimator_->has_unit_errors()) columns_.unit_errors = &trace_.column("unit_errors", 15);
+    if (estimator_->has_standard_errors())
+      columns_.standard_errors_unscaled = &trace_.column("standard_errors_unscaled", 15);
   }
   if (stages_.estimate_state) {
     columns_.estimated = &trace_.column("estimated", 3);
@@ -362,7 +363,8 @@ void Simulation::record() {
   if (parameters_ && columns_.parameters) {
     std::copy_n(parameters_->data(), 15, trace_.writable(*columns_.parameters));
   }
-  if (columns_.unit_errors) estimator_->write_unit_errors(trace_.writable(*columns_.unit_errors));
+  if (columns_.standard_errors_unscaled)
+    estimator_->write_standard_errors_unscaled(trace_.writable(*columns_.standard_errors_unscaled));
   if (columns_.view) {
     double* view = trace_.writable(*columns_.view);
     view[0] = renderer_->camera().matrix()[0] * pan_.u;
@@ -404,14 +406,14 @@ void Simulation::check_thread() const {
   }
 }
 
-const StepPointer& Simulation::newest() const {
+const StepPointer& Simulation::last_step() const {
   check_thread();
   if (!step_) throw std::runtime_error("this simulation has not started yet");
   return step_;
 }
 
 const Frame& Simulation::frame() {
-  newest();
+  last_step();
   if (!step_->frame) step_->frame = draw_frame(step_->k, step_->t, pose_, pan_);
   return *step_->frame;
 }
@@ -434,8 +436,8 @@ Frame Simulation::draw_frame(std::int64_t k, double t, const Pose& pose, const P
   return frame;
 }
 
-Frame Simulation::frame_of(std::int64_t k) {
-  newest();
+Frame Simulation::render_step(std::int64_t k) {
+  last_step();
   if (!is_simulated()) throw std::runtime_error("frames that were taken are not kept");
   if (k < 0 || k >= trace_.rows()) {
     throw std::out_of_range("there are steps 0.." + std::to_string(trace_.rows() - 1) +
@@ -455,7 +457,7 @@ Frame Simulation::frame_of(std::int64_t k) {
 }
 
 const BlobsByColor& Simulation::blobs() {
-  newest();
+  last_step();
   if (!step_->blobs) {
     const NativeWork native(*this);
     suit_finder(frame());
@@ -466,7 +468,7 @@ const BlobsByColor& Simulation::blobs() {
 
 void Simulation::suit_finder(const Frame& frame) {
   const BlobOptions options = with_smoothing(
-      marker_blobs(options_.locator, frame.plane_map, frame.image.width(), frame.image.height()),
+      marker_blobs(options_.markers, frame.plane_map, frame.image.width(), frame.image.height()),
       options_);
   if (!(options == finder_.options())) finder_ = BlobFinder(options_.colors, options);
 }

@@ -15,7 +15,7 @@
 
 namespace robsim {
 
-/// Something hides the robot from the camera: with this probability throughout each stretch of so
+/// Something hides the robot from the camera: with this probability throughout each segment of so
 /// many steps.
 struct Dropout {
   double probability = 0;
@@ -31,8 +31,8 @@ struct SimulationOptions {
   Pose start;
   VisualNoise noise;
   std::vector<ColorClass> colors;
-  Locator locator;               // of the default measurement
-  std::optional<int> smoothing;  // px; otherwise as the markers of the locator need it
+  MarkerLayout markers;          // of the default measurement
+  std::optional<int> smoothing;  // px; otherwise as the markers need it
   IdentifyFrom identify_from = IdentifyFrom::truth;
   std::uint64_t controller_seed = 0;
   std::uint64_t noise_seed = 0;
@@ -72,7 +72,7 @@ class Simulation {
   const std::shared_ptr<ParameterEstimator>& estimator() const { return estimator_; }
 
   /// The newest step. Only after the start.
-  const StepPointer& newest() const;
+  const StepPointer& last_step() const;
 
   /// True if somebody outside the loop still holds a step that is over: then its memory is not used
   /// for the next one.
@@ -91,7 +91,7 @@ class Simulation {
 
   /// The frame of a recorded step, drawn anew. Throws std::out_of_range if there is no such step,
   /// std::runtime_error if the world is not simulated.
-  Frame frame_of(std::int64_t k);
+  Frame render_step(std::int64_t k);
 
  private:
   // What is remembered of a step for the samples of the next ones.
@@ -110,7 +110,7 @@ class Simulation {
     Trace::Column* measured = nullptr;
     Trace::Column* held = nullptr;
     Trace::Column* parameters = nullptr;
-    Trace::Column* unit_errors = nullptr;
+    Trace::Column* standard_errors_unscaled = nullptr;
     Trace::Column* estimated = nullptr;
     Trace::Column* covariance = nullptr;
     Trace::Column* view = nullptr;

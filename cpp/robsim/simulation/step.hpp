@@ -44,7 +44,7 @@ struct Step {
   std::optional<Measurement> measurement;
   std::optional<Estimate> estimate;
   std::shared_ptr<ParameterEstimator> estimator;
-  Locator locator;
+  MarkerLayout markers;
   std::uint64_t controller_seed = 0;
 
   // The loop this is the newest step of: it can still draw its frame and find its blobs.

@@ -16,7 +16,7 @@ struct Measurement {
 
 /// Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
 /// Places are in the robot's frame: x forward, y to its right, from its centre (work-area px).
-struct Locator {
+struct MarkerLayout {
   Point red;
   Point blue;
   double red_area = std::numeric_limits<double>::quiet_NaN();   // work-area px^2, NaN = not known
@@ -27,10 +27,10 @@ struct Locator {
 
   /// As the manual has it: the line from blue to red lies across the heading, red on the robot's
   /// right; the centre lies `offset` px ahead of its midpoint.
-  static Locator across(double distance, double offset);
+  static MarkerLayout across(double distance, double offset);
 
   /// From marker polygons in the robot's frame.
-  static Locator from_markers(const Polygon& red, const Polygon& blue);
+  static MarkerLayout from_markers(const Polygon& red, const Polygon& blue);
 
   double distance() const;  // between the two markers
   double offset() const;    // from the midpoint of the markers forward to the centre
@@ -38,13 +38,13 @@ struct Locator {
 
 /// Throws std::invalid_argument for values that are not finite, markers in one place and
 /// tolerances that nothing fits.
-void check_locator(const Locator& locator);
+void check_marker_layout(const MarkerLayout& markers);
 
 /// The pose of the robot whose markers are among the blobs: the red-blue pair whose distance and
 /// areas fit. Nothing, if no pair fits, or two fit as well. A blob at the border of the frame may
 /// be cut off, so that its centroid says nothing: it is not used. Without known areas those of
 /// the pair must be alike.
-std::optional<Measurement> locate(const BlobsByColor& blobs, const Locator& locator,
+std::optional<Measurement> locate(const BlobsByColor& blobs, const MarkerLayout& markers,
                                   const PlaneMap& plane_map);
 
 }  // namespace robsim

@@ -18,10 +18,11 @@ int odd_window(double width) { return 2 * static_cast<int>(std::min(width, wides
 
 }  // namespace
 
-BlobOptions marker_blobs(const Locator& locator, const PlaneMap& plane_map, int width, int height) {
+BlobOptions marker_blobs(const MarkerLayout& markers, const PlaneMap& plane_map, int width,
+                         int height) {
   BlobOptions options;
-  options.maximum_count = locator.maximum_blobs;
-  const double marker = std::min(locator.red_area, locator.blue_area);
+  options.maximum_count = markers.maximum_blobs;
+  const double marker = std::min(markers.red_area, markers.blue_area);
   const double scale = plane_map.area_scale({(width - 1) / 2.0, (height - 1) / 2.0});
   const double area = marker / scale;  // px^2 of the frame
   if (!std::isfinite(area)) return options;

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-def number(
+def check_float(
     name: str,
     value: Any,
     unit: str = "",
     *,
-    least: float = -math.inf,
-    above: float = -math.inf,
-    most: float = math.inf,
+    minimum: float = -math.inf,
+    exclusive_minimum: float = -math.inf,
+    maximum: float = math.inf,
 ) -> float:
     """Return a finite number within limits; a TypeError or ValueError names what it is not."""
     unit = f" ({unit})" if unit else ""
@@ -29,18 +29,18 @@ def number(
         result = float(value)
     except OverflowError:
         result = math.inf
-    if not (math.isfinite(result) and least <= result <= most and above < result):
-        limits = _limits(least, above, most)
+    if not (math.isfinite(result) and minimum <= result <= maximum and exclusive_minimum < result):
+        limits = _limits(minimum, exclusive_minimum, maximum)
         raise ValueError(f"{name} must {limits}{unit}, got {value!r}")
     return result
 
 
-def _limits(least: float, above: float, most: float) -> str:
-    if math.isfinite(most):
-        return f"lie within {least:g}..{most:g}"
-    if math.isfinite(above):
-        return f"be finite and above {above:g}"
-    return "be finite" + (f" and at least {least:g}" if math.isfinite(least) else "")
+def _limits(minimum: float, exclusive_minimum: float, maximum: float) -> str:
+    if math.isfinite(maximum):
+        return f"lie within {minimum:g}..{maximum:g}"
+    if math.isfinite(exclusive_minimum):
+        return f"be finite and above {exclusive_minimum:g}"
+    return "be finite" + (f" and at least {minimum:g}" if math.isfinite(minimum) else "")
 
 
 def is_int(value: Any) -> bool:
@@ -48,16 +48,16 @@ def is_int(value: Any) -> bool:
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
-def whole(name: str, value: Any, *, least: int, most: int) -> int:
+def check_int(name: str, value: Any, *, minimum: int, maximum: int) -> int:
     """Return an int within limits."""
     if not is_int(value):
         raise TypeError(f"{name} must be an int, got {value!r}")
-    if not least <= value <= most:
-        raise ValueError(f"{name} must lie within {least}..{most}, got {value}")
+    if not minimum <= value <= maximum:
+        raise ValueError(f"{name} must lie within {minimum}..{maximum}, got {value}")
     return int(value)
 
 
-def floats(name: str, values: Any) -> Floats:
+def as_float_array(name: str, values: Any) -> Floats:
     """Return an array of numbers, of any shape; NaN and infinity are among them."""
     try:
         given = np.asarray(values)

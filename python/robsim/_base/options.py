@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import is_int, number, whole
+from robsim._base.checks import check_float, check_int, is_int
 from robsim._core import VisualNoise
 
 _FARTHEST_START = 1e6
@@ -65,7 +65,7 @@ def start_within(start: ArrayLike, area: tuple[int, int] | None) -> ArrayLike:
 
 def phase_count(rotation: str, phases: int) -> int:
     """Return the number of phases that a rotation is shown in; 0 = any heading."""
-    phases = whole("phases", phases, least=1, most=360)
+    phases = check_int("phases", phases, minimum=1, maximum=360)
     is_turned = choice("rotation", rotation, ("phases", "continuous")) == "continuous"
     return 0 if is_turned else phases
 
@@ -74,7 +74,7 @@ def visual_noise(kind: str, percent: float | None) -> VisualNoise:
     """Return the noise of the camera of a kind and a level."""
     choice("noise", kind, ("none", "uniform", "gaussian"))
     if percent is not None:
-        percent = number("noise_percent", percent, "%", least=0)
+        percent = check_float("noise_percent", percent, "%", minimum=0)
     if kind != "none" and percent is None:
         raise ValueError(f"noise={kind!r} needs a level: give noise_percent=..., such as 40")
     if kind == "none" and percent:

@@ -104,7 +104,7 @@ def batch_calls(samples: int = BATCH_SAMPLES) -> dict[str, Call]:
     Parameters
     ----------
     samples : int
-        Samples, of five parameters.
+        Regression, of five parameters.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Finding blobs, against OpenCV's parts."""
+"""Problem blobs, against OpenCV's parts."""
 
 from __future__ import annotations
 

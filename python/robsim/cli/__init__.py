@@ -42,5 +42,5 @@ def _root(
 def main() -> None:
     """Run the command line: the entry point ``robsim``."""
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_: errors.note(f"warning: {message}")
+        warnings.showwarning = lambda message, *_: errors.print_note(f"warning: {message}")
         app(prog_name="robsim")

@@ -27,6 +27,6 @@ def bench(
     """Measure how fast robsim is on this machine."""
     from robsim.bench import run_bench
 
-    with errors.told():
+    with errors.report_errors():
         result = run_bench(rounds=rounds)
     print(json.dumps(result.to_dict(), indent=2) if as_json else result)

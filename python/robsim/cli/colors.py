@@ -14,10 +14,10 @@ from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
 from robsim.cli.shared import Colors, Json, Noise, NoisePercent, Robot
 from robsim.cli.text import point, region
-from robsim.imaging._images import Pixels, read_picture, write_picture
+from robsim.imaging._images import Pixels, load_image, save_image
 from robsim.robots._polygons import area_and_centroid, mask
 from robsim.simulation._simulation import Simulation
-from robsim.vision._color_files import SHIPPED_COLORS, color_text, load_colors, save_colors
+from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, load_colors, save_colors
 from robsim.vision._color_masks import paint_classes
 from robsim.vision._color_score import ColorScore, Region, score_color
 
@@ -57,7 +57,7 @@ def frame(
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of the noise.")] = None,
 ) -> None:
     """Write a picture of the simulated robot."""
-    with errors.told():
+    with errors.report_errors():
         x, y = point("--at", at) or (600.0, 600.0)
         start = x, y, float(np.deg2rad(heading))
         simulation = Simulation(
@@ -82,7 +82,7 @@ def show(
     ] = None,
 ) -> None:
     """Show the ranges of the colours in a file."""
-    with errors.told():
+    with errors.report_errors():
         colors = load_colors(file)
     _print_table(
         ("colour", "Y", "U", "V"),
@@ -123,7 +123,7 @@ def train(
     ] = None,
 ) -> None:
     """Find the ranges of a colour in pictures of it."""
-    with errors.told():
+    with errors.report_errors():
         boxes = [region("--region", text) for text in regions]
         histograms, others = _histograms(images, boxes)
         color = ColorClass.from_histograms(histograms, name=name, margin=margin, limit_y=limit_y)
@@ -131,7 +131,7 @@ def train(
             _write_histograms(figure, histograms, color, others)
         if to:
             save_colors(to, color)
-    print(color_text(color))
+    print(colors_to_toml(color))
     for file, what in ((to, "written to"), (figure, "histograms in")):
         if file:
             print(f"{what} {file}")
@@ -168,7 +168,7 @@ def try_colors(
     as_json: Json = False,
 ) -> None:
     """Look for colours in pictures."""
-    with errors.told():
+    with errors.report_errors():
         classes = load_colors(colors)
         places = _places(images, classes, regions or [])
         painted = _painted_files(images, out)
@@ -207,7 +207,7 @@ def _histograms(images: list[Path], regions: list[Region]) -> tuple[Any, Any]:
             f"--region must be given once for each of the {len(images)} pictures, in their "
             f"order, got {len(regions)}"
         )
-    pictures = [read_picture(image) for image in images]
+    pictures = [load_image(image) for image in images]
     shown = pictures if len(pictures) > 1 else pictures * len(regions)
     inside = sum(color_histograms(p, r) for p, r in zip(shown, regions, strict=True))
     whole = sum(color_histograms(p, (0, 0, p.shape[1] - 1, p.shape[0] - 1)) for p in pictures)
@@ -260,7 +260,7 @@ def _found(
     image: Path, classes: tuple[ColorClass, ...], smoothing: int, painted: Path | None
 ) -> dict[str, Any]:
     """Return the blobs of each colour in a picture, and how many pixels have the colour."""
-    pixels = read_picture(image)
+    pixels = load_image(image)
     blobs = find_blobs(pixels, classes, smoothing=smoothing)
     masks = classify(pixels, classes, smoothing=smoothing)
     if painted:
@@ -286,7 +286,7 @@ def _score(
 ) -> ColorScore | None:
     if color.name not in places:
         return None
-    return score_color(read_picture(image), color, places[color.name], smoothing=smoothing)
+    return score_color(load_image(image), color, places[color.name], smoothing=smoothing)
 
 
 def _print_test(
@@ -305,7 +305,7 @@ def _print_test(
     for score in scores:
         print(score)
         if score.margin:
-            print(f"\nbetter:\n{color_text(score.proposed)}")
+            print(f"\nbetter:\n{colors_to_toml(score.proposed)}")
 
 
 def _largest(blobs: list[dict[str, Any]]) -> tuple[str, str]:
@@ -335,4 +335,4 @@ def _print_table(titles: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> No
 
 def _write_picture(file: Path, pixels: Pixels) -> None:
     file.parent.mkdir(parents=True, exist_ok=True)
-    write_picture(file, pixels)
+    save_image(file, pixels)

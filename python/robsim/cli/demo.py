@@ -33,7 +33,7 @@ def demo(
     """Drive a robot, track it by camera and find its parameters."""
     from robsim.cli.demo_run import run_demo
 
-    with errors.told():
+    with errors.report_errors():
         result = run_demo(out, steps=steps, seed=seed)
     if as_json:
         print(json.dumps(result.to_dict(), indent=2))

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from robsim._core import Locator
+from robsim._core import MarkerLayout
 from robsim.trace._trace import Trace
 
 
-def why_not_seen(trace: Trace, locator: Locator) -> str | None:
+def explain_no_detection(trace: Trace, markers: MarkerLayout) -> str | None:
     """Return a sentence on why vision found the robot in no step.
 
     Parameters
     ----------
     trace : Trace
         The run.
-    locator : Locator
+    markers : MarkerLayout
         The markers that vision looked for.
 
     Returns
@@ -33,9 +33,9 @@ def why_not_seen(trace: Trace, locator: Locator) -> str | None:
     apart = np.linalg.norm(red[:, :, np.newaxis] - blue[:, np.newaxis], axis=-1)
     if not np.isfinite(apart).any():
         return "red and blue blobs were not seen in the same frame"
-    expected = locator.distance
+    expected = markers.distance
     nearest = apart.flat[np.nanargmin(abs(apart - expected))]
-    if abs(nearest - expected) <= locator.distance_tolerance * expected:
+    if abs(nearest - expected) <= markers.distance_tolerance * expected:
         return (
             f"red and blue blobs {nearest:.1f} px apart were seen, as the markers are, but their "
             "sizes do not fit, others fit as well, or they touch the border"

@@ -12,7 +12,7 @@ from rich.console import Console
 
 
 @contextmanager
-def told(folder: Path | None = None) -> Iterator[None]:
+def report_errors(folder: Path | None = None) -> Iterator[None]:
     """Tell the user of an error in a sentence, and end with status 2.
 
     An error in the user's own callbacks, in `folder`, is told with the place in them, and ends with
@@ -24,11 +24,11 @@ def told(folder: Path | None = None) -> Iterator[None]:
         if isinstance(error, typer.Exit):
             raise
         if folder is not None and (text := _in_callbacks(error, folder)):
-            tell(text)
+            print_error(text)
             raise typer.Exit(code=1) from error
         if not isinstance(error, (ValueError, TypeError, OSError, ImportError, RuntimeError)):
             raise
-        tell(_sentence(error))
+        print_error(_sentence(error))
         is_callback = "in the callback" in str(error) or getattr(error, "__notes__", None)
         raise typer.Exit(code=1 if is_callback else 2) from error
 
@@ -59,13 +59,13 @@ def _in_callbacks(error: BaseException, folder: Path) -> str | None:
     return "".join(lines).rstrip()
 
 
-def tell(error: object) -> None:
+def print_error(error: object) -> None:
     """Print an error message."""
     console = Console(stderr=True, soft_wrap=True)
     console.print("[bold red]error:[/] ", end="")
     console.print(str(error), markup=False, highlight=False)
 
 
-def note(text: str) -> None:
+def print_note(text: str) -> None:
     """Print a remark beside the results."""
     Console(stderr=True, soft_wrap=True).print(text, markup=False, highlight=False)

@@ -22,6 +22,6 @@ def notebooks(
     """Copy the notebooks for students into a folder."""
     from robsim._base.shipped import copy_notebooks
 
-    with errors.told():
+    with errors.report_errors():
         files = copy_notebooks(folder)
     print(f"written to {folder}: {', '.join(file.name for file in files)}")

@@ -24,13 +24,13 @@ def finish(
     record: Path | None = None,
 ) -> None:
     """Write the results of a run, and say what they are."""
-    from robsim.cli.detection_failure import why_not_seen
+    from robsim.cli.detection_failure import explain_no_detection
     from robsim.cli.results import write_results
 
     if not len(simulation.trace):
-        errors.note("no steps, no results")
+        errors.print_note("no steps, no results")
         return
-    with errors.told():
+    with errors.report_errors():
         results = write_results(out, simulation)
         _write_videos(simulation, video, record)
     if as_json:
@@ -38,10 +38,10 @@ def finish(
         return
     if text := str(results):
         print(text)
-    if reason := why_not_seen(simulation.trace, simulation.locator):
-        errors.note(reason)
+    if reason := explain_no_detection(simulation.trace, simulation.markers):
+        errors.print_note(reason)
     if results.tracking is None:
-        errors.note("not tracked: add --measure, or write a measure.py with ENABLED = True")
+        errors.print_note("not tracked: add --measure, or write a measure.py with ENABLED = True")
     print(f"written to {out}: {', '.join(file.name for file in results.files)}")
     for file in filter(None, (video, record)):
         print(f"written: {file}")
@@ -63,14 +63,14 @@ def _write_videos(simulation: Simulation, video: Path | None, record: Path | Non
 
 
 def _frames(simulation: Simulation) -> Iterator[Frame]:
-    return (simulation.frame_of(int(k)) for k in simulation.trace.k)
+    return (simulation.render_step(int(k)) for k in simulation.trace.k)
 
 
 def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Trace) -> None:
     """Write the frames of a run to a video file, with a progress bar."""
     from tqdm.auto import tqdm
 
-    from robsim.imaging._video import write_video
+    from robsim.imaging._video import save_video
 
     shown = tqdm(frames, total=len(trace), unit="frame", desc=file.name)
-    write_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))
+    save_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))

@@ -95,7 +95,7 @@ def write_results(out: Path, simulation: Simulation) -> Results:
 
 
 def _camera_figure(simulation: Simulation) -> Any:
-    newest = simulation.newest
+    newest = simulation.last_step
     is_tracked = "x_measured" in simulation.trace.names
     axes = plotting.plot_frame(
         newest.frame,

@@ -41,15 +41,15 @@ def list_robots() -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from robsim.robots._default_robot import chosen_robot, gone
+    from robsim.robots._default_robot import default_robot, gone
     from robsim.robots._lookup import find_folder, own_robots, shipped_robots
 
     wrong: list[object] = []
     chosen = None
     try:
-        chosen = find_folder(chosen_robot())
+        chosen = find_folder(default_robot())
         if chosen is None:
-            wrong.append(gone(chosen_robot()))
+            wrong.append(gone(default_robot()))
     except ValueError as error:
         wrong.append(error)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
@@ -64,7 +64,7 @@ def list_robots() -> None:
                 wrong.append(f"{folder}: another robot of this name comes first: rename the folder")
     Console().print(table)
     for sentence in wrong:
-        errors.tell(sentence)
+        errors.print_error(sentence)
 
 
 @app.command(epilog="Example: robsim robots show lab")
@@ -83,7 +83,7 @@ def show(
     from robsim.plotting import plot_robot
     from robsim.robots import check_colors, load_robot
 
-    with errors.told():
+    with errors.report_errors():
         robot = load_robot(name)
         problems = check_colors(robot, colors)
         file = out or Path(f"robot-{re.sub(r'[^A-Za-z0-9_-]+', '-', robot.name)}.png")
@@ -93,7 +93,7 @@ def show(
     print(_described(robot))
     print(f"drawn in {file}")
     for problem in problems:
-        errors.tell(problem)
+        errors.print_error(problem)
 
 
 @app.command(
@@ -149,7 +149,7 @@ def add(
     """Add a robot to your own ones."""
     from robsim.robots import add_robot
 
-    with errors.told():
+    with errors.report_errors():
         robot = add_robot(
             name,
             source,
@@ -179,7 +179,7 @@ def rotate(
     """Turn the picture of one of your robots until it faces right."""
     from robsim.robots import rotate_robot
 
-    with errors.told():
+    with errors.report_errors():
         robot = rotate_robot(name, degrees)
     print(_described(robot))
 
@@ -187,31 +187,31 @@ def rotate(
 @app.command(epilog="Example: robsim robots use lab")
 def use(name: Name) -> None:
     """Choose the robot in use; the choice is kept."""
-    from robsim.robots import chosen_robot, use_robot
+    from robsim.robots import default_robot, set_default_robot
 
-    with errors.told():
-        use_robot(name)
-        print(f"in use: {chosen_robot()}")
+    with errors.report_errors():
+        set_default_robot(name)
+        print(f"in use: {default_robot()}")
 
 
 @app.command(epilog="Example: robsim robots reset")
 def reset() -> None:
     """Go back to the robot "lab"."""
-    from robsim.robots import chosen_robot, reset_robot
+    from robsim.robots import default_robot, reset_default_robot
 
-    with errors.told():
-        reset_robot()
-        print(f"in use: {chosen_robot()}")
+    with errors.report_errors():
+        reset_default_robot()
+        print(f"in use: {default_robot()}")
 
 
 @app.command(epilog="Example: robsim robots remove mine")
 def remove(name: Name) -> None:
     """Remove one of your robots."""
-    from robsim.robots import chosen_robot, remove_robot
+    from robsim.robots import default_robot, remove_robot
 
-    with errors.told():
+    with errors.report_errors():
         remove_robot(name)
-        print(f"removed: {name}; in use: {chosen_robot()}")
+        print(f"removed: {name}; in use: {default_robot()}")
 
 
 def _numbers_of(folder: Path, wrong: list[object]) -> tuple[str, str, str]:
@@ -223,7 +223,7 @@ def _numbers_of(folder: Path, wrong: list[object]) -> tuple[str, str, str]:
     except ValueError as error:
         wrong.append(error)
         return "damaged", "", ""
-    return f"{robot.size:g} px", _alignment(robot), f"{robot.locator().distance:.1f} px"
+    return f"{robot.size:g} px", _alignment(robot), f"{robot.marker_layout().distance:.1f} px"
 
 
 def _alignment(robot: RobotDefinition) -> str:
@@ -233,16 +233,16 @@ def _alignment(robot: RobotDefinition) -> str:
 
 def _described(robot: RobotDefinition) -> str:
     height, width = robot.image.shape[:2]
-    locator = robot.locator()
+    markers = robot.marker_layout()
     assert robot.centre is not None
     right, down = robot.centre
-    side = "behind" if locator.offset >= 0 else "ahead of"
-    offset = f"{abs(locator.offset):.1f} px {side} the centre"
+    side = "behind" if markers.offset >= 0 else "ahead of"
+    offset = f"{abs(markers.offset):.1f} px {side} the centre"
     return (
         f"{robot.name}: picture of {width} x {height} px, {robot.size:g} px wide on the work area\n"
         f"  alignment  {_alignment(robot)}\n"
         f"  centre     at ({right:.1f}, {down:.1f}) of the picture\n"
         f"  outline    reaches {robot.radius:.1f} px from the centre\n"
-        f"  markers    {locator.distance:.1f} px apart, {offset}\n"
-        f"  areas      red {locator.red_area:.0f}, blue {locator.blue_area:.0f} px of the work area"
+        f"  markers    {markers.distance:.1f} px apart, {offset}\n"
+        f"  areas      red {markers.red_area:.0f}, blue {markers.blue_area:.0f} px of the work area"
     )

@@ -35,7 +35,7 @@ def new(
     """Write the default callbacks into a folder."""
     from robsim.simulation._folders.callback_folder import new_folder
 
-    with errors.told():
+    with errors.report_errors():
         files = new_folder(folder)
     print(f"written to {folder}: {', '.join(file.name for file in files)}")
     print(f"edit them, then: robsim run {folder}")
@@ -75,8 +75,8 @@ def run(
         str, typer.Option("--rotation", help="phases: 36 headings are shown. continuous: all.")
     ] = "phases",
     robot: Robot = None,
-    locator: Annotated[
-        str | None, typer.Option("--locator", help="Robot whose markers to look for.")
+    markers: Annotated[
+        str | None, typer.Option("--markers", help="Robot whose markers to look for.")
     ] = None,
     colors: Colors = None,
     smoothing: Smoothing = None,
@@ -109,10 +109,10 @@ def run(
     from robsim.imaging._video import VideoWriter
     from robsim.simulation._simulation import Simulation
 
-    with errors.told(folder):
+    with errors.report_errors(folder):
         options: dict[str, Any] = {
             "robot": robot,
-            "locator": locator,
+            "markers": markers,
             "colors": colors,
             "smoothing": smoothing,
             "area": size("--area", area),
@@ -148,10 +148,12 @@ def run_kept(simulation: Simulation, steps: int | None, out: Path) -> None:
     try:
         simulation.run(steps, progress=True)
     except KeyboardInterrupt:
-        errors.note(f"stopped after {len(simulation.trace)} steps")
+        errors.print_note(f"stopped after {len(simulation.trace)} steps")
     except BaseException:
         if trace := simulation.trace:
             out.mkdir(parents=True, exist_ok=True)
             trace.save(out / "cut-short.npz")
-            errors.note(f"the {len(trace)} steps until then are kept in {out / 'cut-short.npz'}")
+            errors.print_note(
+                f"the {len(trace)} steps until then are kept in {out / 'cut-short.npz'}"
+            )
         raise

@@ -62,7 +62,7 @@ def track(
     from robsim.imaging._recordings import Recording
     from robsim.simulation._simulation import Simulation
 
-    with errors.told():
+    with errors.report_errors():
         check_folder(out)
         if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
             raise ValueError(f"--out {out} would overwrite {source}: give another folder")
@@ -78,7 +78,7 @@ def track(
     try:
         simulation.run(progress=True)
     except KeyboardInterrupt:
-        errors.note(f"stopped after {len(simulation.trace)} frames")
+        errors.print_note(f"stopped after {len(simulation.trace)} frames")
     except Exception as error:
         failure = error
     if count := len(simulation.trace):
@@ -86,8 +86,8 @@ def track(
         if video:
             _write_video(simulation, recording, out / VIDEO)
         if failure is not None:
-            errors.note(f"the {count} frames before the error are tracked")
-    with errors.told():
+            errors.print_note(f"the {count} frames before the error are tracked")
+    with errors.report_errors():
         if failure is not None:
             raise failure
 
@@ -99,12 +99,12 @@ def _write_video(simulation: Simulation, recording: Recording, file: Path) -> No
     try:
         load_opencv("writing a video")
     except ImportError as error:
-        errors.note(f"no {file.name}: {error}")
+        errors.print_note(f"no {file.name}: {error}")
         return
     shown = annotated_frames(
         recording,
         simulation.trace,
         simulation=simulation,
     )
-    with errors.told():
+    with errors.report_errors():
         write_with_progress(file, shown, simulation.trace)

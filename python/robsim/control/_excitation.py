@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats, number, whole
+from robsim._base.checks import Floats, check_float, check_int
 from robsim._base.options import choice
 from robsim._core import DriveAround, Spin, Step
 
@@ -41,7 +41,7 @@ class _Excitation:
     high: float = 1.5  # V
 
     def __post_init__(self) -> None:
-        low, high = number("low", self.low, "V"), number("high", self.high, "V")
+        low, high = check_float("low", self.low, "V"), check_float("high", self.high, "V")
         if low >= high:
             raise ValueError(f"low must be below high (V), got low={low:g} and high={high:g}")
 
@@ -97,8 +97,8 @@ class PseudoRandomBinary(_Excitation):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        whole("hold", self.hold, least=1, most=2**31 - 1)
-        order = whole("order", self.order, least=min(_FED_BACK), most=max(_FED_BACK))
+        check_int("hold", self.hold, minimum=1, maximum=2**31 - 1)
+        order = check_int("order", self.order, minimum=min(_FED_BACK), maximum=max(_FED_BACK))
         bits = _maximum_length_sequence(order)
         start = _random(self.seed).integers(len(bits))
         object.__setattr__(self, "_bits", np.roll(bits, -start))
@@ -131,7 +131,7 @@ def _maximum_length_sequence(order: int) -> NDArray[np.bool_]:
 
 
 def _random(seed: int) -> np.random.Generator:
-    return np.random.default_rng(whole("seed", seed, least=0, most=_MOST_SEED))
+    return np.random.default_rng(check_int("seed", seed, minimum=0, maximum=_MOST_SEED))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,8 +143,10 @@ class _Band(_Excitation):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        lowest = number("lowest_frequency", self.lowest_frequency, "Hz", above=0)
-        highest = number("highest_frequency", self.highest_frequency, "Hz", above=0)
+        lowest = check_float("lowest_frequency", self.lowest_frequency, "Hz", exclusive_minimum=0)
+        highest = check_float(
+            "highest_frequency", self.highest_frequency, "Hz", exclusive_minimum=0
+        )
         if lowest >= highest:
             raise ValueError(
                 f"lowest_frequency must be below highest_frequency (Hz), got {lowest:g} and "
@@ -297,7 +299,7 @@ class Chirp(_Band):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        number("duration", self.duration, "s", above=0)
+        check_float("duration", self.duration, "s", exclusive_minimum=0)
 
     def frequencies(self, t: float) -> tuple[float, float]:
         """Return the frequencies of the left and of the right motor at a time (Hz).

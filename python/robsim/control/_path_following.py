@@ -8,7 +8,7 @@ from dataclasses import KW_ONLY, dataclass, field, fields
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats, number
+from robsim._base.checks import Floats, check_float
 from robsim._core import Step, wrap_angle
 from robsim.control._waypoints import as_waypoints, nearest_on_segment
 
@@ -72,7 +72,7 @@ class _Drive:
             "turn_gain": "V per rad/s",
             "min_voltage": "V",
         }.items():
-            number(name, getattr(self, name), unit, least=0)
+            check_float(name, getattr(self, name), unit, minimum=0)
 
     def __repr__(self) -> str:
         # what comes first in a call comes first here
@@ -165,8 +165,8 @@ class GoToPoint(_Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        number("x", self.x, "px")
-        number("y", self.y, "px")
+        check_float("x", self.x, "px")
+        check_float("y", self.y, "px")
 
     def __call__(self, step: Step) -> tuple[float, float]:
         """Return the voltages (u1, u2) of a step."""
@@ -224,8 +224,8 @@ class FollowPath(_Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        number("reach", self.reach, "px", least=0)
-        number("lookahead", self.lookahead, "px", least=0)
+        check_float("reach", self.reach, "px", minimum=0)
+        check_float("lookahead", self.lookahead, "px", minimum=0)
         object.__setattr__(self, "waypoints", as_waypoints(self.waypoints))
 
     @property

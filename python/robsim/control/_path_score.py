@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats, number
+from robsim._base.checks import Floats, check_float
 from robsim.control._waypoints import as_waypoints, nearest_on_segment
 from robsim.trace._trace import Trace
 
@@ -101,7 +101,7 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, reach: float = 25.0) -> Pa
     if not isinstance(trace, Trace):
         raise TypeError(f"trace must be a Trace, got {trace!r}")
     points = as_waypoints(waypoints)
-    reach = number("reach", reach, "px", least=0)
+    reach = check_float("reach", reach, "px", minimum=0)
     source, poses = _known_poses(trace)
     rows = np.flatnonzero(np.isfinite(poses[:, :2]).all(axis=1))
     if not len(rows):

@@ -1,8 +1,8 @@
 """The estimator doctor: what is wrong with a student's estimator, and where."""
 
-from robsim.doctor._check_report import Checkup, Finding
+from robsim.doctor._check_report import CheckReport, Problem
 from robsim.doctor._parameter_estimators import check_parameter_estimator
-from robsim.doctor._source_line import StudentsLine
+from robsim.doctor._source_line import SourceLine
 from robsim.doctor._state_estimators import check_estimator
 
-__all__ = ["Checkup", "Finding", "StudentsLine", "check_estimator", "check_parameter_estimator"]
+__all__ = ["CheckReport", "Problem", "SourceLine", "check_estimator", "check_parameter_estimator"]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from html import escape
 
-from robsim.doctor._source_line import StudentsLine
+from robsim.doctor._source_line import SourceLine
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class Problem:
     """Something that is wrong with an estimator.
 
     Attributes
@@ -22,7 +22,7 @@ class Finding:
         What the robot was doing; empty if it does not matter.
     step : int or None
         The first step at which it showed; None = no step of its own.
-    line : StudentsLine or None
+    line : SourceLine or None
         The line that failed, or the function that misbehaves; None = not known.
     """
 
@@ -30,7 +30,7 @@ class Finding:
     sentence: str
     situation: str = ""
     step: int | None = None
-    line: StudentsLine | None = None
+    line: SourceLine | None = None
 
     @property
     def place(self) -> str:
@@ -44,35 +44,35 @@ class Finding:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Checkup:
+class CheckReport:
     """What the doctor says of an estimator. It is true if nothing is wrong.
 
     Attributes
     ----------
     name : str
         The estimator.
-    findings : tuple of Finding
+    problems : tuple of Problem
         What is wrong, the cause first; what follows from it is left out.
     remarks : tuple of str
         What is not wrong, but worth a thought.
     """
 
     name: str
-    findings: tuple[Finding, ...] = ()
+    problems: tuple[Problem, ...] = ()
     remarks: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
-        return not self.findings
+        return not self.problems
 
     @property
     def title(self) -> str:
         """The verdict in a line."""
-        if not self.findings:
+        if not self.problems:
             return f"{self.name} is well"
-        count = len(self.findings)
-        return f"{self.name} is ill: {count} finding{'s' if count > 1 else ''}"
+        count = len(self.problems)
+        return f"{self.name} is ill: {count} problem{'s' if count > 1 else ''}"
 
-    def raise_if_ill(self) -> Checkup:
+    def raise_for_problems(self) -> CheckReport:
         """Return the checkup if nothing is wrong.
 
         Raises
@@ -80,34 +80,34 @@ class Checkup:
         AssertionError
             If something is: with all the sentences.
         """
-        if self.findings:
+        if self.problems:
             raise AssertionError(str(self))
         return self
 
     def __str__(self) -> str:
         lines = [self.title]
-        for number, finding in enumerate(self.findings, 1):
-            lines.append(f"  {number}. {finding}")
-            if finding.line and finding.line.text:
-                lines.append(f"     > {finding.line.text}")
+        for number, problem in enumerate(self.problems, 1):
+            lines.append(f"  {number}. {problem}")
+            if problem.line and problem.line.text:
+                lines.append(f"     > {problem.line.text}")
         return "\n".join([*lines, *(f"  Remark: {remark}" for remark in self.remarks)])
 
     def __repr__(self) -> str:
         # pytest shows this where `assert checkup` fails, of long ones only the two ends.
-        return f"<{'; '.join(map(str, self.findings)) or self.title}>"
+        return f"<{'; '.join(map(str, self.problems)) or self.title}>"
 
     def _repr_html_(self) -> str:
         items = "".join(
-            f"<li>{escape(finding.sentence)}{_place(finding)}{_code(finding.line)}</li>"
-            for finding in self.findings
+            f"<li>{escape(problem.sentence)}{_place(problem)}{_code(problem.line)}</li>"
+            for problem in self.problems
         )
         remarks = "".join(f"<p>Remark: {escape(remark)}</p>" for remark in self.remarks)
         return f"<p><b>{escape(self.title)}</b></p><ol>{items}</ol>{remarks}"
 
 
-def _place(finding: Finding) -> str:
-    return f"<br><small>{escape(finding.place)}</small>" if finding.place else ""
+def _place(problem: Problem) -> str:
+    return f"<br><small>{escape(problem.place)}</small>" if problem.place else ""
 
 
-def _code(line: StudentsLine | None) -> str:
+def _code(line: SourceLine | None) -> str:
     return f"<br><code>{escape(line.text)}</code>" if line and line.text else ""

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim.doctor._check_report import Finding
-from robsim.doctor._trial import Patient, Trial
+from robsim.doctor._check_report import Problem
+from robsim.doctor._trial import EstimatorUnderTest, Trial
 
 # Both relative to the variances: far above rounding, far below what an error in a formula makes.
 _SYMMETRIC = 1e-6
 _POSITIVE = 1e-12
 
 
-def covariance_finding(patient: Patient, trial: Trial) -> Finding | None:
+def covariance_problem(estimator: EstimatorUnderTest, trial: Trial) -> Problem | None:
     """Return at which step the covariance of a state estimator is none, and why.
 
     It has to be positive definite: NEES and every ellipse need its inverse, and who claims to know
@@ -21,7 +21,7 @@ def covariance_finding(patient: Patient, trial: Trial) -> Finding | None:
 
     Parameters
     ----------
-    patient : Patient
+    estimator : EstimatorUnderTest
         The estimator.
     trial : Trial
         What it returned.
@@ -30,12 +30,12 @@ def covariance_finding(patient: Patient, trial: Trial) -> Finding | None:
         fault = _fault(output[3:12].reshape(3, 3))
         if fault is not None:
             kind, sentence = fault
-            return Finding(
+            return Problem(
                 kind=kind,
                 sentence=sentence,
                 situation=trial.situation.name,
                 step=k,
-                line=patient.line,
+                line=estimator.line,
             )
     return None
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-from robsim.doctor._check_report import Finding
+from robsim.doctor._check_report import Problem
 from robsim.doctor._source_line import line_of_error
-from robsim.doctor._trial import TIME_LIMIT, BadResult, Patient, Trial
+from robsim.doctor._trial import TIME_LIMIT, BadResult, EstimatorUnderTest, Trial
 
 _REFUSED = re.compile(r"(pose|covariance|state) must be ")
 _NO_SAMPLE = "step.sample is None at the start, after a bounce and where the robot is not seen"
@@ -14,31 +14,31 @@ _NEVER_SEEN = "step.measurement is None before the robot is seen for the first t
 _NOT_SEEN = "step.measurement is None where the robot is not seen"
 
 
-def finding_of(patient: Patient, trial: Trial) -> Finding:
-    """Return what ended a trial, as a finding."""
+def problem_of(estimator: EstimatorUnderTest, trial: Trial) -> Problem:
+    """Return what ended a trial, as a problem."""
     assert trial.error is not None
     kind, sentence = _explained(trial.error)
     missing = _missing(trial)
     if missing is not None and kind != "too slow":
         kind, reason = missing
         sentence = f"{reason}: then {sentence}"
-    return Finding(
+    return Problem(
         kind=kind,
         sentence=sentence,
         situation=trial.situation.name,
         step=trial.failed_at,
-        line=line_of_error(trial.error) or patient.line,
+        line=line_of_error(trial.error) or estimator.line,
     )
 
 
-def finding_of_make(patient: Patient, error: BaseException) -> Finding:
-    """Return why there is no estimator at all, as a finding."""
+def problem_of_make(estimator: EstimatorUnderTest, error: BaseException) -> Problem:
+    """Return why there is no estimator at all, as a problem."""
     kind, sentence = _explained(error)
     if not isinstance(error, BadResult):
         kind, sentence = "make fails", f"make() gives no estimator: {sentence}"
     if isinstance(error, TypeError) and "argument" in str(error):
         sentence += "; make takes none and returns a fresh estimator, as its class may do"
-    return Finding(kind=kind, sentence=sentence, line=line_of_error(error) or patient.line)
+    return Problem(kind=kind, sentence=sentence, line=line_of_error(error) or estimator.line)
 
 
 def _explained(error: BaseException) -> tuple[str, str]:

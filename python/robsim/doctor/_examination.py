@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from robsim._base.checks import number
-from robsim.doctor._check_report import Checkup, Finding
-from robsim.doctor._errors import finding_of_make
-from robsim.doctor._trial import NoEstimator, Patient, Slot
+from robsim._base.checks import check_float
+from robsim.doctor._check_report import CheckReport, Problem
+from robsim.doctor._errors import problem_of_make
+from robsim.doctor._trial import EstimatorUnderTest, NoEstimator, Slot
 
 BUDGET = 0.02  # s a call: a tenth of the default dt
 
-Battery = Callable[[Patient], Iterable[Finding | str]]
+Checks = Callable[[EstimatorUnderTest], Iterable[Problem | str]]
 
 
-def examine(make: Callable[[], Any], slot: Slot, budget: float, battery: Battery) -> Checkup:
-    """Return what a battery finds in an estimator: findings, and remarks as strings.
+def examine(make: Callable[[], Any], slot: Slot, budget: float, checks: Checks) -> CheckReport:
+    """Return what a checks finds in an estimator: problems, and remarks as strings.
 
     Parameters
     ----------
@@ -26,35 +26,37 @@ def examine(make: Callable[[], Any], slot: Slot, budget: float, battery: Battery
         What it is for.
     budget : float
         Time that a call may take, in the median (s).
-    battery : callable
-        ``battery(patient)``: what is found, one after the other, the cause first.
+    checks : callable
+        ``checks(estimator)``: what is found, one after the other, the cause first.
     """
     if not callable(make):
         raise TypeError(
             f"make must be callable and return a fresh estimator, such as its class, got {make!r}"
         )
-    patient = Patient(make, slot, number("budget", budget, "s", above=0))
-    findings: list[Finding] = []
+    estimator = EstimatorUnderTest(
+        make, slot, check_float("budget", budget, "s", exclusive_minimum=0)
+    )
+    problems: list[Problem] = []
     remarks: list[str] = []
     try:
-        for item in battery(patient):
-            if isinstance(item, Finding):
-                findings.append(item)
+        for item in checks(estimator):
+            if isinstance(item, Problem):
+                problems.append(item)
             else:
                 remarks.append(item)
     except NoEstimator as none:
-        findings.append(finding_of_make(patient, none.reason))
-    return Checkup(
-        name=patient.name,
-        findings=(*findings, *_printed(patient)),
+        problems.append(problem_of_make(estimator, none.reason))
+    return CheckReport(
+        name=estimator.name,
+        problems=(*problems, *_printed(estimator)),
         remarks=tuple(remarks),
     )
 
 
-def _printed(patient: Patient) -> list[Finding]:
-    text = patient.ear.text
+def _printed(estimator: EstimatorUnderTest) -> list[Problem]:
+    text = estimator.stdout.text
     if not text:
         return []
     text = text if len(text) <= 40 else f"{text[:40]} ..."
     sentence = f"it prints, {text!r} at first: in a run of 800 steps nobody can read that"
-    return [Finding(kind="prints", sentence=sentence, line=patient.ear.line or patient.line)]
+    return [Problem(kind="prints", sentence=sentence, line=estimator.stdout.line or estimator.line)]

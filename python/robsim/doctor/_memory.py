@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim.doctor._check_report import Finding
-from robsim.doctor._errors import finding_of
+from robsim.doctor._check_report import Problem
+from robsim.doctor._errors import problem_of
 from robsim.doctor._situations import Situation
-from robsim.doctor._trial import Patient, Trial
+from robsim.doctor._trial import EstimatorUnderTest, Trial
 
 # Relative; the same sums may round differently where arrays lie differently in memory.
 _SAME = 1e-6
@@ -25,44 +25,46 @@ def first_difference(one: Floats, other: Floats) -> int | None:
     return int(differs.argmax()) if differs.any() else None
 
 
-def replay_finding(patient: Patient, alone: Trial) -> Finding | None:
+def replay_problem(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
     """Return what a second estimator knows of the run of the first, or of the future.
 
     Parameters
     ----------
-    patient : Patient
+    estimator : EstimatorUnderTest
         The estimator.
     alone : Trial
         What a first one did in a situation.
     """
-    again = patient.try_in(alone.situation.first(len(alone.situation.u) // 2))
+    again = estimator.try_in(alone.situation.first(len(alone.situation.u) // 2))
     step = _difference(again, alone)
-    return None if step is None else _not_the_same(patient, alone, again, step)
+    return None if step is None else _not_the_same(estimator, alone, again, step)
 
 
-def together_finding(patient: Patient, alone: Trial, other: Situation) -> Finding | None:
+def together_problem(
+    estimator: EstimatorUnderTest, alone: Trial, other: Situation
+) -> Problem | None:
     """Return that two estimators at the same time influence each other.
 
     Parameters
     ----------
-    patient : Patient
+    estimator : EstimatorUnderTest
         The estimator.
     alone : Trial
         What one did in a situation.
     other : Situation
         Another one, for a second estimator beside it.
     """
-    together = patient.try_together(alone.situation.first(_TOGETHER), other)
+    together = estimator.try_together(alone.situation.first(_TOGETHER), other)
     step = _difference(together, alone)
     if step is None:
         return None
-    return Finding(
+    return Problem(
         kind="shared memory",
         sentence="two estimators from make() influence each other, as with a global variable or "
         "a list in the class: keep all memory in self, set in __init__, or in variables of make",
         situation="two robots at the same time",
         step=step,
-        line=patient.line,
+        line=estimator.line,
     )
 
 
@@ -72,17 +74,17 @@ def _difference(trial: Trial, alone: Trial) -> int | None:
     return trial.failed_at if step is None and trial.error else step
 
 
-def _not_the_same(patient: Patient, alone: Trial, again: Trial, step: int) -> Finding:
+def _not_the_same(estimator: EstimatorUnderTest, alone: Trial, again: Trial, step: int) -> Problem:
     if again.error is not None:
-        return finding_of(patient, again)
-    whole = patient.try_in(alone.situation)
+        return problem_of(estimator, again)
+    whole = estimator.try_in(alone.situation)
     if _difference(whole, alone) is None:
         kind, sentence = (
             "future",
             "its result depends on what comes later: the first half of a run, alone, gives "
             "another one than within the whole run",
         )
-    elif _changes_less(alone.outputs, again.outputs, patient.try_in(again.situation).outputs):
+    elif _changes_less(alone.outputs, again.outputs, estimator.try_in(again.situation).outputs):
         kind, sentence = (
             "earlier run",
             "a fresh one from make() remembers the run before: set all memory in __init__ (or "
@@ -94,8 +96,8 @@ def _not_the_same(patient: Patient, alone: Trial, again: Trial, step: int) -> Fi
             "the same steps give another result each time: give its random numbers a fixed seed, "
             "np.random.default_rng(1)",
         )
-    return Finding(
-        kind=kind, sentence=sentence, situation=again.situation.name, step=step, line=patient.line
+    return Problem(
+        kind=kind, sentence=sentence, situation=again.situation.name, step=step, line=estimator.line
     )
 
 

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import Floats, whole
-from robsim._core import regression_samples
-from robsim.doctor._check_report import Checkup, Finding
-from robsim.doctor._errors import finding_of
+from robsim._base.checks import Floats, check_int
+from robsim._core import regression
+from robsim.doctor._check_report import CheckReport, Problem
+from robsim.doctor._errors import problem_of
 from robsim.doctor._examination import BUDGET, examine
-from robsim.doctor._memory import replay_finding, together_finding
+from robsim.doctor._memory import replay_problem, together_problem
 from robsim.doctor._situations import DT, STANDS, Situation, excited, resting
 from robsim.doctor._stages import PARAMETERS
-from robsim.doctor._trial import BadResult, Patient, Trial
+from robsim.doctor._trial import BadResult, EstimatorUnderTest, Trial
 
 _SHORT = 400  # steps
 _FAR = 10.0  # times the way of a step: who predicts that badly has lost the robot
@@ -25,10 +25,10 @@ _RELEARNED = 100  # steps after which it has found its way again
 
 def check_parameter_estimator(
     make: Callable[[], Any], *, updates: int = 10_000, budget: float = BUDGET
-) -> Checkup:
-    """Run a parameter estimator through a battery of situations and say what is wrong with it.
+) -> CheckReport:
+    """Run a parameter estimator through a checks of situations and say what is wrong with it.
 
-    What follows from another finding is left out: mend that, and check again.
+    What follows from another problem is left out: mend that, and check again.
 
     Parameters
     ----------
@@ -44,9 +44,9 @@ def check_parameter_estimator(
 
     Returns
     -------
-    Checkup
-        True if nothing is wrong. In a test, ``check_parameter_estimator(make).raise_if_ill()``
-        shows every sentence.
+    CheckReport
+        True if nothing is wrong. In a test, call its ``raise_for_problems()``: that shows every
+        sentence.
 
     Raises
     ------
@@ -57,32 +57,32 @@ def check_parameter_estimator(
     --------
     >>> print(robsim.check_parameter_estimator(MyLeastSquares))
     """
-    updates = whole("updates", updates, least=1000, most=10_000_000)
-    return examine(make, PARAMETERS, budget, partial(_battery, updates=updates))
+    updates = check_int("updates", updates, minimum=1000, maximum=10_000_000)
+    return examine(make, PARAMETERS, budget, partial(_checks, updates=updates))
 
 
-def _battery(patient: Patient, updates: int) -> Iterator[Finding]:
+def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem]:
     drive = excited(DT, updates)
-    alone = patient.try_in(drive.first(_SHORT))
+    alone = estimator.try_in(drive.first(_SHORT))
     if alone.error is not None:
-        yield finding_of(patient, alone)
+        yield problem_of(estimator, alone)
         return
     rests = resting(DT)
     # With one of these, nothing below would mean anything.
     root = (
-        _still(patient, alone)
-        or replay_finding(patient, alone)
-        or together_finding(patient, alone, rests)
-        or _bad(patient, alone)
-        or _diverged(patient, drive)
+        _still(estimator, alone)
+        or replay_problem(estimator, alone)
+        or together_problem(estimator, alone, rests)
+        or _bad(estimator, alone)
+        or _diverged(estimator, drive)
     )
     if root is not None:
         yield root
         return
-    yield from _rested(patient, rests)
+    yield from _rested(estimator, rests)
 
 
-def _still(patient: Patient, alone: Trial) -> Finding | None:
+def _still(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
     """Return that nothing was learned."""
     learned = alone.outputs[np.isfinite(alone.outputs).all(axis=1)]
     if len(learned) == 0:
@@ -91,15 +91,15 @@ def _still(patient: Patient, alone: Trial) -> Finding | None:
         what = "its parameters never change: phi and y have no effect"
     else:
         return None
-    return Finding(
-        kind="never learns", sentence=what, situation=alone.situation.name, line=patient.line
+    return Problem(
+        kind="never learns", sentence=what, situation=alone.situation.name, line=estimator.line
     )
 
 
 def _misses(trial: Trial) -> Floats:
     """Return how far predictions miss at each step, the worst axis, in ways of a usual step."""
     situation = trial.situation
-    phi, y = regression_samples(situation.poses, situation.u)
+    phi, y = regression(situation.poses, situation.u)
     phi, y = (part[: len(trial.outputs) - 2] for part in (phi, y))
     # The sample of step k and what was known at step k - 1.
     theta = trial.outputs[1:-1].reshape(-1, 3, 5)
@@ -110,40 +110,40 @@ def _misses(trial: Trial) -> Floats:
     return np.concatenate((np.full(2, np.nan), relative.max(axis=1)))
 
 
-def _bad(patient: Patient, alone: Trial) -> Finding | None:
+def _bad(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
     """Return that what was learned predicts nothing."""
     miss = float(np.median(_misses(alone)[-100:]))
     if miss < 1:
         return None
-    return Finding(
+    return Problem(
         kind="learns wrong",
         sentence=f"after {_SHORT} samples y - phi @ theta is {miss:.3g} times the way of a step, "
         "so that its parameters are worth nothing: look at the gain, the signs and the order of "
         "rows and columns",
         situation=alone.situation.name,
         step=_SHORT - 1,
-        line=patient.line,
+        line=estimator.line,
     )
 
 
-def _diverged(patient: Patient, drive: Situation) -> Finding | None:
+def _diverged(estimator: EstimatorUnderTest, drive: Situation) -> Problem | None:
     """Return that it is right at first and loses its way later."""
-    trial = patient.try_in(drive)
+    trial = estimator.try_in(drive)
     is_far = _misses(trial) > _FAR
     is_far[:_SHORT] = False
     if trial.error is None and not is_far.any():
         return None
     if trial.error is not None and not _is_numerical(trial.error):
-        return finding_of(patient, trial)
+        return problem_of(estimator, trial)
     k = int(is_far.argmax()) if is_far.any() else trial.failed_at
-    return Finding(
+    return Problem(
         kind="diverges",
         sentence="its parameters are good at first and run away later: if it forgets (lambda < 1) "
         "with P = (P - outer(K, phi @ P)) / lambda, rounding makes P asymmetric and grows; put "
         "P = (P + P.T) / 2 after it",
         situation="robot drives around for long",
         step=k,
-        line=patient.line,
+        line=estimator.line,
     )
 
 
@@ -154,28 +154,28 @@ def _is_numerical(error: BaseException) -> bool:
     return isinstance(error, (ArithmeticError, np.linalg.LinAlgError))
 
 
-def _rested(patient: Patient, rests: Situation) -> Iterator[Finding]:
+def _rested(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[Problem]:
     """Yield what a long rest, in which there is nothing to learn, does to it."""
-    trial = patient.try_in(rests)
+    trial = estimator.try_in(rests)
     after = trial.outputs[STANDS.stop :]
     has_burst = trial.error is not None and _is_numerical(trial.error)
     if trial.error is not None and not has_burst:
-        yield finding_of(patient, trial)
+        yield problem_of(estimator, trial)
     elif not has_burst and (after == after[0]).all():
-        yield Finding(
+        yield Problem(
             kind="freezes",
             sentence=f"after {len(STANDS)} steps of constant input its parameters never change "
             "again: its gain or its P has become 0",
             situation=rests.name,
             step=STANDS.stop,
-            line=patient.line,
+            line=estimator.line,
         )
     elif has_burst or (_misses(trial)[STANDS.stop + _RELEARNED :] > _FAR).any():
-        yield Finding(
+        yield Problem(
             kind="blows up",
             sentence="constant input for long makes its parameters worthless: while there is "
             "nothing to learn, P must not grow without bound",
             situation=rests.name,
             step=trial.failed_at if has_burst else STANDS.stop + _RELEARNED,
-            line=patient.line,
+            line=estimator.line,
         )

@@ -18,7 +18,7 @@ _INSTALLED = tuple({sysconfig.get_path(name) for name in ("stdlib", "platstdlib"
 
 
 @dataclass(frozen=True)
-class StudentsLine:
+class SourceLine:
     """A line of the code that is checked.
 
     Attributes
@@ -46,24 +46,24 @@ class StudentsLine:
         return f"{file}{' ' if is_cell else ''}{self.number} in {self.function}"
 
 
-def line_of_error(error: BaseException) -> StudentsLine | None:
+def line_of_error(error: BaseException) -> SourceLine | None:
     """Return the innermost line of the student's code in a traceback, if there is one."""
     frames = traceback.walk_tb(error.__traceback__)
-    lines = [StudentsLine(f.f_code.co_filename, n, f.f_code.co_name) for f, n in frames]
-    return next((line for line in reversed(lines) if _is_students(line.file)), None)
+    lines = [SourceLine(f.f_code.co_filename, n, f.f_code.co_name) for f, n in frames]
+    return next((line for line in reversed(lines) if _is_users(line.file)), None)
 
 
-def line_of_frame(frame: FrameType | None) -> StudentsLine | None:
+def line_of_frame(frame: FrameType | None) -> SourceLine | None:
     """Return the student's line that a call came from, if there is one."""
     while frame is not None:
         code = frame.f_code
-        if _is_students(code.co_filename):
-            return StudentsLine(code.co_filename, frame.f_lineno, code.co_name)
+        if _is_users(code.co_filename):
+            return SourceLine(code.co_filename, frame.f_lineno, code.co_name)
         frame = frame.f_back
     return None
 
 
-def line_of_callable(function: Any) -> StudentsLine | None:
+def line_of_callable(function: Any) -> SourceLine | None:
     """Return where a function, a method or a callable object is defined, if Python knows."""
     while isinstance(function, functools.partial):
         function = function.func
@@ -75,10 +75,10 @@ def line_of_callable(function: Any) -> StudentsLine | None:
     code = getattr(function, "__code__", None)
     if code is None:
         return None
-    return StudentsLine(code.co_filename, code.co_firstlineno, code.co_name)
+    return SourceLine(code.co_filename, code.co_firstlineno, code.co_name)
 
 
-def _is_students(file: str) -> bool:
+def _is_users(file: str) -> bool:
     if "ipykernel_" in file or file.startswith("<ipython-input"):
         return True
     return not file.startswith((_PACKAGE, *_INSTALLED, "<"))

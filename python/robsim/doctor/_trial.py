@@ -16,7 +16,7 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim._core import Step
 from robsim.doctor._situations import Situation
-from robsim.doctor._source_line import StudentsLine, line_of_callable, line_of_frame
+from robsim.doctor._source_line import SourceLine, line_of_callable, line_of_frame
 from robsim.simulation._simulation import Simulation
 from robsim.simulation._time_limit import TimeLimit
 
@@ -85,12 +85,12 @@ class Trial:
         return len(self.outputs)
 
 
-class Ear(io.TextIOBase):
+class StdoutCapture(io.TextIOBase):
     """A stdout that keeps the first line printed, and what printed it."""
 
     def __init__(self) -> None:
         self._text = ""
-        self.line: StudentsLine | None = None
+        self.line: SourceLine | None = None
 
     @property
     def text(self) -> str:
@@ -106,7 +106,7 @@ class Ear(io.TextIOBase):
         return len(text)
 
 
-class Patient:
+class EstimatorUnderTest:
     """The estimator to be checked.
 
     Parameters
@@ -123,7 +123,7 @@ class Patient:
         self.slot = slot
         self.budget = budget
         self._make = make
-        self.ear = Ear()
+        self.stdout = StdoutCapture()
         self.name = getattr(make, "__name__", repr(make))
         self.line = line_of_callable(make)
 
@@ -157,7 +157,7 @@ class Patient:
 
     @contextmanager
     def _observed(self) -> Iterator[None]:
-        with redirect_stdout(self.ear), warnings.catch_warnings():
+        with redirect_stdout(self.stdout), warnings.catch_warnings():
             # Those of numpy come before an error that says more, or mean nothing.
             warnings.simplefilter("ignore")
             yield
@@ -166,14 +166,14 @@ class Patient:
 class _Rehearsal:
     """A fresh estimator and the simulation around it."""
 
-    def __init__(self, patient: Patient, situation: Situation) -> None:
+    def __init__(self, estimator: EstimatorUnderTest, situation: Situation) -> None:
         self._situation = situation
-        self._callback = patient.fresh()
-        self._patient = patient
+        self._callback = estimator.fresh()
+        self._patient = estimator
         self._outputs: list[Floats] = []
         self._seconds: list[float] = []
         self._error: BaseException | None = None
-        self._simulation = patient.slot.simulate(situation, self._estimate)
+        self._simulation = estimator.slot.simulate(situation, self._estimate)
 
     def _estimate(self, step: Step) -> Any:
         start = time.perf_counter()

@@ -4,9 +4,9 @@ from robsim.evaluation._chi_square import chi_square_band
 from robsim.evaluation._consistency import (
     ConsistencyReport,
     nees,
-    nees_report,
+    nees_consistency,
     nis,
-    nis_report,
+    nis_consistency,
     pose_consistency,
 )
 from robsim.evaluation._cramer_rao import (
@@ -15,8 +15,8 @@ from robsim.evaluation._cramer_rao import (
     pose_bounds,
     posterior_cramer_rao_bound,
 )
-from robsim.evaluation._errors import ErrorReport, error_report, pose_errors, wrapped_error
-from robsim.evaluation._whiteness import WhitenessReport, whiteness_report
+from robsim.evaluation._errors import ErrorReport, estimation_errors, pose_errors, wrapped_error
+from robsim.evaluation._whiteness import WhitenessReport, whiteness
 
 __all__ = [
     "ConsistencyReport",
@@ -24,16 +24,16 @@ __all__ = [
     "WhitenessReport",
     "chi_square_band",
     "cramer_rao_bound",
-    "error_report",
+    "estimation_errors",
     "nees",
-    "nees_report",
+    "nees_consistency",
     "nis",
-    "nis_report",
+    "nis_consistency",
     "parameter_bounds",
     "pose_bounds",
     "pose_consistency",
     "pose_errors",
     "posterior_cramer_rao_bound",
-    "whiteness_report",
+    "whiteness",
     "wrapped_error",
 ]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats, number, whole
+from robsim._base.checks import Floats, check_float, check_int
 
 
 def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floats:
@@ -40,8 +40,8 @@ def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floa
     """
     from scipy.special import chdtri
 
-    n = whole("n", n, least=1, most=10**9)
-    level = number("level", level, above=0.0)
+    n = check_int("n", n, minimum=1, maximum=10**9)
+    level = check_float("level", level, exclusive_minimum=0.0)
     if level >= 1.0:
         raise ValueError(f"level must lie between 0 and 1, got {level!r}")
     counts: Any = np.asarray(runs)

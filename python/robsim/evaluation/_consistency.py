@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robsim._base.checks import Floats, floats
+from robsim._base.checks import Floats, as_float_array
 from robsim.evaluation._chi_square import chi_square_band
 from robsim.evaluation._errors import as_runs, mean_of_known, wrapped_error
-from robsim.evaluation._whiteness import WhitenessReport, whitened, whiteness_report
+from robsim.evaluation._whiteness import WhitenessReport, whitened, whiteness
 from robsim.trace._trace import Trace
 
 #: A filter with fewer of its steps in the band of the NEES is called inconsistent.
 SHARE_IN_BAND = 0.8
 
-#: With fewer runs than this the NEES does not show a filter that is too cautious.
+#: With fewer runs than this the NEES does not show a filter that is conservative.
 ENOUGH_RUNS = 20
 
 #: How far off the mean NEES of enough runs may be: relative, and in its standard errors.
@@ -48,7 +48,7 @@ def nees(error: ArrayLike, covariance: ArrayLike) -> Floats:
     ValueError
         If a covariance is not symmetric and positive definite, or the shapes do not fit.
     """
-    return _squares(whitened(floats("error", error), covariance, name="covariance"))
+    return _squares(whitened(as_float_array("error", error), covariance, name="covariance"))
 
 
 def nis(innovation: ArrayLike, S: ArrayLike) -> Floats:
@@ -71,7 +71,7 @@ def nis(innovation: ArrayLike, S: ArrayLike) -> Floats:
     ValueError
         If an S is not symmetric and positive definite, or the shapes do not fit.
     """
-    return _squares(whitened(floats("innovation", innovation), S))
+    return _squares(whitened(as_float_array("innovation", innovation), S))
 
 
 def _squares(white: Floats) -> Floats:
@@ -121,7 +121,7 @@ class ConsistencyReport:
     this called 1 of 1200 right filters, and 4799 of 4800 with Q or R wrong by a factor of 4 to
     either side. On one run it called 3 of 4800 right ones, 42 to 75 % of those with a Q too small
     by 4, 63 to 100 % of those with an R too small, and none with a Q or R too large: errors that
-    are smaller than claimed lie in the wide band of a single run. The NIS of one run called each
+    are smaller than reported lie in the wide band of a single run. The NIS of one run called each
     wrong R there, and 8 to 100 % of the wrong Q, the more it matters beside R.
 
     Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation,
@@ -189,7 +189,7 @@ class ConsistencyReport:
 
     @property
     def verdict(self) -> str:
-        """Return ``"consistent"``, ``"too confident"``, ``"too cautious"`` or ``"not known"``."""
+        """Return ``"consistent"``, ``"optimistic"``, ``"conservative"`` or ``"not known"``."""
         if not self.counts.any():
             return "not known"
         if self.kind == "NIS":
@@ -201,7 +201,7 @@ class ConsistencyReport:
             is_right, is_large = not self._mean_is_off, self.mean > self.n
         if is_right:
             return "consistent"
-        return "too confident" if is_large else "too cautious"
+        return "optimistic" if is_large else "conservative"
 
     @property
     def _mean_is_off(self) -> bool:
@@ -258,7 +258,7 @@ class ConsistencyReport:
         reasons = [f"{enough}; mean {self.mean:.3g}{spread}, about {self.n} if all is right"]
         if self.runs < ENOUGH_RUNS and self.verdict == "consistent":
             reasons.append(
-                f"one that is too cautious shows only over {ENOUGH_RUNS} runs, or by its NIS"
+                f"one that is conservative shows only over {ENOUGH_RUNS} runs, or by its NIS"
             )
         return reasons
 
@@ -270,7 +270,7 @@ class ConsistencyReport:
         return f"<p><b>{first}</b></p>" + "".join(f"<p>{line}</p>" for line in others)
 
 
-def nees_report(
+def nees_consistency(
     error: ArrayLike, covariance: ArrayLike, *, level: float = 0.95
 ) -> ConsistencyReport:
     """Judge a filter by its errors, which takes the truth.
@@ -298,7 +298,9 @@ def nees_report(
     return _report("NEES", nees(rows, covariance), rows.shape[-1], level)
 
 
-def nis_report(innovation: ArrayLike, S: ArrayLike, *, level: float = 0.95) -> ConsistencyReport:
+def nis_consistency(
+    innovation: ArrayLike, S: ArrayLike, *, level: float = 0.95
+) -> ConsistencyReport:
     """Judge a filter by its innovations, which takes no truth: it works on a real robot.
 
     Parameters
@@ -325,7 +327,7 @@ def nis_report(innovation: ArrayLike, S: ArrayLike, *, level: float = 0.95) -> C
     values = _squares(white)
     lags = min(_LAGS, rows.shape[-2] // 4)
     has_pairs = lags > 0 and not np.isnan(values[..., 1:] + values[..., :-1]).all()
-    test = whiteness_report(white, lags=lags) if has_pairs else None
+    test = whiteness(white, lags=lags) if has_pairs else None
     return _report("NIS", values, rows.shape[-1], level, test)
 
 
@@ -358,12 +360,12 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
             "the trace must have estimates and true poses: run the simulation with "
             "estimate_state=..."
         )
-    report = nees_report(error, covariance, level=level)
+    report = nees_consistency(error, covariance, level=level)
     return replace(report, k=runs[0].k)
 
 
 def _rows(name: str, values: ArrayLike) -> Floats:
-    rows = floats(name, values)
+    rows = as_float_array(name, values)
     if rows.ndim not in (2, 3) or 0 in rows.shape:
         raise ValueError(f"{name} must be of shape (N, n) or (M, N, n), got {rows.shape}")
     return rows

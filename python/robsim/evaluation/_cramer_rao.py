@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robsim._base.checks import Floats, floats
-from robsim._core import regression_samples
+from robsim._base.checks import Floats, as_float_array
+from robsim._core import regression
 from robsim.trace._trace import Trace, check_trace
 
 
@@ -42,8 +42,8 @@ def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:
     Statistical Signal Processing: Estimation Theory, 4.3, 1993. With noise in the regressors, too,
     the true bound is larger.
     """
-    rows = floats("phi", phi)
-    noise = floats("sigma", sigma)
+    rows = as_float_array("phi", phi)
+    noise = as_float_array("sigma", sigma)
     if rows.ndim < 2 or np.broadcast_shapes(noise.shape, rows.shape[1:-1]) != rows.shape[1:-1]:
         raise ValueError(
             f"phi must be of shape (N, ..., n) with a sigma for each ..., got {rows.shape} and "
@@ -106,12 +106,12 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
         If the trace has no true poses, or sigma is not of this kind.
     """
     _check_truth(trace)
-    noise = floats("sigma", sigma)
+    noise = as_float_array("sigma", sigma)
     if noise.shape != (3,):
         raise ValueError(f"sigma must be 3 numbers (px, px, rad), got {sigma!r}")
     phi = np.full((len(trace), 3, 5), np.nan)
     if len(trace) > 2:
-        phi[2:], _ = regression_samples(trace.pose_true, trace.u)
+        phi[2:], _ = regression(trace.pose_true, trace.u)
         phi[2:][trace.bounced[2:] | trace.bounced[1:-1]] = np.nan
     return cramer_rao_bound(phi, noise)
 
@@ -163,7 +163,7 @@ def posterior_cramer_rao_bound(
     Here for J^-1 = P, which allows a singular Q. For a linear system it is the covariance of the
     Kalman filter. Average over runs where the trajectories differ much.
     """
-    F, H, Q, R, P = map(floats, ("F", "H", "Q", "R", "P0"), (F, H, Q, R, P0))
+    F, H, Q, R, P = map(as_float_array, ("F", "H", "Q", "R", "P0"), (F, H, Q, R, P0))
     has_measurement = _seen_steps(F, seen)
     steps, n, m = (
         len(has_measurement),
@@ -249,11 +249,11 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
             f"trace must have no bounce, which the model does not know, got one at step {step}: "
             'take a part, trace[a:b], or run with boundary="unlimited"'
         )
-    start = floats("P0", P0)
+    start = as_float_array("P0", P0)
     if start.shape == (3, 3):
         start = np.tile(start, (2, 2))
     noise = np.zeros((6, 6))
-    noise[:3, :3] = _shaped("Q", floats("Q", Q), (3, 3))
+    noise[:3, :3] = _shaped("Q", as_float_array("Q", Q), (3, 3))
     bounds = posterior_cramer_rao_bound(
         _model_derivatives(trace),
         np.eye(3, 6),

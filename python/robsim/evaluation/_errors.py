@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robsim._base.checks import Floats, floats, is_int
+from robsim._base.checks import Floats, as_float_array, is_int
 from robsim._core import wrap_angle
 from robsim.trace._trace import Trace
 
@@ -36,7 +36,7 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
     ValueError
         If the shapes do not fit together, a value is infinite, or there is no such number.
     """
-    estimate, truth = floats("estimate", estimate), floats("truth", truth)
+    estimate, truth = as_float_array("estimate", estimate), as_float_array("truth", truth)
     for name, values in (("estimate", estimate), ("truth", truth)):
         if np.isinf(values).any():
             raise ValueError(f"{name} must be finite, or NaN where not known, got inf")
@@ -65,7 +65,7 @@ class ErrorReport:
         What is compared with the truth: ``"estimate"``, ``"measurement"`` or a name of your own.
     error : array (M, N, n)
         Estimate minus truth of M runs of N steps, NaN where one of them is not known.
-    claimed : array (M, N, n) or None
+    reported_sd : array (M, N, n) or None
         The standard deviations that the estimator claims, if it does.
     names, units : tuple of n str
         What the n numbers are. Angles are kept in rad; the text shows them in degrees.
@@ -83,7 +83,7 @@ class ErrorReport:
     names: tuple[str, ...]
     units: tuple[str, ...]
     k: NDArray[np.int64]
-    claimed: Floats | None = None
+    reported_sd: Floats | None = None
 
     @property
     def title(self) -> str:
@@ -124,14 +124,14 @@ class ErrorReport:
         return np.where(largest < 0, np.nan, largest)
 
     @property
-    def claimed_median(self) -> Floats:
-        """Median of the claimed standard deviations (n,); NaN without.
+    def reported_sd_median(self) -> Floats:
+        """Median of the reported_sd standard deviations (n,); NaN without.
 
         Not their root mean square: that is the one of the steps before the robot was first seen.
         """
-        if self.claimed is None or np.isnan(self.claimed).all():
+        if self.reported_sd is None or np.isnan(self.reported_sd).all():
             return np.full(len(self.names), np.nan)
-        return np.asarray(np.nanmedian(self.claimed, axis=(0, 1)))
+        return np.asarray(np.nanmedian(self.reported_sd, axis=(0, 1)))
 
     @property
     def rmse_of_steps(self) -> Floats:
@@ -140,8 +140,8 @@ class ErrorReport:
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """Return name -> {"unit", "known", "total", "rmse", ...}; None = not known."""
-        columns = (self.rmse, self.bias, self.sd, self.largest, self.claimed_median)
-        keys = ("rmse", "bias", "sd", "largest", "claimed_median")
+        columns = (self.rmse, self.bias, self.sd, self.largest, self.reported_sd_median)
+        keys = ("rmse", "bias", "sd", "largest", "reported_sd_median")
         return {
             name: {"unit": self.units[i], "known": int(self.known[i]), "total": self.total}
             | {
@@ -153,7 +153,7 @@ class ErrorReport:
 
     def _rows(self) -> list[tuple[str, ...]]:
         shown = [("deg", np.rad2deg(1.0)) if u == "rad" else (u, 1.0) for u in self.units]
-        columns = np.array((self.rmse, self.bias, self.sd, self.largest, self.claimed_median))
+        columns = np.array((self.rmse, self.bias, self.sd, self.largest, self.reported_sd_median))
         texts = [
             ["-" if np.isnan(value) else f"{value * factor:.4g}" for value in values]
             for (_, factor), values in zip(shown, columns.T, strict=True)
@@ -182,7 +182,7 @@ class ErrorReport:
         return f"<p>{self.title}</p><table><tr>{head}</tr>{body}</table>"
 
 
-_TITLES = ("error", "rmse", "bias", "sd", "largest", "claimed sd", "steps known")
+_TITLES = ("error", "rmse", "bias", "sd", "largest", "reported sd", "steps known")
 
 
 def mean_of_known(values: Floats, axis: int | tuple[int, ...]) -> Floats:
@@ -193,7 +193,7 @@ def mean_of_known(values: Floats, axis: int | tuple[int, ...]) -> Floats:
     return mean
 
 
-def error_report(
+def estimation_errors(
     estimate: ArrayLike,
     truth: ArrayLike,
     *,
@@ -239,17 +239,17 @@ def error_report(
             f"estimate must be of shape (N, n) or (M, N, n) with a name and a unit for each of the "
             f"n numbers, got {np.shape(estimate)}, {len(names)} names and {len(units)} units"
         )
-    claimed = None
+    reported_sd = None
     if covariance is not None:
-        matrices = floats("covariance", covariance)
+        matrices = as_float_array("covariance", covariance)
         if matrices.shape != (*error.shape, error.shape[-1]):
             expected = (*error.shape, error.shape[-1])
             raise ValueError(f"covariance must be of shape {expected}, got {matrices.shape}")
-        claimed = _standard_deviations(matrices)
+        reported_sd = _standard_deviations(matrices)
     return ErrorReport(
         source=source,
         error=error.reshape(-1, *error.shape[-2:]),
-        claimed=None if claimed is None else claimed.reshape(-1, *error.shape[-2:]),
+        reported_sd=None if reported_sd is None else reported_sd.reshape(-1, *error.shape[-2:]),
         names=tuple(names),
         units=tuple(units),
         k=np.arange(error.shape[-2]),
@@ -290,7 +290,7 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
     return ErrorReport(
         source=of,
         error=wrapped_error(poses, truth),
-        claimed=_standard_deviations(covariances) if of == "estimate" else None,
+        reported_sd=_standard_deviations(covariances) if of == "estimate" else None,
         names=("x", "y", "heading"),
         units=("px", "px", "rad"),
         k=runs[0].k,

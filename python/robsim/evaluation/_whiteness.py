@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robsim._base.checks import Floats, floats, whole
+from robsim._base.checks import Floats, as_float_array, check_int
 from robsim.evaluation._chi_square import chi_square_tail
 
 # 95 % of a normal distribution lie within so many standard deviations.
@@ -73,7 +73,7 @@ class WhitenessReport:
         return f"<p>{self}</p>"
 
 
-def whiteness_report(
+def whiteness(
     innovation: ArrayLike, S: ArrayLike | None = None, *, lags: int = 20
 ) -> WhitenessReport:
     """Test whether an innovation is white.
@@ -107,10 +107,10 @@ def whiteness_report(
     Without gaps this is the statistic of Ljung and Box, On a measure of lack of fit in time series
     models, Biometrika 65(2), 1978.
     """
-    w = floats("innovation", innovation)
+    w = as_float_array("innovation", innovation)
     if w.ndim not in (2, 3) or not w.size:
         raise ValueError(f"innovation must be of shape (N, n) or (M, N, n), got {w.shape}")
-    lags = whole("lags", lags, least=1, most=10**6)
+    lags = check_int("lags", lags, minimum=1, maximum=10**6)
     if S is not None:
         w = whitened(w, S)
     r, pairs, count = _autocorrelation(w.reshape(-1, *w.shape[-2:]), lags)
@@ -157,7 +157,7 @@ def whitened(values: Floats, covariance: ArrayLike, *, name: str = "S") -> Float
         If a covariance is not symmetric and positive definite, a value is infinite, or the shapes
         do not fit.
     """
-    matrices = floats(name, covariance)
+    matrices = as_float_array(name, covariance)
     if not values.ndim:
         raise ValueError(f"errors and innovations must be rows of n numbers, got {values}")
     shape = (*values.shape, values.shape[-1])

@@ -7,20 +7,20 @@ from robsim.identification._convergence import (
     parameter_convergence,
 )
 from robsim.identification._fits import ModelFit, instrumental_variables, output_error
-from robsim.identification._identifiability import Identifiability, check_excitation
-from robsim.identification._regression import Samples, samples_of
+from robsim.identification._identifiability import Identifiability, identifiability
+from robsim.identification._regression import Regression, regression_of
 
 __all__ = [
     "BatchEstimate",
     "ConvergenceReport",
     "Identifiability",
     "ModelFit",
-    "Samples",
+    "Regression",
     "batch_estimate",
-    "check_excitation",
     "convergence_time",
+    "identifiability",
     "instrumental_variables",
     "output_error",
     "parameter_convergence",
-    "samples_of",
+    "regression_of",
 ]

@@ -13,7 +13,7 @@ from robsim._base.checks import Floats
 from robsim._core import least_squares
 from robsim.identification._fits import METHODS
 from robsim.identification._identifiability import Identifiability, judge
-from robsim.identification._regression import SOURCES, Samples, samples_of
+from robsim.identification._regression import SOURCES, Regression, regression_of
 from robsim.trace._trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ class _Fit(TypedDict):
     condition: Floats
     residual_rms: Floats
     standard_errors: Floats
-    unit_errors: Floats
+    standard_errors_unscaled: Floats
     converged: bool
 
 
@@ -65,7 +65,7 @@ class BatchEstimate:
     standard_errors : array (3, 5)
         Standard errors of `batch`, with the noise estimated from the residuals. They hold for noise
         in the equations; noise of measurements makes least squares biased, too.
-    unit_errors : array (3, 5)
+    standard_errors_unscaled : array (3, 5)
         The same for noise of standard deviation 1 (px, px, rad).
     samples : int, optional
         Number of samples. Default: all that a record without interruption has.
@@ -93,7 +93,7 @@ class BatchEstimate:
     residual_rms: Floats
     online_from: str = "truth"
     standard_errors: Floats = field(default_factory=_unknown)
-    unit_errors: Floats = field(default_factory=_unknown)
+    standard_errors_unscaled: Floats = field(default_factory=_unknown)
     samples: int | None = None
     left_out: int = 0
     selection: str = "valid"
@@ -116,7 +116,7 @@ class BatchEstimate:
         )
 
     @property
-    def is_of_the_model(self) -> bool:
+    def is_model_exact(self) -> bool:
         """Whether the robot moved as its model says, so that `theta_true` is the truth."""
         return bool((self.model_error <= _ROUNDING).all())
 
@@ -128,13 +128,13 @@ class BatchEstimate:
         residuals.
         """
         if self.identify_from == "truth":
-            return judge(self.unit_errors, self.batch)
+            return judge(self.standard_errors_unscaled, self.batch)
         if self.method != "least_squares":
-            return judge(self.unit_errors, self.batch, noise=self.residual_rms)
+            return judge(self.standard_errors_unscaled, self.batch, noise=self.residual_rms)
         samples = self._samples
         freedom = np.maximum(samples - self.rank, 1)
         noise = self.residual_rms * np.sqrt(samples / freedom)
-        return judge(self.unit_errors, self.batch, noise=noise)
+        return judge(self.standard_errors_unscaled, self.batch, noise=noise)
 
     def to_dict(self) -> dict[str, dict[str, float | None]]:
         """Return name -> {"true", "batch", "standard_error", "online"} of all 15 parameters.
@@ -151,7 +151,7 @@ class BatchEstimate:
             for name, *values in zip(PARAMETER_NAMES, *map(np.ravel, columns), strict=True)
         }
 
-    def to_frame(self) -> pandas.DataFrame:
+    def to_pandas(self) -> pandas.DataFrame:
         """Return a data frame: a row for each parameter, with the verdict on its excitation.
 
         Raises
@@ -162,13 +162,13 @@ class BatchEstimate:
         try:
             import pandas as pd
         except ImportError as error:
-            raise ImportError("to_frame needs pandas: pip install pandas") from error
+            raise ImportError("to_pandas needs pandas: pip install pandas") from error
         frame = pd.DataFrame.from_dict(self.to_dict(), orient="index", dtype=float)
         frame["excited"] = self.identifiability.verdicts.ravel()
         return frame.rename_axis("parameter")
 
     def _titles(self) -> tuple[str, ...]:
-        value = "True value" if self.is_of_the_model else "Model value"
+        value = "True value" if self.is_model_exact else "Model value"
         return ("", value, "Batch estimate", "Standard error", "Online estimate")
 
     def _rows(self) -> list[tuple[str, ...]]:
@@ -203,7 +203,7 @@ class BatchEstimate:
             remarks.append("the fit did not converge: do not trust it")
         if self.left_out:
             remarks.append(f"{self.left_out} samples with a bounce or a missing pose are left out")
-        if not self.is_of_the_model:
+        if not self.is_model_exact:
             x, y, heading = self.model_error
             remarks.append(
                 f"the robot does not move as its model says (rms {x:.2g} px, {y:.2g} px, "
@@ -272,7 +272,7 @@ def batch_estimate(
     if method not in _METHODS:
         names = ", ".join(map(repr, _METHODS))
         raise ValueError(f"method must be one of {names}, got {method!r}")
-    found = samples_of(trace, identify_from=identify_from, samples=samples)
+    found = regression_of(trace, identify_from=identify_from, samples=samples)
     if len(found.k) < _MINIMUM_SAMPLES:
         where = "the longest of" if samples == "longest" else "all"
         raise ValueError(
@@ -302,7 +302,7 @@ def batch_estimate(
     )
 
 
-def _least_squares(found: Samples) -> _Fit:
+def _least_squares(found: Regression) -> _Fit:
     fits = [least_squares(found.phi[:, axis], found.y[:, axis]) for axis in range(3)]
     return {
         "batch": np.array([fit.theta for fit in fits]),
@@ -310,12 +310,14 @@ def _least_squares(found: Samples) -> _Fit:
         "condition": np.array([fit.condition for fit in fits]),
         "residual_rms": np.array([fit.residual_rms for fit in fits]),
         "standard_errors": np.array([fit.standard_errors for fit in fits]),
-        "unit_errors": np.array([fit.unit_errors for fit in fits]),
+        "standard_errors_unscaled": np.array([fit.standard_errors_unscaled for fit in fits]),
         "converged": True,
     }
 
 
-def _fitted(trace: Trace, found: Samples, start: int, stop: int, samples: str, method: str) -> _Fit:
+def _fitted(
+    trace: Trace, found: Regression, start: int, stop: int, samples: str, method: str
+) -> _Fit:
     first = int(trace.k[0])
     record = trace[start - first : stop - first]
     poses = getattr(record, SOURCES[found.identify_from])
@@ -328,14 +330,14 @@ def _fitted(trace: Trace, found: Samples, start: int, stop: int, samples: str, m
         "condition": np.full(3, np.nan),
         "residual_rms": fit.residual_rms,
         "standard_errors": np.where(fit.determined, fit.standard_errors, np.nan),
-        "unit_errors": fit.standard_errors / noise[:, np.newaxis],
+        "standard_errors_unscaled": fit.standard_errors / noise[:, np.newaxis],
         "converged": fit.converged,
     }
 
 
 def _model_error(trace: Trace) -> Floats:
     """Return the root mean squares of what the model leaves over of the true path, (3,)."""
-    found = samples_of(trace, identify_from="truth")
+    found = regression_of(trace, identify_from="truth")
     if not len(found.k):
         return np.zeros(3)
     left_over = found.y - np.sum(found.phi * np.array(trace.info.theta_true), axis=2)

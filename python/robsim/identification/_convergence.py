@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats, floats, number
+from robsim._base.checks import Floats, as_float_array, check_float
 from robsim.trace._trace import PARAMETER_NAMES, Trace, check_trace
 
 
@@ -35,12 +35,14 @@ def convergence_time(
     ValueError
         If the shapes do not fit together.
     """
-    history = np.atleast_1d(floats("estimate", estimate))
-    times = np.arange(len(history)) if t is None else floats("t", t)
+    history = np.atleast_1d(as_float_array("estimate", estimate))
+    times = np.arange(len(history)) if t is None else as_float_array("t", t)
     if not len(history) or times.shape != history.shape[:1]:
         raise ValueError(f"t must have a time for each of {len(history)} steps, got {times.shape}")
     try:
-        is_near = np.abs(history - floats("truth", truth)) <= floats("tolerance", tolerance)
+        is_near = np.abs(history - as_float_array("truth", truth)) <= as_float_array(
+            "tolerance", tolerance
+        )
     except ValueError:
         shapes = f"{np.shape(truth)} and {np.shape(tolerance)}"
         raise ValueError(
@@ -144,8 +146,8 @@ def parameter_convergence(
         this kind.
     """
     check_trace(trace)
-    relative = number("tolerance", tolerance, above=0.0)
-    offset = number("offset_tolerance", offset_tolerance, above=0.0)
+    relative = check_float("tolerance", tolerance, exclusive_minimum=0.0)
+    offset = check_float("offset_tolerance", offset_tolerance, exclusive_minimum=0.0)
     theta_true = np.array(trace.info.theta_true)
     if not (np.isfinite(trace.parameters).any() and np.isfinite(theta_true).all()):
         raise ValueError(

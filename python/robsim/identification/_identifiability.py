@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robsim._base.checks import Floats, floats, whole
-from robsim.identification._regression import samples_of
+from robsim._base.checks import Floats, as_float_array, check_int
+from robsim.identification._regression import regression_of
 from robsim.trace._trace import PARAMETER_NAMES, Trace, check_trace
 
 #: Standard deviation of the noise in the equations of x, y (px) and heading (rad) that true poses,
@@ -84,13 +84,13 @@ class Identifiability:
 
 
 def judge(
-    unit_errors: ArrayLike, theta: ArrayLike, *, noise: ArrayLike | None = None
+    standard_errors_unscaled: ArrayLike, theta: ArrayLike, *, noise: ArrayLike | None = None
 ) -> Identifiability:
     """Return how well parameters are known.
 
     Parameters
     ----------
-    unit_errors : array (3, 5)
+    standard_errors_unscaled : array (3, 5)
         Their standard errors in units of the standard deviation of the noise: the square roots of
         the diagonal of the inverse of phi' phi.
     theta : array (3, 5)
@@ -104,12 +104,12 @@ def judge(
     ValueError
         If the noise is not three numbers of at least 0.
     """
-    values = np.array(floats("noise", ASSUMED_NOISE if noise is None else noise))
+    values = np.array(as_float_array("noise", ASSUMED_NOISE if noise is None else noise))
     if values.shape != (3,) or not (np.isfinite(values) & (values >= 0)).all():
         raise ValueError(f"noise must be three numbers of at least 0 (px, px, rad), got {noise!r}")
     size = np.abs(np.asarray(theta, dtype=np.float64))
     size[:, 4] = size[:, 2:4].max(axis=1)
-    errors = values[:, np.newaxis] * np.asarray(unit_errors, dtype=np.float64)
+    errors = values[:, np.newaxis] * np.asarray(standard_errors_unscaled, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = errors / size
     return Identifiability(
@@ -117,7 +117,7 @@ def judge(
     )
 
 
-def check_excitation(
+def identifiability(
     trace: Trace, *, k: int | None = None, noise: ArrayLike | None = None
 ) -> Identifiability:
     """Return how well the online estimate knew each parameter at a step.
@@ -139,22 +139,22 @@ def check_excitation(
         If it is no trace, or has no standard errors: an estimator of your own gives none.
     """
     check_trace(trace)
-    if not np.isfinite(trace.unit_errors).any():
+    if not np.isfinite(trace.standard_errors_unscaled).any():
         raise ValueError(
             "the trace has no standard errors: run the simulation with estimate_parameters=True"
         )
     last = int(trace.k[-1])
-    step = last if k is None else whole("k", k, least=int(trace.k[0]), most=last)
+    step = last if k is None else check_int("k", k, minimum=int(trace.k[0]), maximum=last)
     until = trace[: step - int(trace.k[0]) + 1]
     theta = until.parameters[-1]
     if noise is None and trace.info.identify_from != "truth":
         noise = _prediction_noise(until, theta)
-    return judge(until.unit_errors[-1], theta, noise=noise)
+    return judge(until.standard_errors_unscaled[-1], theta, noise=noise)
 
 
 def _prediction_noise(trace: Trace, theta: Floats) -> Floats:
     """Return the standard deviations of the one-step prediction errors, (3,)."""
-    found = samples_of(trace)
+    found = regression_of(trace)
     errors = found.y - np.sum(found.phi * theta, axis=2)
     freedom = max(len(errors) - 5, 1)
     deviations: Floats = np.sqrt(np.sum(np.square(errors), axis=0) / freedom)

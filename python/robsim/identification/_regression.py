@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
-from robsim._core import regression_samples
+from robsim._core import regression
 from robsim.trace._trace import Bools, Trace, check_trace, longest_run
 
 SOURCES = {"truth": "pose_true", "measurement": "measured", "estimate": "estimated"}
@@ -16,7 +16,7 @@ SELECTIONS = ("valid", "longest", "all")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Samples:
+class Regression:
     """Samples of the robot model's predictor: y = sum(phi * theta, axis=2).
 
     Attributes
@@ -40,9 +40,9 @@ class Samples:
     left_out: int
 
 
-def samples_of(
+def regression_of(
     trace: Trace, *, identify_from: str | None = None, samples: str = "valid"
-) -> Samples:
+) -> Regression:
     """Return the samples of a trace.
 
     Parameters
@@ -76,8 +76,8 @@ def samples_of(
     phi, y = np.empty((0, 3, 5)), np.empty((0, 3))
     if is_whole.any():
         known = np.where(np.isfinite(poses).all(axis=1)[:, np.newaxis], poses, 0.0)
-        phi, y = (rows[is_whole] for rows in regression_samples(known, np.nan_to_num(trace.u)))
-    return Samples(
+        phi, y = (rows[is_whole] for rows in regression(known, np.nan_to_num(trace.u)))
+    return Regression(
         phi=phi,
         y=y,
         k=trace.k[2:][is_whole],

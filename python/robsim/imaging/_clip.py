@@ -11,7 +11,7 @@ from pathlib import Path
 
 from PIL import Image, ImageSequence
 
-from robsim._base.checks import number, whole
+from robsim._base.checks import check_float, check_int
 from robsim._core import Frame
 from robsim.imaging._frames import check_same_size, frame_pixels, frame_size
 from robsim.imaging._images import Pixels, resized
@@ -44,8 +44,8 @@ class Clip:
     """
 
     def __init__(self, frames: Iterable[Frame | Pixels], *, fps: float, width: int = 480) -> None:
-        milliseconds = round(1000 / number("fps", fps, "1/s", least=0.1, most=60))
-        width = whole("width", width, least=1, most=WIDEST)
+        milliseconds = round(1000 / check_float("fps", fps, "1/s", minimum=0.1, maximum=60))
+        width = check_int("width", width, minimum=1, maximum=WIDEST)
         pictures = list(_reduced(frames, width))
         if not pictures:
             raise ValueError("frames: a clip needs at least one, got none")

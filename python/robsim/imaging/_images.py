@@ -19,7 +19,7 @@ _WHITE = 65535  # of a picture with 16 bits a pixel
 _BOMBS = (Image.DecompressionBombError, Image.DecompressionBombWarning)
 
 
-def read_picture(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
+def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     """Read an image file, turned as its camera says.
 
     Parameters
@@ -65,7 +65,7 @@ def _eight_bits(picture: Image.Image) -> Image.Image:
     return Image.fromarray((pixels * 255 // _WHITE).astype(np.uint8))
 
 
-def write_picture(path: str | PathLike[str], pixels: Pixels) -> None:
+def save_image(path: str | PathLike[str], pixels: Pixels) -> None:
     """Write an image file; the ending of the name says which kind.
 
     Parameters

@@ -15,10 +15,10 @@ import numpy as np
 from PIL import Image
 
 from robsim._base import options
-from robsim._base.checks import number
+from robsim._base.checks import check_float
 from robsim._core import Frame, PlaneMap, RobotParameters
 from robsim.imaging._frames import check_same_size, frame_size
-from robsim.imaging._images import Pixels, read_picture
+from robsim.imaging._images import Pixels, load_image
 from robsim.imaging._opencv import load_opencv, quiet
 
 _WHOLE = 0.95  # share of the frames; some files only estimate their number
@@ -95,7 +95,9 @@ class Recording:
             raise FileNotFoundError(f"there is no file or folder {self.source}")
         self._images = _Folder(self.source) if self.source.is_dir() else _Video(self.source)
         self.size = self._first_size()
-        self.dt = self._images.dt() if dt is None else number("dt", dt, "s", above=0)
+        self.dt = (
+            self._images.dt() if dt is None else check_float("dt", dt, "s", exclusive_minimum=0)
+        )
         self.count = self._images.count()
         if area is not None:
             self.area = options.size("area", area)
@@ -143,7 +145,7 @@ class _Folder:
 
     def read(self) -> Generator[tuple[str, Pixels]]:
         for file in self.files:
-            yield str(file), read_picture(file)
+            yield str(file), load_image(file)
 
 
 def _picture_endings() -> set[str]:

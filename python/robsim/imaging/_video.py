@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import number
+from robsim._base.checks import check_float
 from robsim._base.files import aside_of
 from robsim._core import Frame
 from robsim.imaging._frames import check_same_size, frame_pixels, frame_size
@@ -65,7 +65,7 @@ class VideoWriter:
         self.count = 0
         self._codec = _codec(self.path)
         # MPEG-4 counts time in at most 65535 parts of a second.
-        rate = number("fps", fps, "1/s", least=0.1, most=500)
+        rate = check_float("fps", fps, "1/s", minimum=0.1, maximum=500)
         self._fps = round(rate, min(3, int(math.log10(65535 / rate))))
         if not self.path.absolute().parent.is_dir():
             raise FileNotFoundError(f"{self.path}: there is no folder {self.path.parent}")
@@ -144,7 +144,7 @@ class VideoWriter:
             raise ValueError(f"{self.path}: there were no frames to write")
 
 
-def write_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, fps: float) -> None:
+def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, fps: float) -> None:
     """Write frames into a video file.
 
     If the frames end with an exception, the file has those before it, and the exception goes on.

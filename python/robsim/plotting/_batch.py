@@ -65,7 +65,7 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Figure:
     deviations = {name: _relative(np.abs(theta - true), true) for name, theta in estimates.items()}
     reach = 2 * _relative(report.standard_errors.ravel(), true)
     low, high = _decades(np.concatenate([*deviations.values(), reach]))
-    is_true = report.is_of_the_model
+    is_true = report.is_model_exact
     _finish_axes(ax, low, high, "true value" if is_true else "model's value")
     _draw_reach(ax, reach, low)
     for name, values in deviations.items():

@@ -14,12 +14,12 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     """Draw the NEES or the NIS over the steps with its chi-square band.
 
     The axis is logarithmic, since the values of a wrong filter may be off by orders of magnitude.
-    Above the band the filter is too confident, below it too cautious.
+    Above the band the filter is optimistic, below it conservative.
 
     Parameters
     ----------
     report : ConsistencyReport
-        From `robsim.pose_consistency`, `robsim.nees_report` or `robsim.nis_report`.
+        From `robsim.pose_consistency`, `robsim.nees_consistency` or `robsim.nis_consistency`.
     ax : matplotlib.axes.Axes, optional
         Where to draw. Default: a new figure of 8 x 3.2 inches.
 
@@ -35,7 +35,7 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     """
     if not isinstance(report, ConsistencyReport):
         raise TypeError(
-            "report must be what pose_consistency, nees_report or nis_report returns, "
+            "report must be what pose_consistency, nees_consistency or nis_consistency returns, "
             f"got {report!r}"
         )
     if ax is None:

@@ -10,7 +10,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats, number, whole
+from robsim._base.checks import Floats, check_float, check_int
 from robsim.plotting import _style as style
 from robsim.trace._trace import Trace
 
@@ -60,14 +60,14 @@ def plot_ellipses(
     """
     if not isinstance(trace, Trace):
         raise TypeError(f"trace must be a Trace, got {trace!r}")
-    level = number("level", level, above=0.0)
+    level = check_float("level", level, exclusive_minimum=0.0)
     if level >= 1.0:
         raise ValueError(f"level must lie between 0 and 1, got {level!r}")
     rows = _drawn_rows(trace, every)
     places, covariances = trace.estimated[rows, :2], trace.covariance[rows, :2, :2]
     shapes = ellipses(covariances, level)
     usual = _magnification(trace, shapes)
-    times = usual if magnify is None else number("magnify", magnify, above=0.0)
+    times = usual if magnify is None else check_float("magnify", magnify, exclusive_minimum=0.0)
     if ax is None:
         figure = style.NotebookFigure(figsize=(7, 7))
         ax = figure.add_subplot(axes_class=style.NotebookAxes)
@@ -124,7 +124,7 @@ def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
         )
     if every is None:
         every = max(1, round(len(trace) / 25))
-    every = whole("every", every, least=1, most=10**9)
+    every = check_int("every", every, minimum=1, maximum=10**9)
     rows: NDArray[np.int64] = known[known % every == known[0] % every]
     return rows
 

@@ -20,7 +20,7 @@ from robsim.plotting._error_panels import draw_histogram, limit_panel
 def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: Any = None) -> Figure:
     """Draw errors over the steps, what the estimator claims of them, and their histograms.
 
-    The band reaches two of the claimed standard deviations to both sides: 95 % of the errors of an
+    The band reaches two of the reported standard deviations to both sides: 95 % of the errors of an
     honest estimator lie in it. The dashed lines are two standard deviations of the bound away: no
     estimator does better. The bell curve is the normal distribution of the errors' mean and
     standard deviation. Errors far outside the others stand as triangles at the edge.
@@ -28,7 +28,7 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
     Parameters
     ----------
     report : ErrorReport
-        From `robsim.pose_errors` or `robsim.error_report`; of several runs all errors are drawn.
+        From `pose_errors` or `estimation_errors`; of several runs all errors are drawn.
     bound : array (N, n, n), optional
         Least covariance in each step, from `robsim.pose_bounds`; of several runs their mean.
     axes : array_like (n, 2) of matplotlib.axes.Axes, optional
@@ -45,7 +45,9 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
         If the report is none, or if `bound` or `axes` is of another shape.
     """
     if not isinstance(report, ErrorReport):
-        raise TypeError(f"report must be what pose_errors or error_report returns, got {report!r}")
+        raise TypeError(
+            f"report must be what pose_errors or estimation_errors returns, got {report!r}"
+        )
     size = len(report.names)
     least = _least_deviations(bound, (len(report.k), size))
     is_new = axes is None
@@ -81,11 +83,11 @@ def _new_axes(report: ErrorReport, size: int) -> Any:
 
 
 def _draw_claims(panel: Axes, report: ErrorReport, i: int, factor: float) -> None:
-    if report.claimed is None or np.isnan(report.claimed[:, :, i]).all():
+    if report.reported_sd is None or np.isnan(report.reported_sd[:, :, i]).all():
         return
-    reach = 2.0 * factor * np.sqrt(mean_of_known(np.square(report.claimed[:, :, i]), axis=0))
+    reach = 2.0 * factor * np.sqrt(mean_of_known(np.square(report.reported_sd[:, :, i]), axis=0))
     panel.fill_between(
-        report.k, -reach, reach, color=style.CLAIMED, linewidth=0, label="claimed (2 sd)"
+        report.k, -reach, reach, color=style.CLAIMED, linewidth=0, label="reported_sd (2 sd)"
     )
 
 

@@ -96,8 +96,8 @@ class _Canvas:
         # It may have thousands of points: no smooth edges.
         pixels = self._pixels(places)
         mask = Image.new("L", self._size)
-        for stretch in np.split(pixels, np.flatnonzero(np.isnan(pixels[:, 0]))):
-            known = stretch[~np.isnan(stretch[:, 0])].ravel().tolist()
+        for segment in np.split(pixels, np.flatnonzero(np.isnan(pixels[:, 0]))):
+            known = segment[~np.isnan(segment[:, 0])].ravel().tolist()
             ImageDraw.Draw(mask).line(known, 255, max(round(2 * self._unit), 1))
         self._paint(mask, (0, 0), color)
 

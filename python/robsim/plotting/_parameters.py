@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats
-from robsim.identification._identifiability import check_excitation
+from robsim.identification._identifiability import identifiability
 from robsim.plotting import _style as style
 from robsim.trace._trace import Trace
 
@@ -23,7 +23,7 @@ def plot_parameters(
 
     The true value is a dotted line that ends in a cross. The limits of each panel hold it and
     the later half of the run; what the estimate did before may lie outside. In it stands how
-    well the run has excited the parameter, as `robsim.check_excitation` says: how far noise may
+    well the run has excited the parameter, as `robsim.identifiability` says: how far noise may
     scatter the estimate, not whether it is biased.
 
     Parameters
@@ -31,10 +31,9 @@ def plot_parameters(
     trace : Trace
         A run with ``estimate_parameters=True``.
     standard_errors : array (N, 3, 5), optional
-        Of the estimates in each step, such as
-        ``robsim.check_excitation(trace).noise[:, np.newaxis] * trace.unit_errors``: a band of two
-        of them to both sides of the true value, where 95 % of the estimates should lie; inf = no
-        band.
+        Of the estimates in each step, such as ``trace.standard_errors_unscaled`` times
+        ``identifiability(trace).noise[:, np.newaxis]``: a band of two of them to both sides
+        of the true value, where 95 % of the estimates should lie; inf = no band.
     axes : array_like (5, 3) of matplotlib.axes.Axes, optional
         Where to draw: rows a1, a2, b1, b2, d1, columns X, Y, P (heading). Default: a new figure.
 
@@ -61,8 +60,8 @@ def plot_parameters(
     if axes.shape != (5, 3):
         raise ValueError(f"axes: expected an array of 5 x 3 axes, got the shape {axes.shape}")
     bands = None if standard_errors is None else _bands(standard_errors, trace.parameters.shape)
-    has_errors = np.isfinite(trace.unit_errors).any()
-    verdicts = check_excitation(trace).verdicts if has_errors else np.full((3, 5), "")
+    has_errors = np.isfinite(trace.standard_errors_unscaled).any()
+    verdicts = identifiability(trace).verdicts if has_errors else np.full((3, 5), "")
     for i, true in enumerate(np.ravel(trace.info.theta_true)):
         axis, parameter = divmod(i, 5)
         panel = axes[parameter, axis]

@@ -90,7 +90,7 @@ def play(
         If there are no such steps.
     """
     trace = simulation.trace[start:stop]
-    frames: Iterable[Frame | Pixels] = (simulation.frame_of(int(k)) for k in trace.k)
+    frames: Iterable[Frame | Pixels] = (simulation.render_step(int(k)) for k in trace.k)
     if overlay:
         frames = annotated_frames(
             frames,  # type: ignore[arg-type]

@@ -109,7 +109,7 @@ def _draw_distance(axes: Axes, definition: RobotDefinition) -> None:
         path_effects=style.haloed(1.4),
         label="marker centroids",
     )
-    text = f"{definition.locator().distance:.1f} px"
+    text = f"{definition.marker_layout().distance:.1f} px"
     axes.annotate(
         text, places.mean(axis=0), (0, 9), textcoords="offset points", ha="center", bbox=style.BOX
     )

@@ -53,7 +53,7 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
         measurement_noise: Sequence[float] = MEASUREMENT_NOISE,
         prior: Prior | None = None,
     ) -> None:
-        self.Q = covariance("acceleration", acceleration, least=0)
+        self.Q = covariance("acceleration", acceleration, minimum=0)
         super().__init__(measurement_noise=measurement_noise, prior=prior)
 
     def predict(self, u: Floats, dt: float) -> None:

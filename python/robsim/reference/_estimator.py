@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim._base.checks import Floats
 from robsim._core import Estimate, Step
-from robsim.reference._noise import three
+from robsim.reference._noise import check_vector3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,9 +34,9 @@ class Prior:
     velocity_deviation: Sequence[float] = (15.0, 15.0, 0.3)
 
     def __post_init__(self) -> None:
-        three("pose", self.pose)
-        three("pose_deviation", self.pose_deviation, above=0)
-        three("velocity_deviation", self.velocity_deviation, above=0)
+        check_vector3("pose", self.pose)
+        check_vector3("pose_deviation", self.pose_deviation, exclusive_minimum=0)
+        check_vector3("velocity_deviation", self.velocity_deviation, exclusive_minimum=0)
 
     @property
     def mean(self) -> Floats:

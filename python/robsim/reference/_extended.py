@@ -57,7 +57,7 @@ class ExtendedKalmanFilter(KalmanFilter):
         prior: Prior | None = None,
     ) -> None:
         self.motion = RobotMotion(model)
-        self.Q = covariance("process_noise", process_noise, least=0)
+        self.Q = covariance("process_noise", process_noise, minimum=0)
         super().__init__(measurement_noise=measurement_noise, prior=prior)
 
     def predict(self, u: Floats, dt: float) -> None:

@@ -60,7 +60,7 @@ class KalmanFilter(StateEstimator):
     def __init__(
         self, *, measurement_noise: Sequence[float] = MEASUREMENT_NOISE, prior: Prior | None = None
     ) -> None:
-        self.R = covariance("measurement_noise", measurement_noise, above=0)
+        self.R = covariance("measurement_noise", measurement_noise, exclusive_minimum=0)
         super().__init__(prior)
 
     def reset(self) -> None:

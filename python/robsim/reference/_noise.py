@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robsim._base.checks import Floats, number
+from robsim._base.checks import Floats, check_float
 
 #: Of the vision with the 36 headings of ``rotation="phases"``: px, px, rad.
 MEASUREMENT_NOISE = (0.4, 0.4, 0.05)
@@ -16,8 +16,12 @@ MEASUREMENT_NOISE = (0.4, 0.4, 0.05)
 PROCESS_NOISE = (0.1, 0.1, 0.005)
 
 
-def three(
-    name: str, values: Sequence[float], *, least: float = -math.inf, above: float = -math.inf
+def check_vector3(
+    name: str,
+    values: Sequence[float],
+    *,
+    minimum: float = -math.inf,
+    exclusive_minimum: float = -math.inf,
 ) -> Floats:
     """Return a number for each of x, y and the heading; the error names what they are not."""
     try:
@@ -26,11 +30,22 @@ def three(
         entries = []
     if len(entries) != 3:
         raise ValueError(f"{name} must be 3 numbers, for x, y and the heading, got {values!r}")
-    return np.array([number(name, entry, least=least, above=above) for entry in entries])
+    return np.array(
+        [
+            check_float(name, entry, minimum=minimum, exclusive_minimum=exclusive_minimum)
+            for entry in entries
+        ]
+    )
 
 
 def covariance(
-    name: str, deviations: Sequence[float], *, least: float = -math.inf, above: float = -math.inf
+    name: str,
+    deviations: Sequence[float],
+    *,
+    minimum: float = -math.inf,
+    exclusive_minimum: float = -math.inf,
 ) -> Floats:
     """Return the covariance of three independent noises of these standard deviations."""
-    return np.diag(three(name, deviations, least=least, above=above) ** 2)
+    return np.diag(
+        check_vector3(name, deviations, minimum=minimum, exclusive_minimum=exclusive_minimum) ** 2
+    )

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robsim._base.checks import Floats, whole
+from robsim._base.checks import Floats, check_int
 from robsim._base.seeds import Seed, seed_sequence
 from robsim._core import RobotModel, wrap_angle
 from robsim.reference._estimator import Prior, StateEstimator
 from robsim.reference._kalman import innovation_of, kalman_update
 from robsim.reference._motion import RobotMotion
-from robsim.reference._noise import MEASUREMENT_NOISE, PROCESS_NOISE, three
+from robsim.reference._noise import MEASUREMENT_NOISE, PROCESS_NOISE, check_vector3
 
 #: With fewer effective particles after a measurement, the cloud is drawn anew.
 FEWEST = 200
@@ -74,9 +74,11 @@ class ParticleFilter(StateEstimator):
         prior: Prior | None = None,
     ) -> None:
         self.motion = RobotMotion(model)
-        self.process_noise = three("process_noise", process_noise, least=0)
-        self.measurement_noise = three("measurement_noise", measurement_noise, above=0)
-        self.count = whole("count", count, least=1000, most=10**7)
+        self.process_noise = check_vector3("process_noise", process_noise, minimum=0)
+        self.measurement_noise = check_vector3(
+            "measurement_noise", measurement_noise, exclusive_minimum=0
+        )
+        self.count = check_int("count", count, minimum=1000, maximum=10**7)
         self._seed = seed_sequence(seed)
         super().__init__(prior)
 

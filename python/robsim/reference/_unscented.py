@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robsim._base.checks import Floats, number
+from robsim._base.checks import Floats, check_float
 from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
@@ -57,8 +57,8 @@ class UnscentedKalmanFilter(KalmanFilter):
         prior: Prior | None = None,
     ) -> None:
         self.motion = RobotMotion(model)
-        self.Q = covariance("process_noise", process_noise, least=0)
-        self.kappa = number("kappa", kappa, least=0)
+        self.Q = covariance("process_noise", process_noise, minimum=0)
+        self.kappa = check_float("kappa", kappa, minimum=0)
         super().__init__(measurement_noise=measurement_noise, prior=prior)
 
     def sigma_points(self) -> tuple[Floats, Floats]:

@@ -1,10 +1,10 @@
 """Robots: what they look like, where they are kept, which one is in use."""
 
-from robsim.robots._default_robot import chosen_robot, reset_robot
+from robsim.robots._default_robot import default_robot, reset_default_robot
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._files import save_robot
 from robsim.robots._finding import robot_from_picture
-from robsim.robots._lookup import as_robot, load_robot, robot_names, use_robot
+from robsim.robots._lookup import as_robot, load_robot, robot_names, set_default_robot
 from robsim.robots._marker_check import check_colors
 from robsim.robots._user_robots import add_robot, remove_robot, rotate_robot
 
@@ -13,13 +13,13 @@ __all__ = [
     "add_robot",
     "as_robot",
     "check_colors",
-    "chosen_robot",
+    "default_robot",
     "load_robot",
     "remove_robot",
-    "reset_robot",
+    "reset_default_robot",
     "robot_from_picture",
     "robot_names",
     "rotate_robot",
     "save_robot",
-    "use_robot",
+    "set_default_robot",
 ]

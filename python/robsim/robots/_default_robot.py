@@ -29,7 +29,7 @@ def settings_file() -> Path:
     return data_folder() / "settings.toml"
 
 
-def chosen_robot() -> str:
+def default_robot() -> str:
     """Return the name of the robot in use: what ``load_robot()`` loads.
 
     Raises
@@ -74,7 +74,7 @@ def remember(name: str) -> None:
     write_whole(file, tomlkit.dumps(settings).encode())
 
 
-def reset_robot() -> None:
+def reset_default_robot() -> None:
     """Go back to the robot ``lab``; a damaged file with the choice is put aside."""
     file = settings_file()
     if not file.exists():

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats, number, whole
-from robsim._core import Locator
+from robsim._base.checks import Floats, check_float, check_int
+from robsim._core import MarkerLayout
 from robsim.imaging._images import Pixels
 from robsim.robots._geometry_check import geometry_problems
 from robsim.robots._polygon_checks import numbers, polygon
@@ -34,7 +34,7 @@ class RobotDefinition:
     centre : array (2,), optional
         The robot's centre in picture pixels. Default: the centre of the picture.
     maximum_blobs : int
-        The locator looks at so many of the largest blobs of a colour.
+        The markers looks at so many of the largest blobs of a colour.
 
     Raises
     ------
@@ -62,9 +62,9 @@ class RobotDefinition:
             )
         if not isinstance(self.name, str):
             raise TypeError(f"name must be text, got {self.name!r}")
-        number("size", self.size, "work-area px", least=1, most=10_000)
-        number("alignment", self.alignment, "degrees")
-        whole("maximum_blobs", self.maximum_blobs, least=1, most=100_000)
+        check_float("size", self.size, "work-area px", minimum=1, maximum=10_000)
+        check_float("alignment", self.alignment, "degrees")
+        check_int("maximum_blobs", self.maximum_blobs, minimum=1, maximum=100_000)
         height, width = image.shape[:2]
         centre = ((width - 1) / 2, (height - 1) / 2) if self.centre is None else self.centre
         object.__setattr__(self, "image", image)
@@ -86,7 +86,7 @@ class RobotDefinition:
         )
         if problems:
             raise ValueError("; ".join(problems))
-        self.locator()  # refuses markers in one place
+        self.marker_layout()  # refuses markers in one place
 
     @property
     def unit(self) -> float:
@@ -118,9 +118,9 @@ class RobotDefinition:
         """Distance of the farthest point of the outline from the centre (work-area px)."""
         return float(np.linalg.norm(self.to_robot_frame(self.outline), axis=1).max())
 
-    def locator(self) -> Locator:
-        """Return the locator that finds this robot by its markers."""
-        return Locator.from_markers(
+    def marker_layout(self) -> MarkerLayout:
+        """Return the markers that finds this robot by its markers."""
+        return MarkerLayout.from_markers(
             self.to_robot_frame(self.red),
             self.to_robot_frame(self.blue),
             maximum_blobs=self.maximum_blobs,

@@ -12,7 +12,7 @@ from PIL import Image
 
 from robsim._base.checks import Floats
 from robsim._base.files import read_toml, write_whole
-from robsim.imaging._images import read_picture
+from robsim.imaging._images import load_image
 from robsim.robots._definition import RobotDefinition
 
 #: The file that makes a folder a robot, and the picture beside it.
@@ -97,7 +97,7 @@ def _from_values(folder: Path, values: dict[str, Any]) -> RobotDefinition:
     # Windows knows all the signs that make a path of a name on any system.
     if image in ("", ".", "..") or PureWindowsPath(image).name != image:
         raise ValueError(f"image must be the name of a file beside {TOML}, got {image!r}")
-    return RobotDefinition(**{**values, "image": read_picture(folder / image, mode="RGBA")})
+    return RobotDefinition(**{**values, "image": load_image(folder / image, mode="RGBA")})
 
 
 def _as_text(definition: RobotDefinition) -> str:

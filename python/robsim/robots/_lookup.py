@@ -6,7 +6,7 @@ from os import PathLike
 from pathlib import Path
 
 from robsim._base.shipped import ASSETS
-from robsim.robots._default_robot import chosen_robot, data_folder, gone, remember
+from robsim.robots._default_robot import data_folder, default_robot, gone, remember
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._files import TOML, read_robot
 
@@ -49,7 +49,7 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
     ----------
     robot : str or path, optional
         Name of a robot, one that ships with robsim or one of your own, or a folder with a
-        ``robot.toml``. Default: the robot in use, see `use_robot`.
+        ``robot.toml``. Default: the robot in use, see `set_default_robot`.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
         If there is no such robot, or its files do not define one; the message says where.
     """
     if robot is None:
-        name = chosen_robot()
+        name = default_robot()
         folder = find_folder(name)
         if folder is None:
             raise gone(name)
@@ -83,10 +83,10 @@ def unknown(robot: object, hint: str = "") -> ValueError:
     return ValueError(f"no robot {str(robot)!r}: there are {', '.join(robot_names())}{hint}")
 
 
-def use_robot(name: str) -> None:
+def set_default_robot(name: str) -> None:
     """Choose the robot in use: what a simulation shows unless another is asked for.
 
-    The choice is kept until the next one, see `reset_robot`.
+    The choice is kept until the next one, see `reset_default_robot`.
 
     Parameters
     ----------

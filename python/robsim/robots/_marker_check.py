@@ -130,7 +130,7 @@ class _View:
         away = [float(np.linalg.norm(blob.centroid - centroid)) * self.unit for blob in blobs]
         blob = blobs[int(np.argmin(away))]
         factor = max(blob.area / area, area / blob.area)
-        if factor > self.definition.locator().area_tolerance:
+        if factor > self.definition.marker_layout().area_tolerance:
             return (
                 f"the blob seen there has {blob.area * self.unit**2:.0f} px of the work area, its "
                 f"polygon {area * self.unit**2:.0f}: draw it around all that has the colour"
@@ -150,7 +150,7 @@ class _View:
             (self.pixels.shape[1] * self.unit, self.pixels.shape[0] * self.unit),
         )
         blobs = self._blobs(colors)
-        if locate(blobs, self.definition.locator(), plane_map) is not None:
+        if locate(blobs, self.definition.marker_layout(), plane_map) is not None:
             return []
         counts = ", ".join(f"{len(found)} {name}" for name, found in blobs.items())
         return [

@@ -14,11 +14,11 @@ from uuid import uuid4
 
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import number
+from robsim._base.checks import check_float
 from robsim._base.files import write_whole
 from robsim._core import ColorClass
-from robsim.imaging._images import Pixels, read_picture
-from robsim.robots._default_robot import chosen_robot, reset_robot
+from robsim.imaging._images import Pixels, load_image
+from robsim.robots._default_robot import default_robot, reset_default_robot
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._files import TOML, read_robot, save_robot
 from robsim.robots._finding import reduced, robot_from_picture
@@ -123,7 +123,7 @@ def rotate_robot(name: str, degrees: float) -> RobotDefinition:
     import tomlkit
 
     folder = _own(name)
-    degrees = number("degrees", degrees)
+    degrees = check_float("degrees", degrees)
     alignment = math.remainder(read_robot(folder).alignment + degrees, 360)
     # Only this number changes: comments that were written by hand stay.
     document = tomlkit.parse((folder / TOML).read_text("utf-8-sig"))
@@ -142,12 +142,12 @@ def remove_robot(name: str) -> None:
     """
     folder = _own(name)
     try:
-        is_chosen = chosen_robot().casefold() == name.casefold()
+        is_chosen = default_robot().casefold() == name.casefold()
     except ValueError:
         is_chosen = False
     _discard(folder)
     if is_chosen:
-        reset_robot()
+        reset_default_robot()
 
 
 def _check_new(name: str, overwrite: bool) -> None:
@@ -206,7 +206,7 @@ def _read_source(source: str | PathLike[str]) -> RobotDefinition | Pixels:
             f"source must be a robot's name ({', '.join(robot_names())}), a folder with a {TOML} "
             f"or a picture's file, got {str(source)!r}"
         )
-    return read_picture(folder, mode="RGBA")
+    return load_image(folder, mode="RGBA")
 
 
 def _store(definition: RobotDefinition) -> RobotDefinition:

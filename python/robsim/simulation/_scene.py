@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim._base.shipped import ASSETS
 from robsim._core import Renderer
-from robsim.imaging._images import Pixels, read_picture, resized
+from robsim.imaging._images import Pixels, load_image, resized
 from robsim.imaging._shading import SHADOW, darkened, lightened
 from robsim.robots import RobotDefinition
 
@@ -131,7 +131,7 @@ def as_floor(
     """
     if background is None:
         return None
-    pixels = read_picture(background) if isinstance(background, (str, PathLike)) else background
+    pixels = load_image(background) if isinstance(background, (str, PathLike)) else background
     if not isinstance(pixels, np.ndarray) or pixels.dtype != np.uint8:
         raise TypeError(f"background must be a uint8 array or a file, got {type(pixels).__name__}")
     if pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
@@ -142,7 +142,7 @@ def as_floor(
 def _shipped_floor(area: tuple[int, int]) -> Pixels:
     """Return our floor, repeated or cut to the size of the work area."""
     width, height = area
-    tile = read_picture(ASSETS / "floor.jpg")
+    tile = load_image(ASSETS / "floor.jpg")
     across, down = -(-width // tile.shape[1]), -(-height // tile.shape[0])
     return np.ascontiguousarray(np.tile(tile, (down, across, 1))[:height, :width])
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.checks import number, whole
+from robsim._base.checks import check_float, check_int
 from robsim._base.options import (
     choice,
     phase_count,
@@ -21,7 +21,16 @@ from robsim._base.options import (
     visual_noise,
 )
 from robsim._base.seeds import Seed, seed_record, seed_sequence, stream, stream_number
-from robsim._core import ColorClass, Controller, DriveAround, Frame, Locator, Spin, Step, Unicycle
+from robsim._core import (
+    ColorClass,
+    Controller,
+    DriveAround,
+    Frame,
+    MarkerLayout,
+    Spin,
+    Step,
+    Unicycle,
+)
 from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition, as_robot
 from robsim.simulation import _slots as slots
@@ -107,7 +116,7 @@ class Simulation:
     noise_percent : float, optional
         Its level p: uniform within +-2.55 p, or Gaussian with sigma = 2.55 p.
     dropout, dropout_steps : float, int
-        Something hides the robot from the camera: in each stretch of `dropout_steps` steps with
+        Something hides the robot from the camera: in each segment of `dropout_steps` steps with
         the probability `dropout`, 0..1.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
@@ -117,12 +126,12 @@ class Simulation:
         What all random numbers of the run come from; the trace has it in ``info.seed``.
     colors : path or iterable of ColorClass, optional
         The colours to look for. Default: red and blue as they ship with robsim.
-    locator : Locator, RobotDefinition, str or path, optional
+    markers : MarkerLayout, RobotDefinition, str or path, optional
         What the default measurement takes the markers' geometry from. Default: the robot.
     smoothing : int, optional
         Width of the window by whose mean a pixel's colour is judged (px of the frame): 3, 5, ...
         15, against noise; a quarter to three quarters of a marker's width. 1 = off, as in the
-        program of 2008. Default: 0.28 of the width of the locator's smaller marker, at most 7.
+        program of 2008. Default: 0.28 of the width of the smaller marker, at most 7.
     identify_from : str, optional
         The data that samples are made of: ``"truth"``, the default in a simulated world,
         ``"measurement"`` or ``"estimate"``.
@@ -184,7 +193,7 @@ class Simulation:
         start: ArrayLike | str | None = None,
         seed: Seed = None,
         colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
-        locator: Locator | RobotDefinition | str | PathLike[str] | None = None,
+        markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None = None,
         smoothing: int | None = None,
         identify_from: str | None = None,
         time_limit: float | None = None,
@@ -216,9 +225,9 @@ class Simulation:
         self._folder: CallbackFolder | None = None
         self._from_folder: set[str] = set()
         self.colors = as_colors(colors)
-        self.locator = _as_locator(self.robot if locator is None else locator)
+        self.markers = _as_marker_layout(self.robot if markers is None else markers)
         self._smoothing = (
-            None if smoothing is None else whole("smoothing", smoothing, least=1, most=15)
+            None if smoothing is None else check_int("smoothing", smoothing, minimum=1, maximum=15)
         )
         self._phases = phase_count(rotation, phases)
         self._background = as_floor(background, self.area)
@@ -233,13 +242,13 @@ class Simulation:
             start=self._start_pose(start),
             noise=visual_noise(noise, noise_percent),
             colors=self.colors,
-            locator=self.locator,
+            markers=self.markers,
             smoothing=self._smoothing,
             identify_from=identify_from,
             controller_seed=stream_number(self._seed, "controller"),
             noise_seed=stream_number(self._seed, "noise"),
-            dropout=number("dropout", dropout, least=0, most=1),
-            dropout_steps=whole("dropout_steps", dropout_steps, least=1, most=2**31 - 1),
+            dropout=check_float("dropout", dropout, minimum=0, maximum=1),
+            dropout_steps=check_int("dropout_steps", dropout_steps, minimum=1, maximum=2**31 - 1),
             dropout_seed=stream_number(self._seed, "dropout"),
         )
         self._core.set_stage("make_renderer", self._make_renderer)
@@ -350,7 +359,7 @@ class Simulation:
         dict of str to list of Blob
             Per colour the blobs, the largest first.
         """
-        return _core.find_blobs(frame, self.colors, locator=self.locator, smoothing=self._smoothing)
+        return _core.find_blobs(frame, self.colors, markers=self.markers, smoothing=self._smoothing)
 
     def _start_pose(self, start: ArrayLike | str | None) -> ArrayLike:
         width, height = self.area
@@ -441,7 +450,7 @@ class Simulation:
             self._core.run(1)
         if self._core.rows == before:
             raise EOFError("there are no more frames")
-        return self._core.newest
+        return self._core.last_step
 
     def _start(self) -> None:
         if not self._core.has_started:
@@ -572,7 +581,7 @@ class Simulation:
         self._start()
         return self._core.frame
 
-    def frame_of(self, k: int) -> Frame:
+    def render_step(self, k: int) -> Frame:
         """Return the frame of a recorded step, drawn anew.
 
         Parameters
@@ -585,13 +594,13 @@ class Simulation:
         IndexError
             If there is no such step.
         """
-        return self._core.frame_of(k)
+        return self._core.render_step(k)
 
     @property
-    def newest(self) -> Step:
+    def last_step(self) -> Step:
         """What the robot half knows of the newest step."""
         self._start()
-        return self._core.newest
+        return self._core.last_step
 
     def __repr__(self) -> str:
         stages = [slot for slot in slots.OPTIONAL if self._callbacks[slot]]
@@ -609,15 +618,17 @@ def _update_estimator(step: Step) -> ArrayLike | None:
     return update
 
 
-def _as_locator(locator: Locator | RobotDefinition | str | PathLike[str]) -> Locator:
-    if isinstance(locator, Locator):
-        return locator
-    if not isinstance(locator, (str, PathLike, RobotDefinition)):
+def _as_marker_layout(
+    markers: MarkerLayout | RobotDefinition | str | PathLike[str],
+) -> MarkerLayout:
+    if isinstance(markers, MarkerLayout):
+        return markers
+    if not isinstance(markers, (str, PathLike, RobotDefinition)):
         raise TypeError(
-            f"locator must be a Locator, a RobotDefinition, a robot's name or a folder, "
-            f"got {locator!r}"
+            f"markers must be a MarkerLayout, a RobotDefinition, a robot's name or a folder, "
+            f"got {markers!r}"
         )
     try:
-        return as_robot(locator).locator()
+        return as_robot(markers).marker_layout()
     except ValueError as error:
-        raise ValueError(f"locator: {error}") from error
+        raise ValueError(f"markers: {error}") from error

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
-from robsim._base.checks import number
+from robsim._base.checks import check_float
 
 # Wakes the main thread out of a system call, where there is such a signal (not on Windows).
 _WAKE_UP: Any = getattr(signal, "SIGUSR2", None) if hasattr(signal, "pthread_kill") else None
@@ -37,7 +37,7 @@ class TimeLimit:
     """
 
     def __init__(self, seconds: float) -> None:
-        self.seconds = number("time_limit", seconds, "s", above=0)
+        self.seconds = check_float("time_limit", seconds, "s", exclusive_minimum=0)
         self._lock = threading.Lock()
         self._deadline = math.inf
         self._is_up = False

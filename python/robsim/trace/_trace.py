@@ -59,12 +59,17 @@ _FIXED_GROUPS: dict[str, dict[str, str]] = {
         for b, ub in zip(("x", "y", "heading"), _POSE_UNITS, strict=True)
     },
     "parameters": dict.fromkeys(PARAMETER_NAMES, ""),
-    "unit_errors": {f"unit_error_{name}": "" for name in PARAMETER_NAMES},
+    "standard_errors_unscaled": {f"standard_error_unscaled_{name}": "" for name in PARAMETER_NAMES},
     "view": {"x_view": "px", "y_view": "px"},
 }
 _SIMULATED = ("pose_true", "u", "bounced")
 _RECORDED = ("measured",)
-_SHAPES = {"covariance": (3, 3), "parameters": (3, 5), "unit_errors": (3, 5), "state": ()}
+_SHAPES = {
+    "covariance": (3, 3),
+    "parameters": (3, 5),
+    "standard_errors_unscaled": (3, 5),
+    "state": (),
+}
 
 
 def _fields(group: str, width: int) -> dict[str, str]:
@@ -241,9 +246,9 @@ class Trace:
         Any further state of the state estimator; n = 0 without.
     parameters : array (N, 3, 5)
         Online estimate of the model's parameters, NaN without a parameter estimator.
-    unit_errors : array (N, 3, 5)
+    standard_errors_unscaled : array (N, 3, 5)
         Their standard errors for noise of standard deviation 1 px, 1 px and 1 rad in the equations,
-        NaN if the estimator gives none. See `robsim.check_excitation`.
+        NaN if the estimator gives none. See `robsim.identifiability`.
     view : array (N, 2)
         Place of the camera's view: 0 unless the area is unlimited (work-area px).
     info : RunInfo
@@ -351,9 +356,9 @@ class Trace:
         return self._group("parameters", 3, 5)
 
     @property
-    def unit_errors(self) -> Floats:
+    def standard_errors_unscaled(self) -> Floats:
         """Standard errors of the online estimates in units of the noise (N, 3, 5)."""
-        return self._group("unit_errors", 3, 5)
+        return self._group("standard_errors_unscaled", 3, 5)
 
     @property
     def view(self) -> Floats:

@@ -60,7 +60,7 @@ def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ..
         raise ValueError(f"colour file {path}: {error}") from error
 
 
-def color_text(colors: ColorClass | Iterable[ColorClass]) -> str:
+def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
     """Return colour classes as the text of a colour file: to be pasted into one.
 
     Parameters
@@ -110,7 +110,7 @@ def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorCl
         load_colors(path)
         text = _updated(path.read_bytes().decode("utf-8-sig"), classes)
     else:
-        text = _HEADER + color_text(classes)
+        text = _HEADER + colors_to_toml(classes)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, text.encode())
 
@@ -123,7 +123,7 @@ def _updated(text: str, colors: Iterable[ColorClass]) -> str:
     for color in colors:
         if color.name not in document:
             text = document.as_string().rstrip()
-            document = tomlkit.parse(f"{text}\n\n{color_text(color)}")
+            document = tomlkit.parse(f"{text}\n\n{colors_to_toml(color)}")
             continue
         table: Any = document[color.name]
         for channel in _CHANNELS:

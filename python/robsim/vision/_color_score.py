@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import Floats, whole
+from robsim._base.checks import Floats, check_int
 from robsim._core import Blob, ColorClass, Frame, VisualNoise, color_histograms, find_blobs
 from robsim.imaging._images import Pixels
 from robsim.imaging._shading import darkened
@@ -169,8 +169,8 @@ def score_color(
     if not isinstance(color, ColorClass):
         raise TypeError(f"color must be a ColorClass, got {color!r}")
     boxes = _checked(pixels, regions)
-    repeats = whole("repeats", repeats, least=1, most=10_000)
-    seed = whole("seed", seed, least=0, most=2**64 - 1)
+    repeats = check_int("repeats", repeats, minimum=1, maximum=10_000)
+    seed = check_int("seed", seed, minimum=0, maximum=2**64 - 1)
     classes = _widenings(color)
     rates = {}  # of the sweep: (level, widening)
     for name, levels in _LEVELS.items():

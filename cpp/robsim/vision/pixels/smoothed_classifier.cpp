@@ -13,7 +13,7 @@ namespace {
 // Sums before and behind those of a row: as many as a line of the cache has.
 constexpr std::size_t margin = 32;
 
-// Calls f(first, last) for each stretch first <= i < last of words that fulfil a condition.
+// Calls f(first, last) for each segment first <= i < last of words that fulfil a condition.
 template <typename Condition, typename F>
 void for_each_stretch(std::size_t words, Condition&& condition, F&& f) {
   for (std::size_t first = 0; first < words;) {

@@ -7,46 +7,46 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim.identification._fits.linear import solve, triangle
 from robsim.identification._fits.paths import HEADING, X, Y, recursion
-from robsim.identification._fits.segments import Stretch
+from robsim.identification._fits.segments import Segment
 
 # One pole of each axis is 1; the other one is tried from quick to slow.
 _POLES = 1 - np.geomspace(1.0, 0.01, 14)
 
 
-def first_guess(stretches: list[Stretch]) -> Floats:
+def first_guess(segments: list[Segment]) -> Floats:
     """Return theta (3, 5): for each axis the best of some poles, and the forces that fit it.
 
     Nothing has to be started, and noise in the poses does not bias it.
 
     Parameters
     ----------
-    stretches : list of Stretch
+    segments : list of Segment
         With short gaps at most: headings are interpolated.
     """
-    return np.array([_best_axis(stretches, axis) for axis in (X, Y, HEADING)])
+    return np.array([_best_axis(segments, axis) for axis in (X, Y, HEADING)])
 
 
-def _best_axis(stretches: list[Stretch], axis: int) -> Floats:
-    guesses = [axis_with_pole(stretches, axis, float(pole)) for pole in _POLES]
+def _best_axis(segments: list[Segment], axis: int) -> Floats:
+    guesses = [axis_with_pole(segments, axis, float(pole)) for pole in _POLES]
     return min(guesses, key=lambda guess: guess[1])[0]
 
 
-def axis_with_pole(stretches: list[Stretch], axis: int, pole: float) -> tuple[Floats, float]:
+def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Floats, float]:
     """Return the parameters (5,) of an axis with the poles 1 and `pole` whose path fits best.
 
-    With the poles given the path is linear in b1, b2, d1 and the first two values of each stretch.
+    With the poles given the path is linear in b1, b2, d1 and the first two values of each segment.
     The second result is the sum of squares left over.
     """
     a1, a2 = 1 + pole, -pole
     parts = []
-    for stretch in stretches:
-        direction = _direction(stretch, axis)
+    for segment in segments:
+        direction = _direction(segment, axis)
         forces = np.zeros((len(direction), 5))
         forces[0, 0] = forces[1, 1] = 1
-        forces[2:, 2:4] = (stretch.u * direction[:, None])[1:-1]
+        forces[2:, 2:4] = (segment.u * direction[:, None])[1:-1]
         forces[2:, 4] = direction[1:-1]
-        responses = recursion(a1, a2, forces)[stretch.seen]
-        columns = np.column_stack([responses, stretch.poses[stretch.seen, axis]])
+        responses = recursion(a1, a2, forces)[segment.seen]
+        columns = np.column_stack([responses, segment.poses[segment.seen, axis]])
         parts.append(triangle(columns)[2:, 2:])
     columns = np.vstack(parts)
     gains, _ = solve(columns[:, :3], columns[:, 3])
@@ -54,9 +54,9 @@ def axis_with_pole(stretches: list[Stretch], axis: int, pole: float) -> tuple[Fl
     return np.hstack([a1, a2, gains]), float(np.square(left).sum())
 
 
-def _direction(stretch: Stretch, axis: int) -> Floats:
+def _direction(segment: Segment, axis: int) -> Floats:
     """Return what turns the forces into those of an axis: cos, sin of the heading, or 1."""
-    heading = stretch.interpolated()[:, HEADING]
+    heading = segment.interpolated()[:, HEADING]
     if axis == HEADING:
         return np.ones(len(heading))
     return np.cos(heading) if axis == X else np.sin(heading)

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._core import regression_samples
+from robsim._core import regression
 from robsim.identification._fits.first_guess import axis_with_pole, first_guess
 from robsim.identification._fits.linear import solve
 from robsim.identification._fits.model_fit import ModelFit, given
 from robsim.identification._fits.paths import HEADING, X, Y, recursion
-from robsim.identification._fits.segments import Stretch, as_record, split
+from robsim.identification._fits.segments import Segment, as_record, split
 
 _ITERATIONS = 30
 # An axis has converged when no parameter moves by more than this share of its standard error.
@@ -60,7 +60,7 @@ def instrumental_variables(poses: Any, u: Any, *, breaks: Any = None) -> ModelFi
     analysis, part I, Int. J. Control 29(1), 1979. What the noise of the first two poses of a run
     leaves behind does not die out in the filter 1/A, which has a pole at 1; it is projected out.
     """
-    runs = split(as_record(poses, u, breaks), longest_gap=0, least=_LEAST_POSES)
+    runs = split(as_record(poses, u, breaks), longest_gap=0, minimum=_LEAST_POSES)
     samples = sum(len(run.u) - 4 for run in runs)
     if samples < _LEAST_SAMPLES:
         raise ValueError(
@@ -117,15 +117,15 @@ class _AxisFit:
     converged: bool = False
 
 
-def _fit_axes(runs: list[Stretch]) -> list[_AxisFit]:
+def _fit_axes(runs: list[Segment]) -> list[_AxisFit]:
     """Return the fits of X, Y and P; the noise of the heading is that left over in P."""
     start = first_guess(runs)
     turn = _iterate(runs, HEADING, start[HEADING], 0.0)
     return [*(_iterate(runs, axis, start[axis], turn.rms) for axis in (X, Y)), turn]
 
 
-def _run_samples(run: Stretch, axis: int) -> _Samples:
-    all_phi, all_y = regression_samples(run.poses, run.u)
+def _run_samples(run: Segment, axis: int) -> _Samples:
+    all_phi, all_y = regression(run.poses, run.u)
     # d/d heading of u cos is -u sin, that of u sin is u cos
     slopes = [-all_phi[:, Y, 2:], all_phi[:, X, 2:], np.zeros_like(all_phi[:, HEADING, 2:])]
     phi = all_phi[:, axis]
@@ -139,7 +139,7 @@ def _run_samples(run: Stretch, axis: int) -> _Samples:
     )
 
 
-def _iterate(runs: list[Stretch], axis: int, theta: Floats, heading_noise: float) -> _AxisFit:
+def _iterate(runs: list[Segment], axis: int, theta: Floats, heading_noise: float) -> _AxisFit:
     samples = [_run_samples(run, axis) for run in runs]
     for iteration in range(1, _ITERATIONS + 1):
         # In every robot one pole is 1 and the other one is -a2.

@@ -9,7 +9,7 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim.identification._fits.linear import solve, triangle
 from robsim.identification._fits.paths import FIRST, UNKNOWNS, sensitivities, simulated_path
-from robsim.identification._fits.segments import Stretch
+from robsim.identification._fits.segments import Segment
 
 # Residuals smaller than this share of the largest coordinate are rounding.
 _ROUNDING = 1e-9
@@ -17,7 +17,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """The parameters theta (3, 5) and the first two poses (S, 2, 3) of each stretch."""
+    """The parameters theta (3, 5) and the first two poses (S, 2, 3) of each segment."""
 
     theta: Floats
     first: Floats
@@ -34,7 +34,7 @@ class Linearisation:
     cost : float
         Sum of their squares.
     blocks : array (S, 22, 22)
-        For each stretch the triangular factor of [derivatives | residuals], whose columns are
+        For each segment the triangular factor of [derivatives | residuals], whose columns are
         the step of the 6 first values, that of the 15 parameters, and the residuals.
     """
 
@@ -43,17 +43,17 @@ class Linearisation:
     blocks: Floats
 
     @staticmethod
-    def at(unknowns: Unknowns, stretches: list[Stretch], residuals: Floats) -> Linearisation:
+    def at(unknowns: Unknowns, segments: list[Segment], residuals: Floats) -> Linearisation:
         """Linearise about the unknowns that left these residuals."""
-        freedom = max(len(residuals) - 2 * len(stretches) - 5, 1)
+        freedom = max(len(residuals) - 2 * len(segments) - 5, 1)
         sigma = np.sqrt(np.square(residuals).sum(axis=0) / freedom)
-        sizes = [np.nanmax(np.abs(stretch.poses), axis=0) for stretch in stretches]
+        sizes = [np.nanmax(np.abs(segment.poses), axis=0) for segment in segments]
         sigma = np.maximum(sigma, _ROUNDING * np.maximum(np.max(sizes, axis=0), 1.0))
-        blocks = np.zeros((len(stretches), UNKNOWNS + 1, UNKNOWNS + 1))
-        edges = np.cumsum([0, *(stretch.seen.sum() for stretch in stretches)])
-        for i, stretch in enumerate(stretches):
-            path = simulated_path(unknowns.theta, unknowns.first[i], stretch.u)
-            slopes = sensitivities(unknowns.theta, path, stretch.u)[stretch.seen]
+        blocks = np.zeros((len(segments), UNKNOWNS + 1, UNKNOWNS + 1))
+        edges = np.cumsum([0, *(segment.seen.sum() for segment in segments)])
+        for i, segment in enumerate(segments):
+            path = simulated_path(unknowns.theta, unknowns.first[i], segment.u)
+            slopes = sensitivities(unknowns.theta, path, segment.u)[segment.seen]
             columns = np.dstack([slopes, residuals[edges[i] : edges[i + 1]]]) / sigma[:, None]
             factor = triangle(columns.reshape(-1, UNKNOWNS + 1))
             blocks[i, : len(factor)] = factor

@@ -11,7 +11,7 @@ from robsim.identification._fits.first_guess import first_guess
 from robsim.identification._fits.linearisation import Linearisation, Unknowns
 from robsim.identification._fits.model_fit import ModelFit, given
 from robsim.identification._fits.paths import simulated_path
-from robsim.identification._fits.segments import Record, Stretch, as_record, split
+from robsim.identification._fits.segments import Record, Segment, as_record, split
 
 _ITERATIONS = 30
 _LEAST_POSES = 3
@@ -31,7 +31,7 @@ _LARGEST_DAMPING = 1e8
 def output_error(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
     """Fit the simulated path of the robot model to measured poses.
 
-    The path depends on the inputs, the 15 parameters and the first two poses of each stretch
+    The path depends on the inputs, the 15 parameters and the first two poses of each segment
     between breaks; all of them are fitted together, so that the measured places say something
     about the heading, too. The noise of the poses stays out of the regressors: there is no bias.
 
@@ -62,10 +62,10 @@ def output_error(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
     Source: Ljung, System Identification, 2nd edition 1999, 4.3 (output error models), 10.2.
     """
     record = as_record(poses, u, breaks)
-    stretches = split(record, least=_LEAST_POSES)
-    start = _start(record, stretches)
-    fit, residuals, iterations, converged = _minimise(start, stretches)
-    linear = Linearisation.at(fit, stretches, residuals)
+    segments = split(record, minimum=_LEAST_POSES)
+    start = _start(record, segments)
+    fit, residuals, iterations, converged = _minimise(start, segments)
+    linear = Linearisation.at(fit, segments, residuals)
     theta, errors = given(fit.theta, linear.standard_errors())
     if not converged:
         # What the record does not determine may wander for ever; the rest may stand all the same.
@@ -80,26 +80,26 @@ def output_error(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
     )
 
 
-def _start(record: Record, stretches: list[Stretch]) -> Unknowns:
+def _start(record: Record, segments: list[Segment]) -> Unknowns:
     """Return the first guess, and the first poses as measured."""
-    pieces = split(record, longest_gap=_LONGEST_GAP, least=_LEAST_POSES)
+    pieces = split(record, longest_gap=_LONGEST_GAP, minimum=_LEAST_POSES)
     samples = sum(int(piece.seen.sum()) - 2 for piece in pieces)
     if samples < _LEAST_SAMPLES:
         raise ValueError(
-            f"output error needs at least {_LEAST_SAMPLES} poses more than two for each stretch "
-            f"between breaks, got {samples} in {len(stretches)} stretches"
+            f"output error needs at least {_LEAST_SAMPLES} poses more than two for each segment "
+            f"between breaks, got {samples} in {len(segments)} segments"
         )
-    first = np.array([stretch.interpolated()[:2] for stretch in stretches])
+    first = np.array([segment.interpolated()[:2] for segment in segments])
     return Unknowns(first_guess(pieces), first)
 
 
-def _residuals(unknowns: Unknowns, stretches: list[Stretch]) -> Floats | None:
+def _residuals(unknowns: Unknowns, segments: list[Segment]) -> Floats | None:
     """Return measured minus simulated poses (n, 3), or None if the simulation explodes."""
     parts = []
-    for first, stretch in zip(unknowns.first, stretches, strict=True):
+    for first, segment in zip(unknowns.first, segments, strict=True):
         with np.errstate(over="ignore", invalid="ignore"):
-            path = simulated_path(unknowns.theta, first, stretch.u)
-            left = (stretch.poses - path)[stretch.seen]
+            path = simulated_path(unknowns.theta, first, segment.u)
+            left = (segment.poses - path)[segment.seen]
         if not (np.abs(left) < _EXPLODED).all():
             return None
         # In a gap the robot may turn by more than half a turn; the simulated heading knows.
@@ -108,19 +108,19 @@ def _residuals(unknowns: Unknowns, stretches: list[Stretch]) -> Floats | None:
     return np.vstack(parts)
 
 
-def _minimise(unknowns: Unknowns, stretches: list[Stretch]) -> tuple[Unknowns, Floats, int, bool]:
+def _minimise(unknowns: Unknowns, segments: list[Segment]) -> tuple[Unknowns, Floats, int, bool]:
     """Return the unknowns of the least weighted squares, the residuals, iterations, converged."""
-    residuals = _residuals(unknowns, stretches)
+    residuals = _residuals(unknowns, segments)
     # The first guess has no unstable pole: its path does not explode.
     assert residuals is not None
     damping = _FIRST_DAMPING
     for iteration in range(_ITERATIONS):
-        linear = Linearisation.at(unknowns, stretches, residuals)
+        linear = Linearisation.at(unknowns, segments, residuals)
         if linear.is_rounding or linear.expected_gain() < _ENOUGH**2:
             return unknowns, residuals, iteration, True
         while damping <= _LARGEST_DAMPING:
             trial = linear.step(unknowns, damping)
-            left = _residuals(trial, stretches)
+            left = _residuals(trial, segments)
             if left is not None and linear.is_better(left):
                 break
             damping *= _DAMPING_FACTOR

@@ -8,7 +8,7 @@ from robsim._base.checks import Floats
 
 X, Y, HEADING = 0, 1, 2
 FIRST = 6
-"""Unknown first poses of a stretch: x, y and heading of its first two steps."""
+"""Unknown first poses of a segment: x, y and heading of its first two steps."""
 UNKNOWNS = FIRST + 15
 
 

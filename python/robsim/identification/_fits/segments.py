@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robsim._base.checks import Floats
 
 HEADING = 2
-_LARGEST = 1e9  # beyond any area and any battery
+_LARGEST = 1e9  # beyond any area and any checks
 Bools = NDArray[np.bool_]
 
 
@@ -40,7 +40,7 @@ class Record:
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class Segment:
     """Steps in a row that follow from each other; the first and the last one are seen.
 
     Attributes
@@ -96,8 +96,8 @@ def _rows(name: str, values: Any, width: int) -> Floats:
     return rows
 
 
-def split(record: Record, *, longest_gap: int | None = None, least: int) -> list[Stretch]:
-    """Return the stretches between the breaks.
+def split(record: Record, *, longest_gap: int | None = None, minimum: int) -> list[Segment]:
+    """Return the segments between the breaks.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def split(record: Record, *, longest_gap: int | None = None, least: int) -> list
         What to split.
     longest_gap : int, optional
         Also split where the robot was not seen for more steps than that.
-    least : int
+    minimum : int
         Stretches with fewer poses than that are left out.
     """
     at = np.flatnonzero(record.seen)
@@ -116,11 +116,11 @@ def split(record: Record, *, longest_gap: int | None = None, least: int) -> list
     return [
         _stretch(record, slice(steps[0], steps[-1] + 1))
         for steps in np.split(at, np.flatnonzero(new) + 1)
-        if len(steps) >= least
+        if len(steps) >= minimum
     ]
 
 
-def _stretch(record: Record, part: slice) -> Stretch:
+def _stretch(record: Record, part: slice) -> Segment:
     poses, seen = record.poses[part].copy(), record.seen[part]
     poses[seen, HEADING] = np.unwrap(poses[seen, HEADING])
-    return Stretch(poses, record.u[part], seen)
+    return Segment(poses, record.u[part], seen)

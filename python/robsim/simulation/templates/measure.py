@@ -6,7 +6,7 @@ Called at every step, with a new frame. Gets `step`, of which you need:
     step.blobs             the patches of each colour, the largest first: step.blobs["red"] and
                            step.blobs["blue"] are lists; a blob has .centroid (u, v) and .area,
                            in pixels of the frame
-    step.locator           how the robot carries its markers: .distance from red to blue, .offset
+    step.markers           how the robot carries its markers: .distance from red to blue, .offset
                            from the middle between them forward to the robot's centre (px)
 Returns a Measurement of x, y (px), heading (rad). None: the robot was not seen.
 """
@@ -25,10 +25,10 @@ def measure(step):
     #         red = step.frame.plane_map.to_world(red_blob.centroid)
     #         blue = step.frame.plane_map.to_world(blue_blob.centroid)
     #         distance = np.linalg.norm(red - blue)
-    #         if abs(distance - step.locator.distance) < 0.08 * step.locator.distance:
+    #         if abs(distance - step.markers.distance) < 0.08 * step.markers.distance:
     #             right_x, right_y = (red - blue) / distance
     #             forward = np.array((right_y, -right_x))
-    #             x, y = (red + blue) / 2 + step.locator.offset * forward
+    #             x, y = (red + blue) / 2 + step.markers.offset * forward
     #             return robsim.Measurement((x, y, np.arctan2(-right_x, right_y)))
     # return None
-    return robsim.locate(step.blobs, step.locator, step.frame.plane_map)
+    return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
