@@ -23,6 +23,14 @@ std::string repr(const PlaneMap& plane_map) {
   return "PlaneMap(" + py::repr(rows).cast<std::string>() + ")";
 }
 
+PlaneMap::FourPoints four_points(py::handle value, const std::string& name) {
+  const Doubles array =
+      doubles_from(value, name, Shape{4, 2}, "four points, finite numbers of shape (4, 2)");
+  PlaneMap::FourPoints points;
+  for (std::size_t i = 0; i < 4; ++i) points[i] = {array.data()[2 * i], array.data()[2 * i + 1]};
+  return points;
+}
+
 // Maps one point (2,) or many (N, 2).
 template <typename Map>
 py::array_t<double> map_points(py::handle value, const std::string& name, const Map& map) {
@@ -47,7 +55,7 @@ py::array_t<double> map_points(py::handle value, const std::string& name, const 
 
 void bind_imaging(py::module_& module) {
   py::class_<PlaneMap>(module, "PlaneMap", R"(
-Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
+Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
 
 Parameters
 ----------
@@ -63,26 +71,59 @@ ValueError
       .def(py::init(&plane_map_from), py::arg("matrix"))
       .def_static(
           "scaled",
-          [](std::pair<int, int> camera, std::pair<double, double> area) {
-            if (camera.first < 1 || camera.second < 1) {
-              throw py::value_error("camera must be (width, height) in px, both above 0");
+          [](std::pair<int, int> resolution, std::pair<double, double> area) {
+            if (resolution.first < 1 || resolution.second < 1) {
+              throw py::value_error("resolution must be (width, height) in px, both above 0");
             }
             for (const double size : {area.first, area.second}) {
               if (!(size > 1e-3 && size < 1e9)) {
                 throw py::value_error("area must be (width, height) in work-area px, both above 0");
               }
             }
-            return PlaneMap::scaled(camera.first, camera.second, area.first, area.second);
+            return PlaneMap::scaled(resolution.first, resolution.second, area.first, area.second);
           },
-          py::arg("camera"), py::arg("area"), R"(
+          py::arg("resolution"), py::arg("area"), R"(
 Return the map of a camera that sees the whole area.
 
 Parameters
 ----------
-camera : tuple of int
+resolution : tuple of int
     Width and height of the frame (px).
 area : tuple of float
     Width and height of the area (work-area px).
+)")
+      .def_static(
+          "from_points",
+          [](const py::object& pixels, const py::object& positions) {
+            return PlaneMap::from_points(four_points(pixels, "pixels"),
+                                         four_points(positions, "positions"));
+          },
+          py::arg("pixels"), py::arg("positions"), R"(
+Return the map of a camera that looks at the work area from any direction.
+
+Parameters
+----------
+pixels : array (4, 2)
+    Pixels (u, v) of four points on the floor, no three of them on a line.
+positions : array (4, 2)
+    Positions (x, y) of these points on the work area, in the same order (work-area px).
+
+Returns
+-------
+PlaneMap
+    The only homography that takes each pixel to its position.
+
+Raises
+------
+TypeError, ValueError
+    If the shapes are others, three points lie on a line, or the positions go round in another order
+    than the pixels.
+
+Examples
+--------
+>>> seen = [(102, 80), (541, 77), (630, 455), (12, 460)]
+>>> corners = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
+>>> plane_map = PlaneMap.from_points(seen, corners)
 )")
       .def_property_readonly(
           "matrix", [](const PlaneMap& self) { return to_array(self.matrix().data(), {3, 3}); },
@@ -93,7 +134,7 @@ area : tuple of float
             return map_points(pixels, "pixels", [&](const Point& p) { return self.to_world(p); });
           },
           py::arg("pixels"), R"(
-Return the places of pixels.
+Return the positions of pixels.
 
 Parameters
 ----------
@@ -103,20 +144,21 @@ pixels : array (2,) or (N, 2)
 Returns
 -------
 array (2,) or (N, 2)
-    Places (x, y) in work-area px.
+    Positions (x, y) in work-area px.
 )")
       .def(
           "to_pixel",
-          [](const PlaneMap& self, const py::object& places) {
-            return map_points(places, "places", [&](const Point& p) { return self.to_pixel(p); });
+          [](const PlaneMap& self, const py::object& positions) {
+            return map_points(positions, "positions",
+                              [&](const Point& p) { return self.to_pixel(p); });
           },
-          py::arg("places"), R"(
-Return the pixels of places.
+          py::arg("positions"), R"(
+Return the pixels of positions.
 
 Parameters
 ----------
-places : array (2,) or (N, 2)
-    Places (x, y) in work-area px.
+positions : array (2,) or (N, 2)
+    Positions (x, y) in work-area px.
 
 Returns
 -------

@@ -171,17 +171,17 @@ dt : float
       .def_property_readonly("dt", &RobotModel::dt, "float: sample time (s).")
       .def(
           "predict",
-          [](const RobotModel& self, const py::object& last, const py::object& before,
+          [](const RobotModel& self, const py::object& pose_1, const py::object& pose_2,
              const py::object& u) {
-            return to_array(self.predict(pose_from(last, "last"), pose_from(before, "before"),
+            return to_array(self.predict(pose_from(pose_1, "pose_1"), pose_from(pose_2, "pose_2"),
                                          input_from(u, "u")));
           },
-          py::arg("last"), py::arg("before"), py::arg("u"), R"(
+          py::arg("pose_1"), py::arg("pose_2"), py::arg("u"), R"(
 Return the pose of step k.
 
 Parameters
 ----------
-last, before : array (3,)
+pose_1, pose_2 : array (3,)
     Poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
 u : array (2,)
     Input of step k-1 (V).

@@ -138,6 +138,13 @@ py::array_t<double> to_array(const Input& u) {
   return bindings::to_array(values, {2});
 }
 
+py::array_t<double> input_of(const Step& step) {
+  if (readable(step).u) return to_array(*step.u);
+  throw std::runtime_error("step.u, the input of step " + std::to_string(step.k) +
+                           ", is not decided yet: the controller comes last. The input of the "
+                           "step before is step.last_u");
+}
+
 void bind_records(py::module_& module) {
   py::class_<Estimate>(module, "Estimate", R"(
 What a state estimator makes of a step.
@@ -203,13 +210,13 @@ One sample for the parameter estimator: y = sum(phi * theta, axis=1).
       .def_readonly("t", &WorldState::t, "float: time (s).")
       .def_readonly("dt", &WorldState::dt, "float: sample time (s).")
       .def_property_readonly(
-          "last", [](const WorldState& self) { return bindings::to_array(self.last); },
+          "pose_1", [](const WorldState& self) { return bindings::to_array(self.pose_1); },
           "array (3,): the pose of step k-1: x, y (work-area px), heading (rad).")
       .def_property_readonly(
-          "before", [](const WorldState& self) { return bindings::to_array(self.before); },
+          "pose_2", [](const WorldState& self) { return bindings::to_array(self.pose_2); },
           "array (3,): the pose of step k-2.")
       .def_property_readonly(
-          "u", [](const WorldState& self) { return to_array(self.u); },
+          "last_u", [](const WorldState& self) { return to_array(self.last_u); },
           "array (2,): the input of step k-1 (V).")
       .def_property_readonly(
           "model", [](const WorldState& self) { return self.model; },
@@ -236,7 +243,7 @@ x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
       .def(
           "__call__",
           [](const Unicycle& self, const WorldState& world) {
-            return bindings::to_array(self(world.model, world.last, world.before, world.u));
+            return bindings::to_array(self(world.model, world.pose_1, world.pose_2, world.last_u));
           },
           py::arg("world"), "Return the pose of a step: array (3,).")
       .def("__repr__", [](const Unicycle&) { return "Unicycle()"; });
@@ -250,8 +257,11 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
       .def_readonly("t", &Step::t, "float: time (s).")
       .def_readonly("dt", &Step::dt, "float: sample time (s).")
       .def_property_readonly(
-          "u", [](const Step& self) { return to_array(readable(self).u); },
-          "array (2,): the last input, that of step k-1 (V).")
+          "last_u", [](const Step& self) { return to_array(readable(self).last_u); },
+          "array (2,): the input of the step before, u1 left and u2 right (V).")
+      .def_property_readonly("u", &input_of,
+                             "array (2,): the input decided in this step, as sent to the motors "
+                             "(V). RuntimeError before that.")
       .def_property_readonly(
           "frame", [](const Step& self) { return frame_of(self); }, "Frame: what the camera sees.")
       .def_property_readonly(

@@ -107,14 +107,14 @@ unit : float
     Work-area px that a sprite pixel stands for.
 alignment : float
     What turns the sprite clockwise so that the robot faces +x (rad).
-phases : int
+headings : int
     Number of headings the robot is shown in, at whole pixels; 0 = any heading and place.
 area : tuple of int
     Width and height of the work area (px).
 )")
       .def(py::init(&make_renderer), py::kw_only(), py::arg("floor"), py::arg("home"),
            py::arg("shadow_left"), py::arg("shadow_factor"), py::arg("sprite"), py::arg("centre"),
-           py::arg("unit"), py::arg("alignment"), py::arg("phases"), py::arg("area"))
+           py::arg("unit"), py::arg("alignment"), py::arg("headings"), py::arg("area"))
       .def(
           "render",
           [](Renderer& self, const py::object& pose, std::pair<int, int> pan) {

@@ -117,7 +117,8 @@ void set_evaluate_model(Stages& stages, const py::object& value) {
   }
   if (is_exactly<Unicycle>(value)) {
     stages.evaluate_model = {[](const WorldState& world) {
-                               return Unicycle()(world.model, world.last, world.before, world.u);
+                               return Unicycle()(world.model, world.pose_1, world.pose_2,
+                                                 world.last_u);
                              },
                              false};
     return;

@@ -9,7 +9,7 @@ import typing
 __all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'MarkerLayout', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression', 'rgb_to_yuv', 'wrap_angle']
 class PlaneMap:
     """
-    Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
+    Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
     
     Parameters
     ----------
@@ -22,13 +22,42 @@ class PlaneMap:
         If the matrix is not finite or has no inverse.
     """
     @staticmethod
-    def scaled(camera: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], area: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]) -> PlaneMap:
+    def from_points(pixels: typing.Any, positions: typing.Any) -> PlaneMap:
+        """
+        Return the map of a camera that looks at the work area from any direction.
+        
+        Parameters
+        ----------
+        pixels : array (4, 2)
+            Pixels (u, v) of four points on the floor, no three of them on a line.
+        positions : array (4, 2)
+            Positions (x, y) of these points on the work area, in the same order (work-area px).
+        
+        Returns
+        -------
+        PlaneMap
+            The only homography that takes each pixel to its position.
+        
+        Raises
+        ------
+        TypeError, ValueError
+            If the shapes are others, three points lie on a line, or the positions go round in another order
+            than the pixels.
+        
+        Examples
+        --------
+        >>> seen = [(102, 80), (541, 77), (630, 455), (12, 460)]
+        >>> corners = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
+        >>> plane_map = PlaneMap.from_points(seen, corners)
+        """
+    @staticmethod
+    def scaled(resolution: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], area: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]) -> PlaneMap:
         """
         Return the map of a camera that sees the whole area.
         
         Parameters
         ----------
-        camera : tuple of int
+        resolution : tuple of int
             Width and height of the frame (px).
         area : tuple of float
             Width and height of the area (work-area px).
@@ -41,14 +70,14 @@ class PlaneMap:
         ...
     def __repr__(self) -> str:
         ...
-    def to_pixel(self, places: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+    def to_pixel(self, positions: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Return the pixels of places.
+        Return the pixels of positions.
         
         Parameters
         ----------
-        places : array (2,) or (N, 2)
-            Places (x, y) in work-area px.
+        positions : array (2,) or (N, 2)
+            Positions (x, y) in work-area px.
         
         Returns
         -------
@@ -57,7 +86,7 @@ class PlaneMap:
         """
     def to_world(self, pixels: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Return the places of pixels.
+        Return the positions of pixels.
         
         Parameters
         ----------
@@ -67,7 +96,7 @@ class PlaneMap:
         Returns
         -------
         array (2,) or (N, 2)
-            Places (x, y) in work-area px.
+            Positions (x, y) in work-area px.
         """
     @property
     def matrix(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -230,13 +259,13 @@ class RobotModel:
         ...
     def __repr__(self) -> str:
         ...
-    def predict(self, last: typing.Any, before: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+    def predict(self, pose_1: typing.Any, pose_2: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
         Return the pose of step k.
         
         Parameters
         ----------
-        last, before : array (3,)
+        pose_1, pose_2 : array (3,)
             Poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
         u : array (2,)
             Input of step k-1 (V).
@@ -277,12 +306,12 @@ class Renderer:
         Work-area px that a sprite pixel stands for.
     alignment : float
         What turns the sprite clockwise so that the robot faces +x (rad).
-    phases : int
+    headings : int
         Number of headings the robot is shown in, at whole pixels; 0 = any heading and place.
     area : tuple of int
         Width and height of the work area (px).
     """
-    def __init__(self, *, floor: tuple[typing.Any, typing.Any], home: tuple[typing.Any, typing.Any], shadow_left: typing.SupportsInt | typing.SupportsIndex, shadow_factor: typing.SupportsFloat | typing.SupportsIndex, sprite: typing.Any, centre: typing.Any, unit: typing.SupportsFloat | typing.SupportsIndex, alignment: typing.SupportsFloat | typing.SupportsIndex, phases: typing.SupportsInt | typing.SupportsIndex, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def __init__(self, *, floor: tuple[typing.Any, typing.Any], home: tuple[typing.Any, typing.Any], shadow_left: typing.SupportsInt | typing.SupportsIndex, shadow_factor: typing.SupportsFloat | typing.SupportsIndex, sprite: typing.Any, centre: typing.Any, unit: typing.SupportsFloat | typing.SupportsIndex, alignment: typing.SupportsFloat | typing.SupportsIndex, headings: typing.SupportsInt | typing.SupportsIndex, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex]) -> None:
         ...
     def render(self, pose: typing.Any, pan: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 0)) -> numpy.typing.NDArray[numpy.uint8]:
         """
@@ -756,11 +785,6 @@ class WorldState:
     def __repr__(self) -> str:
         ...
     @property
-    def before(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (3,): the pose of step k-2.
-        """
-    @property
     def dt(self) -> float:
         """
         float: sample time (s).
@@ -771,9 +795,9 @@ class WorldState:
         int: number of the step.
         """
     @property
-    def last(self) -> numpy.typing.NDArray[numpy.float64]:
+    def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (3,): the pose of step k-1: x, y (work-area px), heading (rad).
+        array (2,): the input of step k-1 (V).
         """
     @property
     def model(self) -> RobotModel:
@@ -781,14 +805,19 @@ class WorldState:
         RobotModel: what define_model returned.
         """
     @property
+    def pose_1(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): the pose of step k-1: x, y (work-area px), heading (rad).
+        """
+    @property
+    def pose_2(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): the pose of step k-2.
+        """
+    @property
     def t(self) -> float:
         """
         float: time (s).
-        """
-    @property
-    def u(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (2,): the input of step k-1 (V).
         """
 class Step:
     """
@@ -827,6 +856,11 @@ class Step:
         int: number of the step, from 0.
         """
     @property
+    def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): the input of the step before, u1 left and u2 right (V).
+        """
+    @property
     def markers(self) -> MarkerLayout:
         """
         MarkerLayout: where the robot carries its markers.
@@ -855,7 +889,7 @@ class Step:
     @property
     def u(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): the last input, that of step k-1 (V).
+        array (2,): the input decided in this step, as sent to the motors (V). RuntimeError before that.
         """
 class Unicycle:
     """

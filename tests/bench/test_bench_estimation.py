@@ -49,10 +49,10 @@ def test_the_loops_run_what_they_say():
     traces = {name: simulation.run(60) for name, simulation in loops.items()}
     for name in ("native", "controller"):
         assert np.isfinite(traces[name].parameters).any()
-        assert not traces[name].valid.any()
+        assert not traces[name].seen.any()
     assert (traces["controller"].u[:12] == [(1.0, 0.2)] * 10 + [(0.2, 1.0)] * 2).all()
     assert (traces["five_callbacks"].u == 0).all()
-    assert (traces["five_callbacks"].estimated == (600, 600, 0)).all()
+    assert (traces["five_callbacks"].pose_estimated == (600, 600, 0)).all()
 
 
 def test_the_speed_of_a_loop():

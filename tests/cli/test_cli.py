@@ -33,7 +33,7 @@ def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
     folder, run = demo
     numbers = json.loads(run.stdout)
     assert set(numbers) == {"parameters", "tracking"}
-    assert list(numbers["parameters"]) == list(robsim.PARAMETER_NAMES)
+    assert list(numbers["parameters"]) == list(robsim.trace.PARAMETER_NAMES)
     for name, values in numbers["parameters"].items():
         assert set(values) == {"true", "batch", "standard_error", "online"}
         limits = (1e-9, 1e-6) if name.startswith("d1") else (1e-6, 1e-4)
@@ -41,14 +41,18 @@ def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
         assert abs(values["batch"] - values["true"]) < limits[0] * scale
         assert abs(values["online"] - values["true"]) < limits[1] * scale
     trace = robsim.Trace.load(folder / "trace.npz")
-    error = trace.error[trace.valid]
+    error = trace.error[trace.seen]
     tracking = numbers["tracking"]
-    assert set(tracking) == {"steps", "valid", "false", "rms_xy", "rms_heading_deg"}
-    assert (tracking["steps"], tracking["valid"], tracking["false"]) == (1000, trace.valid.sum(), 0)
-    assert tracking["valid"] > 990
-    assert tracking["rms_xy"] == pytest.approx(np.sqrt((error[:, :2] ** 2).sum(axis=1).mean()))
-    assert tracking["rms_xy"] < 0.6
-    assert 2.7 < tracking["rms_heading_deg"] < 3.1
+    assert set(tracking) == {"steps", "seen", "false_poses", "rmse_xy", "rmse_heading_deg"}
+    assert (tracking["steps"], tracking["seen"], tracking["false_poses"]) == (
+        1000,
+        trace.seen.sum(),
+        0,
+    )
+    assert tracking["seen"] > 990
+    assert tracking["rmse_xy"] == pytest.approx(np.sqrt((error[:, :2] ** 2).sum(axis=1).mean()))
+    assert tracking["rmse_xy"] < 0.6
+    assert 2.7 < tracking["rmse_heading_deg"] < 3.1
 
 
 def test_the_demo_first_spins_then_drives(demo):

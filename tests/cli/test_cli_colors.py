@@ -10,8 +10,9 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import robsim
-from robsim import ColorClass, load_colors, load_image
+from robsim import ColorClass, load_colors
 from robsim.cli import app
+from robsim.imaging import load_image
 from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, save_colors
 from robsim.vision._color_score import score_color
 
@@ -78,13 +79,13 @@ def test_frame_says_where_the_markers_are():
         left, top, right, bottom = map(int, text.split(","))
         (blob,) = blobs[name]
         assert abs(blob.centroid - ((left + right) / 2, (top + bottom) / 2)).max() < 1
-        mask = robsim.classify(image, load_colors())[name]
+        mask = robsim.vision.classify(image, load_colors())[name]
         assert mask[top : bottom + 1, left : right + 1].all()
 
 
 def test_frame_in_noise():
     done("frame", "a/clean.png", "--seed", 1)
-    done("frame", "noisy.png", "--noise", "gaussian", "--noise-percent", 10, "--seed", 1)
+    done("frame", "noisy.png", "--noise", "gaussian:10", "--seed", 1)
     difference = load_image("noisy.png") - load_image("a/clean.png").astype(float)
     assert difference.std() == pytest.approx(25.5, rel=0.1)
 
@@ -93,7 +94,7 @@ def test_frame_of_a_robot_whose_markers_are_not_plain():
     # The markers of robot2 are the clothes and the sky around a head.
     lines = done("frame", "--robot", "robot2").splitlines()
     left, top, right, bottom = map(int, lines[1].split()[-1].split(","))
-    red = robsim.classify(load_image("frame.png"), load_colors())["red"]
+    red = robsim.vision.classify(load_image("frame.png"), load_colors())["red"]
     assert red[top : bottom + 1, left : right + 1].mean() > 0.8
     assert lines[2] == "  blue marker: see the picture"
 
@@ -104,7 +105,7 @@ def test_frame_of_a_robot_whose_markers_are_not_plain():
         (("--robot", "none"), "no robot 'none'"),
         (("--at", "5"), "--at must be one point"),
         (("--at", "-500,0"), "start"),
-        (("--noise", "white"), "noise must be one of"),
+        (("--noise", "white"), "--noise must be such as gaussian:10"),
         (("--heading", "nan"), "start"),
         (("frame.xyz",), "xyz"),
     ],

@@ -162,7 +162,7 @@ def test_show_writes_where_it_says(out, file):
 
 
 def test_show_of_a_folder_says_what_is_wrong(tmp_path):
-    save_robot(load_robot("lab"), tmp_path / "folder")
+    save_robot(tmp_path / "folder", load_robot("lab"))
     assert "drawn in robot-lab.png" in done("show", tmp_path / "folder")
     file = tmp_path / "folder/robot.toml"
     text = file.read_text().replace("size = 120.0", "size = 10")
@@ -282,7 +282,7 @@ def huge_png():
 
 def test_a_robot_that_steals_a_file(tmp_path):
     """A definition from elsewhere shows no other file of the computer."""
-    save_robot(load_robot("lab"), tmp_path / "folder")
+    save_robot(tmp_path / "folder", load_robot("lab"))
     file = tmp_path / "folder/robot.toml"
     for name in ("../../etc/passwd", "/etc/passwd", "../folder/robot.png"):
         text = re.sub('image = ".*?"', f'image = "{name}"', file.read_text())

@@ -18,7 +18,7 @@ def desk(tmp_path_factory):
     assert cli("new", "mine", cwd=desk).returncode == 0
     run = cli("run", "mine", "--steps", "12", "--measure", "--seed", "1", cwd=desk)
     assert run.returncode == 0, run.stderr
-    assert "tracking: 12 steps, 12 valid (100.0 %)" in run.stdout
+    assert "tracking: 12 steps, 12 seen (100.0 %)" in run.stdout
     assert "written to robsim-run: camera.png, traces.png, trace.npz" in run.stdout
     return desk
 
@@ -34,7 +34,7 @@ def test_an_untouched_folder_and_none_give_the_same_trace(desk):
     run = cli(
         "run", "--steps", "12", "--measure", "--seed", "1", "--out", "plain", "--json", cwd=desk
     )
-    assert json.loads(run.stdout)["tracking"]["valid"] == 12
+    assert json.loads(run.stdout)["tracking"]["seen"] == 12
     one, other = (
         robsim.Trace.load(desk / folder / "trace.npz") for folder in ("robsim-run", "plain")
     )
@@ -93,12 +93,17 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
         (("demo", "--seed", "-1"), "seed must be at least 0"),
         (("demo", "--steps", "many"), "Invalid value for '--steps'"),
         (("run", "none"), "no folder none: robsim new none makes one"),
-        (("run", "--camera", "large"), "--camera must be a size such as 640x480, got 'large'"),
-        (("run", "--noise", "loud"), "noise must be one of"),
+        (
+            ("run", "--resolution", "large"),
+            "--resolution must be a size such as 640x480, got 'large'",
+        ),
+        (("run", "--noise", "loud"), "--noise must be such as gaussian:10"),
         (("run", "--control", "dance"), "control must be one of 'spin', 'drive-around', "),
-        (("run", "--noise", "uniform"), "noise='uniform' needs a level"),
+        (("run", "--noise", "uniform"), "--noise must be such as gaussian:10 or uniform:10"),
+        (("run", "--dropout", "much"), "--dropout must be such as 0.2, or 0.2:5"),
+        (("run", "--headings", "some"), "--headings must be a number such as 36, or continuous"),
         (("run", "--robot", "nobody"), "no robot 'nobody'"),
-        (("run", "--dropout", "2"), "dropout must lie within 0..1"),
+        (("run", "--dropout", "2"), "probability must lie within 0..1"),
         (("run", "--boundary", "fence"), "boundary must be one of"),
         (("run", "--steps", "99999999", "--video", "run.xyz"), "run.xyz: the name of a video must"),
         (("run", "--steps", "99999999", "--record", "a/run.mkv"), "there is no folder a"),
@@ -109,8 +114,8 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
         (("run", "--steps", "99999999", "--out", sys.executable), "is a file, not a folder"),
         (("track", ".", "--out", "."), "--out . would overwrite .: give another folder"),
         (("track", "none.mp4"), "there is no file or folder none.mp4"),
-        (("track", ".", "--pixels", "1,2 3,4"), "--pixels and --places belong together"),
-        (("track", ".", "--pixels", "1,2", "--places", "1,2"), "--pixels must be four points"),
+        (("track", ".", "--pixels", "1,2 3,4"), "--pixels and --positions belong together"),
+        (("track", ".", "--pixels", "1,2", "--positions", "1,2"), "--pixels must be four points"),
         (("track", "."), "there are no images in the folder"),
     ],
 )
@@ -136,43 +141,45 @@ def test_a_run_with_estimates_writes_their_figures(tmp_path):
 def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
     pytest.importorskip("cv2")
     run = cli(
-        *("run", "--steps", "8", "--measure", "--seed", "2", "--rotation", "continuous"),
-        *("--camera", "600x600", "--record", "run.mkv", "--video", "run.webm"),
+        *("run", "--steps", "8", "--measure", "--seed", "2", "--headings", "continuous"),
+        *("--resolution", "600x600", "--record", "run.mkv", "--video", "run.webm"),
         cwd=tmp_path,
     )
     assert run.returncode == 0, run.stderr
     assert (tmp_path / "run.webm").stat().st_size > 10_000
     run = cli("track", "run.mkv", "--area", "1200x1200", cwd=tmp_path)
     assert run.returncode == 0, run.stderr
-    assert "tracking: 8 steps, 8 valid (100.0 %)\n" in run.stdout
+    assert "tracking: 8 steps, 8 seen (100.0 %)\n" in run.stdout
     one, other = (
         robsim.Trace.load(tmp_path / folder / "trace.npz")
         for folder in ("robsim-run", "robsim-track")
     )
-    np.testing.assert_array_equal(one.measured, other.measured)
+    np.testing.assert_array_equal(one.pose_measured, other.pose_measured)
     recording = robsim.Recording(tmp_path / "robsim-track" / "tracked.mp4")
     assert len(list(recording)) == 8
 
 
 def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
-    sim = robsim.Simulation(camera=(400, 400), seed=1)
+    sim = robsim.Simulation(resolution=(400, 400), seed=1)
     (tmp_path / "frames").mkdir()
     for k in range(12):
         image = sim.step().frame.image
-        robsim.save_image(tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300])
+        robsim.imaging.save_image(
+            tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300]
+        )
     run = cli("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
     assert run.returncode == 2
     assert "frame10.png is 400 x 300 px large, the frames before it 400 x 400" in run.stderr
     assert "the 10 frames before the error are tracked" in run.stderr
     trace = robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")
     assert len(trace) == 10
-    assert trace.valid.all()
+    assert trace.seen.all()
 
 
 def test_without_opencv_images_are_tracked_all_the_same(tmp_path):
-    frame = robsim.Simulation(camera=(400, 400), seed=1).frame
+    frame = robsim.Simulation(resolution=(400, 400), seed=1).frame
     (tmp_path / "frames").mkdir()
-    robsim.save_image(tmp_path / "frames" / "frame0.png", frame.image)
+    robsim.imaging.save_image(tmp_path / "frames" / "frame0.png", frame.image)
     (tmp_path / "cv2.py").write_text("raise ImportError('not here')")
     run = cli("track", "frames", "--area", "1200x1200", cwd=tmp_path)
     assert run.returncode == 0, run.stderr
@@ -200,10 +207,10 @@ def test_a_callback_that_ends_the_program_keeps_the_steps(mine):
 
 
 def test_unknown_numbers_are_null_in_json(tmp_path):
-    frame = robsim.Simulation(camera=(400, 400), seed=1).frame
-    robsim.save_image(tmp_path / "frame0.png", frame.image)
+    frame = robsim.Simulation(resolution=(400, 400), seed=1).frame
+    robsim.imaging.save_image(tmp_path / "frame0.png", frame.image)
     run = cli(
         "track", ".", "--area", "1200x1200", "--out", "out", "--no-video", "--json", cwd=tmp_path
     )
-    assert json.loads(run.stdout)["tracking"]["rms_xy"] is None
+    assert json.loads(run.stdout)["tracking"]["rmse_xy"] is None
     assert "NaN" not in run.stdout

@@ -8,7 +8,7 @@ import pytest
 import robsim
 from robsim.cli.detection_failure import explain_no_detection
 
-SMALL = {"camera": (600, 600), "measure": True, "seed": 1}
+SMALL = {"resolution": (600, 600), "measure": True, "seed": 1}
 
 
 def reason(**options):
@@ -68,7 +68,7 @@ def test_markers_of_another_size():
         assert step.blobs
         return
 
-    sim = robsim.Simulation(camera=(600, 600), measure=measure, seed=1)
+    sim = robsim.Simulation(resolution=(600, 600), measure=measure, seed=1)
     sim.run(2)
     assert "px apart were seen, as the markers are, but" in explain_no_detection(
         sim.trace, sim.markers

@@ -179,7 +179,7 @@ def test_from_the_truth_each_gives_all_parameters(kind):
 def test_a_binary_sequence_tells_more_than_held_random_voltages():
     def errors(control):
         trace = robsim.Simulation(boundary="unlimited", control=control, seed=1).run(800)
-        phi, _ = robsim.regression(trace.pose_true, trace.u)
+        phi, _ = robsim.identification.regression(trace.pose_true, trace.u)
         information = np.einsum("nai,naj->aij", phi, phi)
         return np.sqrt(np.diagonal(np.linalg.inv(information), axis1=1, axis2=2))
 

@@ -8,8 +8,8 @@ import robsim
 from robsim.control._path_following import FollowPath, GoToPoint
 from robsim.control._path_score import score_path
 
-NOISY = {"camera": (400, 400), "noise": "gaussian", "noise_percent": 10, "measure": True}
-SMALL = {"camera": (240, 240)}
+NOISY = {"resolution": (400, 400), "noise": robsim.GaussianNoise(10), "measure": True}
+SMALL = {"resolution": (240, 240)}
 MODELS = {"slides sideways": None, "does not": robsim.Unicycle()}
 SQUARE = [(850, 400), (850, 850), (400, 850), (400, 400)]
 TURNS = np.linspace(0, 2 * np.pi, 25)[1:]
@@ -289,11 +289,15 @@ def test_it_goes_to_a_point_and_stays_there(seed, model):
 
 def test_dropouts_are_coasted_through():
     sim = robsim.Simulation(
-        start=(300, 900, 0.0), seed=1, control=GoToPoint(800, 400), dropout=0.2, **NOISY
+        start=(300, 900, 0.0),
+        seed=1,
+        control=GoToPoint(800, 400),
+        dropout=robsim.Dropout(0.2),
+        **NOISY,
     )
     trace = sim.run(250)
-    assert 20 < (~trace.valid).sum() < 80
-    assert (trace.u[~trace.valid] == 0).all()
+    assert 20 < (~trace.seen).sum() < 80
+    assert (trace.u[~trace.seen] == 0).all()
     assert_goes_to(trace, (800, 400))
 
 

@@ -20,8 +20,10 @@ def trace_of(places, *, measured=None, u=(0.0, 0.0)):
         "bounced": np.zeros((rows, 1)),
     }
     if measured is not None:
-        groups["measured"] = np.column_stack((np.asarray(measured, dtype=float), np.zeros(rows)))
-    return robsim.Trace(groups, robsim.RunInfo(dt=0.2, theta_true=np.zeros((3, 5))))
+        groups["pose_measured"] = np.column_stack(
+            (np.asarray(measured, dtype=float), np.zeros(rows))
+        )
+    return robsim.Trace(groups, robsim.trace.RunInfo(dt=0.2, theta_true=np.zeros((3, 5))))
 
 
 def test_the_nearest_point_of_a_segment():

@@ -64,7 +64,7 @@ def complementary():
     def estimate(step):
         nonlocal pose, doubt, speed
         # m s' + F s = (torques) / radius of the wheels
-        speed += step.dt / 0.3 * (0.05 / 0.03 * step.u.sum() - 0.1 * speed)
+        speed += step.dt / 0.3 * (0.05 / 0.03 * step.last_u.sum() - 0.1 * speed)
         way = speed * step.dt * np.array((np.cos(pose[2]), np.sin(pose[2]), 0.0))
         pose, doubt = pose + way, doubt + step.dt
         if step.measurement is not None:
@@ -76,19 +76,19 @@ def complementary():
     return estimate
 
 
-def only(checkup):
-    """The one problem of a checkup: the cause, and nothing that follows from it."""
-    assert not checkup
-    assert len(checkup.problems) == 1, str(checkup)
-    return checkup.problems[0]
+def only(report):
+    """The one problem of a report: the cause, and nothing that follows from it."""
+    assert not report
+    assert len(report.problems) == 1, str(report)
+    return report.problems[0]
 
 
 @pytest.mark.parametrize("make", [ConstantVelocity, complementary])
 def test_right_state_estimators_are_well(make):
-    checkup = check_estimator(make)
-    assert checkup, str(checkup)
-    assert str(checkup).startswith(f"{checkup.name} is well")
-    assert checkup.raise_for_problems() is checkup
+    report = check_estimator(make)
+    assert report, str(report)
+    assert str(report).startswith(f"{report.name} passed all checks")
+    assert report.raise_for_problems() is report
 
 
 @pytest.mark.parametrize("dt", [1 / 30, 0.5])
@@ -121,7 +121,7 @@ def test_the_template_of_a_state_estimator_is_well():
 
 def test_the_template_of_a_state_estimator_examines_itself_as_a_program(capsys):
     runpy.run_path(str(TEMPLATE), run_name="__main__")
-    assert capsys.readouterr().out.startswith("LastPose is well\n")
+    assert capsys.readouterr().out.startswith("LastPose passed all checks\n")
 
 
 class ReturnsTheState(ConstantVelocity):
@@ -428,7 +428,7 @@ def test_a_wrong_argument_is_refused():
 
 
 def test_what_an_estimator_makes_no_use_of_is_a_remark():
-    assert "never uses step.u" in " ".join(check_estimator(ConstantVelocity).remarks)
+    assert "never uses step.last_u" in " ".join(check_estimator(ConstantVelocity).remarks)
     assert check_estimator(complementary).remarks == ()
 
     def of_a_model():
@@ -437,11 +437,12 @@ def test_what_an_estimator_makes_no_use_of_is_a_remark():
 
     class SimpleStep:
         def __init__(self, step):
-            self.k, self.dt, self.u, self.measurement = step.k, 0.2, step.u, step.measurement
+            self.k, self.dt, self.measurement = step.k, 0.2, step.measurement
+            self.last_u = step.last_u
 
-    checkup = check_estimator(of_a_model)
-    assert checkup
-    assert "never uses step.dt" in " ".join(checkup.remarks)
+    report = check_estimator(of_a_model)
+    assert report
+    assert "never uses step.dt" in " ".join(report.remarks)
     assert check_estimator(FixedStep, dt=0.2)
 
 
@@ -674,7 +675,7 @@ def test_what_has_no_update_is_told_so():
 
 
 def test_the_report_as_text_and_as_html():
-    checkup = CheckReport(
+    report = CheckReport(
         name="<filter>",
         problems=(
             Problem(kind="a", sentence="it is < 0", situation="robot turns", step=7),
@@ -682,21 +683,21 @@ def test_the_report_as_text_and_as_html():
         ),
         remarks=("what about u & dt?",),
     )
-    assert not checkup
-    assert str(checkup) == textwrap.dedent("""\
-        <filter> is ill: 2 problems
+    assert not report
+    assert str(report) == textwrap.dedent("""\
+        <filter> failed 2 checks
           1. it is < 0 (step 7, robot turns)
           2. it is late
           Remark: what about u & dt?""")
-    assert checkup._repr_html_() == (
-        "<p><b>&lt;filter&gt; is ill: 2 problems</b></p>"
+    assert report._repr_html_() == (
+        "<p><b>&lt;filter&gt; failed 2 checks</b></p>"
         "<ol><li>it is &lt; 0<br><small>step 7, robot turns</small></li>"
         "<li>it is late</li></ol>"
         "<p>Remark: what about u &amp; dt?</p>"
     )
     with pytest.raises(AssertionError) as caught:
-        checkup.raise_for_problems()
-    assert str(caught.value) == str(checkup)
+        report.raise_for_problems()
+    assert str(caught.value) == str(report)
 
 
 GRADING = """

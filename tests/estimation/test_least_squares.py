@@ -7,7 +7,7 @@ import robsim
 def test_it_equals_numpy_on_badly_scaled_columns(rng):
     phi = rng.normal(size=(300, 5)) * (1, 30, 0.02, 100, 1)
     y = rng.normal(size=300)
-    fit = robsim.least_squares(phi, y)
+    fit = robsim.identification.least_squares(phi, y)
     theta = np.linalg.lstsq(phi, y, rcond=None)[0]
     np.testing.assert_allclose(fit.theta, theta, rtol=1e-10)
     assert fit.rank == 5
@@ -19,14 +19,14 @@ def test_what_the_samples_do_not_determine_is_nan(rng):
     phi = rng.normal(size=(50, 4))
     phi[:, 3] = 2 * phi[:, 1]
     theta = np.array([1.0, 2.0, 3.0, 0.5])
-    fit = robsim.least_squares(phi, phi @ theta)
+    fit = robsim.identification.least_squares(phi, phi @ theta)
     assert fit.rank == 3
     np.testing.assert_array_equal(np.isnan(fit.theta), [False, True, False, True])
     np.testing.assert_allclose(fit.theta[[0, 2]], [1.0, 3.0], rtol=1e-10)
 
 
 def test_fewer_samples_than_parameters():
-    fit = robsim.least_squares([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], [3.0, 4.0])
+    fit = robsim.identification.least_squares([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], [3.0, 4.0])
     assert fit.rank == 2
     assert fit.condition == np.inf
     np.testing.assert_array_equal(fit.theta, [3.0, np.nan, np.nan])
@@ -44,7 +44,7 @@ def test_fewer_samples_than_parameters():
 )
 def test_bad_samples_are_refused(phi, y, name):
     with pytest.raises(ValueError, match=name):
-        robsim.least_squares(phi, y)
+        robsim.identification.least_squares(phi, y)
 
 
 def normal_equations(phi, y):
@@ -59,7 +59,7 @@ def normal_equations(phi, y):
 def test_standard_errors_are_those_of_the_normal_equations(rng, samples):
     phi = rng.normal(size=(samples, 4)) * (1, 20, 0.1, 3)
     y = phi @ (1.0, 2.0, 3.0, 4.0) + rng.normal(size=samples)
-    fit = robsim.least_squares(phi, y)
+    fit = robsim.identification.least_squares(phi, y)
     unit, errors = normal_equations(phi, y)
     np.testing.assert_allclose(fit.standard_errors_unscaled, unit, rtol=1e-10)
     np.testing.assert_allclose(fit.standard_errors, errors, rtol=1e-10)
@@ -72,17 +72,19 @@ def test_standard_errors_of_what_is_determined_do_not_feel_the_rest(rng):
     full = rng.normal(size=(50, 3))
     y = full @ (1.0, 2.0, 3.0) + 0.1 * rng.normal(size=50)
     phi = np.column_stack([full, 2 * full[:, 1], np.zeros(50)])
-    fit = robsim.least_squares(phi, y)
+    fit = robsim.identification.least_squares(phi, y)
     unit, errors = normal_equations(full, y)
     np.testing.assert_allclose(fit.standard_errors_unscaled[[0, 2]], unit[[0, 2]], rtol=1e-10)
     np.testing.assert_allclose(fit.standard_errors[[0, 2]], errors[[0, 2]], rtol=1e-10)
     assert np.isinf(fit.standard_errors[[1, 3, 4]]).all()
     assert np.isinf(fit.standard_errors_unscaled[[1, 3, 4]]).all()
-    assert fit.residual_rms == pytest.approx(robsim.least_squares(full, y).residual_rms, rel=1e-10)
+    assert fit.residual_rms == pytest.approx(
+        robsim.identification.least_squares(full, y).residual_rms, rel=1e-10
+    )
 
 
 def test_as_many_samples_as_parameters_say_nothing_of_the_noise(rng):
-    fit = robsim.least_squares(rng.normal(size=(3, 3)), rng.normal(size=3))
+    fit = robsim.identification.least_squares(rng.normal(size=(3, 3)), rng.normal(size=3))
     assert np.isnan(fit.standard_errors).all()
     assert np.isfinite(fit.standard_errors_unscaled).all()
     assert fit.residual_rms < 1e-12

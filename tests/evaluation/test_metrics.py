@@ -37,7 +37,7 @@ def trace_of(pose_true, *, boundary="unlimited", bounced=None, **groups):
         "bounced": np.zeros((rows, 1)) if bounced is None else np.asarray(bounced)[:, None],
         **groups,
     }
-    info = robsim.RunInfo(dt=0.5, theta_true=robsim.RobotModel().theta, boundary=boundary)
+    info = robsim.trace.RunInfo(dt=0.5, theta_true=robsim.RobotModel().theta, boundary=boundary)
     return robsim.Trace(groups, info)
 
 
@@ -116,12 +116,14 @@ def test_error_report_reads_well_and_goes_into_json():
 
 
 def test_pose_errors_of_a_trace_agree_with_its_own():
-    trace = driven(40, measure=lambda step: robsim.Measurement((600, 600, 3)), camera=(120, 120))
+    trace = driven(
+        40, measure=lambda step: robsim.Measurement((600, 600, 3)), resolution=(120, 120)
+    )
     report = pose_errors(trace, of="measurement")
     np.testing.assert_array_equal(report.error[0], trace.error)
     statistics = trace.tracking()
-    assert np.hypot(*report.rmse[:2]) == pytest.approx(statistics.rms_xy)
-    assert np.rad2deg(report.rmse[2]) == pytest.approx(statistics.rms_heading_deg)
+    assert np.hypot(*report.rmse[:2]) == pytest.approx(statistics.rmse_xy)
+    assert np.rad2deg(report.rmse[2]) == pytest.approx(statistics.rmse_heading_deg)
     np.testing.assert_array_equal(pose_errors(trace[10:], of="measurement").k, np.arange(10, 40))
 
 
@@ -506,7 +508,10 @@ def test_least_squares_reaches_the_bound():
     rng = np.random.default_rng(13)
     phi = rng.normal(size=(60, 3)) * [1.0, 100.0, 0.01]
     theta = np.array([1.0, 2.0, 3.0])
-    fits = [robsim.least_squares(phi, phi @ theta + 0.5 * rng.normal(size=60)) for _ in range(1000)]
+    fits = [
+        robsim.identification.least_squares(phi, phi @ theta + 0.5 * rng.normal(size=60))
+        for _ in range(1000)
+    ]
     sd = np.std([fit.theta for fit in fits], axis=0)
     np.testing.assert_allclose(sd, cramer_rao_bound(phi, 0.5)[-1], rtol=0.1)
 
@@ -517,7 +522,7 @@ def test_parameter_bounds_of_a_drive():
     bounds = parameter_bounds(trace, sigma=sigma)
     assert bounds.shape == (200, 3, 5)
     assert np.isinf(bounds[:2]).all()
-    phi, _ = robsim.regression(trace.pose_true, trace.u)
+    phi, _ = robsim.identification.regression(trace.pose_true, trace.u)
     for axis in range(3):
         Phi = phi[:, axis]
         # the pseudo-inverse of columns of length 1 is well enough conditioned
@@ -606,7 +611,7 @@ def test_steps_without_a_measurement_do_not_count():
     def measure(step):
         return None if step.k >= 5 else robsim.Measurement((0, 0, 0))
 
-    trace = driven(10, measure=measure, camera=(120, 120))
+    trace = driven(10, measure=measure, resolution=(120, 120))
     options = {"Q": np.diag([0.1, 0.1, 0.01]), "R": np.eye(3), "P0": np.eye(3)}
     bounds = pose_bounds(trace, **options)
     assert (np.diff(bounds[4:, 0, 0]) > 0).all()
@@ -637,7 +642,7 @@ def estimated(runs, *, reported_sd=1.0):
         poses = pose_true + rng.multivariate_normal(np.zeros(3), P, 100)
         poses[:, 2] = robsim.wrap_angle(poses[:, 2])
         covariance = np.broadcast_to(reported_sd * P, (100, 3, 3))
-        yield trace_of(pose_true, estimated=poses, covariance=covariance)
+        yield trace_of(pose_true, pose_estimated=poses, covariance=covariance)
 
 
 def test_consistency_of_traces():

@@ -54,12 +54,12 @@ def bounced(**options):
 
 def test_a_bounce_ends_the_longest_record_and_does_not_spoil_the_online_estimate():
     trace = bounced()
-    report = robsim.batch_estimate(trace, samples="longest")
+    report = robsim.batch_estimate(trace, select="longest")
     record = slice(report.start, report.stop)
     assert not trace.bounced[record][1:].any()
     gaps = np.diff(np.concatenate(([0], np.flatnonzero(trace.bounced), [2000])))
     assert report.stop - report.start == gaps.max()
-    assert report.samples == gaps.max() - 2
+    assert report.n_samples == gaps.max() - 2
     assert report.title.endswith(f"({gaps.max() - 2} samples, the longest record)")
     for estimate, limit in ((report.batch, 1e-6), (report.online, 1e-4)):
         assert deviations(estimate, report.theta_true)[0] < limit
@@ -69,7 +69,7 @@ def test_valid_samples_are_all_but_those_that_span_a_bounce():
     trace = bounced()
     report = robsim.batch_estimate(trace)
     spoilt = trace.bounced[2:] | trace.bounced[1:-1]
-    assert report.samples == np.count_nonzero(~spoilt)
+    assert report.n_samples == np.count_nonzero(~spoilt)
     assert report.left_out == np.count_nonzero(spoilt)
     assert f"{report.left_out} samples with a bounce or a missing pose are left out" in str(report)
     assert deviations(report.batch, report.theta_true)[0] < 1e-6
@@ -77,8 +77,8 @@ def test_valid_samples_are_all_but_those_that_span_a_bounce():
 
 def test_samples_that_span_a_bounce_spoil_the_estimate():
     trace = bounced()
-    report = robsim.batch_estimate(trace, samples="all")
-    assert (report.samples, report.left_out) == (1998, 0)
+    report = robsim.batch_estimate(trace, select="all")
+    assert (report.n_samples, report.left_out) == (1998, 0)
     assert "1998 samples, bounces included" in report.title
     assert deviations(report.batch, report.theta_true)[0] > 0.1
 
@@ -87,19 +87,19 @@ def seldom_seen():
     def measure(step):
         return None if step.k in (100, 400) else robsim.Measurement((step.k, 0.0, 0.0))
 
-    return driven(500, measure=measure, camera=(240, 240))
+    return driven(500, measure=measure, resolution=(240, 240))
 
 
 def test_from_measurements_the_longest_record_has_no_gap():
-    report = robsim.batch_estimate(seldom_seen(), identify_from="measurement", samples="longest")
+    report = robsim.batch_estimate(seldom_seen(), identify_from="measurement", select="longest")
     assert (report.start, report.stop) == (101, 400)
     assert "from measurement, steps 101..399" in report.title
 
 
-@pytest.mark.parametrize("samples", ["valid", "all"])
-def test_from_measurements_a_missing_pose_costs_three_samples(samples):
+@pytest.mark.parametrize("select", ["valid", "all"])
+def test_from_measurements_a_missing_pose_costs_three_samples(select):
     trace = seldom_seen()
-    found = robsim.regression_of(trace, identify_from="measurement", samples=samples)
+    found = robsim.identification.regression_of(trace, identify_from="measurement", select=select)
     missing = [100, 101, 102, 400, 401, 402]
     np.testing.assert_array_equal(found.k, np.setdiff1d(np.arange(2, 500), missing))
     assert found.left_out == 6
@@ -131,7 +131,7 @@ def test_what_a_record_without_motion_does_not_determine_is_said():
 
 def noise_in_the_equation(random):
     def evaluate_model(world):
-        pose = world.model.predict(world.last, world.before, world.u)
+        pose = world.model.predict(world.pose_1, world.pose_2, world.last_u)
         return pose + random.normal(size=3) * (0.1, 0.1, 0.005)
 
     return evaluate_model
@@ -161,7 +161,7 @@ def test_standard_errors_cover_the_truth():
             heading = poses[k - 1, 2]
             poses[k] = theta[:, 0] * poses[k - 1] + theta[:, 1] * poses[k - 2] + errors[k]
             poses[k] += push * (np.cos(heading), np.sin(heading), 1)
-        info = robsim.RunInfo(dt=0.2, theta_true=theta, boundary="unlimited")
+        info = robsim.trace.RunInfo(dt=0.2, theta_true=theta, boundary="unlimited")
         groups = {"pose_true": poses, "u": u, "bounced": np.zeros(800)}
         report = robsim.batch_estimate(robsim.Trace(groups, info))
         covered += np.abs(report.batch - theta) <= 1.96 * report.standard_errors
@@ -241,14 +241,14 @@ def test_the_report_reads_like_the_manuals():
 
 def test_another_name_for_the_samples_is_refused():
     with pytest.raises(ValueError, match="'valid', 'longest', 'all', got 'some'"):
-        robsim.batch_estimate(driven(20), samples="some")
+        robsim.batch_estimate(driven(20), select="some")
 
 
 # --- other methods than least squares
 
 
 def tracked(**options):
-    return driven(600, measure=True, rotation="continuous", camera=(480, 480), seed=2, **options)
+    return driven(600, measure=True, headings=None, resolution=(480, 480), seed=2, **options)
 
 
 @pytest.fixture(scope="module")
@@ -276,14 +276,16 @@ def test_from_measurements_least_squares_is_biased_and_the_others_are_not(tracke
     assert np.isnan(report.condition).all()
     assert (report.identifiability.verdicts[:, :4] == "well").all()
     # as from the function itself
-    fit = robsim.output_error(tracked_run.measured, tracked_run.u, breaks=tracked_run.bounced)
+    fit = robsim.identification.output_error(
+        tracked_run.pose_measured, tracked_run.u, breaks=tracked_run.bounced
+    )
     np.testing.assert_array_equal(report.batch, fit.theta)
     np.testing.assert_array_equal(report.standard_errors, fit.standard_errors)
     np.testing.assert_allclose(report.identifiability.standard_errors, fit.standard_errors)
 
 
 def test_what_a_spin_cannot_give_by_output_error():
-    trace = robsim.Simulation(measure=True, camera=(480, 480), seed=1).run(150)
+    trace = robsim.Simulation(measure=True, resolution=(480, 480), seed=1).run(150)
     report = robsim.batch_estimate(trace, identify_from="measurement", method="output_error")
     assert np.isnan(report.batch[:2]).all()
     assert (report.identifiability.verdicts[:2] == "not excited").all()
@@ -295,10 +297,10 @@ def test_bounces_are_breaks_unless_all_samples_are_wanted():
     trace = driven(800, boundary="bounce", start=(150, 150, 3.0), seed=3)
     assert trace.bounced.any()
     right = robsim.batch_estimate(trace, method="output_error")
-    wrong = robsim.batch_estimate(trace, method="output_error", samples="all")
+    wrong = robsim.batch_estimate(trace, method="output_error", select="all")
     assert deviations(right.batch, right.theta_true)[0] < 1e-6
     assert not wrong.converged or deviations(wrong.batch, wrong.theta_true)[0] > 0.01
-    part = robsim.batch_estimate(trace, method="output_error", samples="longest")
+    part = robsim.batch_estimate(trace, method="output_error", select="longest")
     assert part.stop - part.start < 800
     assert deviations(part.batch, part.theta_true)[0] < 1e-6
 

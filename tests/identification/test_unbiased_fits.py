@@ -116,8 +116,10 @@ def least_squares_of_many(seeds):
     results = []
     for seed in range(seeds):
         path, u, noise = drive(seed)
-        phi, y = robsim.regression(path + noise, u)
-        results.append([robsim.least_squares(phi[:, i], y[:, i]).theta for i in range(3)])
+        phi, y = robsim.identification.regression(path + noise, u)
+        results.append(
+            [robsim.identification.least_squares(phi[:, i], y[:, i]).theta for i in range(3)]
+        )
     return np.array(results)
 
 
@@ -204,7 +206,7 @@ def test_a_break_starts_a_new_stretch(fit):
 @each_method
 def test_the_bounces_of_a_trace_are_breaks(fit, rng):
     control = robsim.DriveAround(low=0.5, high=1.5, hold=3)
-    trace = robsim.Simulation(control=control, camera=(120, 120), seed=1).run(2000)
+    trace = robsim.Simulation(control=control, resolution=(120, 120), seed=1).run(2000)
     assert trace.bounced.sum() > 5
     poses = wrapped(trace.pose_true + rng.normal(size=(2000, 3)) * NOISE)
     result = fit(poses, trace.u, breaks=trace.bounced)
@@ -217,7 +219,7 @@ def test_the_bounces_of_a_trace_are_breaks(fit, rng):
 
 
 def noisy_run(control, seed, steps=800):
-    sim = robsim.Simulation(boundary="unlimited", control=control, camera=(120, 120), seed=seed)
+    sim = robsim.Simulation(boundary="unlimited", control=control, resolution=(120, 120), seed=seed)
     trace = sim.run(steps)
     noise = np.random.default_rng(seed).normal(size=(steps, 3)) * NOISE
     return wrapped(trace.pose_true + noise), trace.u
@@ -325,27 +327,29 @@ def test_the_arguments_stay_as_they_are(fit):
 
 
 def least_squares(poses, u):
-    phi, y = robsim.regression(poses, u)
-    return np.array([robsim.least_squares(phi[:, i], y[:, i]).theta for i in range(3)])
+    phi, y = robsim.identification.regression(poses, u)
+    return np.array(
+        [robsim.identification.least_squares(phi[:, i], y[:, i]).theta for i in range(3)]
+    )
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("rotation", "limit"), [("phases", 0.01), ("continuous", 0.002)])
-def test_from_tracking_output_error_is_far_better_than_least_squares(rotation, limit):
+@pytest.mark.parametrize(("headings", "limit"), [(36, 0.01), (None, 0.002)])
+def test_from_tracking_output_error_is_far_better_than_least_squares(headings, limit):
     sim = robsim.Simulation(
         robot="lab",
         measure=True,
         boundary="unlimited",
-        rotation=rotation,
+        headings=headings,
         control=robsim.DriveAround(),
         seed=1,
     )
     trace = sim.run(800)
-    assert trace.valid.all()
-    thetas = {"least_squares": least_squares(trace.measured, trace.u)} | {
-        name: fit(trace.measured, trace.u).theta for name, fit in METHODS.items()
+    assert trace.seen.all()
+    thetas = {"least_squares": least_squares(trace.pose_measured, trace.u)} | {
+        name: fit(trace.pose_measured, trace.u).theta for name, fit in METHODS.items()
     }
-    print(f"\n{rotation}: relative error of a1, b1, b2 in %")
+    print(f"\n{headings} headings: relative error of a1, b1, b2 in %")
     for name, theta in thetas.items():
         print(f"{name:24}", *(f"{100 * value:8.2f}" for value in deviations(theta).ravel()))
     worst = {name: np.abs(deviations(theta)).max() for name, theta in thetas.items()}

@@ -76,7 +76,7 @@ def test_save(tmp_path, ending):
 
 
 def test_a_run_stays_small():
-    simulation = robsim.Simulation(seed=1, noise="gaussian", noise_percent=5)
+    simulation = robsim.Simulation(seed=1, noise=robsim.GaussianNoise(5))
     clip = Clip((simulation.step().frame for _ in range(20)), fps=5)
     assert opened(clip).size == (480, 480)
     assert len(clip._repr_html_()) < 20 * 30_000
@@ -123,12 +123,12 @@ def test_other_endings(tmp_path, name):
 @pytest.mark.parametrize("width", ["480", True, 480.0])
 def test_a_width_of_another_kind(width):
     with pytest.raises(TypeError, match="width must be an int, got "):
-        robsim.Clip([np.zeros((20, 20, 3), np.uint8)], fps=5, width=width)
+        robsim.imaging.Clip([np.zeros((20, 20, 3), np.uint8)], fps=5, width=width)
 
 
 def test_a_gif_keeps_the_time_of_frames_that_come_twice(tmp_path):
     a, b = (np.full((20, 20, 3), value, np.uint8) for value in (50, 200))
-    robsim.Clip([a, a, a, b], fps=5).save(tmp_path / "a.gif")
+    robsim.imaging.Clip([a, a, a, b], fps=5).save(tmp_path / "a.gif")
     with Image.open(tmp_path / "a.gif") as gif:
         times = []
         for frame in range(gif.n_frames):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from robsim import load_image
+from robsim.imaging import load_image
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ def picture(brightness, *, width=32, height=24):
 def folder(tmp_path):
     """Five images whose brightness is their number."""
     for number in (1, 2, 3, 10, 20):
-        robsim.save_image(tmp_path / f"frame{number}.png", picture(number))
+        robsim.imaging.save_image(tmp_path / f"frame{number}.png", picture(number))
     return tmp_path
 
 
@@ -72,7 +72,7 @@ class TestFolder:
     def test_names_that_are_hard_to_sort(self, tmp_path):
         names = ["2.png", "10.png", "a01.png", "a1.PNG", "a.png", "B3.png", "b\u00b2.png"]
         for number, name in enumerate(names):
-            robsim.save_image(tmp_path / name, picture(number))
+            robsim.imaging.save_image(tmp_path / name, picture(number))
         assert brightness(Recording(tmp_path)) == list(range(len(names)))
 
     def test_every_kind_of_picture_becomes_rgb(self, tmp_path):
@@ -107,7 +107,7 @@ class TestFolder:
         assert brightness(got) == [1, 2]
 
     def test_a_change_of_size_comes_after_the_frames_before(self, folder):
-        robsim.save_image(folder / "frame10.png", picture(10, width=30))
+        robsim.imaging.save_image(folder / "frame10.png", picture(10, width=30))
         got = []
         with pytest.raises(
             ValueError, match=r"frame10\.png is 30 x 24 px large, the frames before it 32 x 24 px"
@@ -129,7 +129,7 @@ class TestPlaneMap:
         np.testing.assert_allclose(frame.plane_map.to_world((0, 0)), (0.5, 0.5))
 
     def test_as_given(self, folder):
-        plane_map = robsim.PlaneMap(np.diag((10.0, 20.0, 1.0)))
+        plane_map = robsim.imaging.PlaneMap(np.diag((10.0, 20.0, 1.0)))
         recording = Recording(folder, plane_map=plane_map)
         assert recording.area == (316, 470)  # (31.5 * 10, 23.5 * 20) + 0.5
         frame = next(iter(recording))
@@ -142,7 +142,7 @@ class TestPlaneMap:
         ids=["horizon", "beside"],
     )
     def test_that_does_not_show_how_large_the_area_is(self, folder, matrix):
-        plane_map = robsim.PlaneMap(matrix)
+        plane_map = robsim.imaging.PlaneMap(matrix)
         with pytest.raises(ValueError, match=r"area: .* give its width and height"):
             Recording(folder, plane_map=plane_map)
         assert Recording(folder, plane_map=plane_map, area=(99, 88)).area == (99, 88)

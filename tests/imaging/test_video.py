@@ -141,7 +141,7 @@ import robsim
 from robsim.imaging._images import resized
 frames = np.random.default_rng(1).integers(0, 256, (20, 200, 200, 3), dtype=np.uint8)
 resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
-robsim.save_video(sys.argv[1], frames, fps=5)
+robsim.imaging.save_video(sys.argv[1], frames, fps=5)
 """
 
 
@@ -234,7 +234,7 @@ def test_without_opencv(tmp_path, monkeypatch):
 def run():
     """Frames of a run and what it measured in them, (N, 3)."""
     simulation = robsim.Simulation(
-        measure=True, rotation="continuous", seed=3, control=robsim.DriveAround()
+        measure=True, headings=None, seed=3, control=robsim.DriveAround()
     )
     steps = [simulation.step() for _ in range(30)]
     assert all(step.measurement for step in steps)

@@ -85,7 +85,7 @@ def test_the_wrong_model_shows_in_the_identification():
 def test_only_an_exact_unicycle_goes_native():
     class Half(robsim.Unicycle):
         def __call__(self, world):
-            return (world.last + super().__call__(world)) / 2
+            return (world.pose_1 + super().__call__(world)) / 2
 
     assert (drive(Half()).pose_true[-1] != drive(robsim.Unicycle()).pose_true[-1]).any()
     with pytest.raises(TypeError, match="evaluate_model must be callable"):

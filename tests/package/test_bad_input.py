@@ -14,22 +14,20 @@ from robsim import (
     DriveAround,
     Estimate,
     Frame,
-    MarkerLayout,
     Measurement,
-    PlaneMap,
     RecursiveLeastSquares,
-    Renderer,
     RobotModel,
     RobotParameters,
     Simulation,
     Spin,
-    VisualNoise,
+    _core,
     find_blobs,
-    least_squares,
     locate,
-    regression,
-    rgb_to_yuv,
 )
+from robsim.identification import least_squares, regression
+from robsim.imaging import PlaneMap
+from robsim.simulation import Renderer
+from robsim.vision import MarkerLayout, rgb_to_yuv
 
 NAN, INF = np.nan, np.inf
 BEYOND_INT = (2**31, -(2**31) - 1, 2**63, 2**64, 10**30)
@@ -66,10 +64,10 @@ def refuses_in_words(name, call, *arguments, **options):
 IMAGE_TAKERS = {
     "find_blobs": lambda image: find_blobs(image, COLORS),
     "rgb_to_yuv": rgb_to_yuv,
-    "color_histograms": lambda image: robsim.color_histograms(image, (0, 0, 0, 0)),
+    "color_histograms": lambda image: robsim.vision.color_histograms(image, (0, 0, 0, 0)),
     "Frame": Frame,
-    "VisualNoise.add": lambda image: VisualNoise("uniform", 5).add(image, 1),
-    "VisualNoise.add, off": lambda image: VisualNoise("none", 0).add(image, 1),
+    "UniformNoise.add": lambda image: robsim.UniformNoise(5).add(image, 1),
+    "UniformNoise.add, off": lambda image: robsim.UniformNoise(0).add(image, 1),
 }
 takes_images = pytest.mark.parametrize("take", IMAGE_TAKERS.values(), ids=IMAGE_TAKERS)
 
@@ -203,7 +201,7 @@ def test_rows_may_lie_anywhere_in_memory(view, width, height, seed):
     assert sum(map(len, blobs.values())) > 0 or (copy == 100).all(axis=2).any()
     np.testing.assert_array_equal(rgb_to_yuv(seen), rgb_to_yuv(copy))
     np.testing.assert_array_equal(Frame(seen).image, copy)
-    noise = VisualNoise("gaussian", 20)
+    noise = robsim.GaussianNoise(20)
     np.testing.assert_array_equal(noise.add(seen, 1), noise.add(copy, 1))
 
 
@@ -269,13 +267,13 @@ def test_frame_options(name, value):
     ],
 )
 def test_visual_noise(kind, percent, name):
-    refuses(name, VisualNoise, kind, percent)
+    refuses(name, _core.VisualNoise, kind, percent)
 
 
 @pytest.mark.parametrize("percent", [5e-324, 1e-300, 1e308])
 @pytest.mark.parametrize("kind", ["uniform", "gaussian"])
 def test_extreme_noise_stays_within_the_picture(kind, percent):
-    noisy = VisualNoise(kind, percent).add(IMAGE, 1)
+    noisy = _core.VisualNoise(kind, percent).add(IMAGE, 1)
     assert noisy.shape == IMAGE.shape
     assert set(np.unique(noisy)) == ({100} if percent < 1 else {0, 255})
 
@@ -284,7 +282,7 @@ def test_extreme_noise_stays_within_the_picture(kind, percent):
 @pytest.mark.parametrize("value", [-1, 2**64, *NO_INTS], ids=short)
 def test_seeds_of_noise(name, value):
     options = {"seed": 1} | {name: value}
-    refuses(name, VisualNoise("uniform", 5).add, IMAGE, **options)
+    refuses(name, robsim.UniformNoise(5).add, IMAGE, **options)
 
 
 @pytest.mark.parametrize(
@@ -386,20 +384,20 @@ def test_a_homography_is_the_same_times_any_number(factor):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        *(("camera", v) for v in (None, 5, "ab", (1,), (1, 2, 3), (0, 1), (1, -1), (1.5, 1))),
-        *(("camera", v) for v in ((NAN, 1), (2**31, 1), (None, 1))),
+        *(("resolution", v) for v in (None, 5, "ab", (1,), (1, 2, 3), (0, 1), (1, -1), (1.5, 1))),
+        *(("resolution", v) for v in ((NAN, 1), (2**31, 1), (None, 1))),
         *(("area", v) for v in (None, 5, "12", (1,), (0, 1), (1, -1), (NAN, 1), (INF, 1))),
         *(("area", v) for v in (("a", 1), (1e-9, 1e-9))),
     ],
     ids=short,
 )
 def test_plane_map_of_a_camera(name, value):
-    options = {"camera": (1000, 1000), "area": (1, 1)} | {name: value}
+    options = {"resolution": (1000, 1000), "area": (1, 1)} | {name: value}
     refuses(name, PlaneMap.scaled, *options.values())
 
 
 map_points = pytest.mark.parametrize(
-    ("call", "name"), [(PlaneMap().to_world, "pixels"), (PlaneMap().to_pixel, "places")]
+    ("call", "name"), [(PlaneMap().to_world, "pixels"), (PlaneMap().to_pixel, "positions")]
 )
 
 
@@ -433,8 +431,8 @@ def test_points_of_any_shape(call, name, shape):
 MODEL = RobotModel()
 
 POSE_TAKERS = {
-    "last": lambda pose: MODEL.predict(pose, POSE, (0, 0)),
-    "before": lambda pose: MODEL.predict(POSE, pose, (0, 0)),
+    "pose_1": lambda pose: MODEL.predict(pose, POSE, (0, 0)),
+    "pose_2": lambda pose: MODEL.predict(POSE, pose, (0, 0)),
     "pose of Measurement": Measurement,
     "pose of Estimate": lambda pose: Estimate(pose, np.eye(3)),
     "pose of render": lambda pose: small_renderer().render(pose),
@@ -559,7 +557,7 @@ def small_renderer(**changed):
         "centre": (1.5, 1.5),
         "unit": 1.0,
         "alignment": 0.0,
-        "phases": 4,
+        "headings": 4,
         "area": (10, 8),
     }
     return Renderer(**(options | changed))
@@ -583,7 +581,7 @@ NO_PAIRS += [(FLOAT_IMAGE, IMAGE), (IMAGE[:, ::-1], IMAGE)]
         ("centre", (1e9, 0)),
         *(("unit", v) for v in (None, "x", 0, -1, NAN, INF, 1e9)),
         *(("alignment", v) for v in (None, "x", NAN, INF)),
-        *(("phases", v) for v in (-1, *NO_INTS, *BEYOND_INT)),
+        *(("headings", v) for v in (-1, *NO_INTS, *BEYOND_INT)),
         *(("area", v) for v in (None, "ab", (1,), (1, 2, 3), (0, 1), (1, -1), (1.5, 1))),
         ("area", (2**31, 1)),
     ],
@@ -608,7 +606,7 @@ def test_pan(pan):
 INT = st.integers(-(2**31), 2**31 - 1) | st.sampled_from([-(2**31), 2**31 - 1, -1, 0, 7])
 
 
-@pytest.mark.parametrize("phases", [0, 4])
+@pytest.mark.parametrize("headings", [0, 4])
 @settings(max_examples=100, deadline=None)
 @given(
     x=st.floats(allow_nan=False, allow_infinity=False),
@@ -616,8 +614,8 @@ INT = st.integers(-(2**31), 2**31 - 1) | st.sampled_from([-(2**31), 2**31 - 1, -
     heading=st.floats(allow_nan=False, allow_infinity=False),
     pan=st.tuples(INT, INT),
 )
-def test_any_finite_pose_and_view_can_be_drawn(phases, x, y, heading, pan):
-    image = small_renderer(phases=phases).render((x, y, heading), pan)
+def test_any_finite_pose_and_view_can_be_drawn(headings, x, y, heading, pan):
+    image = small_renderer(headings=headings).render((x, y, heading), pan)
     assert image.shape == IMAGE.shape
     if abs(x) > 100 and pan == (0, 0):
         np.testing.assert_array_equal(image, IMAGE)
@@ -848,11 +846,9 @@ WRONG_SIZES += ((NAN, 100), (100.0, 100), ("a", "b"), (True, 100), (2**40, 100),
 WRONG_OPTIONS = {
     "robot": (5, "no such robot", "", b"lab", ["lab"], {}),
     "area": WRONG_SIZES,
-    "camera": WRONG_SIZES,
+    "resolution": WRONG_SIZES,
     "boundary": ("wall", "", "Bounce", None, 5, True, ["bounce"], b"bounce"),
-    "rotation": (None, "smooth", "", 36, True, ["phases"]),
-    "phases": (None, "36", 1.5, NAN, True, 0, -1, 3601, 2**70),
-    "noise_percent": (5, -1, NAN, "40", [1], []),
+    "headings": ("36", 1.5, NAN, True, 0, -1, 3601, 2**70),
     "start": ("middle", "", "Random", (NAN, 0, 0), (1, 2), 5, True, {}, (1e300, 1, 1), (-1, 9, 0)),
     "seed": (-1, 1.5, NAN, "1", True, [1], (1, 2), np.int64(-1), np.random.PCG64(1), object()),
     "colors": (5, 1.5, COLORS[0], [1], [None], ["red"], b"red", {"red": 1}, [COLORS[0]] * 2),
@@ -875,28 +871,28 @@ def test_a_start_far_out_of_an_unlimited_area():
     refuses("start", Simulation, boundary="unlimited", start=(-1.1e6, 5, 0))
 
 
-@pytest.mark.parametrize("kind", ["uniform", "gaussian"])
+@pytest.mark.parametrize("kind", [robsim.UniformNoise, robsim.GaussianNoise])
 @pytest.mark.parametrize(
     "percent",
     [None, -1, -5e-324, NAN, INF, "40", [1], 1j, True],
 )
 def test_noise_percent(kind, percent):
-    refuses_in_words("noise_percent", Simulation, noise=kind, noise_percent=percent)
+    refuses_in_words("percent", kind, percent)
 
 
-@pytest.mark.parametrize("kind", ["white", "", "Uniform", None, 5, True, ["none"]])
-def test_noise(kind):
-    for level in ({}, {"noise_percent": 5}):
-        assert "one of" in refuses("noise", Simulation, noise=kind, **level)
+@pytest.mark.parametrize("value", ["gaussian", "", 40, True, ["none"], robsim.GaussianNoise])
+def test_noise(value):
+    assert "GaussianNoise(40)" in refuses("noise", Simulation, noise=value)
 
 
-def test_phases_are_checked_for_any_rotation():
-    refuses("phases", Simulation, rotation="continuous", phases="many")
+@pytest.mark.parametrize("value", [0.2, "much", True, (0.2, 5), robsim.Dropout])
+def test_dropout(value):
+    assert "Dropout(0.2)" in refuses("dropout", Simulation, dropout=value)
 
 
 @pytest.mark.parametrize("value", [np.int64(36), pytest.param(np.uint8(36), id="uint8")])
 def test_numpy_ints_are_ints(value):
-    Simulation(phases=value, area=(np.int64(100), np.int64(100)))
+    Simulation(headings=value, area=(np.int64(100), np.int64(100)))
 
 
 def test_missing_color_and_picture_files(tmp_path):

@@ -6,9 +6,8 @@ import nbclient
 import nbformat
 import pytest
 
-import robsim
 from commands import cli
-from robsim._base.shipped import NOTEBOOKS
+from robsim._base.shipped import NOTEBOOKS, copy_notebooks
 
 SHIPPED = sorted(NOTEBOOKS.glob("*.ipynb"))
 each = pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
@@ -40,7 +39,7 @@ def test_a_notebook_is_short_and_stripped(file):
 @pytest.mark.slow
 @each
 def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
-    robsim.copy_notebooks(tmp_path)
+    copy_notebooks(tmp_path)
     notebook = nbformat.read(tmp_path / file.name, as_version=4)
     place = {"metadata": {"path": str(tmp_path)}}
     nbclient.NotebookClient(notebook, timeout=100, resources=place).execute()
@@ -71,6 +70,6 @@ def test_the_command_copies_them_and_never_overwrites(tmp_path):
 def test_a_file_is_no_folder(tmp_path):
     (tmp_path / "taken").write_text("")
     with pytest.raises(NotADirectoryError, match="taken is a file, not a folder"):
-        robsim.copy_notebooks(tmp_path / "taken")
+        copy_notebooks(tmp_path / "taken")
     with pytest.raises(TypeError, match="folder must be a path, got 3"):
-        robsim.copy_notebooks(3)
+        copy_notebooks(3)

@@ -12,7 +12,7 @@ OUTLINE = [(50, 50), (50, -50), (-50, -50), (-50, 50)]
 
 def make_frame(width=1200, height=1200, plane_map=None):
     pixels = np.full((height, width, 3), GREY, dtype=np.uint8)
-    return robsim.Frame(pixels, plane_map=plane_map or robsim.PlaneMap())
+    return robsim.Frame(pixels, plane_map=plane_map or robsim.imaging.PlaneMap())
 
 
 def has_color(pixels, color, place, reach=2, tolerance=40):
@@ -125,7 +125,7 @@ def test_text_stands_at_the_bottom_and_fits(size):
 
 def test_places_go_through_the_plane_map():
     # a camera of 400 x 300 px, at an angle
-    plane_map = robsim.PlaneMap([[3, 0.4, -60], [0, 4, 20], [0, 0.001, 1]])
+    plane_map = robsim.imaging.PlaneMap([[3, 0.4, -60], [0, 4, 20], [0, 0.001, 1]])
     measurement = robsim.Measurement((500, 500, 0.3))
     pixels = draw_overlay(
         make_frame(400, 300, plane_map),

@@ -39,12 +39,12 @@ def make_trace(steps=50, *, first_step=0, **groups):
         "pose_true": true,
         "u": np.zeros((steps, 2)),
         "bounced": np.zeros((steps, 1)),
-        "estimated": true + np.array((1.0, 0.0, 0.02)),
+        "pose_estimated": true + np.array((1.0, 0.0, 0.02)),
         "covariance": np.broadcast_to(np.diag([4.0, 1.0, 1e-4]), (steps, 3, 3)),
         **groups,
     }
     theta = robsim.RobotModel().theta
-    info = robsim.RunInfo(dt=0.2, theta_true=theta, boundary="unlimited")
+    info = robsim.trace.RunInfo(dt=0.2, theta_true=theta, boundary="unlimited")
     return robsim.Trace(groups, info, first_step=first_step)
 
 
@@ -100,7 +100,7 @@ def test_the_claim_and_the_bound_are_drawn_at_two_standard_deviations():
 def test_errors_of_measurements_are_green_and_unknown_ones_counted():
     measured = make_trace().pose_true + np.array((0.5, 0.5, 0.0))
     measured[10:20] = NAN
-    figure = render(plot_errors(pose_errors(make_trace(measured=measured), of="measurement")))
+    figure = render(plot_errors(pose_errors(make_trace(pose_measured=measured), of="measurement")))
     panel, histogram = figure.axes[:2]
     assert same_color(line(panel, "error").get_color(), style.MEASURED)
     assert figure.get_suptitle() == "measurement minus truth: known in 40 of 50 steps"
@@ -126,10 +126,10 @@ def test_errors_of_runs_have_their_root_mean_square():
 
 def test_an_error_far_outside_is_marked_at_the_edge():
     trace = make_trace()
-    estimated = trace.estimated.copy()
+    estimated = trace.pose_estimated.copy()
     estimated[:, 0] += np.sin(np.arange(50))
     estimated[20, 0] += 1000
-    panel = plot_errors(pose_errors(make_trace(estimated=estimated))).axes[0]
+    panel = plot_errors(pose_errors(make_trace(pose_estimated=estimated))).axes[0]
     assert panel.get_ylim()[1] < 100
     assert "1 beyond" in [text.get_text() for text in panel.texts]
 
@@ -194,7 +194,7 @@ def test_ellipses_lie_on_the_path_as_the_camera_sees_it():
     axes = plot_ellipses(make_trace(), every=10, magnify=1)
     drawn = drawn_ellipses(axes)
     assert len(drawn) == 5
-    np.testing.assert_allclose(drawn.mean(axis=1), make_trace().estimated[::10, :2])
+    np.testing.assert_allclose(drawn.mean(axis=1), make_trace().pose_estimated[::10, :2])
     # sqrt(5.99) times the standard deviations 2 and 1
     size = 2 * np.sqrt(5.9915) * np.array([2, 1])
     np.testing.assert_allclose(np.ptp(drawn, axis=1)[0], size, rtol=1e-4)

@@ -8,9 +8,10 @@ from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 
 from drawn_robots import box, painted
-from robsim import RobotDefinition, load_robot
+from robsim import load_robot
 from robsim.plotting import _style as style
 from robsim.plotting import plot_robot
+from robsim.robots import RobotDefinition
 
 RED, BLUE = box(240, 240, 319, 319), box(80, 200, 159, 279)
 

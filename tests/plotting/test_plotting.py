@@ -47,7 +47,7 @@ def make_trace(
         for k in range(1, steps):
             if not seen[k]:
                 held[k] = held[k - 1]
-        groups |= {"measured": measured, "held": held}
+        groups |= {"pose_measured": measured, "pose_held": held}
     info = RunInfo(dt=0.2, theta_true=THETA_TRUE, boundary=boundary)
     return Trace(groups | (more or {}), info, first_step=first_step)
 
@@ -116,13 +116,13 @@ def rich():
     """A trace with everything in it, the robot not seen or taken for another, and its figure."""
     seen = np.ones(60, dtype=bool)
     seen[[0, 1, 20, 21, 40]] = False
-    trace = make_trace(seen=seen, more={"estimated": np.ones((60, 3)), **make_blobs()})
+    trace = make_trace(seen=seen, more={"pose_estimated": np.ones((60, 3)), **make_blobs()})
 
     def lose(measured):
         measured[30, 0] += 400
         measured[31, 0] -= 300
 
-    trace = changed(trace, "measured", lose)
+    trace = changed(trace, "pose_measured", lose)
     return trace, render(plot_traces(trace, show_blobs=True), layout=False)
 
 
@@ -141,7 +141,7 @@ def test_traces_have_six_panels_a_plan_and_three_histograms(usual):
     assert labels.count("") == 3
     assert tuple(figure.get_size_inches()) == (10, 8)
     assert figure.get_dpi() == 110
-    assert figure.get_suptitle().startswith("tracking: 60 steps, 60 valid")
+    assert figure.get_suptitle().startswith("tracking: 60 steps, 60 seen")
 
 
 def test_true_and_measured_values_are_where_they_belong(usual):
@@ -151,7 +151,7 @@ def test_true_and_measured_values_are_where_they_belong(usual):
     np.testing.assert_array_equal(true.get_ydata(), trace.pose_true[:, 0])
     (measured,) = lines(axes, style.MEASURED)
     np.testing.assert_array_equal(measured.get_xdata(), trace.k)
-    np.testing.assert_array_equal(measured.get_ydata(), trace.measured[:, 0])
+    np.testing.assert_array_equal(measured.get_ydata(), trace.pose_measured[:, 0])
     assert len(axes.get_lines()) == 2
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["true", "measured"]
@@ -161,9 +161,9 @@ def test_what_was_not_seen_is_black_where_it_was_last_seen(rich):
     trace, figure = rich
     (held,) = lines(panel(figure, "x (px)"), style.HELD)
     np.testing.assert_array_equal(points(held)[:, 0], [20, 21, 40])
-    np.testing.assert_array_equal(points(held)[:, 1], trace.measured[[19, 19, 39], 0])
+    np.testing.assert_array_equal(points(held)[:, 1], trace.pose_measured[[19, 19, 39], 0])
     (measured,) = lines(panel(figure, "heading (deg)"), style.MEASURED)
-    np.testing.assert_array_equal(points(measured)[:, 0], np.flatnonzero(trace.valid))
+    np.testing.assert_array_equal(points(measured)[:, 0], np.flatnonzero(trace.seen))
 
 
 def test_heading_is_in_degrees_from_0_to_360_and_its_line_breaks_at_the_wrap(usual):
@@ -180,7 +180,7 @@ def test_heading_is_in_degrees_from_0_to_360_and_its_line_breaks_at_the_wrap(usu
 def test_estimated_poses_are_blue(rich):
     trace, figure = rich
     (line,) = lines(panel(figure, "x (px)"), style.ESTIMATED)
-    np.testing.assert_array_equal(line.get_ydata(), trace.estimated[:, 0])
+    np.testing.assert_array_equal(line.get_ydata(), trace.pose_estimated[:, 0])
 
 
 def test_blobs_are_drawn_only_when_asked_for_in_x_and_y(rich, usual):
@@ -209,7 +209,7 @@ def test_histograms_are_made_from_the_longest_valid_record():
     seen[[50, 250]] = False
     trace = make_trace(300, seen=seen, first_step=1000)
     figure = plot_traces(trace)
-    record = longest_run(trace.valid)
+    record = longest_run(trace.seen)
     assert histograms(figure)[0].get_title() == "longest record: 1051..1249, n = 199"
     for axis, axes in enumerate(histograms(figure)):
         bars = [bar for bar in axes.patches if bar.get_width() > 0]
@@ -262,7 +262,7 @@ def test_plan_has_the_y_axis_downwards_and_equal_scales(usual):
     np.testing.assert_array_equal(path.get_xydata(), trace.pose_true[:, :2])
     np.testing.assert_array_equal(start.get_xydata(), trace.pose_true[:1, :2])
     (measured,) = lines(axes, style.MEASURED)
-    np.testing.assert_array_equal(measured.get_xydata(), trace.measured[:, :2])
+    np.testing.assert_array_equal(measured.get_xydata(), trace.pose_measured[:, :2])
 
 
 def test_plan_of_an_unlimited_area_follows_the_path():
@@ -300,7 +300,7 @@ def test_one_valid_step_and_none():
     assert first.get_title() == "longest record: 4..4, n = 1"
     assert not lines(first, style.FITTED)
     figure = render(plot_traces(trace[5:]), layout=False)  # held, but not seen
-    assert histograms(figure)[0].get_title() == "no valid measurement"
+    assert histograms(figure)[0].get_title() == "no measurement"
 
 
 def test_rounding_errors_do_not_look_like_errors():
@@ -312,7 +312,7 @@ def test_rounding_errors_do_not_look_like_errors():
 
 def test_a_constant_error_far_from_zero():
     trace = make_trace(noise=0.0)
-    trace = changed(trace, "measured", lambda poses: np.add(poses, (14, 0, 0), out=poses))
+    trace = changed(trace, "pose_measured", lambda poses: np.add(poses, (14, 0, 0), out=poses))
     figure = plot_traces(trace)
     low, high = panel(figure, "dx (px)").get_ylim()
     assert low < 14 < high
@@ -330,9 +330,9 @@ def test_a_constant_error_far_from_zero():
 
 
 def test_figures_show_themselves_in_a_notebook(usual):
-    assert plot_frame(make_frame())._repr_png_().startswith(b"\x89PNG")
-    for figure in (usual[1], plot_batch(make_report())):
-        assert isinstance(figure, style.NotebookFigure)
+    for axes in (plot_frame(make_frame()), plot_batch(make_report())):
+        assert axes._repr_png_().startswith(b"\x89PNG")
+    assert isinstance(usual[1], style.NotebookFigure)
 
 
 def test_the_users_settings_stay():
@@ -437,7 +437,7 @@ NOTHING = np.full((3, 5), np.nan)
 
 def make_report(*, batch=None, online=NOTHING):
     theta_true = np.array(THETA_TRUE)
-    return robsim.BatchEstimate(
+    return robsim.identification.BatchEstimate(
         theta_true=theta_true,
         batch=theta_true * (1 + 1e-12) if batch is None else batch,
         online=online,
@@ -463,7 +463,7 @@ def drawn(axes, color):
 def test_batch_shows_the_relative_deviation_and_of_d1_the_absolute_one():
     online = np.array(THETA_TRUE) * 1.1
     online[1, 4] = 31.9
-    (axes,) = plot_batch(make_report(online=online)).axes
+    axes = plot_batch(make_report(online=online))
     assert axes.get_xscale() == "log"
     batch, off = drawn(axes, style.BATCH), drawn(axes, style.ESTIMATED)
     assert len(batch) == len(off) == 15
@@ -483,7 +483,7 @@ def test_batch_prints_the_values():
     online = NOTHING.copy()
     online[1, 4] = 31.9
     report = make_report(online=online)
-    (axes,) = plot_batch(report).axes
+    axes = plot_batch(report)
     printed = [text.get_text() for text in axes.texts]
     assert printed.count("8.3333e-06") == 4  # true and batch, X and Y
     assert printed.count("31.9") == 1
@@ -492,13 +492,14 @@ def test_batch_prints_the_values():
 
 
 def test_an_exact_value_points_to_the_left_edge():
-    (axes,) = plot_batch(make_report(batch=np.array(THETA_TRUE))).axes
+    axes = plot_batch(make_report(batch=np.array(THETA_TRUE)))
     assert len(drawn(axes, style.BATCH)) == 15
     assert set(drawn(axes, style.BATCH).values()) == {axes.get_xlim()[0]}
 
 
 def test_batch_without_online_and_without_anything():
-    (axes,) = render(plot_batch(make_report(batch=NOTHING))).axes
+    axes = plot_batch(make_report(batch=NOTHING))
+    render(axes.figure)
     assert axes.get_position().x0 < 0.1
     assert axes.get_position().y0 < 0.1
     assert axes.get_xlim()[0] == pytest.approx(1e-4)
@@ -509,13 +510,13 @@ def test_batch_without_online_and_without_anything():
 
 def test_batch_draws_in_given_axes():
     given = Figure().add_subplot()
-    assert plot_batch(make_report(), ax=given) is given.figure
+    assert plot_batch(make_report(), ax=given) is given
     assert len(drawn(given, style.BATCH)) == 15
 
 
 # frame
 
-AT_AN_ANGLE = robsim.PlaneMap([[2.0, 0.3, 10.0], [0.1, 2.2, -5.0], [1e-3, 2e-3, 1.0]])
+AT_AN_ANGLE = robsim.imaging.PlaneMap([[2.0, 0.3, 10.0], [0.1, 2.2, -5.0], [1e-3, 2e-3, 1.0]])
 
 
 def make_frame(plane_map=None, *, marker=None):
@@ -524,7 +525,7 @@ def make_frame(plane_map=None, *, marker=None):
     if marker is not None:
         u, v = marker
         image[v - 1 : v + 2, u - 1 : u + 2] = (255, 0, 0)
-    plane_map = plane_map or robsim.PlaneMap.scaled((60, 40), (1200, 800))
+    plane_map = plane_map or robsim.imaging.PlaneMap.scaled((60, 40), (1200, 800))
     return robsim.Frame(image, t=2.4, index=12, plane_map=plane_map)
 
 
@@ -640,3 +641,17 @@ def test_the_parameters_say_how_well_they_are_excited():
 
     assert set(shown(robsim.Spin())[:2]) == {"not excited"}
     assert shown(robsim.DriveAround())[:3] == ["well excited"] * 3
+
+
+def test_traces_are_drawn_into_given_axes():
+    trace = make_trace()
+    errors = ["dx", "dy", "dheading"]
+    names = ["x", "y", "heading", "path", *errors, *(f"{name} bins" for name in errors)]
+    given = Figure().subplot_mosaic([names])
+    assert plot_traces(trace, axes=given) is given["x"].figure
+    assert all(panel.has_data() for panel in given.values())
+    assert given["x"].get_legend()
+    with pytest.raises(ValueError, match="axes must have the panels dheading, dx"):
+        plot_traces(trace, axes={name: given[name] for name in names if name not in errors[::2]})
+    with pytest.raises(TypeError, match="trace must be a Trace, got 'x'"):
+        plot_traces("x")

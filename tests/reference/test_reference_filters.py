@@ -31,7 +31,7 @@ LINEAR = robsim.RobotModel.from_theta(
 
 def step_of(k, pose=None, u=(0, 0), dt=DT):
     measurement = None if pose is None else robsim.Measurement(pose)
-    return SimpleNamespace(k=k, t=k * dt, dt=dt, u=np.array(u, float), measurement=measurement)
+    return SimpleNamespace(k=k, t=k * dt, dt=dt, last_u=np.array(u, float), measurement=measurement)
 
 
 def filtered(estimate_state, z, u=None, **options):
@@ -422,21 +422,20 @@ def test_without_process_noise_it_still_runs(kind, rng):
 
 @pytest.fixture(scope="module")
 def tracked():
-    """Per rotation a run with vision and dropouts, and the extended filter in the loop."""
+    """Runs with vision, dropouts and an extended filter: 36 headings shown, and any."""
     traces = {}
-    for rotation, options in (("phases", {}), ("continuous", CONTINUOUS)):
+    for headings, options in ((36, {}), (None, CONTINUOUS)):
         sim = robsim.Simulation(
             robot="lab",
             measure=True,
-            rotation=rotation,
+            headings=headings,
             boundary="unlimited",
             control=robsim.DriveAround(),
-            dropout=0.1,
-            dropout_steps=3,
+            dropout=robsim.Dropout(0.1, steps=3),
             seed=4,
         )
         sim.estimate_state = ExtendedKalmanFilter(sim.model, **options)
-        traces[rotation] = sim.run(120)
+        traces[headings] = sim.run(120)
     return traces
 
 
@@ -445,32 +444,32 @@ def inputs_before(trace):
 
 
 @pytest.mark.parametrize(
-    ("rotation", "kind", "options"),
+    ("headings", "kind", "options"),
     [
         # What the motors do in a step is far more than the noise of continuous frames: there a
         # filter that knows nothing of them is no better than the measurement.
-        ("phases", ConstantVelocityKalmanFilter, {}),
-        *[("phases", kind, {}) for kind in ON_THE_MODEL],
-        *[("continuous", kind, CONTINUOUS) for kind in ON_THE_MODEL],
+        (36, ConstantVelocityKalmanFilter, {}),
+        *[(36, kind, {}) for kind in ON_THE_MODEL],
+        *[(None, kind, CONTINUOUS) for kind in ON_THE_MODEL],
     ],
 )
-def test_it_is_better_than_the_measurement(tracked, rotation, kind, options):
-    trace = tracked[rotation]
-    poses, *_ = filtered(kind(**options), trace.measured, inputs_before(trace))
-    seen = trace.valid & (trace.k >= 10)
+def test_it_is_better_than_the_measurement(tracked, headings, kind, options):
+    trace = tracked[headings]
+    poses, *_ = filtered(kind(**options), trace.pose_measured, inputs_before(trace))
+    seen = trace.seen & (trace.k >= 10)
     assert 60 < np.sum(seen) < 110
-    raw = rms(error_of(trace.measured[seen], trace.pose_true[seen]))
+    raw = rms(error_of(trace.pose_measured[seen], trace.pose_true[seen]))
     assert (rms(error_of(poses[seen], trace.pose_true[seen])) < 0.95 * raw).all()
 
 
-@pytest.mark.parametrize("rotation", ["phases", "continuous"])
-def test_in_the_loop_it_gives_the_same(tracked, rotation):
-    trace = tracked[rotation]
-    options = {} if rotation == "phases" else CONTINUOUS
+@pytest.mark.parametrize("headings", [36, None])
+def test_in_the_loop_it_gives_the_same(tracked, headings):
+    trace = tracked[headings]
+    options = {} if headings else CONTINUOUS
     poses, covariances, velocities = filtered(
-        ExtendedKalmanFilter(**options), trace.measured, inputs_before(trace)
+        ExtendedKalmanFilter(**options), trace.pose_measured, inputs_before(trace)
     )
-    np.testing.assert_array_equal(trace.estimated, poses)
+    np.testing.assert_array_equal(trace.pose_estimated, poses)
     np.testing.assert_array_equal(trace.covariance, covariances)
     np.testing.assert_array_equal(trace.state, velocities)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drawn_robots import COLORS, box, painted, random_robot
-from robsim import ColorClass, RobotDefinition, load_colors
-from robsim.robots import check_colors
+from robsim import ColorClass, load_colors
+from robsim.robots import RobotDefinition, check_colors
 
 RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)
 EDGE = box(-0.5, -0.5, 399.5, 399.5)
@@ -33,17 +33,17 @@ def filled(picture, polygon, color):
 
 
 def test_a_good_robot_has_no_problem(picture):
-    assert check_colors(robot(picture)) == []
+    assert check_colors(robot(picture)).ok
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_random_robots_have_no_problem(seed):
-    assert check_colors(random_robot(np.random.default_rng(seed))) == []
+    assert check_colors(random_robot(np.random.default_rng(seed))).ok
 
 
 def test_a_marker_of_another_colour(picture):
     green = filled(picture, BLUE, (20, 160, 30, 255))
-    (problem,) = check_colors(robot(green))
+    (problem,) = check_colors(robot(green)).sentences
     assert problem.startswith(
         "blue marker: 0.0 % of its polygon has the colour blue, 60 % is needed"
     )
@@ -53,44 +53,44 @@ def test_a_marker_of_another_colour(picture):
 
 def test_a_transparent_marker(picture):
     clear = filled(picture, RED, (*COLORS["red"][:3], 0))
-    (problem,) = check_colors(robot(clear))
+    (problem,) = check_colors(robot(clear)).sentences
     assert "red marker: 0.0 %" in problem
     assert "Y 128, U 128, V 128" in problem
 
 
 def test_other_colours(picture):
     classes = (ColorClass("red", v=(240, 255)), *load_colors()[1:])
-    (problem,) = check_colors(robot(picture), classes)
+    (problem,) = check_colors(robot(picture), classes).sentences
     assert "red marker: 0.0 %" in problem
     assert "V 240..255" in problem
-    (problem,) = check_colors(robot(picture), load_colors()[:1])
+    (problem,) = check_colors(robot(picture), load_colors()[:1]).sentences
     assert problem == "blue marker: the colours have no blue, but red"
 
 
 def test_markers_that_are_too_small(picture):
-    red, blue = check_colors(robot(picture, size=15))
+    red, blue = check_colors(robot(picture, size=15)).sentences
     # 79 picture px, at 15/400 each
     assert red.startswith("red marker: it is too small to be seen, 8.8 px of the work area, at lea")
     assert blue.startswith("blue marker: it is too small")
 
 
 def test_a_polygon_beside_its_blob(picture):
-    (problem,) = check_colors(robot(picture, red=RED + np.array((20, 0))))
+    (problem,) = check_colors(robot(picture, red=RED + np.array((20, 0)))).sentences
     assert "red marker: the blob seen there has its centroid at (279.5, 279.5)" in problem
     assert "6.0 px of the work area away" in problem
 
 
 def test_a_polygon_larger_or_smaller_than_its_blob(picture):
-    (problem,) = check_colors(robot(picture, red=box(257, 257, 302, 302)))
+    (problem,) = check_colors(robot(picture, red=box(257, 257, 302, 302))).sentences
     assert "red marker: the blob seen there has 576 px of the work area, its polygon 182" in problem
-    (problem,) = check_colors(robot(picture, red=box(215, 215, 344, 344)))
+    (problem,) = check_colors(robot(picture, red=box(215, 215, 344, 344))).sentences
     assert "red marker: 39.9 % of its polygon has the colour" in problem
 
 
 def test_a_robot_with_two_such_markers(picture):
     # A second red square, as far from the blue one as the first.
     double = filled(picture, box(80, 80, 159, 159), COLORS["red"])
-    (problem,) = check_colors(robot(double))
+    (problem,) = check_colors(robot(double)).sentences
     assert "the markers are seen, but the robot is not found by them" in problem
     assert "(1 blue, 2 red)" in problem
 
@@ -99,7 +99,7 @@ def test_the_smallest_markers_that_are_seen(picture):
     side = 4 * 400 / 24  # 4 px of the work area
     red, blue = box(250, 200, 250 + side, 200 + side), box(83, 200, 83 + side, 200 + side)
     small = robot(painted(red, blue), size=24.0, red=red, blue=blue)
-    assert check_colors(small) == []
+    assert check_colors(small).ok
 
 
 def test_a_small_picture_of_a_large_robot():
@@ -107,8 +107,8 @@ def test_a_small_picture_of_a_large_robot():
     small = robot(
         image, red=box(23.5, 23.5, 31.5, 31.5), blue=box(7.5, 23.5, 15.5, 31.5), outline=EDGE / 10
     )
-    assert check_colors(small) == []
-    assert check_colors(replace(small, size=400.0)) == []
+    assert check_colors(small).ok
+    assert check_colors(replace(small, size=400.0)).ok
 
 
 def test_what_is_no_colour_file(picture, tmp_path):
@@ -121,5 +121,5 @@ def test_what_is_no_colour_file(picture, tmp_path):
 def test_a_marker_that_only_the_light_shows(picture):
     # V is 160 in the light and 153 in the shadow; red is 154 and more
     pale = filled(picture, RED, (140, 76, 76, 255))
-    (problem,) = check_colors(robot(pale))
+    (problem,) = check_colors(robot(pale)).sentences
     assert problem.startswith("in the shadow: red marker: 0.0 % of its polygon has the colour red")

@@ -32,7 +32,7 @@ def test_what_is_not_given_has_the_documented_default():
     robot = robot_from_picture("toy", painted(RED, BLUE))
     assert (robot.name, robot.size, robot.alignment) == ("toy", 120, 0)
     np.testing.assert_allclose(robot.centre, [199.5, 199.5], atol=0.01)
-    assert check_colors(robot) == []
+    assert check_colors(robot).ok
 
 
 @pytest.mark.parametrize("name", ["red", "blue"])
@@ -146,7 +146,7 @@ def test_a_photo_with_noise_and_blur(seed):
     noisy = np.clip(np.array(image) + rng.normal(0, 12, (400, 400, 3)), 0, 255).astype(np.uint8)
     noisy = np.dstack((noisy, np.full((400, 400), 255, np.uint8)))
     robot = robot_from_picture("toy", noisy)
-    assert check_colors(robot) == []
+    assert check_colors(robot).ok
     assert robot.marker_layout().distance == pytest.approx(160 * 120 / 400, abs=0.3)
 
 

@@ -91,25 +91,24 @@ def test_vision_sees_one_blob_where_the_polygon_is(name, light, marker):
 def test_a_drive_is_tracked(name, smoothing, most):
     trace = drive(
         name,
-        rotation="continuous",
+        headings=None,
         boundary="unlimited",
-        camera=CAMERA,
+        resolution=CAMERA,
         seed=3,
         smoothing=smoothing,
     )
     tracking = trace.tracking()
-    assert (tracking.valid, tracking.false) == (len(trace), 0)
-    assert tracking.rms_xy < most
-    assert tracking.rms_heading_deg < 0.4
+    assert (tracking.seen, tracking.false_poses) == (len(trace), 0)
+    assert tracking.rmse_xy < most
+    assert tracking.rmse_heading_deg < 0.4
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("noise", ["none", "gaussian"])
-def test_the_36_phases_are_found(name, noise):
-    percent = 5 if noise == "gaussian" else None
-    trace = drive(name, noise=noise, noise_percent=percent, seed=4, steps=30)
+@pytest.mark.parametrize("noise", [None, robsim.GaussianNoise(5)])
+def test_the_36_headings_are_found(name, noise):
+    trace = drive(name, noise=noise, seed=4, steps=30)
     tracking = trace.tracking()
-    assert (tracking.valid, tracking.false) == (len(trace), 0)
+    assert (tracking.seen, tracking.false_poses) == (len(trace), 0)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -128,9 +127,11 @@ def test_found_anywhere_at_any_heading(name, rng):
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_the_lab_robots_locator_never_finds_it(name):
-    for options in ({"rotation": "continuous"}, {"noise": "gaussian", "noise_percent": 5}):
-        trace = drive(name, markers="lab", boundary="unlimited", camera=CAMERA, seed=5, **options)
-        assert trace.tracking().valid == 0
+    for options in ({"headings": None}, {"noise": robsim.GaussianNoise(5)}):
+        trace = drive(
+            name, markers="lab", boundary="unlimited", resolution=CAMERA, seed=5, **options
+        )
+        assert trace.tracking().seen == 0
         for centroids in trace.blobs.values():
             assert np.isfinite(centroids[:, 0]).all()
 

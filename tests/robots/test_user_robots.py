@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from drawn_robots import box, painted, random_robot
-from robsim import DriveAround, MarkerLayout, Simulation, robots
+from robsim import DriveAround, Simulation, robots
 from robsim.robots import (
     add_robot,
     default_robot,
@@ -26,6 +26,8 @@ from robsim.robots import (
     set_default_robot,
 )
 from robsim.robots._default_robot import data_folder
+from robsim.robots._lookup import as_robot
+from robsim.vision import MarkerLayout
 
 pytestmark = pytest.mark.usefixtures("user_folder")
 
@@ -70,7 +72,7 @@ def test_looking_writes_nothing(user_folder):
 
 
 def test_a_robot_from_each_kind_of_source(user_folder, photo, tmp_path):
-    save_robot(load_robot("lab"), tmp_path / "folder")
+    save_robot(tmp_path / "folder", load_robot("lab"))
     sources = [load_robot("lab"), "lab", "LAB", tmp_path / "folder", str(tmp_path / "folder")]
     for number, source in enumerate([*sources, photo, str(photo), "robot-0"]):
         robot = add_robot(f"robot-{number}", source)
@@ -263,11 +265,11 @@ def test_a_failing_overwrite_leaves_the_old_one(user_folder, monkeypatch, failin
 
 
 def test_a_failing_save_leaves_the_old_file(tmp_path, monkeypatch):
-    save_robot(load_robot("lab"), tmp_path)
+    save_robot(tmp_path, load_robot("lab"))
     before = {file: (tmp_path / file).read_bytes() for file in files(tmp_path)}
     monkeypatch.setattr(Path, "replace", broken)
     with pytest.raises(OSError, match="the disk is full"):
-        save_robot(load_robot("sheep"), tmp_path)
+        save_robot(tmp_path, load_robot("sheep"))
     assert {file: (tmp_path / file).read_bytes() for file in files(tmp_path)} == before
 
 
@@ -275,7 +277,7 @@ def test_a_failing_save_leaves_the_old_file(tmp_path, monkeypatch):
 
 
 def test_a_saved_robot_can_be_read_by_people(tmp_path):
-    save_robot(load_robot("lab"), tmp_path / "a/b")
+    save_robot(tmp_path / "a/b", load_robot("lab"))
     text = (tmp_path / "a/b/robot.toml").read_text()
     assert 'name = "lab"\nimage = "robot.png"   # beside this file' in text
     assert "alignment = 90.0   # degrees clockwise" in text
@@ -289,17 +291,17 @@ def test_a_saved_robot_can_be_read_by_people(tmp_path):
 
 @pytest.mark.parametrize("name", ['a"b', "a\nb = 1", "\\", "größe", "\x7f", "'''", '"""', "😀"])
 def test_any_name_is_saved(tmp_path, name):
-    save_robot(replace(load_robot("lab"), name=name), tmp_path)
+    save_robot(tmp_path, replace(load_robot("lab"), name=name))
     assert load_robot(tmp_path).name == name
 
 
 def test_other_files_of_the_folder_are_left_alone(tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
-    save_robot(load_robot("lab"), tmp_path)
-    save_robot(load_robot("lab"), str(tmp_path))
+    save_robot(tmp_path, load_robot("lab"))
+    save_robot(str(tmp_path), load_robot("lab"))
     assert files(tmp_path) == ["notes.txt", "robot.png", "robot.toml"]
-    with pytest.raises(TypeError, match="definition must be a RobotDefinition"):
-        save_robot("lab", tmp_path)
+    with pytest.raises(TypeError, match="robot must be a RobotDefinition"):
+        save_robot(tmp_path, "lab")
 
 
 # --- rotating
@@ -381,7 +383,7 @@ def test_the_choice_is_what_load_robot_loads():
     set_default_robot("SHEEP")
     assert default_robot() == "sheep"
     assert load_robot().name == "sheep"
-    assert robots.as_robot(None).name == "sheep"
+    assert as_robot(None).name == "sheep"
     assert load_robot("lab").name == "lab"
     assert Simulation().robot.name == "sheep"
     reset_default_robot()
@@ -478,7 +480,7 @@ def test_a_chosen_robot_that_is_gone(user_folder):
 
 def test_a_chosen_robot_that_is_a_path(user_folder, tmp_path):
     """Settings name robots; they do not load from anywhere."""
-    save_robot(load_robot("lab"), tmp_path / "elsewhere")
+    save_robot(tmp_path / "elsewhere", load_robot("lab"))
     user_folder.mkdir()
     (user_folder / "settings.toml").write_text(f"robot = '{tmp_path}/elsewhere'")
     with pytest.raises(ValueError, match="is gone"):
@@ -519,17 +521,17 @@ def test_a_robot_made_up_on_the_spot(seed, tmp_path):
     assert load_robot().marker_layout().distance == pytest.approx(
         drawn.marker_layout().distance, abs=0.3
     )
-    options = {"area": (600, 600), "rotation": "continuous", "measure": True, "seed": seed}
+    options = {"area": (600, 600), "headings": None, "measure": True, "seed": seed}
     trace = Simulation(control=DriveAround(), **options).run(120)
     assert trace.info.robot == "drawn"
     statistics = trace.tracking()
-    assert statistics.valid > 100
-    assert statistics.false == 0
-    assert statistics.rms_xy < 1
-    assert statistics.rms_heading_deg < 2
+    assert statistics.seen > 100
+    assert statistics.false_poses == 0
+    assert statistics.rmse_xy < 1
+    assert statistics.rmse_heading_deg < 2
     for markers in ("lab", MarkerLayout(43, 14)):
         other = Simulation(control=DriveAround(), markers=markers, **options).run(120)
-        assert not other.valid.any()
+        assert not other.seen.any()
     remove_robot("drawn")
     assert load_robot().name == "lab"
     assert "drawn" not in robot_names()
@@ -537,7 +539,7 @@ def test_a_robot_made_up_on_the_spot(seed, tmp_path):
 
 def test_the_number_of_blobs_is_kept(tmp_path):
     few = replace(load_robot("lab"), maximum_blobs=3)
-    save_robot(few, tmp_path / "few")
+    save_robot(tmp_path / "few", few)
     assert load_robot(tmp_path / "few").marker_layout().maximum_blobs == 3
     file = tmp_path / "few/robot.toml"
     file.write_text(file.read_text().replace("maximum_blobs = 3", "maximum_blobs = 0"))

@@ -81,7 +81,7 @@ def test_every_colour_that_there_is():
 def test_the_classes_are_those_of_rgb_to_yuv(rng):
     image = rng.integers(0, 256, (60, 131, 3), dtype=np.uint8)
     color = robsim.ColorClass("some", y=(40, 200), u=(90, 140), v=(120, 190))
-    y, u, v = np.moveaxis(robsim.rgb_to_yuv(image), 2, 0)
+    y, u, v = np.moveaxis(robsim.vision.rgb_to_yuv(image), 2, 0)
     belongs = (y >= 40) & (y <= 200) & (u >= 90) & (u <= 140) & (v >= 120) & (v <= 190)
     for found in on_each_path(lambda: blobs(image, [color])):
         assert sum(area for area, *_ in found["some"]) == belongs.sum()
@@ -106,16 +106,16 @@ def test_rows_with_a_stride_of_their_own(rng):
 )
 def test_noise(width, height, seed, index, kind, percent):
     clean = np.random.default_rng(seed).integers(0, 256, (height, width, 3), dtype=np.uint8)
-    noise = robsim.VisualNoise(kind, percent)
+    noise = _core.VisualNoise(kind, percent)
     first, *others = on_each_path(lambda: noise.add(clean, seed, index))
     for other in others:
         np.testing.assert_array_equal(other, first)
 
 
 @pytest.mark.parametrize("robot", ["lab", "sheep"])
-@pytest.mark.parametrize("phases", [0, 7])
-def test_the_renderer(robot, phases, rng):
-    draw = renderer(robot=robsim.load_robot(robot), phases=phases, camera=(300, 260))
+@pytest.mark.parametrize("headings", [0, 7])
+def test_the_renderer(robot, headings, rng):
+    draw = renderer(robot=robsim.load_robot(robot), headings=headings, resolution=(300, 260))
     poses = np.column_stack((rng.uniform(-60, 1260, (40, 2)), rng.uniform(-4, 4, 40)))
     edges = [(100.0, 1100.0, 0.0), (800.0, 600.0, np.pi / 2), (1e9, 0.0, 1.0)]
     for pose in [*poses, *edges]:
@@ -127,9 +127,9 @@ def test_the_renderer(robot, phases, rng):
 def test_a_run_in_noise():
     def run():
         sim = robsim.Simulation(
-            camera=(240, 240), noise="gaussian", noise_percent=10, measure=True, seed=5
+            resolution=(240, 240), noise=robsim.GaussianNoise(10), measure=True, seed=5
         )
-        return sim.run(20).measured, sim.frame.image
+        return sim.run(20).pose_measured, sim.frame.image
 
     first, *others = on_each_path(run)
     for other in others:

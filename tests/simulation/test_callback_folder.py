@@ -120,8 +120,8 @@ def test_a_folder_must_be_a_path(make):
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"boundary": "unlimited", "noise": "gaussian", "noise_percent": 5},
-     {"area": (700, 500), "camera": (350, 250), "measure": True}],
+    [{}, {"boundary": "unlimited", "noise": robsim.GaussianNoise(5)},
+     {"area": (700, 500), "resolution": (350, 250), "measure": True}],
 )  # fmt: skip
 def test_an_untouched_folder_gives_the_same_bytes_as_none(mine, options):
     callbacks = CallbackFolder(mine).load()
@@ -148,7 +148,7 @@ def test_the_optional_callbacks_enabled_do_what_true_does(mine):
     )
     assert_same_bytes(simulation(callbacks), expected, steps=60)
     assert np.isfinite(expected.trace.parameters[-1]).all()
-    assert np.isfinite(expected.trace.measured).all()
+    assert np.isfinite(expected.trace.pose_measured).all()
 
 
 def test_the_state_estimator_keeps_the_last_pose_and_doubts_it_more(mine):
@@ -158,17 +158,17 @@ def test_the_state_estimator_keeps_the_last_pose_and_doubts_it_more(mine):
         "def measure(step):\n"
         "    return robsim.Measurement((step.k, 2, 0.5)) if step.k in (3, 4) else None\n"
     )
-    sim = simulation(CallbackFolder(mine).load(), camera=(120, 120))
+    sim = simulation(CallbackFolder(mine).load(), resolution=(120, 120))
     trace = sim.run(9)
-    assert trace.estimated[0].tolist() == [600, 600, 0]
-    np.testing.assert_array_equal(trace.estimated[4:], [[4, 2, 0.5]] * 5)
+    assert trace.pose_estimated[0].tolist() == [600, 600, 0]
+    np.testing.assert_array_equal(trace.pose_estimated[4:], [[4, 2, 0.5]] * 5)
     variances = np.diagonal(trace.covariance, axis1=1, axis2=2)
     growth = np.diff(variances, axis=0)
     assert (growth[[0, 1, 4, 5, 6, 7]] > 0).all()
     assert (growth[2] < 0).all()
     sim.reset()
     again = sim.run(9)
-    assert again.estimated.tobytes() == trace.estimated.tobytes()
+    assert again.pose_estimated.tobytes() == trace.pose_estimated.tobytes()
     assert again.covariance.tobytes() == trace.covariance.tobytes()
 
 
@@ -183,7 +183,7 @@ def suggestions(text):
 def test_what_a_file_suggests_to_try_works_and_changes_something(mine, slot):
     for optional in OPTIONAL:
         enable(mine / f"{optional}.py")
-    options = {"camera": (600, 600), "start": (600, 600, 1.55)}
+    options = {"resolution": (600, 600), "start": (600, 600, 1.55)}
     plain = simulation(CallbackFolder(mine).load(), **options)
     before = plain.run(30)
     text = (mine / f"{slot}.py").read_text()
@@ -203,9 +203,9 @@ def test_the_measurement_by_hand_agrees_with_that_of_robsim(mine):
     (by_hand,) = suggestions((mine / "measure.py").read_text())
     (mine / "measure.py").write_text(by_hand)
     measure = CallbackFolder(mine).load()["measure"]
-    options = {"control": robsim.DriveAround(), "camera": (600, 600), "seed": 1}
-    measured = robsim.Simulation(measure=measure, **options).run(60).measured
-    expected = robsim.Simulation(measure=True, **options).run(60).measured
+    options = {"control": robsim.DriveAround(), "resolution": (600, 600), "seed": 1}
+    measured = robsim.Simulation(measure=measure, **options).run(60).pose_measured
+    expected = robsim.Simulation(measure=True, **options).run(60).pose_measured
     assert np.isfinite(expected).all()
     np.testing.assert_allclose(measured[:, :2], expected[:, :2], atol=1)
     assert np.abs(robsim.wrap_angle(measured[:, 2] - expected[:, 2])).max() < 0.02

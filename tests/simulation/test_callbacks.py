@@ -6,9 +6,9 @@ import pytest
 import robsim
 from robsim.simulation._slots import STEP
 
-SMALL = {"camera": (240, 240)}
+SMALL = {"resolution": (240, 240)}
 GOOD = {
-    "evaluate_model": lambda world: world.last,
+    "evaluate_model": lambda world: world.pose_1,
     "estimate_parameters": lambda step: None,
     "measure": lambda step: None,
     "estimate_state": lambda step: robsim.Estimate((0, 0, 0), np.eye(3)),
@@ -115,7 +115,7 @@ def test_a_run_goes_on_with_the_stage_that_failed_and_does_nothing_twice():
             raise ValueError("once")
         return (0.3, 0.1)
 
-    options = {"evaluate_model": lambda w: w.model.predict(w.last, w.before, w.u)}
+    options = {"evaluate_model": lambda w: w.model.predict(w.pose_1, w.pose_2, w.last_u)}
     sim = robsim.Simulation(
         estimate_parameters=note("estimate_parameters", lambda step: None),
         control=note("control", fails_once),
@@ -188,7 +188,7 @@ def test_further_state_of_another_size_is_an_error():
 def test_the_robot_half_cannot_reach_the_truth():
     step = robsim.Simulation(measure=True, estimate_parameters=True, **SMALL).step()
     names = {name for name in dir(step) if not name.startswith("_")}
-    assert names == {"k", "t", "dt", "u", "frame", "blobs", "measurement", "estimate",
+    assert names == {"k", "t", "dt", "u", "last_u", "frame", "blobs", "measurement", "estimate",
                      "parameters", "sample", "estimator", "markers"}  # fmt: skip
     for name in names:
         with pytest.raises(AttributeError):
@@ -258,12 +258,12 @@ def test_what_a_callback_keeps_of_a_step_stays_what_it_is():
         return 0.3, 0.1 * step.k
 
     sim = robsim.Simulation(
-        control=control, measure=True, estimate_parameters=True, camera=(400, 400), seed=1
+        control=control, measure=True, estimate_parameters=True, resolution=(400, 400), seed=1
     )
     trace = sim.run(13)
     assert [step.k for step in steps] == [0, 3, 6, 9, 12]
     for step in steps:
-        np.testing.assert_allclose(step.measurement.pose, trace.measured[step.k])
+        np.testing.assert_allclose(step.measurement.pose, trace.pose_measured[step.k])
         if step.k > 1:
             np.testing.assert_array_equal(step.parameters, trace.parameters[step.k])
     assert [frame.index for frame in frames] == [1, 4, 7, 10]
@@ -279,6 +279,23 @@ def test_frames_are_drawn_for_a_callback_that_looks():
         if step.k == 2:
             assert step.frame.index == 2
 
-    trace = robsim.Simulation(measure=measure, camera=(400, 400), seed=1).run(4)
+    trace = robsim.Simulation(measure=measure, resolution=(400, 400), seed=1).run(4)
     seen = np.isfinite(trace.blobs["red"][:, 0, 0])
     np.testing.assert_array_equal(seen, [False, False, True, False])
+
+
+def test_u_is_the_input_of_this_step_and_last_u_that_of_the_step_before():
+    steps = []
+    sim = robsim.Simulation(control=lambda step: steps.append(step) or (step.k + 1, 0.5))
+    trace = sim.run(3)
+    for k, step in enumerate(steps):
+        np.testing.assert_array_equal(step.u, trace.u[k])
+        np.testing.assert_array_equal(step.last_u, trace.u[k - 1] if k else (0, 0))
+
+
+@pytest.mark.parametrize("slot", ["estimate_parameters", "measure", "estimate_state", "control"])
+def test_u_cannot_be_read_before_it_is_decided(slot):
+    sim = robsim.Simulation(**{slot: lambda step: step.u})
+    with pytest.raises(RuntimeError, match=r"step 0, is not decided yet.*step\.last_u") as caught:
+        sim.run(1)
+    assert any(slot in note for note in caught.value.__notes__)

@@ -3,59 +3,64 @@ import pytest
 
 import robsim
 
-OPTIONS = {"measure": True, "camera": (400, 400), "boundary": "unlimited", "seed": 5}
+OPTIONS = {"measure": True, "resolution": (400, 400), "boundary": "unlimited", "seed": 5}
 
 
 def test_a_hidden_robot_is_neither_drawn_nor_found():
-    sim = robsim.Simulation(**OPTIONS, dropout=1.0, adjust_background=lambda background: background)
+    sim = robsim.Simulation(
+        **OPTIONS, dropout=robsim.Dropout(1.0), adjust_background=lambda background: background
+    )
     trace = sim.run(3)
-    assert not trace.valid.any()
+    assert not trace.seen.any()
     assert np.isfinite(trace.pose_true).all()
     assert sim.last_step.blobs == {"red": [], "blue": []}
 
 
 def test_stretches_are_hidden_with_the_probability():
-    sim = robsim.Simulation(**OPTIONS, dropout=0.3, dropout_steps=4)
-    valid = sim.run(400).valid.reshape(-1, 4)
+    sim = robsim.Simulation(**OPTIONS, dropout=robsim.Dropout(0.3, steps=4))
+    valid = sim.run(400).seen.reshape(-1, 4)
     assert (valid.all(axis=1) | (~valid).all(axis=1)).all()
     assert 0.2 < 1 - valid.mean() < 0.4
 
 
 def test_the_path_and_the_other_frames_stay_what_they_are():
     free, hidden = (
-        robsim.Simulation(**OPTIONS, control=robsim.DriveAround(), dropout=share).run(100)
+        robsim.Simulation(
+            **OPTIONS, control=robsim.DriveAround(), dropout=robsim.Dropout(share)
+        ).run(100)
         for share in (0.0, 0.5)
     )
     np.testing.assert_array_equal(free.pose_true, hidden.pose_true)
-    np.testing.assert_array_equal(free.measured[hidden.valid], hidden.measured[hidden.valid])
-    assert not hidden.valid.all()
+    np.testing.assert_array_equal(
+        free.pose_measured[hidden.seen], hidden.pose_measured[hidden.seen]
+    )
+    assert not hidden.seen.all()
 
 
 @pytest.mark.parametrize(
-    ("options", "error", "message"),
+    ("arguments", "error", "message"),
     [
-        ({"dropout": 1.5}, ValueError, r"dropout must lie within 0\.\.1, got 1\.5"),
-        ({"dropout": -0.1}, ValueError, r"dropout must lie within 0\.\.1"),
-        ({"dropout": float("nan")}, ValueError, r"dropout must lie within 0\.\.1"),
-        ({"dropout": "much"}, TypeError, r"dropout must be a number, got 'much'"),
-        ({"dropout_steps": 0}, ValueError, "dropout_steps must lie within 1"),
-        ({"dropout_steps": 2.5}, TypeError, "dropout_steps must be an int"),
+        ((1.5,), ValueError, r"probability must lie within 0\.\.1, got 1\.5"),
+        ((-0.1,), ValueError, r"probability must lie within 0\.\.1"),
+        ((float("nan"),), ValueError, r"probability must lie within 0\.\.1"),
+        (("much",), TypeError, r"probability must be a number, got 'much'"),
+        ((0.1, 0), ValueError, "steps must lie within 1"),
+        ((0.1, 2.5), TypeError, "steps must be an int"),
     ],
 )
-def test_wrong_options(options, error, message):
+def test_wrong_options(arguments, error, message):
     with pytest.raises(error, match=message):
-        robsim.Simulation(**options)
+        robsim.Dropout(*arguments)
 
 
 @pytest.mark.parametrize("boundary", ["bounce", "unlimited"])
 def test_the_frame_of_a_recorded_step_is_the_one_that_was(boundary):
     sim = robsim.Simulation(
-        camera=(300, 200),
+        resolution=(300, 200),
         boundary=boundary,
         control=robsim.DriveAround(),
-        noise="uniform",
-        noise_percent=10,
-        dropout=0.3,
+        noise=robsim.UniformNoise(10),
+        dropout=robsim.Dropout(0.3),
         measure=True,
         seed=6,
     )
@@ -77,5 +82,5 @@ def test_step_locator_is_what_the_default_measurement_uses():
     own, default = (
         robsim.Simulation(**{**OPTIONS, "measure": which}).run(10) for which in (measure, True)
     )
-    assert own.valid.all()
-    np.testing.assert_array_equal(own.measured, default.measured)
+    assert own.seen.all()
+    np.testing.assert_array_equal(own.pose_measured, default.pose_measured)

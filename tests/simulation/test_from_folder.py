@@ -34,7 +34,7 @@ def test_an_untouched_folder_gives_the_same_bytes_as_none(folder):
 
 
 def test_a_file_that_is_switched_off_is_as_good_as_none(folder):
-    options = {"seed": 1, "measure": True, "estimate_parameters": True, "camera": (400, 400)}
+    options = {"seed": 1, "measure": True, "estimate_parameters": True, "resolution": (400, 400)}
     same(
         robsim.Simulation.from_folder(folder, **options).run(10),
         robsim.Simulation(**options).run(10),
@@ -140,7 +140,7 @@ def test_a_keyword_beats_the_file_but_true_does_not(tmp_path):
     trace = sim.run(40)
     alone = robsim.Simulation(control=lambda step: (0.3, 0.4), evaluate_model=robsim.Unicycle())
     np.testing.assert_array_equal(trace.pose_true, alone.run(40).pose_true)
-    assert not trace.valid.any()
+    assert not trace.seen.any()
 
 
 def test_a_reset_that_fails_keeps_the_trace(tmp_path):

@@ -13,8 +13,8 @@ def run():
     """Return a simulated run: its frames and its trace."""
     sim = robsim.Simulation(
         measure=True,
-        rotation="continuous",
-        camera=(600, 600),
+        headings=None,
+        resolution=(600, 600),
         control=robsim.DriveAround(),
         seed=3,
     )
@@ -25,8 +25,8 @@ def run():
 def test_the_same_frames_give_the_same_measurements(run):
     frames, simulated = run
     trace = robsim.Simulation(frames=frames).run()
-    np.testing.assert_array_equal(trace.measured, simulated.measured)
-    np.testing.assert_array_equal(trace.held, simulated.held)
+    np.testing.assert_array_equal(trace.pose_measured, simulated.pose_measured)
+    np.testing.assert_array_equal(trace.pose_held, simulated.pose_held)
     for color, centroids in simulated.blobs.items():
         np.testing.assert_array_equal(trace.blobs[color], centroids)
 
@@ -41,7 +41,7 @@ def test_the_truth_is_not_known(run, tmp_path):
     assert not {"x_true", "u1", "bounced"} & set(trace.names)
     trace.save(tmp_path / "trace.npz")
     again = robsim.Trace.load(tmp_path / "trace.npz")
-    np.testing.assert_array_equal(again.measured, trace.measured)
+    np.testing.assert_array_equal(again.pose_measured, trace.pose_measured)
     assert again.info.boundary == "recorded"
 
 
@@ -59,8 +59,8 @@ def test_callbacks_get_what_they_get_in_a_simulation(run):
     trace = sim.run()
     assert [k for k, *_ in seen] == list(range(20))
     assert [t for _, t, *_ in seen] == pytest.approx([0.2 * k for k in range(20)])
-    np.testing.assert_array_equal([x for *_, x in seen], simulated.measured[:, 0])
-    np.testing.assert_array_equal(trace.estimated, simulated.measured)
+    np.testing.assert_array_equal([x for *_, x in seen], simulated.pose_measured[:, 0])
+    np.testing.assert_array_equal(trace.pose_estimated, simulated.pose_measured)
     np.testing.assert_array_equal(trace.u, np.tile((0.1, 0.2), (20, 1)))
 
 
@@ -74,7 +74,7 @@ def test_a_run_goes_on_where_the_one_before_ended_and_ends_with_the_frames(run):
     with pytest.raises(EOFError, match="there are no more frames"):
         sim.step()
     sim.reset()
-    np.testing.assert_array_equal(sim.run().measured, simulated.measured)
+    np.testing.assert_array_equal(sim.run().pose_measured, simulated.pose_measured)
 
 
 def test_an_error_of_the_source_ends_the_run_and_keeps_the_trace(run):
@@ -86,7 +86,7 @@ def test_an_error_of_the_source_ends_the_run_and_keeps_the_trace(run):
     with pytest.raises(ValueError, match="frame 7 is damaged"):
         sim.run()
     assert len(sim.trace) == 7
-    assert sim.trace.valid.all()
+    assert sim.trace.seen.all()
 
 
 def test_progress_and_no_frames_at_all(run, capsys):
@@ -135,7 +135,11 @@ def test_a_simulated_world_needs_a_number_of_steps():
 
 def test_parameters_can_be_estimated_when_the_inputs_are_known():
     sim = robsim.Simulation(
-        measure=True, camera=(600, 600), boundary="unlimited", control=robsim.DriveAround(), seed=3
+        measure=True,
+        resolution=(600, 600),
+        boundary="unlimited",
+        control=robsim.DriveAround(),
+        seed=3,
     )
     frames = [sim.step().frame for _ in range(40)]
     u = sim.trace.u
@@ -144,7 +148,7 @@ def test_parameters_can_be_estimated_when_the_inputs_are_known():
     ).run()
     expected = robsim.Simulation(
         measure=True,
-        camera=(600, 600),
+        resolution=(600, 600),
         boundary="unlimited",
         control=robsim.DriveAround(),
         seed=3,
@@ -156,7 +160,7 @@ def test_parameters_can_be_estimated_when_the_inputs_are_known():
 
 
 def test_a_model_with_another_time_step_than_the_frames_is_refused(run, tmp_path):
-    robsim.save_video(tmp_path / "run.mkv", run[0], fps=10)
+    robsim.imaging.save_video(tmp_path / "run.mkv", run[0], fps=10)
     recording = robsim.Recording(tmp_path / "run.mkv", area=(1200, 1200))
 
     def define_model():
@@ -219,7 +223,7 @@ def test_frames_that_come_only_once_cannot_be_reset(run):
 @pytest.mark.parametrize(
     "option",
     [
-        {"noise": "gaussian", "noise_percent": 5},
+        {"noise": robsim.GaussianNoise(5)},
         {"dropout": 0.5},
         {"boundary": "unlimited"},
         {"start": (1, 2, 3)},

@@ -13,7 +13,7 @@ import pytest
 
 import robsim
 
-SMALL = {"camera": (240, 240)}
+SMALL = {"resolution": (240, 240)}
 
 
 def measure_at(pose):
@@ -24,14 +24,14 @@ def test_five_lines_show_a_picture():
     sim = robsim.Simulation(measure=True, seed=1)
     trace = sim.run(30)
     assert len(trace) == 30
-    assert trace.valid.all()
+    assert trace.seen.all()
     assert sim.frame.image.shape == (1200, 1200, 3)
     assert sim.frame._repr_png_().startswith(b"\x89PNG")
 
 
 def test_spin_with_36_phases_gives_a_saw_tooth():
     trace = robsim.Simulation(measure=True).run(345)
-    assert trace.valid.all()
+    assert trace.seen.all()
     error = np.rad2deg(trace.error[:, 2])
     assert np.abs(error).max() < 5.3
     assert 2.7 < np.sqrt(np.mean(error**2)) < 3.0
@@ -45,8 +45,8 @@ def test_spin_with_36_phases_gives_a_saw_tooth():
 
 
 def test_spin_with_continuous_rotation_has_no_saw_tooth():
-    trace = robsim.Simulation(measure=True, rotation="continuous").run(100)
-    assert trace.tracking().rms_heading_deg < 0.15
+    trace = robsim.Simulation(measure=True, headings=None).run(100)
+    assert trace.tracking().rmse_heading_deg < 0.15
 
 
 class Recorder:
@@ -71,7 +71,7 @@ class Recorder:
 
     def evaluate_model(self, world):
         self.calls.append(("evaluate_model", world.k))
-        return world.model.predict(world.last, world.before, world.u)
+        return world.model.predict(world.pose_1, world.pose_2, world.last_u)
 
     def estimate_parameters(self, step):
         self.calls.append(("estimate_parameters", step.k))
@@ -113,16 +113,16 @@ def test_every_combination_of_stages_is_called_in_the_order_of_the_manual(on, wa
     trace = sim.run(3)
     each = ["evaluate_model", *optional, "control"]
     assert recorder.calls == [*ONCE, *((slot, k) for k in range(3) for slot in each)]
-    assert np.isfinite(trace.measured).all() == ("measure" in optional)
-    assert np.isfinite(trace.estimated).all() == ("estimate_state" in optional)
+    assert np.isfinite(trace.pose_measured).all() == ("measure" in optional)
+    assert np.isfinite(trace.pose_estimated).all() == ("estimate_state" in optional)
     np.testing.assert_array_equal(trace.u, [[0.1, 0.2]] * 3)
 
 
 def test_optional_stages_are_off_unless_given():
     trace = robsim.Simulation().run(5)
-    for values in (trace.measured, trace.estimated, trace.parameters):
+    for values in (trace.pose_measured, trace.pose_estimated, trace.parameters):
         assert np.isnan(values).all()
-    assert not trace.valid.any()
+    assert not trace.seen.any()
 
 
 def test_an_estimator_that_is_given_is_used():
@@ -136,14 +136,14 @@ def test_the_input_of_a_step_moves_the_robot_in_the_next():
     seen = []
 
     def control(step):
-        seen.append(step.u.tolist())
+        seen.append(step.last_u.tolist())
         return (step.k + 1.0, 0.0)
 
     worlds = []
 
     def evaluate_model(world):
-        worlds.append((world.k, world.u.tolist()))
-        return world.model.predict(world.last, world.before, world.u)
+        worlds.append((world.k, world.last_u.tolist()))
+        return world.model.predict(world.pose_1, world.pose_2, world.last_u)
 
     robsim.Simulation(control=control, evaluate_model=evaluate_model).run(4)
     assert seen == [[0, 0], [1, 0], [2, 0], [3, 0]]
@@ -163,7 +163,7 @@ def regression_of(sim, steps):
 def test_from_truth_the_sample_of_a_step_is_there_in_that_step():
     samples, trace = regression_of(robsim.Simulation(control=robsim.DriveAround(), seed=3), 20)
     assert samples[:2] == [None, None]
-    phi, y = robsim.regression(trace.pose_true, trace.u)
+    phi, y = robsim.identification.regression(trace.pose_true, trace.u)
     for k in range(2, 20):
         assert samples[k].k == k
         np.testing.assert_array_equal(samples[k].phi, phi[k - 2])
@@ -185,7 +185,7 @@ def test_from_measurement_or_estimate_it_is_that_of_the_step_before(source):
     )
     samples, trace = regression_of(sim, 20)
     assert samples[:3] == [None, None, None]
-    phi, y = robsim.regression([pose(k) for k in range(20)], trace.u)
+    phi, y = robsim.identification.regression([pose(k) for k in range(20)], trace.u)
     for k in range(3, 20):
         assert samples[k].k == k - 1
         np.testing.assert_allclose(samples[k].phi, phi[k - 3])
@@ -215,9 +215,9 @@ def test_the_held_pose_is_the_last_valid_one():
         **SMALL,
     )
     trace = sim.run(8)
-    np.testing.assert_array_equal(trace.valid, [k % 3 == 1 for k in range(8)])
-    np.testing.assert_array_equal(trace.held[:, 0], [np.nan, 1, 1, 1, 4, 4, 4, 7])
-    np.testing.assert_array_equal(np.isnan(trace.measured[:, 0]), ~trace.valid)
+    np.testing.assert_array_equal(trace.seen, [k % 3 == 1 for k in range(8)])
+    np.testing.assert_array_equal(trace.pose_held[:, 0], [np.nan, 1, 1, 1, 4, 4, 4, 7])
+    np.testing.assert_array_equal(np.isnan(trace.pose_measured[:, 0]), ~trace.seen)
 
 
 def test_the_trace_has_the_two_biggest_blobs_of_each_colour():
@@ -243,7 +243,7 @@ def test_a_frame_that_is_kept_stays_what_it_was():
         kept.append((step.frame, step.frame.image, step.frame.image.copy(), step))
         return (0.5, 0.2)
 
-    robsim.Simulation(measure=True, control=control, noise="uniform", noise_percent=5).run(8)
+    robsim.Simulation(measure=True, control=control, noise=robsim.UniformNoise(5)).run(8)
     for k, (frame, image, copy, step) in enumerate(kept):
         np.testing.assert_array_equal(image, copy)
         np.testing.assert_array_equal(frame.image, copy)
@@ -263,7 +263,7 @@ def test_a_step_that_was_kept_tells_what_it_has_forgotten():
 def test_noise_does_not_change_the_path():
     options = {"measure": True, "control": robsim.DriveAround(), "seed": 5, **SMALL}
     quiet = robsim.Simulation(**options)
-    noisy = robsim.Simulation(noise="gaussian", noise_percent=40, **options)
+    noisy = robsim.Simulation(noise=robsim.GaussianNoise(40), **options)
     np.testing.assert_array_equal(quiet.run(50).pose_true, noisy.run(50).pose_true)
     assert (quiet.frame.image != noisy.frame.image).any()
 
@@ -285,7 +285,7 @@ def test_single_steps_are_turns_of_the_same_loop():
     steps = [single.step() for _ in range(10)]
     assert [step.k for step in steps] == list(range(10))
     np.testing.assert_array_equal(trace.pose_true, single.trace.pose_true)
-    np.testing.assert_array_equal(steps[-1].measurement.pose, trace.measured[-1])
+    np.testing.assert_array_equal(steps[-1].measurement.pose, trace.pose_measured[-1])
 
 
 def test_a_trace_in_hand_does_not_change_while_the_run_goes_on():
@@ -303,9 +303,9 @@ def test_a_stage_can_be_switched_on_between_two_runs():
     sim = robsim.Simulation(**SMALL)
     sim.run(3)
     sim.measure = True
-    np.testing.assert_array_equal(sim.run(2).valid, [False, False, False, True, True])
+    np.testing.assert_array_equal(sim.run(2).seen, [False, False, False, True, True])
     sim.measure = None
-    np.testing.assert_array_equal(sim.run(1).valid, [False, False, False, True, True, False])
+    np.testing.assert_array_equal(sim.run(1).seen, [False, False, False, True, True, False])
 
 
 def test_once_callbacks_are_refused_after_the_start():
@@ -317,9 +317,9 @@ def test_once_callbacks_are_refused_after_the_start():
 
 SAME_BYTES = """
 import hashlib, robsim
-sim = robsim.Simulation(seed=7, measure=True, estimate_parameters=True, noise="gaussian",
-                        noise_percent=20, control=robsim.DriveAround(), rotation="continuous",
-                        start="random")
+sim = robsim.Simulation(seed=7, measure=True, estimate_parameters=True, start="random",
+                        noise=robsim.GaussianNoise(20), control=robsim.DriveAround(),
+                        headings=None)
 digest = hashlib.sha256()
 for _ in range(5):
     digest.update(sim.step().frame.image.tobytes())
@@ -511,7 +511,7 @@ def test_a_world_record_that_was_kept_keeps_its_model():
 
     def evaluate_model(world):
         kept.append(world)
-        return world.last
+        return world.pose_1
 
     sim = robsim.Simulation(evaluate_model=evaluate_model)
     sim.run(1)
@@ -530,9 +530,9 @@ def test_a_look_at_the_frame_in_the_model_does_not_disturb_the_measurement():
     def evaluate_model(world):
         if world.k:
             assert sim.frame.index == world.k - 1
-        return world.model.predict(world.last, world.before, world.u)
+        return world.model.predict(world.pose_1, world.pose_2, world.last_u)
 
-    np.testing.assert_array_equal(sim.run(10).measured, undisturbed.measured)
+    np.testing.assert_array_equal(sim.run(10).pose_measured, undisturbed.pose_measured)
 
 
 def test_single_steps_move_the_trace_only_now_and_then():
@@ -548,7 +548,7 @@ def test_a_refused_callback_leaves_the_stage_as_it_was():
     sim = robsim.Simulation(measure=True)
     with pytest.raises(TypeError, match="measure must be callable"):
         sim.measure = 5
-    assert sim.run(3).valid.all()
+    assert sim.run(3).seen.all()
 
 
 def test_reset_forgets_the_columns_too():
@@ -608,7 +608,7 @@ def test_an_area_narrower_than_the_robot_is_an_error():
 
 
 def test_the_background_that_nobody_changes_is_made_once():
-    sim = robsim.Simulation(camera=(240, 240), seed=1)
+    sim = robsim.Simulation(resolution=(240, 240), seed=1)
     first = sim.frame.image.copy()
     sim.run(3)
     sim.reset()

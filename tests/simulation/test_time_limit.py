@@ -51,7 +51,7 @@ def test_in_another_thread_and_for_every_slot():
 
     def run():
         try:
-            robsim.Simulation(measure=unseen, camera=(64, 64), time_limit=0.2).run(10)
+            robsim.Simulation(measure=unseen, resolution=(64, 64), time_limit=0.2).run(10)
         except TimeoutError as error:
             errors.append(error.__notes__)
 
@@ -132,7 +132,7 @@ def test_the_other_stages_stay_what_they_are():
         seed=1,
     )
     trace = sim.run(6)
-    assert trace.valid.all()
+    assert trace.seen.all()
     assert np.isfinite(trace.parameters[-1]).all()
 
 

@@ -8,12 +8,14 @@ from robsim.simulation._scene import make_renderer
 AREA = (1200, 1200)
 
 
-def renderer(*, camera=AREA, phases=0, adjust_background=robsim.draw_red_square, **options):
+def renderer(
+    *, resolution=AREA, headings=0, adjust_background=robsim.simulation.draw_red_square, **options
+):
     return make_renderer(
         robot=options.get("robot", robsim.load_robot()),
         area=options.get("area", AREA),
-        camera=camera,
-        phases=phases,
+        resolution=resolution,
+        headings=headings,
         background=options.get("background"),
         adjust_background=adjust_background,
     )
@@ -25,11 +27,11 @@ def poses_within(rng, count, margin=60):
     return np.column_stack((xy, rng.uniform(-np.pi, np.pi, count)))
 
 
-def errors_of(draw, poses, *, markers=None, camera=AREA):
+def errors_of(draw, poses, *, markers=None, resolution=AREA):
     """Measured minus true poses (N, 3), NaN where the robot is not seen."""
     markers = robsim.load_robot().marker_layout() if markers is None else markers
     colors = robsim.load_colors()
-    plane_map = robsim.PlaneMap.scaled(camera, AREA)
+    plane_map = robsim.imaging.PlaneMap.scaled(resolution, AREA)
     errors = np.full((len(poses), 3), np.nan)
     for error, pose in zip(errors, poses, strict=True):
         seen = robsim.locate(robsim.find_blobs(draw.render(pose), colors), markers, plane_map)

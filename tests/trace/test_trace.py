@@ -20,18 +20,18 @@ INFO = RunInfo(dt=DT, theta_true=THETA, seed=SEED, area=(300, 200), boundary="bo
 
 REQUIRED = {"pose_true": 3, "u": 2, "bounced": 1}
 OPTIONAL = {
-    "measured": 3,
-    "held": 3,
+    "pose_measured": 3,
+    "pose_held": 3,
     "blobs_red": 4,
     "blobs_blue": 4,
-    "estimated": 3,
+    "pose_estimated": 3,
     "covariance": 9,
     "state": 2,
     "parameters": 15,
     "view": 2,
 }
 
-# pose_true, measured, and what comes of it: error, valid, false
+# pose_true, measured, and what comes of it: error, seen, is_false
 TRACKED = [
     # heading wrapped: 3.1 measured, -3.1 true, that is 2 pi - 6.2 short of it
     ([10, 20, -3.1], [13, 16, 3.1], [3, -4, 6.2 - 2 * np.pi], True, False),
@@ -61,7 +61,7 @@ def trace_of(rows=4, optional=tuple(OPTIONAL), first_step=0, **replaced):
 
 def tracked():
     poses, measured = (np.array([row[i] for row in TRACKED], dtype=float) for i in (0, 1))
-    return trace_of(len(TRACKED), ("measured",), pose_true=poses, measured=measured)
+    return trace_of(len(TRACKED), ("pose_measured",), pose_true=poses, pose_measured=measured)
 
 
 def assert_same(trace, other):
@@ -85,23 +85,23 @@ def test_every_column_has_its_shape():
         "pose_true": (4, 3),
         "u": (4, 2),
         "bounced": (4,),
-        "measured": (4, 3),
-        "valid": (4,),
-        "held": (4, 3),
-        "estimated": (4, 3),
+        "pose_measured": (4, 3),
+        "seen": (4,),
+        "pose_held": (4, 3),
+        "pose_estimated": (4, 3),
         "covariance": (4, 3, 3),
         "state": (4, 2),
         "parameters": (4, 3, 5),
         "view": (4, 2),
         "error": (4, 3),
-        "false": (4,),
+        "is_false": (4,),
     }
     assert {name: getattr(trace, name).shape for name in shapes} == shapes
     assert {name: blobs.shape for name, blobs in trace.blobs.items()} == {
         "red": (4, 2, 2),
         "blue": (4, 2, 2),
     }
-    assert trace.bounced.dtype == trace.valid.dtype == trace.false.dtype == bool
+    assert trace.bounced.dtype == trace.seen.dtype == trace.is_false.dtype == bool
 
 
 def test_every_column_has_its_unit():
@@ -122,7 +122,7 @@ def test_every_column_has_its_unit():
         "u1": "V",
         "u2": "V",
         "bounced": "",
-        "valid": "",
+        "seen": "",
         "state0": "",
         "state1": "",
         "x_view": "px",
@@ -161,12 +161,12 @@ def test_parameter_names_go_row_by_row():
 
 def test_missing_groups_are_nan():
     trace = trace_of(4, optional=())
-    for name in ("measured", "held", "estimated", "covariance", "parameters"):
+    for name in ("pose_measured", "pose_held", "pose_estimated", "covariance", "parameters"):
         assert getattr(trace, name).shape[0] == 4
         assert np.isnan(getattr(trace, name)).all()
     assert np.isnan(trace.error).all()
-    assert not trace.valid.any()
-    assert not trace.false.any()
+    assert not trace.seen.any()
+    assert not trace.is_false.any()
     assert trace.blobs == {}
     assert trace.state.shape == (4, 0)
     np.testing.assert_array_equal(trace.view, np.zeros((4, 2)))
@@ -180,7 +180,7 @@ def test_missing_groups_are_nan():
         (lambda trace: trace.pose_true.shape, (0, 3)),
         (lambda trace: trace.covariance.shape, (0, 3, 3)),
         (lambda trace: trace.t.shape, (0,)),
-        (lambda trace: trace.tracking().valid, 0),
+        (lambda trace: trace.tracking().seen, 0),
         (lambda trace: trace.state.shape, (0, 2)),
         (lambda trace: trace.names, trace_of(1).names),
         (lambda trace: trace["x_true"].shape, (0,)),
@@ -192,9 +192,11 @@ def test_a_trace_without_steps_has_the_same_columns(read, expected):
     assert read(trace_of(4)[2:2]) == expected
 
 
-@pytest.mark.parametrize("name", ["pose_true", "u", "measured", "held", "estimated", "view"])
+@pytest.mark.parametrize(
+    "name", ["pose_true", "u", "pose_measured", "pose_held", "pose_estimated", "view"]
+)
 def test_a_loaded_trace_is_read_only(tmp_path, name):
-    trace_of(4, optional=("estimated", "view")).save(tmp_path / "run.npz")
+    trace_of(4, optional=("pose_estimated", "view")).save(tmp_path / "run.npz")
     column = getattr(Trace.load(tmp_path / "run.npz"), name)
     with pytest.raises(ValueError, match="read-only"):
         column[0] = 1
@@ -205,7 +207,7 @@ def test_a_loaded_trace_is_read_only(tmp_path, name):
     [
         *(("pose_true", values) for values in (None, 5.0, np.zeros((2, 2)))),
         *(("u", values) for values in (np.zeros((3, 2)), np.zeros((2, 3)), [])),
-        *((name, np.zeros((2, 1))) for name in ("something", "blobs_", "held")),
+        *((name, np.zeros((2, 1))) for name in ("something", "blobs_", "pose_held")),
     ],
 )
 def test_wrong_groups_are_named(name, values):
@@ -240,40 +242,40 @@ def test_wrong_values_of_info_are_named(name, value):
 
 def test_error_valid_and_false_by_hand():
     trace = tracked()
-    _, _, errors, valid, false = zip(*TRACKED, strict=True)
+    _, _, errors, seen, is_false = zip(*TRACKED, strict=True)
     np.testing.assert_allclose(trace.error, np.array(errors), atol=1e-12)
-    np.testing.assert_array_equal(trace.valid, valid)
-    np.testing.assert_array_equal(trace.false, false)
+    np.testing.assert_array_equal(trace.seen, seen)
+    np.testing.assert_array_equal(trace.is_false, is_false)
 
 
 def test_tracking_statistics_by_hand():
     trace = trace_of(
         4,
-        ("measured",),
+        ("pose_measured",),
         pose_true=np.array([[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, np.pi]], dtype=float),
-        measured=np.array([[3, 4, 0.1], [NAN, NAN, NAN], [0, 12, 0.2], [1, 0, -np.pi]]),
+        pose_measured=np.array([[3, 4, 0.1], [NAN, NAN, NAN], [0, 12, 0.2], [1, 0, -np.pi]]),
     )
     statistics = trace.tracking()
-    assert (statistics.steps, statistics.valid, statistics.false) == (4, 3, 1)
+    assert (statistics.steps, statistics.seen, statistics.false_poses) == (4, 3, 1)
     # (3^2 + 4^2 + 12^2 + 1^2)/3 = 170/3
-    assert statistics.rms_xy == pytest.approx(np.sqrt(170 / 3))
-    assert statistics.rms_heading_deg == pytest.approx(np.rad2deg(np.sqrt(0.05 / 3)))
-    assert "4 steps, 3 valid (75.0 %), 1 false, rms 7.528 px" in str(statistics)
+    assert statistics.rmse_xy == pytest.approx(np.sqrt(170 / 3))
+    assert statistics.rmse_heading_deg == pytest.approx(np.rad2deg(np.sqrt(0.05 / 3)))
+    assert "4 steps, 3 seen (75.0 %), 1 false, rmse 7.528 px" in str(statistics)
 
 
 @pytest.mark.parametrize("rows", [0, 3])
 def test_tracking_statistics_of_nothing_are_nan(rows):
     statistics = trace_of(rows, optional=()).tracking()
-    assert (statistics.steps, statistics.valid, statistics.false) == (rows, 0, 0)
-    assert np.isnan(statistics.rms_xy)
-    assert np.isnan(statistics.rms_heading_deg)
-    assert f"{rows} steps, none valid" in str(statistics)
+    assert (statistics.steps, statistics.seen, statistics.false_poses) == (rows, 0, 0)
+    assert np.isnan(statistics.rmse_xy)
+    assert np.isnan(statistics.rmse_heading_deg)
+    assert f"{rows} steps, never seen" in str(statistics)
 
 
 @given(st.floats(-50, 50), st.floats(-50, 50))
 def test_heading_errors_are_within_half_a_turn(true, measured):
     poses, seen = (np.array([[0.0, 0.0, heading]]) for heading in (true, measured))
-    error = trace_of(1, ("measured",), pose_true=poses, measured=seen).error[0, 2]
+    error = trace_of(1, ("pose_measured",), pose_true=poses, pose_measured=seen).error[0, 2]
     assert -np.pi < error <= np.pi
     assert np.exp(1j * error) == pytest.approx(np.exp(1j * (measured - true)), abs=1e-9)
 
@@ -292,12 +294,12 @@ def test_heading_errors_are_within_half_a_turn(true, measured):
     ],
 )
 def test_slices_keep_info_and_step_numbers(key, steps):
-    whole = trace_of(5, optional=("measured",), first_step=10)
+    whole = trace_of(5, optional=("pose_measured",), first_step=10)
     part = whole[key]
     assert part.info is whole.info
     np.testing.assert_array_equal(part.k, steps)
     np.testing.assert_array_equal(part.pose_true, whole.pose_true[key])
-    np.testing.assert_array_equal(part.measured, whole.measured[key])
+    np.testing.assert_array_equal(part.pose_measured, whole.pose_measured[key])
 
 
 def test_a_slice_of_a_slice_counts_on():
@@ -346,7 +348,9 @@ def test_to_pandas():
 def test_csv_round_trip_keeps_every_bit(tmp_path, rng):
     measured = rng.normal(size=(6, 3)) * 1e3
     measured[2] = NAN
-    trace = trace_of(6, ("measured",), pose_true=rng.normal(size=(6, 3)), measured=measured)
+    trace = trace_of(
+        6, ("pose_measured",), pose_true=rng.normal(size=(6, 3)), pose_measured=measured
+    )
     path = tmp_path / "run.csv"
     trace.to_csv(path)
     with path.open(newline="", encoding="utf-8") as file:
@@ -365,7 +369,7 @@ def test_pandas_reads_the_csv(tmp_path):
     trace.to_csv(tmp_path / "run.csv")
     frame = pd.read_csv(tmp_path / "run.csv")
     assert tuple(frame.columns) == trace.names
-    assert frame["valid"].dtype == frame["bounced"].dtype == bool
+    assert frame["seen"].dtype == frame["bounced"].dtype == bool
     for name in trace.names:
         np.testing.assert_allclose(frame[name], trace[name], rtol=1e-14)
 
@@ -474,7 +478,7 @@ def test_foreign_arrays(tmp_path):
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     path = tmp_path_factory.mktemp("saved") / "run.npz"
-    trace_of(5, ("measured",)).save(path)
+    trace_of(5, ("pose_measured",)).save(path)
     return path.read_bytes()
 
 
@@ -493,7 +497,7 @@ def load_damaged(path, content):
     except ValueError as error:
         message = str(error)
     else:
-        assert_same(loaded, trace_of(5, ("measured",)))
+        assert_same(loaded, trace_of(5, ("pose_measured",)))
         return
     assert str(path) in message
 
@@ -520,7 +524,7 @@ def forge(tmp_path):
     """Write a trace file by hand, with some groups or some of its info changed."""
 
     def write(members=None, info=None, *, text=None, without=()):
-        rows = groups(2, ("measured",)) | (members or {})
+        rows = groups(2, ("pose_measured",)) | (members or {})
         known = {
             "format": "robsim trace 1",
             "groups": [name for name in rows if name not in without],
@@ -544,7 +548,7 @@ def forge(tmp_path):
 
 
 def test_the_forge_makes_a_good_trace(forge):
-    assert_same(Trace.load(forge()), trace_of(2, ("measured",)))
+    assert_same(Trace.load(forge()), trace_of(2, ("pose_measured",)))
 
 
 @pytest.mark.parametrize("name", ["info", "pose_true", "u", "bounced"])
@@ -559,10 +563,10 @@ def test_a_missing_member(forge, name):
         *(("u", np.zeros(shape)) for shape in ((2, 3), (1, 2))),
         *(("u", np.zeros((2, 2), dtype)) for dtype in (np.float32, np.int64, ">f8", complex)),
         *(("bounced", values) for values in (np.zeros((2, 1), bool), np.array([["a"], ["b"]]))),
-        *(("measured", np.zeros(shape)) for shape in ((2, 4), (2, 1, 3))),
-        ("measured", np.array([[None] * 3] * 2, dtype=object)),
+        *(("pose_measured", np.zeros(shape)) for shape in ((2, 4), (2, 1, 3))),
+        ("pose_measured", np.array([[None] * 3] * 2, dtype=object)),
         *(("state", np.zeros(shape)) for shape in ((), (2, 2, 2))),
-        *(("held", np.zeros((2, 0))), ("blobs_red", np.zeros((2, 8)))),
+        *(("pose_held", np.zeros((2, 0))), ("blobs_red", np.zeros((2, 8)))),
         *(("covariance", np.zeros((2, 3))), ("parameters", np.zeros((2, 14)))),
         ("something", np.zeros((2, 1))),
     ],
@@ -572,7 +576,9 @@ def test_wrong_members(forge, name, values):
 
 
 def test_wrong_members_of_a_trace_without_rows(forge):
-    empty = {name: np.zeros((0, width)) for name, width in (REQUIRED | {"measured": 3}).items()}
+    empty = {
+        name: np.zeros((0, width)) for name, width in (REQUIRED | {"pose_measured": 3}).items()
+    }
     assert len(Trace.load(forge(empty))) == 0
     refuses(forge(empty | {"pose_true": np.zeros((0, 7))}))
 
@@ -582,7 +588,7 @@ def test_wrong_members_of_a_trace_without_rows(forge):
     [
         *({"format": value} for value in ("robsim trace 2", None)),
         *({"groups": value} for value in (None, 5, [1, "u"], [], ["pose_true", "u", "bounced"])),
-        *({"groups": [*REQUIRED, "measured", name]} for name in ("u", "held")),
+        *({"groups": [*REQUIRED, "pose_measured", name]} for name in ("u", "pose_held")),
         *({"first_step": value} for value in ("x", "3", None, [1], 1.5, -1, np.inf, 2**80)),
         *({"theta_true": value} for value in ("text", None, 5, ["12345"] * 3, [["a"] * 5] * 3)),
         *({"theta_true": [[value] * 5] * 3} for value in (10**400, np.nan, np.inf)),

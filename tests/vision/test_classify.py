@@ -23,7 +23,7 @@ def mask_of(image, color, window=1):
     """The pixels of a class, by the mean of the window around each, the slow way."""
     reach = window // 2
     margin = ((reach, reach), (reach, reach), (0, 0))
-    padded = np.pad(robsim.rgb_to_yuv(image).astype(int), margin, "edge")
+    padded = np.pad(robsim.vision.rgb_to_yuv(image).astype(int), margin, "edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, (window, window), axis=(0, 1))
     mean = windows.sum(axis=(-2, -1)) // window**2
     limits = np.array((color.y, color.u, color.v))
@@ -65,7 +65,7 @@ def _path():
 def test_the_masks_are_those_of_the_slow_way(width, height, window, draw, seed, colors, path):
     _core.force_cpu_path(path)
     image = draw(np.random.default_rng(seed), width, height)
-    masks = robsim.classify(image, colors, smoothing=window)
+    masks = robsim.vision.classify(image, colors, smoothing=window)
     for color in colors:
         np.testing.assert_array_equal(masks[color.name], mask_of(image, color, window))
 
@@ -76,19 +76,19 @@ def test_no_colour_that_belongs_to_a_class_is_taken_for_grey(path):
     _core.force_cpu_path(path)
     values = np.arange(0, 256, 5, dtype=np.uint8)
     image = np.stack(np.meshgrid(values, values, values), axis=-1).reshape(-1, len(values), 3)
-    yuv = robsim.rgb_to_yuv(image)
+    yuv = robsim.vision.rgb_to_yuv(image)
     for limit in range(100, 160, 3):
         for channel, name in ((1, "u"), (2, "v")):
             above = robsim.ColorClass("above", **{name: (limit, 255)})
             below = robsim.ColorClass("below", **{name: (0, limit)})
-            masks = [robsim.classify(image, [c])[c.name] for c in (above, below)]
+            masks = [robsim.vision.classify(image, [c])[c.name] for c in (above, below)]
             np.testing.assert_array_equal(masks[0], yuv[..., channel] >= limit)
             np.testing.assert_array_equal(masks[1], yuv[..., channel] <= limit)
 
 
 def test_a_view_of_the_classes_of_a_frame():
-    frame = robsim.Simulation(robot="lab", camera=(480, 480), seed=1).frame
-    masks = robsim.classify(frame, robsim.load_colors())
+    frame = robsim.Simulation(robot="lab", resolution=(480, 480), seed=1).frame
+    masks = robsim.vision.classify(frame, robsim.load_colors())
     found = robsim.find_blobs(frame, robsim.load_colors(), minimum_area=1)
     assert list(masks) == ["blue", "red"]
     for name, mask in masks.items():
@@ -136,6 +136,6 @@ def test_a_region_outside_the_image(region):
 def test_classify_refuses_what_find_blobs_refuses(smoothing):
     image = np.zeros((8, 10, 3), np.uint8)
     with pytest.raises(ValueError, match="smoothing must be 1 = off, or a window"):
-        robsim.classify(image, RED_AND_BLUE, smoothing=smoothing)
+        robsim.vision.classify(image, RED_AND_BLUE, smoothing=smoothing)
     with pytest.raises(ValueError, match="colors must have different names, got 'red' twice"):
-        robsim.classify(image, RED_AND_BLUE[:1] * 2)
+        robsim.vision.classify(image, RED_AND_BLUE[:1] * 2)

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import robsim
-from robsim import ColorClass, load_colors, rgb_to_yuv
+from robsim import ColorClass, load_colors
+from robsim.vision import rgb_to_yuv
 from robsim.vision._color_files import as_colors
 
 CHANNELS = ("y", "u", "v")

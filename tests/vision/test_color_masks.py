@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim import ColorClass, load_colors, rgb_to_yuv
+from robsim import ColorClass, load_colors
+from robsim.vision import rgb_to_yuv
 from robsim.vision._color_masks import paint_classes
 
 
@@ -12,7 +13,7 @@ from robsim.vision._color_masks import paint_classes
 def test_masks_are_those_of_find_blobs(smoothing, rng):
     image = rng.integers(0, 256, (33, 47, 3), dtype=np.uint8)
     colors = [ColorClass("one", u=(120, 140)), ColorClass("two", y=(100, 255), v=(0, 130))]
-    masks = robsim.classify(image, colors, smoothing=smoothing)
+    masks = robsim.vision.classify(image, colors, smoothing=smoothing)
     blobs = robsim.find_blobs(
         image, colors, minimum_area=1, maximum_count=10_000, smoothing=smoothing
     )
@@ -29,7 +30,7 @@ def test_painted_classes():
     image[30:50, 30:50] = (198, 36, 40)
     image[70:90, 70:90] = (30, 60, 220)
     classes = [*load_colors(), ColorClass("dark", y=(0, 80)), ColorClass("no color", y=(0, 10))]
-    masks = robsim.classify(robsim.Frame(image), classes)
+    masks = robsim.vision.classify(robsim.Frame(image), classes)
     painted = paint_classes(robsim.Frame(image), masks)
     assert painted[40, 40].tolist() == [255, 0, 0]
     assert painted[80, 80].tolist() == [255, 255, 255]  # blue and dark

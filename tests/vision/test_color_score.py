@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim import ColorClass, find_blobs, load_colors
+from robsim import ColorClass, _core, find_blobs, load_colors
 from robsim.vision._color_score import score_color
 
 RED, FLOOR = (198, 36, 40), (150, 148, 146)
@@ -111,7 +111,7 @@ def test_the_rate_is_that_of_find_blobs():
     image, weak = scene(REGION), ColorClass("red", v=(201, 255))
     score = score_color(image, weak, [REGION], repeats=20, seed=3)
     for sweep in score.sweeps[2:4]:
-        noise = [robsim.VisualNoise(sweep.name.split()[0], level) for level in sweep.levels]
+        noise = [_core.VisualNoise(sweep.name.split()[0], level) for level in sweep.levels]
         expected = []
         for source in noise:
             frames = [source.add(image, 3, i) for i in range(20)]

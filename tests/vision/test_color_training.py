@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim import ColorClass, VisualNoise, load_colors, rgb_to_yuv
+from robsim import ColorClass, _core, load_colors
 from robsim._core import color_histograms
 from robsim.imaging._shading import darkened
+from robsim.vision import rgb_to_yuv
 
 CHANNELS = ("y", "u", "v")
 RED, BLUE, FLOOR = (198, 36, 40), (30, 60, 220), (150, 148, 146)
@@ -227,7 +228,7 @@ def test_trained_in_light_they_find_the_markers_in_shadow_and_noise(light):
     colors = [ColorClass.from_region(image, box, name=name) for name, box in REGIONS.items()]
     shown = darkened(image) if light == "shadow" else image
     for noise in ("none", "uniform", "gaussian"):
-        noisy = VisualNoise(noise, 40).add(shown, 1)
+        noisy = _core.VisualNoise(noise, 40).add(shown, 1)
         blobs = robsim.find_blobs(noisy, colors, minimum_area=60, smoothing=7)
         for name, (left, top, *_) in REGIONS.items():
             (blob,) = blobs[name]

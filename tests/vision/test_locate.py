@@ -21,22 +21,22 @@ def test_the_pose_of_a_hand_made_pair():
     # Blue above red: the line from blue to red points down, so that the robot faces right; the
     # centre lies 14 px ahead of the midpoint.
     image = blob_image(("blue", 90, 60, 21), ("red", 90, 100, 21))
-    x, y, heading = located(image, robsim.MarkerLayout(40, 14)).pose
+    x, y, heading = located(image, robsim.vision.MarkerLayout(40, 14)).pose
     assert (x, y) == pytest.approx((100 + 14, 90))
     assert heading == pytest.approx(0)
 
 
 def test_a_quarter_turn_to_the_right_is_plus_90_degrees():
     image = blob_image(("red", 60, 90, 21), ("blue", 100, 90, 21))
-    x, y, heading = located(image, robsim.MarkerLayout(40, 14)).pose
+    x, y, heading = located(image, robsim.vision.MarkerLayout(40, 14)).pose
     assert (x, y) == pytest.approx((90, 100 + 14))
     assert heading == pytest.approx(np.pi / 2)
 
 
 def test_the_plane_map_takes_the_pose_to_the_work_area():
     image = blob_image(("blue", 90, 60, 21), ("red", 90, 100, 21))
-    plane_map = robsim.PlaneMap.scaled((200, 200), (500, 500))
-    x, y, heading = located(image, robsim.MarkerLayout(100, 35), plane_map=plane_map).pose
+    plane_map = robsim.imaging.PlaneMap.scaled((200, 200), (500, 500))
+    x, y, heading = located(image, robsim.vision.MarkerLayout(100, 35), plane_map=plane_map).pose
     assert (x, y) == pytest.approx(np.add(plane_map.to_world((100, 90)), (35, 0)))
     assert heading == pytest.approx(0)
 
@@ -53,13 +53,13 @@ def test_the_plane_map_takes_the_pose_to_the_work_area():
     ],
 )
 def test_not_seen(squares):
-    assert located(blob_image(*squares), robsim.MarkerLayout(40, 14)) is None
+    assert located(blob_image(*squares), robsim.vision.MarkerLayout(40, 14)) is None
 
 
 def test_markers_in_any_place_give_the_pose(rng):
     red, blue = np.add(rng.uniform(-30, 30, (2, 2)), [[40, 0], [-40, 0]])
     corners = 8 * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
-    markers = robsim.MarkerLayout.from_markers(red + corners, blue + corners)
+    markers = robsim.vision.MarkerLayout.from_markers(red + corners, blue + corners)
     heading, centre = 0.7, np.array([101.0, 93.0])
     turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
     places = [np.rint(centre + turn @ place - 8).astype(int) for place in (red, blue)]
@@ -91,7 +91,9 @@ def test_parked_exactly_along_an_axis():
 
 
 def test_a_smaller_camera(rng):
-    errors = errors_of(renderer(camera=(480, 480)), poses_within(rng, 100), camera=(480, 480))
+    errors = errors_of(
+        renderer(resolution=(480, 480)), poses_within(rng, 100), resolution=(480, 480)
+    )
     place, heading = rms(errors)
     assert place < 0.3
     assert heading < 0.5
@@ -100,7 +102,7 @@ def test_a_smaller_camera(rng):
 def test_a_wrong_offset_oscillates_around_the_true_centre():
     headings = np.deg2rad(np.arange(0, 360, 10))
     poses = np.column_stack((np.full((36, 2), 400.0), headings))
-    errors = errors_of(renderer(), poses, markers=robsim.MarkerLayout(43, 15))
+    errors = errors_of(renderer(), poses, markers=robsim.vision.MarkerLayout(43, 15))
     expected = np.column_stack((np.cos(headings), np.sin(headings)))
     np.testing.assert_allclose(errors[:, :2], expected, atol=0.15)
 
@@ -113,7 +115,7 @@ def test_no_false_pose_near_the_red_square(rng):
     assert not false_poses(errors).any()
     assert np.isfinite(errors[:, 0]).mean() > 0.9
     # The test can fail: by the distance alone the square makes a false pair, or an ambiguous one.
-    by_distance = robsim.MarkerLayout(43, 14, area_tolerance=1e9)
+    by_distance = robsim.vision.MarkerLayout(43, 14, area_tolerance=1e9)
     worse = errors_of(renderer(), poses, markers=by_distance)
     assert np.isfinite(worse[:, 0]).sum() < np.isfinite(errors[:, 0]).sum()
 

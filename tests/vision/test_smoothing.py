@@ -24,31 +24,30 @@ ASKED = {1200: (0.995, 0.7, 1.3), 480: (0.95, 2.0, 4.0)}
 def check_the_default_measurement(noise, camera, *, steps, seed):
     sim = robsim.Simulation(
         robot="lab",
-        camera=(camera, camera),
-        rotation="continuous",
+        resolution=(camera, camera),
+        headings=None,
         noise=noise,
-        noise_percent=40,
         measure=True,
         control=robsim.DriveAround(),
         seed=seed,
     )
     tracking = sim.run(steps).tracking()
     print(f"{noise}, camera {camera}, seed {seed}: {tracking}")
-    share, rms_xy, rms_heading_deg = ASKED[camera]
-    assert tracking.valid >= share * steps
-    assert tracking.false == 0
-    assert tracking.rms_xy < rms_xy
-    assert tracking.rms_heading_deg < rms_heading_deg
+    share, rmse_xy, rmse_heading_deg = ASKED[camera]
+    assert tracking.seen >= share * steps
+    assert tracking.false_poses == 0
+    assert tracking.rmse_xy < rmse_xy
+    assert tracking.rmse_heading_deg < rmse_heading_deg
 
 
-@pytest.mark.parametrize("noise", ["uniform", "gaussian"])
+@pytest.mark.parametrize("noise", [robsim.UniformNoise(40), robsim.GaussianNoise(40)])
 @pytest.mark.parametrize("camera", ASKED)
 def test_the_robot_is_found_in_noise_of_40_percent(noise, camera):
     check_the_default_measurement(noise, camera, steps=150, seed=4)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("noise", ["uniform", "gaussian"])
+@pytest.mark.parametrize("noise", [robsim.UniformNoise(40), robsim.GaussianNoise(40)])
 @pytest.mark.parametrize("camera", ASKED)
 @pytest.mark.parametrize("seed", [11, 12])
 def test_the_robot_is_found_in_1000_frames_of_40_percent(noise, camera, seed):
@@ -57,10 +56,10 @@ def test_the_robot_is_found_in_1000_frames_of_40_percent(noise, camera, seed):
 
 @pytest.mark.parametrize("name", ["robot2", "sheep"])
 def test_other_robots_are_found_in_strong_noise(name):
-    options = {"rotation": "continuous", "noise": "gaussian", "noise_percent": 30}
+    options = {"headings": None, "noise": robsim.GaussianNoise(30)}
     sim = robsim.Simulation(robot=name, measure=True, seed=5, **options)
     tracking = sim.run(40).tracking()
-    assert (tracking.valid, tracking.false) == (40, 0)
+    assert (tracking.seen, tracking.false_poses) == (40, 0)
 
 
 def options_of(sim):
@@ -72,15 +71,19 @@ def test_what_is_looked_for_comes_from_the_robot():
     # Markers of 531 px of the area: 23 px wide, at 480 px 9.2; an eighth of their area.
     lab = robsim.load_robot("lab")
     assert options_of(robsim.Simulation(robot=lab, measure=True)) == (66, 64, 7)
-    assert options_of(robsim.Simulation(robot=lab, measure=True, camera=(480, 480))) == (11, 64, 3)
+    assert options_of(robsim.Simulation(robot=lab, measure=True, resolution=(480, 480))) == (
+        11,
+        64,
+        3,
+    )
     few = dataclasses.replace(lab, maximum_blobs=3)
     assert options_of(robsim.Simulation(robot=few, measure=True, smoothing=1)) == (66, 3, 1)
-    bare = robsim.MarkerLayout(43, 14)  # knows no areas
+    bare = robsim.vision.MarkerLayout(43, 14)  # knows no areas
     assert options_of(robsim.Simulation(markers=bare, measure=True)) == (12, 64, 1)
 
 
 def test_find_blobs_takes_them_from_a_locator_too():
-    sim = robsim.Simulation(robot="lab", camera=(480, 480), noise="gaussian", noise_percent=40)
+    sim = robsim.Simulation(robot="lab", resolution=(480, 480), noise=robsim.GaussianNoise(40))
     markers = robsim.load_robot("lab").marker_layout()
     found = robsim.find_blobs(sim.frame, sim.colors, markers=markers)
     same = robsim.find_blobs(sim.frame, sim.colors, minimum_area=11, smoothing=3)

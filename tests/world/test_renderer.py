@@ -51,7 +51,7 @@ def test_every_pixel_is_what_it_is_by_hand(path, size, rng):
             centre=centre,
             unit=1,
             alignment=0,
-            phases=0,
+            headings=0,
             area=(110, 40),
         )
         for heading in (0, np.pi / 2, *rng.uniform(-np.pi, np.pi, 3)):
@@ -80,10 +80,13 @@ def test_a_buffer_that_nobody_holds_is_used_again():
     assert len(addresses) == 1
 
 
-@pytest.mark.parametrize("phases", [0, 36])
+@pytest.mark.parametrize("headings", [0, 36])
 @pytest.mark.parametrize("camera", [(1200, 1200), (480, 480), (640, 400)])
-def test_restoring_leaves_no_trace_of_the_robot(phases, camera, rng):
-    draw, fresh = renderer(phases=phases, camera=camera), renderer(phases=phases, camera=camera)
+def test_restoring_leaves_no_trace_of_the_robot(headings, camera, rng):
+    draw, fresh = (
+        renderer(headings=headings, resolution=camera),
+        renderer(headings=headings, resolution=camera),
+    )
     for _ in range(10):
         draw.render((*rng.uniform(-100, 1300, 2), rng.uniform(-3, 3)))
     pose = (700.0, 300.0, 1.0)
@@ -104,7 +107,7 @@ def test_one_asymmetric_frame_pins_down_axes_and_directions():
 
 
 def test_phases_show_the_nearest_heading_at_the_nearest_pixel():
-    draw = renderer(phases=36)
+    draw = renderer(headings=36)
     shown = draw.render((600.0, 600.0, np.deg2rad(40)))
     for pose in [(600.4, 599.6, np.deg2rad(44.9)), (599.6, 600.4, np.deg2rad(35.1 - 360))]:
         np.testing.assert_array_equal(draw.render(pose), shown)
@@ -114,7 +117,7 @@ def test_phases_show_the_nearest_heading_at_the_nearest_pixel():
 
 def test_a_phase_looks_like_the_continuous_picture_of_its_heading():
     for heading in np.deg2rad([0, 70, 180, -130]):
-        a = renderer(phases=36).render((600.0, 600.0, heading)).astype(int)
+        a = renderer(headings=36).render((600.0, 600.0, heading)).astype(int)
         b = renderer().render((600.0, 600.0, heading)).astype(int)
         assert np.abs(a - b).max() <= 1
 

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim import _core
 
 
 def added(kind, percent, value=128, seed=1, index=0, shape=(400, 401, 3)):
     clean = np.full(shape, value, np.uint8)
-    noisy = robsim.VisualNoise(kind, percent).add(clean, seed, index)
+    noisy = _core.VisualNoise(kind, percent).add(clean, seed, index)
     assert (clean == value).all()
     return noisy.astype(int) - value
 
@@ -117,17 +118,17 @@ def test_no_noise_changes_nothing(kind, percent):
 @pytest.mark.parametrize("percent", [-1, math.nan, math.inf])
 def test_a_level_that_is_none_is_refused(percent):
     with pytest.raises(ValueError, match=r"\bpercent\b"):
-        robsim.VisualNoise("uniform", percent)
+        robsim.UniformNoise(percent)
 
 
 def test_an_unknown_kind_is_refused():
     with pytest.raises(ValueError, match="'none', 'uniform', 'gaussian', got 'salt'"):
-        robsim.VisualNoise("salt", 1)
+        _core.VisualNoise("salt", 1)
 
 
 @pytest.mark.parametrize("kind", ["none", "uniform", "gaussian"])
 def test_noise_in_place_and_into_an_array(rng, kind):
-    noise = robsim.VisualNoise(kind, 20)
+    noise = _core.VisualNoise(kind, 20)
     image = rng.integers(0, 256, (11, 37, 3), dtype=np.uint8)
     expected = noise.add(image, 5, 3)
     wide = np.full((11, 40, 3), 7, np.uint8)
@@ -140,7 +141,7 @@ def test_noise_in_place_and_into_an_array(rng, kind):
 
 
 def test_where_noise_cannot_be_written():
-    noise, image = robsim.VisualNoise("uniform", 20), np.zeros((20, 30, 3), np.uint8)
+    noise, image = robsim.UniformNoise(20), np.zeros((20, 30, 3), np.uint8)
     fixed = np.zeros_like(image)
     fixed.setflags(write=False)
     for out, message in (

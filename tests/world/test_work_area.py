@@ -50,13 +50,13 @@ def test_into_a_corner():
 
 def test_in_the_unlimited_area_nothing_bounces_and_the_view_follows():
     sim = robsim.Simulation(
-        boundary="unlimited", measure=True, control=lambda step: (1.0, 0.98), camera=(480, 480)
+        boundary="unlimited", measure=True, control=lambda step: (1.0, 0.98), resolution=(480, 480)
     )
     trace = sim.run(300)
     assert not trace.bounced.any()
     assert np.abs(trace.pose_true[:, :2]).max() > 2000
-    assert trace.valid.all()
-    assert trace.tracking().false == 0
+    assert trace.seen.all()
+    assert trace.tracking().false_poses == 0
     # whole camera pixels of 2.5 work-area px, moved no more than needed
     np.testing.assert_array_equal(trace.view % 2.5, 0)
     place = trace.pose_true[:, :2] - trace.view
@@ -67,8 +67,8 @@ def test_in_the_unlimited_area_nothing_bounces_and_the_view_follows():
 def test_a_robot_may_start_half_out_of_the_view():
     trace = robsim.Simulation(start=(10.0, 600.0, 0.0), measure=True).run(5)
     assert not trace.bounced.any()
-    assert not trace.valid.any()
-    assert np.isnan(trace.held).all()
+    assert not trace.seen.any()
+    assert np.isnan(trace.pose_held).all()
 
 
 def test_a_robot_faster_than_the_room_stays_in_it():

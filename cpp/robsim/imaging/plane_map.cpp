@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 namespace robsim {
 
@@ -39,6 +40,51 @@ Matrix inverse(const Matrix& m) {
   return result;
 }
 
+Matrix product(const Matrix& a, const Matrix& b) {
+  Matrix result{};
+  for (std::size_t row = 0; row < 9; row += 3) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      for (std::size_t i = 0; i < 3; ++i) result[row + column] += a[row + i] * b[3 * i + column];
+    }
+  }
+  return result;
+}
+
+// For each three of four points +1 if they turn right, -1 if left.
+std::array<int, 4> turns(const char* name, const PlaneMap::FourPoints& points) {
+  constexpr std::array<std::array<std::size_t, 3>, 4> triples = {
+      {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}}};
+  constexpr double flattest = 1e-3;  // area of a triangle as a fraction of the largest one's
+  std::array<double, 4> areas;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto [a, b, c] = triples[i];
+    areas[i] = (points[b].x - points[a].x) * (points[c].y - points[a].y) -
+               (points[c].x - points[a].x) * (points[b].y - points[a].y);
+  }
+  const auto by_size = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  const auto [smallest, largest] = std::minmax_element(areas.begin(), areas.end(), by_size);
+  if (std::abs(*smallest) <= flattest * std::abs(*largest)) {
+    throw std::invalid_argument(std::string(name) + " must not have three points on a line");
+  }
+  std::array<int, 4> signs;
+  std::transform(areas.begin(), areas.end(), signs.begin(),
+                 [](double a) { return a > 0 ? 1 : -1; });
+  return signs;
+}
+
+// The homography that takes (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1) to the points: its columns
+// are the first three points, each times the number that makes their sum the fourth.
+Matrix from_unit_points(const PlaneMap::FourPoints& p) {
+  const Matrix columns = {p[0].x, p[1].x, p[2].x, p[0].y, p[1].y, p[2].y, 1, 1, 1};
+  const Matrix m = inverse(columns);
+  Matrix scaled = columns;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double factor = m[3 * i] * p[3].x + m[3 * i + 1] * p[3].y + m[3 * i + 2];
+    for (std::size_t row = 0; row < 9; row += 3) scaled[row + i] *= factor;
+  }
+  return scaled;
+}
+
 Point apply(const Matrix& m, const Point& p) {
   const double w = m[6] * p.x + m[7] * p.y + m[8];
   return {(m[0] * p.x + m[1] * p.y + m[2]) / w, (m[3] * p.x + m[4] * p.y + m[5]) / w};
@@ -59,9 +105,18 @@ PlaneMap PlaneMap::scaled(int width, int height, double area_width, double area_
   return PlaneMap(Matrix{sx, 0, sx / 2 - 0.5 + origin.x, 0, sy, sy / 2 - 0.5 + origin.y, 0, 0, 1});
 }
 
+PlaneMap PlaneMap::from_points(const FourPoints& pixels, const FourPoints& positions) {
+  if (turns("pixels", pixels) != turns("positions", positions)) {
+    throw std::invalid_argument(
+        "pixels and positions must have the four points in the same order: the first pixel belongs "
+        "to the first position; these go round in another order");
+  }
+  return PlaneMap(product(from_unit_points(positions), inverse(from_unit_points(pixels))));
+}
+
 Point PlaneMap::to_world(const Point& pixel) const { return apply(to_world_, pixel); }
 
-Point PlaneMap::to_pixel(const Point& place) const { return apply(to_pixel_, place); }
+Point PlaneMap::to_pixel(const Point& position) const { return apply(to_pixel_, position); }
 
 double PlaneMap::area_scale(const Point& pixel) const {
   // The Jacobian of a homography M at p has the determinant det M / w^3, w = (M p)_3.

@@ -6,11 +6,12 @@
 
 namespace robsim {
 
-/// Pixels of a frame (u right, v down; integer = pixel centre) <-> places of the work area.
+/// Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
 /// A homography; for the simulated camera it is a scaling and a shift.
 class PlaneMap {
  public:
   using Matrix = std::array<double, 9>;  // row by row
+  using FourPoints = std::array<Point, 4>;
 
   /// The identity.
   PlaneMap();
@@ -24,8 +25,13 @@ class PlaneMap {
   static PlaneMap scaled(int width, int height, double area_width, double area_height,
                          Point origin = {});
 
+  /// The only homography that takes each of four pixels to its position (work-area px).
+  /// Throws std::invalid_argument if three of the points lie on a line, or if the positions go
+  /// round in another order than the pixels.
+  static PlaneMap from_points(const FourPoints& pixels, const FourPoints& positions);
+
   Point to_world(const Point& pixel) const;
-  Point to_pixel(const Point& place) const;
+  Point to_pixel(const Point& position) const;
 
   /// Work-area px^2 per square pixel of the frame at this pixel.
   double area_scale(const Point& pixel) const;

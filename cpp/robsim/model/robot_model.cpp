@@ -74,21 +74,21 @@ void check_stable(const AxisMatrix& theta) {
 
 }  // namespace
 
-AxisMatrix regressors(const Pose& last, const Pose& before, const Input& u) {
-  const double cos = std::cos(last.heading);
-  const double sin = std::sin(last.heading);
+AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u) {
+  const double cos = std::cos(pose_1.heading);
+  const double sin = std::sin(pose_1.heading);
   // theta(k-2) = theta(k-1) - wrap(theta(k-1) - theta(k-2)), theta here the heading
-  const double before_heading = last.heading - wrap_angle(last.heading - before.heading);
+  const double heading_2 = pose_1.heading - wrap_angle(pose_1.heading - pose_2.heading);
   AxisMatrix phi;
-  phi << last.x, before.x, u.u1 * cos, u.u2 * cos, cos,  //
-      last.y, before.y, u.u1 * sin, u.u2 * sin, sin,     //
-      last.heading, before_heading, u.u1, u.u2, 1;
+  phi << pose_1.x, pose_2.x, u.u1 * cos, u.u2 * cos, cos,  //
+      pose_1.y, pose_2.y, u.u1 * sin, u.u2 * sin, sin,     //
+      pose_1.heading, heading_2, u.u1, u.u2, 1;
   return phi;
 }
 
-Regression regression(const Pose& now, const Pose& last, const Pose& before, const Input& u) {
-  const double heading = last.heading + wrap_angle(now.heading - last.heading);
-  return {regressors(last, before, u), {now.x, now.y, heading}};
+Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u) {
+  const double heading = pose_1.heading + wrap_angle(pose.heading - pose_1.heading);
+  return {regressors(pose_1, pose_2, u), {pose.x, pose.y, heading}};
 }
 
 RobotModel::RobotModel(const RobotParameters& parameters)
@@ -102,9 +102,9 @@ RobotModel::RobotModel(const AxisMatrix& theta, double dt) : theta_(theta), dt_(
   check_stable(theta);
 }
 
-Pose RobotModel::predict(const Pose& last, const Pose& before, const Input& u) const {
+Pose RobotModel::predict(const Pose& pose_1, const Pose& pose_2, const Input& u) const {
   // x(k) = a1X x(k-1) + a2X x(k-2) + (b1X u1(k-1) + b2X u2(k-1) + d1X) cos heading(k-1), and so on
-  const Eigen::Vector3d next = regressors(last, before, u).cwiseProduct(theta_).rowwise().sum();
+  const Eigen::Vector3d next = regressors(pose_1, pose_2, u).cwiseProduct(theta_).rowwise().sum();
   return {next[0], next[1], wrap_angle(next[2])};
 }
 

@@ -23,12 +23,13 @@ struct Regression {
   Eigen::Vector3d y;
 };
 
-/// The regressors of the one-step predictor after `last` (step k-1) and `before` (step k-2).
-/// The heading of `before` is taken within half a turn of that of `last`: no wrapped jump.
-AxisMatrix regressors(const Pose& last, const Pose& before, const Input& u);
+/// The regressors of the one-step predictor after `pose_1` (step k-1) and `pose_2` (step k-2).
+/// The heading of `pose_2` is taken within half a turn of that of `pose_1`: no wrapped jump.
+AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u);
 
-/// The sample whose output is `now` (step k). The output heading is within half a turn of `last`.
-Regression regression(const Pose& now, const Pose& last, const Pose& before, const Input& u);
+/// The sample whose output is `pose` (step k). The output heading is within half a turn of
+/// `pose_1`.
+Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u);
 
 /// One-step predictor of a differential-drive robot, linear in its 15 parameters theta.
 /// Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only
@@ -45,7 +46,7 @@ class RobotModel {
   double dt() const { return dt_; }
 
   /// The pose of step k from those of steps k-1 and k-2 and the input of step k-1.
-  Pose predict(const Pose& last, const Pose& before, const Input& u) const;
+  Pose predict(const Pose& pose_1, const Pose& pose_2, const Input& u) const;
 
  private:
   AxisMatrix theta_;

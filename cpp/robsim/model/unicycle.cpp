@@ -4,17 +4,17 @@
 
 namespace robsim {
 
-Pose Unicycle::operator()(const RobotModel& model, const Pose& last, const Pose& before,
+Pose Unicycle::operator()(const RobotModel& model, const Pose& pose_1, const Pose& pose_2,
                           const Input& u) const {
   const auto x = model.theta().row(0);
   // s(k-1) = (x(k-1) - x(k-2)) cos heading(k-2) + (y(k-1) - y(k-2)) sin heading(k-2)
-  const double step_before = (last.x - before.x) * std::cos(before.heading) +
-                             (last.y - before.y) * std::sin(before.heading);
+  const double step_before = (pose_1.x - pose_2.x) * std::cos(pose_2.heading) +
+                             (pose_1.y - pose_2.y) * std::sin(pose_2.heading);
   // s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X
   const double step = -x[1] * step_before + x[2] * u.u1 + x[3] * u.u2 + x[4];
   // x(k) = x(k-1) + s(k) cos heading(k-1),  y(k) = y(k-1) + s(k) sin heading(k-1)
-  return {last.x + step * std::cos(last.heading), last.y + step * std::sin(last.heading),
-          model.predict(last, before, u).heading};
+  return {pose_1.x + step * std::cos(pose_1.heading), pose_1.y + step * std::sin(pose_1.heading),
+          model.predict(pose_1, pose_2, u).heading};
 }
 
 }  // namespace robsim

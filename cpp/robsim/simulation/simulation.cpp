@@ -219,7 +219,7 @@ void Simulation::begin_step() {
   step_->k = trace_.rows();
   step_->dt = model_->dt();
   step_->t = static_cast<double>(step_->k) * step_->dt;
-  step_->u = input_;
+  step_->last_u = input_;
   step_->parameters = parameters_;
   step_->estimator = estimator_;
   step_->markers = options_.markers;
@@ -303,6 +303,7 @@ void Simulation::estimate_state() {
 void Simulation::control() {
   if (!stages_.control) return;
   const Input u = stages_.control.call(step_);
+  step_->u = u;
   past_[2] = past_[1];
   past_[1] = past_[0];
   past_[0] = {std::nullopt, bounced_, u};
@@ -326,8 +327,8 @@ void Simulation::add_columns() {
   if (stages_.control) columns_.u = &trace_.column("u", 2);
   if (is_simulated()) columns_.bounced = &trace_.column("bounced", 1);
   if (stages_.measure) {
-    columns_.measured = &trace_.column("measured", 3);
-    columns_.held = &trace_.column("held", 3);
+    columns_.measured = &trace_.column("pose_measured", 3);
+    columns_.held = &trace_.column("pose_held", 3);
     std::set<std::string> names;
     for (const ColorClass& color : options_.colors) names.insert(color.name);
     columns_.blobs.clear();
@@ -341,7 +342,7 @@ void Simulation::add_columns() {
       columns_.standard_errors_unscaled = &trace_.column("standard_errors_unscaled", 15);
   }
   if (stages_.estimate_state) {
-    columns_.estimated = &trace_.column("estimated", 3);
+    columns_.estimated = &trace_.column("pose_estimated", 3);
     columns_.covariance = &trace_.column("covariance", 9);
   }
   if (is_simulated() && options_.area.boundary == Boundary::unlimited)

@@ -36,13 +36,14 @@ struct Step {
   std::int64_t k = 0;
   double t = 0;   // s
   double dt = 0;  // s
-  Input u;        // the last input, that of step k-1
+  Input last_u;   // the input of step k-1
   std::optional<Sample> sample;
   std::optional<AxisMatrix> parameters;
   std::optional<Frame> frame;
   std::optional<BlobsByColor> blobs;
   std::optional<Measurement> measurement;
   std::optional<Estimate> estimate;
+  std::optional<Input> u;  // the input of this step, as sent
   std::shared_ptr<ParameterEstimator> estimator;
   MarkerLayout markers;
   std::uint64_t controller_seed = 0;
@@ -58,6 +59,7 @@ struct Step {
     blobs.reset();
     measurement.reset();
     estimate.reset();
+    u.reset();
   }
 };
 
@@ -66,9 +68,9 @@ struct WorldState {
   std::int64_t k = 0;
   double t = 0;   // s
   double dt = 0;  // s
-  Pose last;      // the pose of step k-1
-  Pose before;    // the pose of step k-2
-  Input u;        // the input of step k-1
+  Pose pose_1;    // of step k-1
+  Pose pose_2;    // of step k-2
+  Input last_u;   // of step k-1
   RobotModel model;
 };
 

@@ -68,3 +68,27 @@ def as_float_array(name: str, values: Any) -> Floats:
     except (TypeError, ValueError):  # rows of different lengths, too
         message = f"{name} must be an array of numbers, got {reprlib.repr(values)}"
         raise TypeError(message) from None
+
+
+def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
+    """Return the value if it is one of the choices."""
+    expected = f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}"
+    if not isinstance(value, str):
+        raise TypeError(expected)
+    if value not in choices:
+        raise ValueError(expected)
+    return value
+
+
+def check_size(name: str, value: Any) -> tuple[int, int]:
+    """Return a size (width, height), two ints within 16..16384 px."""
+    try:
+        width, height = value
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be (width, height) in px, got {value!r}") from None
+    for size in (width, height):
+        if not is_int(size):
+            raise TypeError(f"{name} must be (width, height), two ints in px, got {value!r}")
+        if not 16 <= size <= 16384:
+            raise ValueError(f"{name} must lie within 16..16384 px, got {value!r}")
+    return int(width), int(height)

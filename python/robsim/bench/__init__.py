@@ -1,6 +1,13 @@
 """Speed against what else there is."""
 
+from robsim._base.public import present
 from robsim.bench._cases import BenchResult, Case
 from robsim.bench._run import run_bench
 
-__all__ = ["BenchResult", "Case", "run_bench"]
+__all__ = [
+    "BenchResult",
+    "Case",
+    "run_bench",
+]
+
+present(globals())

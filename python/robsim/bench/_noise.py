@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from robsim._core import VisualNoise
 from robsim.bench._cases import Call
 from robsim.bench._vision import NOISE_PERCENT
 from robsim.imaging._images import Pixels
+from robsim.imaging._noise import GaussianNoise, UniformNoise
 
 SIGMA = 2.55 * NOISE_PERCENT  # levels
 
 
 def gaussian_calls(cv2: Any, clean: Pixels) -> dict[str, Call]:
     """Return what adds Gaussian noise to an image: ``"ours"``, ``"opencv"``, ``"numpy"``."""
-    ours, noisy = VisualNoise("gaussian", NOISE_PERCENT), np.empty_like(clean)
+    ours, noisy = GaussianNoise(NOISE_PERCENT), np.empty_like(clean)
     values, theirs = np.empty(clean.shape, np.int16), np.empty_like(clean)
     random = np.random.default_rng(1)
 
@@ -35,7 +35,7 @@ def gaussian_calls(cv2: Any, clean: Pixels) -> dict[str, Call]:
 
 def uniform_calls(cv2: Any, clean: Pixels) -> dict[str, Call]:
     """Return what adds uniform noise to an image: ``"ours"``, ``"opencv"``, ``"numpy"``."""
-    ours, noisy = VisualNoise("uniform", NOISE_PERCENT), np.empty_like(clean)
+    ours, noisy = UniformNoise(NOISE_PERCENT), np.empty_like(clean)
     values, theirs = np.empty(clean.shape, np.int16), np.empty_like(clean)
     random, reach = np.random.default_rng(1), round(SIGMA)
 

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from robsim._core import VisualNoise, find_blobs
+from robsim._core import find_blobs
 from robsim.bench._cases import Call
 from robsim.bench._noise import SIGMA
 from robsim.bench._render import render_calls
 from robsim.bench._vision import NOISE_PERCENT, Scene, contours, opencv_finder, opencv_limits
+from robsim.imaging._noise import GaussianNoise
 
 
 def step_calls(cv2: Any, shown: Scene) -> dict[str, Call]:
@@ -28,7 +29,7 @@ def step_calls(cv2: Any, shown: Scene) -> dict[str, Call]:
     draw = render_calls(cv2, size)
     ours_noisy, theirs_noisy = (np.empty((size, size, 3), np.uint8) for _ in range(2))
     values = np.empty((size, size, 3), np.int16)
-    noise, number = VisualNoise("gaussian", NOISE_PERCENT), itertools.count()
+    noise, number = GaussianNoise(NOISE_PERCENT), itertools.count()
     limits = {color.name: opencv_limits(color) for color in shown.colors}
     find = opencv_finder(cv2, theirs_noisy, limits, shown.smoothing, contours)
 

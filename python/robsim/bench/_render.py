@@ -51,8 +51,8 @@ def render_calls(cv2: Any, size: int) -> dict[str, Callable[[], Pixels]]:
     renderer = make_renderer(
         robot=robot,
         area=AREA,
-        camera=(size, size),
-        phases=0,
+        resolution=(size, size),
+        headings=0,
         background=None,
         adjust_background=lambda background: background,
     )

@@ -12,9 +12,15 @@ import numpy.typing as npt
 from robsim._core import Blob, ColorClass, Frame, find_blobs
 from robsim.bench._cases import Call
 from robsim.imaging._images import Pixels
+from robsim.imaging._noise import GaussianNoise, UniformNoise
 from robsim.simulation._simulation import Simulation
 
 NOISE_PERCENT = 40.0
+NOISES = {
+    "none": None,
+    "uniform": UniformNoise(NOISE_PERCENT),
+    "gaussian": GaussianNoise(NOISE_PERCENT),
+}
 MINIMUM_AREA = 12  # px, of a blob
 _FEWEST_POINTS = 5  # of the outline of so large a blob
 
@@ -46,10 +52,9 @@ def scene(kind: str, size: int, smoothing: int | None = None) -> Scene:
     """Return a clean or a noisy frame, and the options that the loop finds its markers with."""
     simulation = Simulation(
         robot="lab",
-        camera=(size, size),
-        rotation="continuous",
-        noise=kind,
-        noise_percent=None if kind == "none" else NOISE_PERCENT,
+        resolution=(size, size),
+        headings=None,
+        noise=NOISES[kind],
         start=(450, 700, 0.5),
         measure=True,
         smoothing=smoothing,

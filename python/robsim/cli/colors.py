@@ -12,8 +12,8 @@ import typer
 
 from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
-from robsim.cli.shared import Colors, Json, Noise, NoisePercent, Robot
-from robsim.cli.text import point, region
+from robsim.cli.shared import Colors, Json, Noise, Robot
+from robsim.cli.text import parse_noise, parse_point, parse_region
 from robsim.imaging._images import Pixels, load_image, save_image
 from robsim.robots._polygons import area_and_centroid, mask
 from robsim.simulation._simulation import Simulation
@@ -52,20 +52,18 @@ def frame(
     heading: Annotated[
         float, typer.Option("--heading", help="Degrees clockwise from facing right.")
     ] = 0.0,
-    noise: Noise = "none",
-    noise_percent: NoisePercent = None,
+    noise: Noise = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of the noise.")] = None,
 ) -> None:
     """Write a picture of the simulated robot."""
     with errors.report_errors():
-        x, y = point("--at", at) or (600.0, 600.0)
+        x, y = parse_point("--at", at) or (600.0, 600.0)
         start = x, y, float(np.deg2rad(heading))
         simulation = Simulation(
             robot=robot,
             start=start,
-            rotation="continuous",
-            noise=noise,
-            noise_percent=noise_percent,
+            headings=None,
+            noise=parse_noise("--noise", noise),
             adjust_background=lambda background: background,  # no red square beside the marker
             seed=seed,
         )
@@ -124,7 +122,7 @@ def train(
 ) -> None:
     """Find the ranges of a colour in pictures of it."""
     with errors.report_errors():
-        boxes = [region("--region", text) for text in regions]
+        boxes = [parse_region("--region", text) for text in regions]
         histograms, others = _histograms(images, boxes)
         color = ColorClass.from_histograms(histograms, name=name, margin=margin, limit_y=limit_y)
         if figure:
@@ -234,7 +232,7 @@ def _places(
                 f"--region must begin with one of the colours, {', '.join(names)}, such as "
                 f"{names[0]}=578,613,594,630, got {text!r}"
             )
-        places.setdefault(name, []).append(region("--region", box))
+        places.setdefault(name, []).append(parse_region("--region", box))
     if places and len(images) > 1:
         raise ValueError(f"--region goes with one picture, got {len(images)}")
     return places

@@ -23,7 +23,7 @@ def explain_no_detection(trace: Trace, markers: MarkerLayout) -> str | None:
     str or None
         The sentence; None if the robot was found, or not looked for.
     """
-    if trace.valid.any() or not {"red", "blue"} <= trace.blobs.keys():
+    if trace.seen.any() or not {"red", "blue"} <= trace.blobs.keys():
         return None
     red, blue = trace.blobs["red"], trace.blobs["blue"]
     for name, places in (("red", red), ("blue", blue)):

@@ -84,7 +84,7 @@ def write_results(out: Path, simulation: Simulation) -> Results:
     if np.isfinite(trace.parameters).any() and np.isfinite(trace.pose_true).any():
         figures["parameters.png"] = plotting.plot_parameters(trace)
     if report is not None:
-        figures["batch.png"] = plotting.plot_batch(report)
+        figures["batch.png"] = plotting.plot_batch(report).get_figure(root=True)
     for name in _FIGURES:
         if name in figures:
             figures[name].savefig(out / name)

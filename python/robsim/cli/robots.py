@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
-from robsim.cli.text import point, points
+from robsim.cli.text import parse_point, parse_points
 
 if TYPE_CHECKING:
     from robsim.robots import RobotDefinition
@@ -85,7 +85,7 @@ def show(
 
     with errors.report_errors():
         robot = load_robot(name)
-        problems = check_colors(robot, colors)
+        problems = check_colors(robot, colors).sentences
         file = out or Path(f"robot-{re.sub(r'[^A-Za-z0-9_-]+', '-', robot.name)}.png")
         file = file if file.suffix else file.with_suffix(".png")
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -155,10 +155,10 @@ def add(
             source,
             size=size,
             alignment=alignment,
-            centre=point("--centre", centre),
-            outline=points("--outline", outline),
-            red=points("--red", red),
-            blue=points("--blue", blue),
+            centre=parse_point("--centre", centre),
+            outline=parse_points("--outline", outline),
+            red=parse_points("--red", red),
+            blue=parse_points("--blue", blue),
             colors=colors,
             overwrite=overwrite,
             ignore_colors=anyway,

@@ -9,8 +9,8 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.outcome import finish
-from robsim.cli.shared import Colors, Json, Noise, NoisePercent, Robot, Smoothing
-from robsim.cli.text import size
+from robsim.cli.shared import Colors, Json, Noise, Robot, Smoothing
+from robsim.cli.text import parse_dropout, parse_headings, parse_noise, parse_size
 
 if TYPE_CHECKING:
     from robsim import Simulation
@@ -60,20 +60,25 @@ def run(
             "pseudo-random-binary, multi-sine, chirp.",
         ),
     ] = None,
-    noise: Noise = "none",
-    noise_percent: NoisePercent = None,
+    noise: Noise = None,
     dropout: Annotated[
-        float, typer.Option("--dropout", help="Share of the steps that hide the robot, 0..1.")
-    ] = 0.0,
-    dropout_steps: Annotated[
-        int, typer.Option("--dropout-steps", help="Steps that it is hidden for at a time.")
-    ] = 1,
+        str | None,
+        typer.Option(
+            "--dropout",
+            metavar="PROBABILITY[:STEPS]",
+            help="How likely it is that the robot is hidden, such as 0.2, or 0.2:5 for 5 steps at "
+            "a time.",
+        ),
+    ] = None,
     boundary: Annotated[
         str, typer.Option("--boundary", help="bounce: walls. unlimited: the view follows.")
     ] = "bounce",
-    rotation: Annotated[
-        str, typer.Option("--rotation", help="phases: 36 headings are shown. continuous: all.")
-    ] = "phases",
+    headings: Annotated[
+        str,
+        typer.Option(
+            "--headings", help="How many headings of the robot are shown, or: continuous."
+        ),
+    ] = "36",
     robot: Robot = None,
     markers: Annotated[
         str | None, typer.Option("--markers", help="Robot whose markers to look for.")
@@ -84,9 +89,9 @@ def run(
         str | None,
         typer.Option("--area", metavar="WxH", help="Work area in px: 1200x1200."),
     ] = None,
-    camera: Annotated[
+    resolution: Annotated[
         str | None,
-        typer.Option("--camera", metavar="WxH", help="Frame in px: as the area."),
+        typer.Option("--resolution", metavar="WxH", help="Frame in px: as the area."),
     ] = None,
     time_limit: Annotated[
         float | None, typer.Option("--time-limit", help="Most seconds that a callback may take.")
@@ -115,14 +120,12 @@ def run(
             "markers": markers,
             "colors": colors,
             "smoothing": smoothing,
-            "area": size("--area", area),
-            "camera": size("--camera", camera),
+            "area": parse_size("--area", area),
+            "resolution": parse_size("--resolution", resolution),
             "boundary": boundary,
-            "rotation": rotation,
-            "noise": noise,
-            "noise_percent": noise_percent,
-            "dropout": dropout,
-            "dropout_steps": dropout_steps,
+            "headings": parse_headings("--headings", headings),
+            "noise": parse_noise("--noise", noise),
+            "dropout": parse_dropout("--dropout", dropout),
             "seed": seed,
             "time_limit": time_limit,
             "measure": measure or None,

@@ -21,9 +21,11 @@ Smoothing = Annotated[
     ),
 ]
 Noise = Annotated[
-    str, typer.Option("--noise", help="Noise of the camera: none, uniform, gaussian.")
-]
-NoisePercent = Annotated[
-    float | None, typer.Option("--noise-percent", help="Its level, such as 10.")
+    str | None,
+    typer.Option(
+        "--noise",
+        metavar="KIND:PERCENT",
+        help="Noise of the camera, such as gaussian:10 or uniform:10.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")]

@@ -1,13 +1,16 @@
-"""Text into sizes, regions and points."""
+"""What the text of an option means: sizes, regions, points, noise. The commands call it."""
 
 from __future__ import annotations
 
 import re
 
+from robsim.imaging import GaussianNoise, UniformNoise
+from robsim.simulation import Dropout
+
 Points = list[tuple[float, float]]
 
 
-def size(option: str, text: str | None) -> tuple[int, int] | None:
+def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
     """Return width and height from text such as 640x480."""
     if text is None:
         return None
@@ -17,7 +20,48 @@ def size(option: str, text: str | None) -> tuple[int, int] | None:
     return int(width), int(height)
 
 
-def region(option: str, text: str) -> tuple[int, int, int, int]:
+def parse_noise(option: str, text: str | None) -> GaussianNoise | UniformNoise | None:
+    """Return the noise from text such as gaussian:10."""
+    if text is None:
+        return None
+    kind, _, percent = text.lower().partition(":")
+    kinds: dict[str, type[GaussianNoise | UniformNoise]] = {
+        "gaussian": GaussianNoise,
+        "uniform": UniformNoise,
+    }
+    if kind not in kinds or not _is_number(percent):
+        raise ValueError(f"{option} must be such as gaussian:10 or uniform:10, got {text!r}")
+    return kinds[kind](float(percent))
+
+
+def parse_dropout(option: str, text: str | None) -> Dropout | None:
+    """Return the dropout from text such as 0.2, or 0.2:5 for 5 steps at a time."""
+    if text is None:
+        return None
+    probability, colon, steps = text.partition(":")
+    if not _is_number(probability) or (colon and not steps.isdecimal()):
+        raise ValueError(f"{option} must be such as 0.2, or 0.2:5 for 5 steps, got {text!r}")
+    return Dropout(float(probability), int(steps) if colon else 1)
+
+
+def parse_headings(option: str, text: str) -> int | None:
+    """Return the number of headings shown from text such as 36; continuous = None."""
+    if text == "continuous":
+        return None
+    if not text.isdecimal():
+        raise ValueError(f"{option} must be a number such as 36, or continuous, got {text!r}")
+    return int(text)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def parse_region(option: str, text: str) -> tuple[int, int, int, int]:
     """Return left, top, right, bottom from text such as 573,609,599,634."""
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != 4 or not all(re.fullmatch(r"\d{1,5}", part) for part in parts):
@@ -28,7 +72,7 @@ def region(option: str, text: str) -> tuple[int, int, int, int]:
     return left, top, right, bottom
 
 
-def points(option: str, text: str | None, *, count: int | None = None) -> Points | None:
+def parse_points(option: str, text: str | None, *, count: int | None = None) -> Points | None:
     """Return points from text such as "120,40 180,40 180,90": so many, or at least three."""
     if text is None:
         return None
@@ -49,7 +93,7 @@ _EXAMPLES = {
 }
 
 
-def point(option: str, text: str | None) -> tuple[float, float] | None:
+def parse_point(option: str, text: str | None) -> tuple[float, float] | None:
     """Return a point from text such as 240,250."""
-    found = points(option, text, count=1)
+    found = parse_points(option, text, count=1)
     return found[0] if found else None

@@ -10,7 +10,7 @@ import typer
 from robsim.cli import errors
 from robsim.cli.outcome import finish, write_with_progress
 from robsim.cli.shared import Colors, Json, Robot, Smoothing
-from robsim.cli.text import points, size
+from robsim.cli.text import parse_points, parse_size
 
 if TYPE_CHECKING:
     from robsim.imaging._recordings import Recording
@@ -21,7 +21,7 @@ EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
 HELP = (
     "Track the robot in a video file or a folder of images.\n\n"
     "Gives its trace, the figures and an annotated video. A camera that looks at the floor at an "
-    "angle needs four points whose places are known."
+    "angle needs four points whose positions are known."
 )
 
 
@@ -38,9 +38,9 @@ def track(
         str | None,
         typer.Option("--pixels", metavar="POINTS", help="Four points in the frames."),
     ] = None,
-    places: Annotated[
+    positions: Annotated[
         str | None,
-        typer.Option("--places", metavar="POINTS", help="Where they are on the floor."),
+        typer.Option("--positions", metavar="POINTS", help="Where they are on the floor."),
     ] = None,
     dt: Annotated[
         float | None,
@@ -57,8 +57,8 @@ def track(
     as_json: Json = False,
 ) -> None:
     """Track the robot in a video file or a folder of images."""
+    from robsim._core import PlaneMap
     from robsim.cli.results import check_folder
-    from robsim.imaging._plane_maps import plane_map_from_points
     from robsim.imaging._recordings import Recording
     from robsim.simulation._simulation import Simulation
 
@@ -67,12 +67,15 @@ def track(
         if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
             raise ValueError(f"--out {out} would overwrite {source}: give another folder")
         plane_map = None
-        if (pixels is None) != (places is None):
-            raise ValueError("--pixels and --places belong together: give both, or none")
-        seen, there = points("--pixels", pixels, count=4), points("--places", places, count=4)
+        if (pixels is None) != (positions is None):
+            raise ValueError("--pixels and --positions belong together: give both, or none")
+        seen, there = (
+            parse_points("--pixels", pixels, count=4),
+            parse_points("--positions", positions, count=4),
+        )
         if seen and there:
-            plane_map = plane_map_from_points(seen, there)
-        recording = Recording(source, plane_map=plane_map, area=size("--area", area), dt=dt)
+            plane_map = PlaneMap.from_points(seen, there)
+        recording = Recording(source, plane_map=plane_map, area=parse_size("--area", area), dt=dt)
         simulation = Simulation(frames=recording, robot=robot, colors=colors, smoothing=smoothing)
     failure = None
     try:

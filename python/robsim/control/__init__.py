@@ -1,15 +1,22 @@
 """Controllers: paths to follow, excitation for identification, and a score of the path."""
 
+from robsim._base.public import present
+from robsim._core import Controller, DriveAround, Spin
 from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.control._path_following import FollowPath, GoToPoint
 from robsim.control._path_score import PathScore, score_path
 
 __all__ = [
     "Chirp",
+    "Controller",
+    "DriveAround",
     "FollowPath",
     "GoToPoint",
     "MultiSine",
     "PathScore",
     "PseudoRandomBinary",
+    "Spin",
     "score_path",
 ]
+
+present(globals())

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats, check_float, check_int
-from robsim._base.options import choice
+from robsim._base.checks import Floats, check_choice, check_float, check_int
 from robsim._core import DriveAround, Spin, Step
 
 # Which cells of a shift register of so many cells are fed back: x^7 + x^6 + 1 and so on, primitive
@@ -86,7 +85,7 @@ class PseudoRandomBinary(_Excitation):
 
     Examples
     --------
-    >>> control = robsim.PseudoRandomBinary(hold=6)
+    >>> control = robsim.control.PseudoRandomBinary(hold=6)
     >>> trace = robsim.Simulation(boundary="unlimited", control=control).run(800)
     """
 
@@ -196,7 +195,7 @@ class MultiSine(_Band):
 
     Examples
     --------
-    >>> control = robsim.MultiSine(highest_frequency=0.5)
+    >>> control = robsim.control.MultiSine(highest_frequency=0.5)
     >>> trace = robsim.Simulation(boundary="unlimited", control=control).run(800)
     """
 
@@ -289,7 +288,7 @@ class Chirp(_Band):
 
     Examples
     --------
-    >>> control = robsim.Chirp(duration=80)
+    >>> control = robsim.control.Chirp(duration=80)
     >>> trace = robsim.Simulation(boundary="unlimited", control=control).run(800)
     """
 
@@ -349,4 +348,4 @@ def controller_named(name: str) -> Callable[[Step], Any]:
     name : str
         ``"spin"``, ``"drive-around"``, ``"pseudo-random-binary"``, ``"multi-sine"`` or ``"chirp"``.
     """
-    return _NAMES[choice("control", name, tuple(_NAMES))]()
+    return _NAMES[check_choice("control", name, tuple(_NAMES))]()

@@ -125,7 +125,7 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, reach: float = 25.0) -> Pa
 def _known_poses(trace: Trace) -> tuple[str, Floats]:
     if np.isfinite(trace.pose_true[:, :2]).any():
         return "truth", trace.pose_true
-    return "measurement", trace.measured
+    return "measurement", trace.pose_measured
 
 
 def _along(places: Floats, points: Floats, reach: float) -> tuple[Floats, list[int]]:

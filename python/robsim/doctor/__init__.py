@@ -1,8 +1,17 @@
 """The estimator doctor: what is wrong with a student's estimator, and where."""
 
-from robsim.doctor._check_report import CheckReport, Problem
+from robsim._base.check_report import CheckReport, Problem
+from robsim._base.public import present
+from robsim._base.source_line import SourceLine
 from robsim.doctor._parameter_estimators import check_parameter_estimator
-from robsim.doctor._source_line import SourceLine
 from robsim.doctor._state_estimators import check_estimator
 
-__all__ = ["CheckReport", "Problem", "SourceLine", "check_estimator", "check_parameter_estimator"]
+__all__ = [
+    "CheckReport",
+    "Problem",
+    "SourceLine",
+    "check_estimator",
+    "check_parameter_estimator",
+]
+
+present(globals())

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from robsim._base.check_report import Problem
 from robsim._base.checks import Floats
-from robsim.doctor._check_report import Problem
 from robsim.doctor._trial import EstimatorUnderTest, Trial
 
 # Both relative to the variances: far above rounding, far below what an error in a formula makes.

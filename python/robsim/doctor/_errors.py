@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from robsim.doctor._check_report import Problem
-from robsim.doctor._source_line import line_of_error
+from robsim._base.check_report import Problem
+from robsim._base.source_line import line_of_error
 from robsim.doctor._trial import TIME_LIMIT, BadResult, EstimatorUnderTest, Trial
 
 _REFUSED = re.compile(r"(pose|covariance|state) must be ")

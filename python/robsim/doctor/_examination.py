@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import check_float
-from robsim.doctor._check_report import CheckReport, Problem
 from robsim.doctor._errors import problem_of_make
 from robsim.doctor._trial import EstimatorUnderTest, NoEstimator, Slot
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats, check_int
 from robsim._core import regression
-from robsim.doctor._check_report import CheckReport, Problem
 from robsim.doctor._errors import problem_of
 from robsim.doctor._examination import BUDGET, examine
 from robsim.doctor._memory import replay_problem, together_problem

@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
+from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats, check_float
 from robsim._core import Estimate, Step, wrap_angle
-from robsim.doctor._check_report import CheckReport, Problem
 from robsim.doctor._covariance import covariance_problem
 from robsim.doctor._errors import problem_of
 from robsim.doctor._examination import BUDGET, examine
@@ -24,8 +24,8 @@ _FAR = (100.0, 1.2)  # px, rad: who is that far off does not follow the robot
 _VARIANCES = [3, 7, 11]  # where they are in an output: pose, covariance, state
 
 _NO_INPUT = (
-    "it never uses step.u, the inputs: right for a constant-velocity filter, but they say where "
-    "the robot goes"
+    "it never uses step.last_u, the inputs: right for a constant-velocity filter, but they say "
+    "where the robot goes"
 )
 _DT_OF_A_MODEL = (
     "it never uses step.dt: right only if its model is made for the dt of the run; if it is, say "

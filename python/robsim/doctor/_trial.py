@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._base.source_line import SourceLine, line_of_callable, line_of_frame
 from robsim._core import Step
 from robsim.doctor._situations import Situation
-from robsim.doctor._source_line import SourceLine, line_of_callable, line_of_frame
 from robsim.simulation._simulation import Simulation
 from robsim.simulation._time_limit import TimeLimit
 

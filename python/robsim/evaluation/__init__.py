@@ -1,5 +1,6 @@
 """How good estimates are: errors, consistency, whiteness, bounds."""
 
+from robsim._base.public import present
 from robsim.evaluation._chi_square import chi_square_band
 from robsim.evaluation._consistency import (
     ConsistencyReport,
@@ -37,3 +38,5 @@ __all__ = [
     "whiteness",
     "wrapped_error",
 ]
+
+present(globals())

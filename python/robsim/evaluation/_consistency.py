@@ -353,7 +353,7 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
         not symmetric and positive definite.
     """
     runs = as_runs(traces)
-    error = np.array([wrapped_error(trace.estimated, trace.pose_true) for trace in runs])
+    error = np.array([wrapped_error(trace.pose_estimated, trace.pose_true) for trace in runs])
     covariance = np.array([trace.covariance for trace in runs])
     if np.isnan(error).all():
         raise ValueError(

@@ -260,7 +260,7 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
         Q=noise,
         R=R,
         P0=_shaped("P0", start, (6, 6)),
-        seen=trace.valid if "x_measured" in trace.names else None,
+        seen=trace.seen if "x_measured" in trace.names else None,
     )
     return bounds[:, :3, :3]
 

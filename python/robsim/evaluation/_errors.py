@@ -13,7 +13,7 @@ from robsim._base.checks import Floats, as_float_array, is_int
 from robsim._core import wrap_angle
 from robsim.trace._trace import Trace
 
-_SOURCES = {"measurement": "measured", "estimate": "estimated"}
+_SOURCES = {"measurement": "pose_measured", "estimate": "pose_estimated"}
 
 
 def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int] = (2,)) -> Floats:

@@ -1,5 +1,7 @@
 """Parameters from records: batch estimates, what a record determines, convergence."""
 
+from robsim._base.public import present
+from robsim._core import LeastSquaresFit, RecursiveLeastSquares, Sample, least_squares, regression
 from robsim.identification._batch import BatchEstimate, batch_estimate
 from robsim.identification._convergence import (
     ConvergenceReport,
@@ -14,13 +16,20 @@ __all__ = [
     "BatchEstimate",
     "ConvergenceReport",
     "Identifiability",
+    "LeastSquaresFit",
     "ModelFit",
+    "RecursiveLeastSquares",
     "Regression",
+    "Sample",
     "batch_estimate",
     "convergence_time",
     "identifiability",
     "instrumental_variables",
+    "least_squares",
     "output_error",
     "parameter_convergence",
+    "regression",
     "regression_of",
 ]
+
+present(globals())

@@ -67,11 +67,11 @@ class BatchEstimate:
         in the equations; noise of measurements makes least squares biased, too.
     standard_errors_unscaled : array (3, 5)
         The same for noise of standard deviation 1 (px, px, rad).
-    samples : int, optional
+    n_samples : int, optional
         Number of samples. Default: all that a record without interruption has.
     left_out : int
         Samples of the record that were left out for a bounce or a missing pose in them.
-    selection : str
+    select : str
         Which samples were taken: valid, longest or all.
     method : str
         How: least_squares, instrumental_variables or output_error.
@@ -94,16 +94,16 @@ class BatchEstimate:
     online_from: str = "truth"
     standard_errors: Floats = field(default_factory=_unknown)
     standard_errors_unscaled: Floats = field(default_factory=_unknown)
-    samples: int | None = None
+    n_samples: int | None = None
     left_out: int = 0
-    selection: str = "valid"
+    select: str = "valid"
     method: str = "least_squares"
     converged: bool = True
     model_error: Floats = field(default_factory=lambda: np.zeros(3))
 
     @property
     def _samples(self) -> int:
-        return self.stop - self.start - 2 if self.samples is None else self.samples
+        return self.stop - self.start - 2 if self.n_samples is None else self.n_samples
 
     @property
     def title(self) -> str:
@@ -112,7 +112,7 @@ class BatchEstimate:
         method = "" if self.method == "least_squares" else f" by {self.method.replace('_', ' ')}"
         return (
             f"Batch estimate from {self.identify_from}{method}, steps "
-            f"{self.start}..{self.stop - 1} ({self._samples} samples{kind.get(self.selection, '')})"
+            f"{self.start}..{self.stop - 1} ({self._samples} samples{kind.get(self.select, '')})"
         )
 
     @property
@@ -131,9 +131,9 @@ class BatchEstimate:
             return judge(self.standard_errors_unscaled, self.batch)
         if self.method != "least_squares":
             return judge(self.standard_errors_unscaled, self.batch, noise=self.residual_rms)
-        samples = self._samples
-        freedom = np.maximum(samples - self.rank, 1)
-        noise = self.residual_rms * np.sqrt(samples / freedom)
+        n_samples = self._samples
+        freedom = np.maximum(n_samples - self.rank, 1)
+        noise = self.residual_rms * np.sqrt(n_samples / freedom)
         return judge(self.standard_errors_unscaled, self.batch, noise=noise)
 
     def to_dict(self) -> dict[str, dict[str, float | None]]:
@@ -234,7 +234,7 @@ def batch_estimate(
     trace: Trace,
     *,
     identify_from: str | None = None,
-    samples: str = "valid",
+    select: str = "valid",
     method: str = "least_squares",
 ) -> BatchEstimate:
     """Estimate the parameters of the robot model from a whole record.
@@ -249,7 +249,7 @@ def batch_estimate(
     identify_from : str, optional
         ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
         estimate.
-    samples : str
+    select : str
         ``"valid"``: all samples but those that span a bounce or a step without a pose.
         ``"longest"``: those of the longest record without an interruption. ``"all"``: also those
         that span a bounce, to see what harm they do.
@@ -272,9 +272,9 @@ def batch_estimate(
     if method not in _METHODS:
         names = ", ".join(map(repr, _METHODS))
         raise ValueError(f"method must be one of {names}, got {method!r}")
-    found = regression_of(trace, identify_from=identify_from, samples=samples)
+    found = regression_of(trace, identify_from=identify_from, select=select)
     if len(found.k) < _MINIMUM_SAMPLES:
-        where = "the longest of" if samples == "longest" else "all"
+        where = "the longest of" if select == "longest" else "all"
         raise ValueError(
             f"a batch estimate from {found.identify_from} needs at least {_MINIMUM_SAMPLES} "
             f"samples, each of three steps in a row, got {len(found.k)} in {where} {len(trace)} "
@@ -284,7 +284,7 @@ def batch_estimate(
     fit = (
         _least_squares(found)
         if method == "least_squares"
-        else _fitted(trace, found, start, stop, samples, method)
+        else _fitted(trace, found, start, stop, select, method)
     )
     return BatchEstimate(
         theta_true=np.array(trace.info.theta_true),
@@ -293,9 +293,9 @@ def batch_estimate(
         online_from=trace.info.identify_from,
         start=start,
         stop=stop,
-        samples=len(found.k),
+        n_samples=len(found.k),
         left_out=found.left_out,
-        selection=samples,
+        select=select,
         method=method,
         model_error=_model_error(trace),
         **fit,
@@ -316,12 +316,12 @@ def _least_squares(found: Regression) -> _Fit:
 
 
 def _fitted(
-    trace: Trace, found: Regression, start: int, stop: int, samples: str, method: str
+    trace: Trace, found: Regression, start: int, stop: int, select: str, method: str
 ) -> _Fit:
     first = int(trace.k[0])
     record = trace[start - first : stop - first]
     poses = getattr(record, SOURCES[found.identify_from])
-    breaks = None if samples == "all" else record.bounced
+    breaks = None if select == "all" else record.bounced
     fit = METHODS[method](poses, record.u, breaks=breaks)
     noise = np.maximum(fit.residual_rms, np.finfo(float).tiny)
     return {

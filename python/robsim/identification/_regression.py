@@ -11,7 +11,7 @@ from robsim._base.checks import Floats
 from robsim._core import regression
 from robsim.trace._trace import Bools, Trace, check_trace, longest_run
 
-SOURCES = {"truth": "pose_true", "measurement": "measured", "estimate": "estimated"}
+SOURCES = {"truth": "pose_true", "measurement": "pose_measured", "estimate": "pose_estimated"}
 SELECTIONS = ("valid", "longest", "all")
 
 
@@ -41,7 +41,7 @@ class Regression:
 
 
 def regression_of(
-    trace: Trace, *, identify_from: str | None = None, samples: str = "valid"
+    trace: Trace, *, identify_from: str | None = None, select: str = "valid"
 ) -> Regression:
     """Return the samples of a trace.
 
@@ -52,7 +52,7 @@ def regression_of(
     identify_from : str, optional
         ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
         estimate.
-    samples : str
+    select : str
         ``"valid"``: all but those that span a bounce or a step without a pose. ``"longest"``: those
         of the longest record without an interruption. ``"all"``: also those that span a bounce,
         which the model knows nothing of.
@@ -65,10 +65,10 @@ def regression_of(
     check_trace(trace)
     source = trace.info.identify_from if identify_from is None else identify_from
     _check("identify_from", source, tuple(SOURCES))
-    _check("samples", samples, SELECTIONS)
+    _check("select", select, SELECTIONS)
     poses = getattr(trace, SOURCES[source])
-    follows = _follows(trace, poses, over_bounces=samples == "all")
-    if samples == "longest":
+    follows = _follows(trace, poses, over_bounces=select == "all")
+    if select == "longest":
         record = longest_run(follows)
         follows = np.isin(np.arange(len(follows)), np.arange(record.start, record.stop))
     # The sample of step k takes the poses of three steps in a row.
@@ -82,7 +82,7 @@ def regression_of(
         y=y,
         k=trace.k[2:][is_whole],
         identify_from=source,
-        left_out=0 if samples == "longest" else int((~is_whole).sum()),
+        left_out=0 if select == "longest" else int((~is_whole).sum()),
     )
 
 

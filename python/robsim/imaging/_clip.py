@@ -40,7 +40,7 @@ class Clip:
 
     Examples
     --------
-    >>> robsim.Clip((sim.step().frame for _ in range(50)), fps=5)
+    >>> robsim.imaging.Clip((sim.step().frame for _ in range(50)), fps=5)
     """
 
     def __init__(self, frames: Iterable[Frame | Pixels], *, fps: float, width: int = 480) -> None:

@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from robsim._base import options
-from robsim._base.checks import check_float
+from robsim._base.checks import check_float, check_size
 from robsim._core import Frame, PlaneMap, RobotParameters
 from robsim.imaging._frames import check_same_size, frame_size
 from robsim.imaging._images import Pixels, load_image
@@ -100,10 +99,10 @@ class Recording:
         )
         self.count = self._images.count()
         if area is not None:
-            self.area = options.size("area", area)
+            self.area = check_size("area", area)
         else:
             self.area = self.size if plane_map is None else _area_seen(plane_map, self.size)
-        self.plane_map = plane_map or PlaneMap.scaled(camera=self.size, area=self.area)
+        self.plane_map = plane_map or PlaneMap.scaled(resolution=self.size, area=self.area)
 
     def __iter__(self) -> Iterator[Frame]:
         with closing(self._images.read()) as images:

@@ -55,7 +55,7 @@ class VideoWriter:
 
     Examples
     --------
-    >>> with robsim.VideoWriter("run.webm", fps=5) as video:
+    >>> with robsim.imaging.VideoWriter("run.webm", fps=5) as video:
     ...     for _ in range(100):
     ...         video.write(sim.step().frame)
     """

@@ -4,6 +4,7 @@ The colours mean the same in all of them, see `robsim.plotting.style`. Places ar
 pixels with the y axis downwards, as the camera sees the area; angles are in degrees.
 """
 
+from robsim._base.public import present
 from robsim.plotting._batch import plot_batch
 from robsim.plotting._colors import plot_color_histograms
 from robsim.plotting._consistency import plot_consistency
@@ -30,3 +31,5 @@ __all__ = [
     "plot_robot",
     "plot_traces",
 ]
+
+present(globals())

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.markers import CARETLEFT
 
 from robsim._base.checks import Floats
@@ -28,7 +27,7 @@ _IS_D1 = np.arange(15) % 5 == 4
 
 
 @style.applied
-def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Figure:
+def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     """Draw how far the batch and the online estimates of the 15 parameters are from the truth.
 
     The axis is logarithmic, so that 1e-12 and 1e6 are both readable. The deviation is relative to
@@ -46,8 +45,8 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Figure:
 
     Returns
     -------
-    matplotlib.figure.Figure
-        The figure of the axes.
+    matplotlib.axes.Axes
+        The axes; in a notebook they show themselves.
 
     Raises
     ------
@@ -57,7 +56,7 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Figure:
     if not isinstance(report, BatchEstimate):
         raise TypeError(f"report must be what batch_estimate returns, got {report!r}")
     if ax is None:
-        ax = style.NotebookFigure(figsize=(9, 7)).add_subplot()
+        ax = style.NotebookFigure(figsize=(9, 7)).add_subplot(axes_class=style.NotebookAxes)
     true = report.theta_true.ravel()
     estimates = {"batch": report.batch.ravel()}
     if np.isfinite(report.online).any():
@@ -74,7 +73,7 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Figure:
         _write_column(ax, name, values, offset=62.0 + 84.0 * i)
     ax.set_title(report.title, loc="left", pad=24)
     ax.legend(loc="upper left", bbox_to_anchor=(1, 0), borderaxespad=0.6, ncols=2)
-    return ax.figure.figure
+    return ax
 
 
 def _relative(size: Floats, theta_true: Floats) -> Floats:

@@ -19,7 +19,7 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     Parameters
     ----------
     report : ConsistencyReport
-        From `robsim.pose_consistency`, `robsim.nees_consistency` or `robsim.nis_consistency`.
+        From `pose_consistency`, `nees_consistency` or `nis_consistency`.
     ax : matplotlib.axes.Axes, optional
         Where to draw. Default: a new figure of 8 x 3.2 inches.
 

@@ -64,14 +64,16 @@ def plot_ellipses(
     if level >= 1.0:
         raise ValueError(f"level must lie between 0 and 1, got {level!r}")
     rows = _drawn_rows(trace, every)
-    places, covariances = trace.estimated[rows, :2], trace.covariance[rows, :2, :2]
+    places, covariances = trace.pose_estimated[rows, :2], trace.covariance[rows, :2, :2]
     shapes = ellipses(covariances, level)
     usual = _magnification(trace, shapes)
     times = usual if magnify is None else check_float("magnify", magnify, exclusive_minimum=0.0)
     if ax is None:
         figure = style.NotebookFigure(figsize=(7, 7))
         ax = figure.add_subplot(axes_class=style.NotebookAxes)
-    ax.plot(*trace.estimated[:, :2].T, color=style.ESTIMATED, linewidth=1.0, label="estimated path")
+    ax.plot(
+        *trace.pose_estimated[:, :2].T, color=style.ESTIMATED, linewidth=1.0, label="estimated path"
+    )
     label = f"{100 * level:g} % ellipse"
     corners = (places[:, np.newaxis] + times * shapes)[_fits(trace, times * shapes)]
     ax.add_collection(_polygons(corners, label), autolim=True)
@@ -116,7 +118,7 @@ def ellipses(covariances: Floats, level: float) -> Floats:
 
 def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
     is_known = np.isfinite(trace.covariance[:, :2, :2]).all(axis=(1, 2))
-    known = np.flatnonzero(is_known & np.isfinite(trace.estimated[:, :2]).all(axis=1))
+    known = np.flatnonzero(is_known & np.isfinite(trace.pose_estimated[:, :2]).all(axis=1))
     if not len(known):
         raise ValueError(
             "the trace has no estimates with a covariance: run the simulation with "
@@ -131,7 +133,9 @@ def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
 
 def _extent(trace: Trace) -> float:
     """Return how long the estimated path is along x or y (px)."""
-    return float(np.ptp(trace.estimated[np.isfinite(trace.estimated[:, 0]), :2], axis=0).max())
+    return float(
+        np.ptp(trace.pose_estimated[np.isfinite(trace.pose_estimated[:, 0]), :2], axis=0).max()
+    )
 
 
 def _fits(trace: Trace, shapes: Floats) -> NDArray[np.bool_]:

@@ -30,7 +30,8 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
     report : ErrorReport
         From `pose_errors` or `estimation_errors`; of several runs all errors are drawn.
     bound : array (N, n, n), optional
-        Least covariance in each step, from `robsim.pose_bounds`; of several runs their mean.
+        Smallest possible covariance in each step, from `robsim.evaluation.pose_bounds`; of several
+        runs their mean.
     axes : array_like (n, 2) of matplotlib.axes.Axes, optional
         Where to draw: errors on the left, histograms on the right. Default: a new figure.
 

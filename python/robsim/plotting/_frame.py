@@ -105,7 +105,7 @@ def _draw_path_until(axes: Axes, trace: Trace | None, step: int | None, from_wor
         if step not in trace.k:
             raise ValueError(f"step: expected a step of {trace!r}, got {step}")
         trace = trace[: step - int(trace.k[0]) + 1]
-    measured = trace.measured[trace.valid, :2]
+    measured = trace.pose_measured[trace.seen, :2]
     style.draw_path(axes, from_world(trace.pose_true[:, :2]), from_world(measured))
     style.rasterize_long_lines([axes])
     axes.legend(

@@ -39,12 +39,12 @@ def annotated_frames(
     robot = simulation.robot
     is_tracked = "x_measured" in trace.names
     outline = robot.to_robot_frame(robot.outline)
-    measured, estimated, covariance = trace.measured, trace.estimated, trace.covariance
+    measured, estimated, covariance = trace.pose_measured, trace.pose_estimated, trace.covariance
     for i, frame in zip(range(len(trace)), frames, strict=False):
         is_estimated = np.isfinite(estimated[i]).all()
         yield draw_overlay(
             frame,
-            measurement=Measurement(measured[i]) if trace.valid[i] else None,
+            measurement=Measurement(measured[i]) if trace.seen[i] else None,
             blobs=simulation.find_blobs(frame) if is_tracked else None,
             outline=outline,
             path=measured[: i + 1, :2],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,14 +13,16 @@ from numpy.typing import NDArray
 from robsim._base.checks import Floats
 from robsim.plotting import _style as style
 from robsim.plotting._error_panels import draw_histogram, limit_panel
-from robsim.trace._trace import Trace, longest_run
+from robsim.trace._trace import Trace, check_trace, longest_run
 
 
 @style.applied
-def plot_traces(trace: Trace, *, show_blobs: bool = False) -> Figure:
+def plot_traces(
+    trace: Trace, *, show_blobs: bool = False, axes: Mapping[str, Axes] | None = None
+) -> Figure:
     """Draw poses, measurement errors with their histograms, and the path.
 
-    The histograms are made from the longest unbroken record of valid measurements, whose steps
+    The histograms are made from the longest unbroken record of measurements, whose steps
     have a shaded background. The bell curve is the normal distribution of the record's mean and
     standard deviation. Errors far outside the others stand as triangles at the edge.
 
@@ -31,38 +33,53 @@ def plot_traces(trace: Trace, *, show_blobs: bool = False) -> Figure:
         path are drawn.
     show_blobs : bool
         Draw the centroids of the two biggest blobs per colour, too.
+    axes : dict of str to matplotlib.axes.Axes, optional
+        Where to draw, as `Figure.subplot_mosaic` returns it: x, y, heading, path; for the errors
+        dx, dy, dheading and their histograms dx bins, dy bins, dheading bins. Default: a new
+        figure.
 
     Returns
     -------
     matplotlib.figure.Figure
-        10 x 8 inches; 10 x 4.6 if the run was not tracked, or the truth is not known.
+        The figure of the axes; a new one is 10 x 8 inches, or 10 x 4.6 if the run was not tracked
+        or the truth is not known.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `trace` is not a Trace, or one of the axes is missing.
     """
-    tracked = bool(np.isfinite(trace.held).any())
-    rows: list[list[Any]] = [["x", "plan"], ["y", "plan"], ["heading", "plan"]]
+    check_trace(trace)
+    tracked = bool(np.isfinite(trace.pose_held).any())
+    rows: list[list[Any]] = [["x", "path"], ["y", "path"], ["heading", "path"]]
     has_errors = tracked and bool(np.isfinite(trace.pose_true).any())
     if has_errors:
         rows += [["dx", "dx bins"], ["dy", "dy bins"], ["dheading", "dheading bins"]]
-    figure = style.NotebookFigure(figsize=(10, 8 if has_errors else 4.6))
-    axes = figure.subplot_mosaic(rows, width_ratios=(1.7, 1))
+    is_new = axes is None
+    if axes is None:
+        figure = style.NotebookFigure(figsize=(10, 8 if has_errors else 4.6))
+        axes = figure.subplot_mosaic(rows, width_ratios=(1.7, 1))
+    elif missing := sorted({name for row in rows for name in row} - axes.keys()):
+        raise ValueError(f"axes must have the panels {', '.join(missing)}, got {', '.join(axes)}")
     left, right = ([axes[name] for name in column] for column in zip(*rows, strict=True))
     for panel in left[:-1]:
         panel.sharex(left[-1])
         panel.tick_params(labelbottom=False)
     style.show_steps(left[-1], trace)
     _draw_all_poses(left[:3], trace, show_blobs)
-    _draw_plan(axes["plan"], trace)
+    _draw_plan(axes["path"], trace)
     if has_errors:
         _draw_errors(left[3:], right[3:], trace)
-    style.rasterize_long_lines(figure.axes)
-    figure.align_ylabels(left)
-    figure.suptitle(str(trace.tracking()) if tracked else _untracked_title(trace))
-    figure.legend(
-        *left[0].get_legend_handles_labels(),
-        loc="outside lower center",
-        ncols=8,
-        markerscale=8 / style.dot_size(len(trace)),
-    )
-    return figure
+    style.rasterize_long_lines(axes.values())
+    look: dict[str, Any] = {"markerscale": 8 / style.dot_size(len(trace))}
+    if is_new:
+        figure.align_ylabels(left)
+        figure.suptitle(str(trace.tracking()) if tracked else _untracked_title(trace))
+        labels = left[0].get_legend_handles_labels()
+        figure.legend(*labels, loc="outside lower center", ncols=8, **look)
+    else:
+        left[0].legend(ncols=4, **look)
+    return left[0].figure.figure
 
 
 def _untracked_title(trace: Trace) -> str:
@@ -72,15 +89,15 @@ def _untracked_title(trace: Trace) -> str:
 
 def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> None:
     k, size = trace.k, style.dot_size(len(trace))
-    held = np.where(trace.valid[:, np.newaxis], np.nan, trace.held)
+    held = np.where(trace.seen[:, np.newaxis], np.nan, trace.pose_held)
     near: dict[str, Any] = {"near": trace.pose_true[:, 2]}
     dots = {"linestyle": "none", "marker": ".", "markersize": size, **near}
     _draw_poses(panels, k, trace.pose_true, color=style.TRUE, linewidth=3.0, label="true")
     if show_blobs:
         _draw_blobs(panels[:2], trace)
-    _draw_poses(panels, k, trace.measured, color=style.MEASURED, label="measured", **dots)
+    _draw_poses(panels, k, trace.pose_measured, color=style.MEASURED, label="measured", **dots)
     line = {"color": style.ESTIMATED, "linewidth": 0.8, **near}
-    _draw_poses(panels, k, trace.estimated, label="estimated", **line)
+    _draw_poses(panels, k, trace.pose_estimated, label="estimated", **line)
     _draw_poses(panels, k, held, color=style.HELD, label="not seen: last pose held", **dots)
     for panel, label in zip(panels, ("x (px)", "y (px)", "heading (deg)"), strict=True):
         panel.set_ylabel(label)
@@ -132,7 +149,7 @@ def _draw_blobs(panels: Sequence[Axes], trace: Trace) -> None:
 
 def _draw_plan(axes: Axes, trace: Trace) -> None:
     path = trace.pose_true[:, :2]
-    style.draw_path(axes, path, trace.measured[:, :2])
+    style.draw_path(axes, path, trace.pose_measured[:, :2])
     axes.plot(
         *path[:1].T,
         "o",
@@ -155,7 +172,7 @@ def _draw_plan(axes: Axes, trace: Trace) -> None:
 
 def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trace) -> None:
     errors = trace.error * (1.0, 1.0, np.rad2deg(1.0))
-    record = longest_run(trace.valid)
+    record = longest_run(trace.seen)
     for axis, (name, unit) in enumerate((("dx", "px"), ("dy", "px"), ("d heading", "deg"))):
         _draw_error(panels[axis], trace.k, errors[:, axis], record)
         panels[axis].set_ylabel(f"{name} ({unit})")
@@ -163,7 +180,7 @@ def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trac
         draw_histogram(histograms[axis], errors[record, axis], unit)
     k = trace.k[record]
     histograms[0].set_title(
-        f"longest record: {k[0]}..{k[-1]}, n = {len(k)}" if len(k) else "no valid measurement"
+        f"longest record: {k[0]}..{k[-1]}, n = {len(k)}" if len(k) else "no measurement"
     )
     histograms[-1].set_xlabel("steps per bin")
 

@@ -23,8 +23,8 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
         Standard deviations of the acceleration of x, y and the heading (px/s^2, px/s^2, rad/s^2).
     measurement_noise : sequence of 3 floats
         Standard deviations of a measured pose (px, px, rad). The default is that of 36 drawn
-        headings in a frame of 1200 px; with ``rotation="continuous"`` it is about
-        (0.05, 0.05, 0.002), with ``camera=(480, 480)`` (0.7, 0.7, 0.05).
+        headings in a frame of 1200 px; with ``headings=None`` it is about
+        (0.05, 0.05, 0.002), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
     prior : Prior, optional
         What is known before the robot is seen.
 

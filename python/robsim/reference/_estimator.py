@@ -91,7 +91,7 @@ class StateEstimator(ABC):
             self.reset()
         # The prior holds until the robot is seen: where it faces decides where an input drives it.
         if self._has_seen:
-            self.predict(step.u, step.dt)
+            self.predict(step.last_u, step.dt)
         if step.measurement is not None:
             self.update(step.measurement.pose)
             self._has_seen = True

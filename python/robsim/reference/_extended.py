@@ -25,8 +25,8 @@ class ExtendedKalmanFilter(KalmanFilter):
         knows no walls: without any, the filter would not get over the first bounce.
     measurement_noise : sequence of 3 floats
         Standard deviations of a measured pose (px, px, rad). The default is that of 36 drawn
-        headings in a frame of 1200 px; with ``rotation="continuous"`` it is about
-        (0.05, 0.05, 0.002), with ``camera=(480, 480)`` (0.7, 0.7, 0.05).
+        headings in a frame of 1200 px; with ``headings=None`` it is about
+        (0.05, 0.05, 0.002), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
     prior : Prior, optional
         What is known before the robot is seen.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from robsim._base.checks import Floats, check_float
 
-#: Of the vision with the 36 headings of ``rotation="phases"``: px, px, rad.
+#: Of the vision of a robot shown in 36 headings: px, px, rad.
 MEASUREMENT_NOISE = (0.4, 0.4, 0.05)
 
 #: What the robot model does not say of the next pose: px, px, rad.

@@ -1,17 +1,17 @@
 """Robots: what they look like, where they are kept, which one is in use."""
 
+from robsim._base.public import present
 from robsim.robots._default_robot import default_robot, reset_default_robot
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._files import save_robot
 from robsim.robots._finding import robot_from_picture
-from robsim.robots._lookup import as_robot, load_robot, robot_names, set_default_robot
+from robsim.robots._lookup import load_robot, robot_names, set_default_robot
 from robsim.robots._marker_check import check_colors
 from robsim.robots._user_robots import add_robot, remove_robot, rotate_robot
 
 __all__ = [
     "RobotDefinition",
     "add_robot",
-    "as_robot",
     "check_colors",
     "default_robot",
     "load_robot",
@@ -23,3 +23,5 @@ __all__ = [
     "save_robot",
     "set_default_robot",
 ]
+
+present(globals())

@@ -64,24 +64,24 @@ def read_robot(folder: Path) -> RobotDefinition:
         raise ValueError(f"robot definition {file}: {error}") from error
 
 
-def save_robot(definition: RobotDefinition, folder: str | PathLike[str]) -> None:
+def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     """Write a robot definition: a ``robot.toml`` with comments, and its picture ``robot.png``.
 
     Parameters
     ----------
-    definition : RobotDefinition
-        The robot. Points are rounded to 0.01 px of the picture.
     folder : path
         Is made if there is none. Files of these names in it are replaced, others are left alone.
+    robot : RobotDefinition
+        The robot. Points are rounded to 0.01 px of the picture.
     """
-    if not isinstance(definition, RobotDefinition):
-        raise TypeError(f"definition must be a RobotDefinition, got {definition!r}")
+    if not isinstance(robot, RobotDefinition):
+        raise TypeError(f"robot must be a RobotDefinition, got {robot!r}")
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     picture = io.BytesIO()
-    Image.fromarray(definition.image).save(picture, format="PNG")
+    Image.fromarray(robot.image).save(picture, format="PNG")
     write_whole(folder / PICTURE, picture.getvalue())
-    write_whole(folder / TOML, _as_text(definition).encode())
+    write_whole(folder / TOML, _as_text(robot).encode())
 
 
 def _from_values(folder: Path, values: dict[str, Any]) -> RobotDefinition:

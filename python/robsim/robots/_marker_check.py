@@ -8,6 +8,7 @@ from os import PathLike
 
 import numpy as np
 
+from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats
 from robsim._core import Blob, ColorClass, PlaneMap, find_blobs, locate, rgb_to_yuv
 from robsim.imaging._images import Pixels, resized
@@ -28,30 +29,32 @@ _MARGIN = 4  # px around the picture, so that nothing touches its border
 
 
 def check_colors(
-    definition: RobotDefinition,
+    robot: RobotDefinition,
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
-) -> list[str]:
-    """Return why the camera would not find a robot by its markers' colours.
+) -> CheckReport:
+    """Check whether the camera finds a robot by its markers' colours.
 
     The picture is looked at in the size that it has on the work area, lit and in the shadow.
 
     Parameters
     ----------
-    definition : RobotDefinition
+    robot : RobotDefinition
         The robot.
     colors : path or iterable of ColorClass, optional
         Colour file or classes. Default: the colours that ship with robsim.
 
     Returns
     -------
-    list of str
-        A sentence for each problem; empty if there is none.
+    CheckReport
+        True if the markers are seen; else its `sentences` say why not.
     """
     classes = {color.name: color for color in as_colors(colors)}
-    if problems := _problems(_View(definition), classes):
-        return problems
-    shaded = replace(definition, image=_in_shadow(definition.image))
-    return [f"in the shadow: {problem}" for problem in _problems(_View(shaded), classes)]
+    sentences = _problems(_View(robot), classes)
+    if not sentences:
+        shaded = replace(robot, image=_in_shadow(robot.image))
+        sentences = [f"in the shadow: {problem}" for problem in _problems(_View(shaded), classes)]
+    problems = (Problem(kind="marker not seen", sentence=sentence) for sentence in sentences)
+    return CheckReport(name=f"the robot {robot.name}", problems=tuple(problems))
 
 
 def _in_shadow(image: Pixels) -> Pixels:

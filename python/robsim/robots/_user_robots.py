@@ -96,7 +96,7 @@ def add_robot(
         definition = reduced(replace(known, name=name, **changed))
     else:
         definition = robot_from_picture(name, known, colors=colors, **given)
-    problems = [] if ignore_colors else check_colors(definition, colors)
+    problems = [] if ignore_colors else check_colors(definition, colors).sentences
     if problems:
         raise ValueError(
             f"{'; '.join(problems)}. The colour file can be changed later: ignore_colors=True "
@@ -214,7 +214,7 @@ def _store(definition: RobotDefinition) -> RobotDefinition:
     folder = own_folder() / definition.name
     aside = _beside(folder)
     try:
-        save_robot(definition, aside)
+        save_robot(aside, definition)
         stored = read_robot(aside)
         _put_in_place(aside, folder, own_robots())
     finally:

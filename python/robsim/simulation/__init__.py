@@ -1,9 +1,22 @@
 """The simulation: scene, slots, callback folders, the loop."""
 
+from robsim._base.public import present
+from robsim._core import Estimate, Renderer, RobotModel, RobotParameters, Step, Unicycle, WorldState
+from robsim.simulation._dropout import Dropout
 from robsim.simulation._scene import draw_red_square
 from robsim.simulation._simulation import Simulation
 
 __all__ = [
+    "Dropout",
+    "Estimate",
+    "Renderer",
+    "RobotModel",
+    "RobotParameters",
     "Simulation",
+    "Step",
+    "Unicycle",
+    "WorldState",
     "draw_red_square",
 ]
+
+present(globals())

@@ -8,16 +8,16 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from robsim._core import Frame, RobotModel, RobotParameters
+from robsim.simulation._scene import HEADINGS
 
 DT_TOLERANCE = 2e-3  # relative; video files round their rate
 
 # Options of a simulated world, and their defaults.
 _WORLD = {
     "boundary": "bounce",
-    "rotation": "phases",
-    "noise": "none",
-    "noise_percent": None,
-    "dropout": 0,
+    "headings": HEADINGS,
+    "noise": None,
+    "dropout": None,
     "background": None,
     "start": None,
     "evaluate_model": None,

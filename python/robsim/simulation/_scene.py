@@ -15,7 +15,7 @@ from robsim.imaging._shading import SHADOW, darkened, lightened
 from robsim.robots import RobotDefinition
 
 #: Number of headings that the original program shows the robot in.
-PHASES = 36
+HEADINGS = 36
 
 # The square that the default background shows: left, top, side (work-area px), RGB.
 _SQUARE = (572, 64, 56, (198, 36, 40))
@@ -45,8 +45,8 @@ def make_renderer(
     *,
     robot: RobotDefinition,
     area: tuple[int, int],
-    camera: tuple[int, int],
-    phases: int,
+    resolution: tuple[int, int],
+    headings: int,
     background: Pixels | None,
     adjust_background: Callable[[Pixels], Pixels],
 ) -> Renderer:
@@ -56,9 +56,9 @@ def make_renderer(
     ----------
     robot : RobotDefinition
         The robot.
-    area, camera : tuple of int
+    area, resolution : tuple of int
         Width and height of the work area (px) and of the frame (px).
-    phases : int
+    headings : int
         Number of headings the robot is shown in; 0 = any.
     background : array (H, W, 3) of uint8, or None
         The floor, in the size of the area. None = the one that ships with robsim.
@@ -73,17 +73,19 @@ def make_renderer(
     floor = _shipped_floor(area) if background is None else background
     shadowed_floor = darkened(floor)
     home, shadowed_home = _home(floor, shadowed_floor, adjust_background)
-    sprite, centre, unit = robot_sprite(robot, max(camera[0] / area[0], camera[1] / area[1]))
+    sprite, centre, unit = robot_sprite(
+        robot, max(resolution[0] / area[0], resolution[1] / area[1])
+    )
     return Renderer(
-        floor=(resized(floor, *camera), resized(shadowed_floor, *camera)),
-        home=(resized(home, *camera), resized(shadowed_home, *camera)),
-        shadow_left=_shadow_left(camera[0]),
+        floor=(resized(floor, *resolution), resized(shadowed_floor, *resolution)),
+        home=(resized(home, *resolution), resized(shadowed_home, *resolution)),
+        shadow_left=_shadow_left(resolution[0]),
         shadow_factor=SHADOW,
         sprite=sprite,
         centre=centre,
         unit=unit,
         alignment=np.deg2rad(robot.alignment),
-        phases=phases,
+        headings=headings,
         area=area,
     )
 

@@ -11,15 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.checks import check_float, check_int
-from robsim._base.options import (
-    choice,
-    phase_count,
-    size,
-    start_within,
-    step_count,
-    visual_noise,
-)
+from robsim._base.checks import check_choice, check_int, check_size
 from robsim._base.seeds import Seed, seed_record, seed_sequence, stream, stream_number
 from robsim._core import (
     ColorClass,
@@ -32,10 +24,14 @@ from robsim._core import (
     Unicycle,
 )
 from robsim.imaging._images import Pixels
-from robsim.robots import RobotDefinition, as_robot
+from robsim.imaging._noise import Noise, as_native_noise
+from robsim.robots import RobotDefinition
+from robsim.robots._lookup import as_robot
 from robsim.simulation import _slots as slots
+from robsim.simulation._dropout import Dropout, as_dropout
 from robsim.simulation._frame_source import FrameSource, check_no_world
-from robsim.simulation._scene import PHASES, as_floor, draw_red_square, make_renderer
+from robsim.simulation._options import heading_count, start_within, step_count
+from robsim.simulation._scene import HEADINGS, as_floor, draw_red_square, make_renderer
 from robsim.simulation._time_limit import TimeLimit
 from robsim.trace._trace import RunInfo, Trace
 from robsim.vision._color_files import as_colors
@@ -49,7 +45,7 @@ SOURCES = ("truth", "measurement", "estimate")
 _AREA = (1200, 1200)
 _ENDLESS = 2**62 - 1
 _SIMULATED = {"pose_true": 3, "u": 2, "bounced": 1}
-_RECORDED = {"t": 1, "measured": 3}
+_RECORDED = {"t": 1, "pose_measured": 3}
 
 
 # Stages that the core does without Python: they need no time limit.
@@ -101,23 +97,18 @@ class Simulation:
     area : tuple of int, optional
         Width and height of the work area (px). Default: ``frames.area`` if there is one, or
         1200 x 1200.
-    camera : tuple of int, optional
+    resolution : tuple of int, optional
         Width and height of the frames (px). Default: those of the area.
     boundary : str
         ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: it does not, and the view
         follows it.
-    rotation : str
-        ``"phases"``: the robot is shown in the nearest of `phases` headings, at whole pixels.
-        ``"continuous"``: at its exact place and heading.
-    phases : int
-        Number of headings for ``rotation="phases"``.
-    noise : str
-        ``"none"``, ``"uniform"`` or ``"gaussian"`` noise of the camera.
-    noise_percent : float, optional
-        Its level p: uniform within +-2.55 p, or Gaussian with sigma = 2.55 p.
-    dropout, dropout_steps : float, int
-        Something hides the robot from the camera: in each segment of `dropout_steps` steps with
-        the probability `dropout`, 0..1.
+    headings : int or None
+        Number of headings that the robot is shown in: the nearest one, at whole pixels. None: its
+        exact position and heading.
+    noise : GaussianNoise, UniformNoise or None
+        Noise of the camera.
+    dropout : Dropout or None
+        Something hides the robot from the camera now and then.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
     start : array (3,) or "random", optional
@@ -181,14 +172,11 @@ class Simulation:
         robot: str | PathLike[str] | RobotDefinition | None = None,
         frames: Iterable[Frame] | None = None,
         area: tuple[int, int] | None = None,
-        camera: tuple[int, int] | None = None,
+        resolution: tuple[int, int] | None = None,
         boundary: str = "bounce",
-        rotation: str = "phases",
-        phases: int = PHASES,
-        noise: str = "none",
-        noise_percent: float | None = None,
-        dropout: float = 0.0,
-        dropout_steps: int = 1,
+        headings: int | None = HEADINGS,
+        noise: Noise | None = None,
+        dropout: Dropout | None = None,
         background: Pixels | str | PathLike[str] | None = None,
         start: ArrayLike | str | None = None,
         seed: Seed = None,
@@ -212,13 +200,13 @@ class Simulation:
         self.robot = as_robot(robot)
         self._source = None if frames is None else FrameSource(frames)
         default_area = (self._source and self._source.area) or _AREA
-        self.area = size("area", default_area if area is None else area)
-        self.camera = self.area if camera is None else size("camera", camera)
-        choice("boundary", boundary, ("bounce", "unlimited"))
+        self.area = check_size("area", default_area if area is None else area)
+        self.resolution = self.area if resolution is None else check_size("resolution", resolution)
+        check_choice("boundary", boundary, ("bounce", "unlimited"))
         self.boundary = boundary if frames is None else "recorded"
         if identify_from is None:
             identify_from = "truth" if frames is None else "measurement"
-        self.identify_from = choice("identify_from", identify_from, SOURCES)
+        self.identify_from = check_choice("identify_from", identify_from, SOURCES)
         self._time_limit = None if time_limit is None else TimeLimit(time_limit)
         self._is_guarded = False
         self._renderer: _core.Renderer | None = None  # of an earlier start
@@ -229,26 +217,27 @@ class Simulation:
         self._smoothing = (
             None if smoothing is None else check_int("smoothing", smoothing, minimum=1, maximum=15)
         )
-        self._phases = phase_count(rotation, phases)
+        self._headings = heading_count(headings)
         self._background = as_floor(background, self.area)
         self._seed = seed_sequence(seed)
         self._rng = np.random.default_rng(stream(self._seed, "user"))
         self._callbacks: dict[str, Any] = dict.fromkeys(slots.ARGUMENTS)
         self._given = {slot: given[slot] for slot in self._callbacks}
+        hidden = as_dropout(dropout)
         self._core = _core.Simulation(
             area=self.area,
             boundary=boundary,
             robot_radius=self.robot.radius,
             start=self._start_pose(start),
-            noise=visual_noise(noise, noise_percent),
+            noise=as_native_noise(noise),
             colors=self.colors,
             markers=self.markers,
             smoothing=self._smoothing,
             identify_from=identify_from,
             controller_seed=stream_number(self._seed, "controller"),
             noise_seed=stream_number(self._seed, "noise"),
-            dropout=check_float("dropout", dropout, minimum=0, maximum=1),
-            dropout_steps=check_int("dropout_steps", dropout_steps, minimum=1, maximum=2**31 - 1),
+            dropout=hidden.probability,
+            dropout_steps=hidden.steps,
             dropout_seed=stream_number(self._seed, "dropout"),
         )
         self._core.set_stage("make_renderer", self._make_renderer)
@@ -382,8 +371,8 @@ class Simulation:
         renderer = make_renderer(
             robot=self.robot,
             area=self.area,
-            camera=self.camera,
-            phases=self._phases,
+            resolution=self.resolution,
+            headings=self._headings,
             background=self._background,
             adjust_background=adjust or draw_red_square,
         )

@@ -1,5 +1,6 @@
 """The recorded run: named columns, slices, files."""
 
+from robsim._base.public import present
 from robsim.trace._trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
 
 __all__ = [
@@ -8,3 +9,5 @@ __all__ = [
     "Trace",
     "TrackingStatistics",
 ]
+
+present(globals())

@@ -32,7 +32,7 @@ FORMAT = "robsim trace 1"
 #: The 15 parameters of the robot model, row by row of theta (3, 5).
 PARAMETER_NAMES = tuple(f"{p}{axis}" for axis in "XYP" for p in ("a1", "a2", "b1", "b2", "d1"))
 
-#: Farther from the truth than this, a valid pose is a false one (px, rad).
+#: Farther from the truth than this, a measured pose is a false one (px, rad).
 FALSE_POSE_LIMITS = (10.0, np.deg2rad(20.0))
 
 _POSE_UNITS = ("px", "px", "rad")
@@ -50,9 +50,9 @@ _FIXED_GROUPS: dict[str, dict[str, str]] = {
     "pose_true": _poses("true"),
     "u": {"u1": "V", "u2": "V"},
     "bounced": {"bounced": ""},
-    "measured": _poses("measured"),
-    "held": _poses("held"),
-    "estimated": _poses("estimated"),
+    "pose_measured": _poses("measured"),
+    "pose_held": _poses("held"),
+    "pose_estimated": _poses("estimated"),
     "covariance": {
         f"cov_{a}_{b}": f"{ua} {ub}"
         for a, ua in zip(("x", "y", "heading"), _POSE_UNITS, strict=True)
@@ -63,7 +63,7 @@ _FIXED_GROUPS: dict[str, dict[str, str]] = {
     "view": {"x_view": "px", "y_view": "px"},
 }
 _SIMULATED = ("pose_true", "u", "bounced")
-_RECORDED = ("measured",)
+_RECORDED = ("pose_measured",)
 _SHAPES = {
     "covariance": (3, 3),
     "parameters": (3, 5),
@@ -165,31 +165,31 @@ class TrackingStatistics:
     ----------
     steps : int
         Steps of the record.
-    valid : int
+    seen : int
         Steps in which the robot was found.
-    false : int
+    false_poses : int
         Valid steps more than 10 px or 20 degrees off.
-    rms_xy : float
-        sqrt(mean(dx^2 + dy^2)) over the valid steps (work-area px); NaN if the truth is not known.
-    rms_heading_deg : float
-        Root mean square of the heading error over the valid steps (degrees).
+    rmse_xy : float
+        sqrt(mean(dx^2 + dy^2)) over the steps seen (work-area px); NaN if the truth is not known.
+    rmse_heading_deg : float
+        Root mean square of the heading error over the steps seen (degrees).
     """
 
     steps: int
-    valid: int
-    false: int
-    rms_xy: float
-    rms_heading_deg: float
+    seen: int
+    false_poses: int
+    rmse_xy: float
+    rmse_heading_deg: float
 
     def __str__(self) -> str:
-        if not self.valid:
-            return f"tracking: {self.steps} steps, none valid"
-        share = f"{100 * self.valid / self.steps:.1f} %"
-        if math.isnan(self.rms_xy):
-            return f"tracking: {self.steps} steps, {self.valid} valid ({share})"
+        if not self.seen:
+            return f"tracking: {self.steps} steps, never seen"
+        share = f"{100 * self.seen / self.steps:.1f} %"
+        if math.isnan(self.rmse_xy):
+            return f"tracking: {self.steps} steps, {self.seen} seen ({share})"
         return (
-            f"tracking: {self.steps} steps, {self.valid} valid ({share}), {self.false} false, "
-            f"rms {self.rms_xy:.3f} px and {self.rms_heading_deg:.3f} deg"
+            f"tracking: {self.steps} steps, {self.seen} seen ({share}), {self.false_poses} false, "
+            f"rmse {self.rmse_xy:.3f} px and {self.rmse_heading_deg:.3f} deg"
         )
 
 
@@ -230,15 +230,15 @@ class Trace:
         Input that the controller gave at the step: left and right voltage (V).
     bounced : array (N,) of bool
         The robot met a wall in this step.
-    measured : array (N, 3)
+    pose_measured : array (N, 3)
         Measured pose, NaN where the robot was not seen.
-    valid : array (N,) of bool
+    seen : array (N,) of bool
         The robot was seen.
-    held : array (N, 3)
-        Last valid measurement, NaN before the first.
+    pose_held : array (N, 3)
+        Last measurement, NaN before the first.
     blobs : dict of str to array (N, 2, 2)
         Per colour the centroids (x, y) of the two biggest blobs (work-area px), NaN if missing.
-    estimated : array (N, 3)
+    pose_estimated : array (N, 3)
         Estimated pose, NaN without a state estimator.
     covariance : array (N, 3, 3)
         Its covariance.
@@ -314,19 +314,19 @@ class Trace:
         return np.asarray(self._group("bounced", 1)[:, 0] > 0)
 
     @property
-    def measured(self) -> Floats:
+    def pose_measured(self) -> Floats:
         """Measured poses (N, 3), NaN where not seen."""
-        return self._group("measured", 3)
+        return self._group("pose_measured", 3)
 
     @property
-    def valid(self) -> Bools:
+    def seen(self) -> Bools:
         """Steps at which the robot was seen."""
-        return np.isfinite(self.measured[:, 0])
+        return np.isfinite(self.pose_measured[:, 0])
 
     @property
-    def held(self) -> Floats:
-        """Last valid measurements (N, 3)."""
-        return self._group("held", 3)
+    def pose_held(self) -> Floats:
+        """Last measurements (N, 3)."""
+        return self._group("pose_held", 3)
 
     @property
     def blobs(self) -> dict[str, Floats]:
@@ -335,9 +335,9 @@ class Trace:
         return {name.removeprefix("blobs_"): self._group(name, 2, 2) for name in names}
 
     @property
-    def estimated(self) -> Floats:
+    def pose_estimated(self) -> Floats:
         """Estimated poses (N, 3)."""
-        return self._group("estimated", 3)
+        return self._group("pose_estimated", 3)
 
     @property
     def covariance(self) -> Floats:
@@ -370,13 +370,13 @@ class Trace:
     @property
     def error(self) -> Floats:
         """Measured minus true pose (N, 3), the heading's within half a turn; NaN if not seen."""
-        error = self.measured - self.pose_true
+        error = self.pose_measured - self.pose_true
         error[:, 2] = wrap_angle(error[:, 2])
         return error
 
     @property
-    def false(self) -> Bools:
-        """Steps with a valid pose that is more than 10 px or 20 degrees off."""
+    def is_false(self) -> Bools:
+        """Steps with a measured pose that is more than 10 px or 20 degrees off."""
         error = self.error
         distance = np.hypot(error[:, 0], error[:, 1])
         place, heading = FALSE_POSE_LIMITS
@@ -384,7 +384,7 @@ class Trace:
 
     def tracking(self) -> TrackingStatistics:
         """Return how well the measurement followed the truth."""
-        error = self.error[self.valid]
+        error = self.error[self.seen]
         square = np.square(error)
 
         def rms(squares: Floats) -> float:
@@ -392,10 +392,10 @@ class Trace:
 
         return TrackingStatistics(
             steps=len(self),
-            valid=len(error),
-            false=int(self.false.sum()),
-            rms_xy=rms(square[:, 0] + square[:, 1]),
-            rms_heading_deg=float(np.rad2deg(rms(square[:, 2]))),
+            seen=len(error),
+            false_poses=int(self.is_false.sum()),
+            rmse_xy=rms(square[:, 0] + square[:, 1]),
+            rmse_heading_deg=float(np.rad2deg(rms(square[:, 2]))),
         )
 
     @property
@@ -404,8 +404,8 @@ class Trace:
         units = {"k": "", "t": "s"}
         for name, values in self._groups.items():
             units |= _fields(name, values.shape[1])
-            if name == "measured":
-                units["valid"] = ""
+            if name == "pose_measured":
+                units["seen"] = ""
         return units
 
     @property
@@ -418,8 +418,8 @@ class Trace:
         for name, values in self._groups.items():
             fields = _fields(name, values.shape[1])
             columns |= {field: values[:, i] for i, field in enumerate(fields)}
-            if name == "measured":
-                columns["valid"] = self.valid
+            if name == "pose_measured":
+                columns["seen"] = self.seen
         if "bounced" in columns:
             columns["bounced"] = self.bounced
         return columns

@@ -1,14 +1,37 @@
 """Colours: files, masks, and how robustly they are found."""
 
+from robsim._base.public import present
+from robsim._core import (
+    Blob,
+    ColorClass,
+    MarkerLayout,
+    Measurement,
+    classify,
+    color_histograms,
+    find_blobs,
+    locate,
+    rgb_to_yuv,
+)
 from robsim.vision._color_files import colors_to_toml, load_colors, save_colors
 from robsim.vision._color_masks import paint_classes
 from robsim.vision._color_score import ColorScore, score_color
 
 __all__ = [
+    "Blob",
+    "ColorClass",
     "ColorScore",
+    "MarkerLayout",
+    "Measurement",
+    "classify",
+    "color_histograms",
     "colors_to_toml",
+    "find_blobs",
     "load_colors",
+    "locate",
     "paint_classes",
+    "rgb_to_yuv",
     "save_colors",
     "score_color",
 ]
+
+present(globals())

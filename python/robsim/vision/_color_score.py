@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import Floats, check_int
-from robsim._core import Blob, ColorClass, Frame, VisualNoise, color_histograms, find_blobs
+from robsim._core import Blob, ColorClass, Frame, color_histograms, find_blobs
 from robsim.imaging._images import Pixels
+from robsim.imaging._noise import native_noise
 from robsim.imaging._shading import darkened
 
 Region = tuple[int, int, int, int]
@@ -225,7 +226,7 @@ def _pictures(
         yield shown
     else:
         clean = darkened(image) if sweep.endswith("in shadow") else image
-        noise = VisualNoise(sweep.split()[0], level)
+        noise = native_noise(sweep.split()[0], level)
         for i in range(repeats):
             yield noise.add(clean, seed, i)
 

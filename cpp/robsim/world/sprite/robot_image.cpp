@@ -46,7 +46,7 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
                                 std::to_string(unit));
   }
   if (phases < 0) {
-    throw std::invalid_argument("phases must be at least 0, got " + std::to_string(phases));
+    throw std::invalid_argument("headings must be at least 0, got " + std::to_string(phases));
   }
   const double du = std::max(centre_.x, sprite_.width - 2 - centre_.x);
   const double dv = std::max(centre_.y, sprite_.height - 2 - centre_.y);

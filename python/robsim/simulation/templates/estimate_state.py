@@ -4,7 +4,8 @@ Called at every step, after the measurement. Gets `step`, of which you need:
     step.measurement   what measure returned: step.measurement.pose is x, y (px), heading (rad).
                        None: not seen, or ENABLED = False in measure.py
     step.parameters    what estimate_parameters returned last, (3, 5), or None
-    step.u, step.dt    the last voltages: left, right motor (V); the time between two steps (s)
+    step.last_u        the voltages of the step before: left, right motor (V)
+    step.dt            the time between two steps (s)
 Returns an Estimate: the pose, x, y (px), heading (rad), and its covariance, (3, 3).
 """
 
@@ -42,7 +43,7 @@ class LastPose:
         else:
             self.covariance = self.covariance + step.dt * ONE_SECOND
         # To try: doubt it the more, the faster the wheels turn.
-        # self.covariance = self.covariance + step.dt * (step.u @ step.u) * ONE_SECOND
+        # self.covariance = self.covariance + step.dt * (step.last_u @ step.last_u) * ONE_SECOND
         return robsim.Estimate(self.pose, self.covariance)
 
 

@@ -1,4 +1,4 @@
-"""The student's line: file, number, text."""
+"""A line of the user's own code: file, number, text. The doctor points to it."""
 
 from __future__ import annotations
 
@@ -47,14 +47,14 @@ class SourceLine:
 
 
 def line_of_error(error: BaseException) -> SourceLine | None:
-    """Return the innermost line of the student's code in a traceback, if there is one."""
+    """Return the innermost line of the user's code in a traceback, if there is one."""
     frames = traceback.walk_tb(error.__traceback__)
     lines = [SourceLine(f.f_code.co_filename, n, f.f_code.co_name) for f, n in frames]
     return next((line for line in reversed(lines) if _is_users(line.file)), None)
 
 
 def line_of_frame(frame: FrameType | None) -> SourceLine | None:
-    """Return the student's line that a call came from, if there is one."""
+    """Return the user's line that a call came from, if there is one."""
     while frame is not None:
         code = frame.f_code
         if _is_users(code.co_filename):

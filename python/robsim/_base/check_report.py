@@ -1,16 +1,16 @@
-"""What the doctor found."""
+"""The report of a check: what is wrong, where, and what to do about it. All `check_*` return it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from html import escape
 
-from robsim.doctor._source_line import SourceLine
+from robsim._base.source_line import SourceLine
 
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """Something that is wrong with an estimator.
+    """Something that a check found wrong.
 
     Attributes
     ----------
@@ -33,24 +33,24 @@ class Problem:
     line: SourceLine | None = None
 
     @property
-    def place(self) -> str:
+    def where(self) -> str:
         """Step, situation and line, as far as they are known."""
         step = "" if self.step is None else f"step {self.step}"
         when = ", ".join(part for part in (step, self.situation) if part)
         return "; ".join(part for part in (when, str(self.line or "")) if part)
 
     def __str__(self) -> str:
-        return f"{self.sentence} ({self.place})" if self.place else self.sentence
+        return f"{self.sentence} ({self.where})" if self.where else self.sentence
 
 
 @dataclass(frozen=True, kw_only=True)
 class CheckReport:
-    """What the doctor says of an estimator. It is true if nothing is wrong.
+    """What a check found. It is true, as `ok` is, if nothing is wrong.
 
     Attributes
     ----------
     name : str
-        The estimator.
+        What was checked.
     problems : tuple of Problem
         What is wrong, the cause first; what follows from it is left out.
     remarks : tuple of str
@@ -61,19 +61,29 @@ class CheckReport:
     problems: tuple[Problem, ...] = ()
     remarks: tuple[str, ...] = ()
 
-    def __bool__(self) -> bool:
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong."""
         return not self.problems
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+    @property
+    def sentences(self) -> list[str]:
+        """What is wrong, a sentence for each problem."""
+        return [problem.sentence for problem in self.problems]
 
     @property
     def title(self) -> str:
         """The verdict in a line."""
         if not self.problems:
-            return f"{self.name} is well"
+            return f"{self.name} passed all checks"
         count = len(self.problems)
-        return f"{self.name} is ill: {count} problem{'s' if count > 1 else ''}"
+        return f"{self.name} failed {count} check{'s' if count > 1 else ''}"
 
     def raise_for_problems(self) -> CheckReport:
-        """Return the checkup if nothing is wrong.
+        """Return the report if nothing is wrong.
 
         Raises
         ------
@@ -93,20 +103,20 @@ class CheckReport:
         return "\n".join([*lines, *(f"  Remark: {remark}" for remark in self.remarks)])
 
     def __repr__(self) -> str:
-        # pytest shows this where `assert checkup` fails, of long ones only the two ends.
+        # pytest shows this where `assert report` fails, of long ones only the two ends.
         return f"<{'; '.join(map(str, self.problems)) or self.title}>"
 
     def _repr_html_(self) -> str:
         items = "".join(
-            f"<li>{escape(problem.sentence)}{_place(problem)}{_code(problem.line)}</li>"
+            f"<li>{escape(problem.sentence)}{_where(problem)}{_code(problem.line)}</li>"
             for problem in self.problems
         )
         remarks = "".join(f"<p>Remark: {escape(remark)}</p>" for remark in self.remarks)
         return f"<p><b>{escape(self.title)}</b></p><ol>{items}</ol>{remarks}"
 
 
-def _place(problem: Problem) -> str:
-    return f"<br><small>{escape(problem.place)}</small>" if problem.place else ""
+def _where(problem: Problem) -> str:
+    return f"<br><small>{escape(problem.where)}</small>" if problem.where else ""
 
 
 def _code(line: SourceLine | None) -> str:

@@ -1,0 +1,131 @@
+"""Noise of a camera, as a value: for `Simulation(noise=...)`, or to be added to any image."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import ClassVar
+
+from robsim._base.checks import check_float
+from robsim._core import VisualNoise
+from robsim.imaging._images import Pixels
+
+
+@dataclass(frozen=True)
+class _Noise:
+    """What both kinds of noise have in common."""
+
+    percent: float
+
+    kind: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        check_float("percent", self.percent, "%", minimum=0)
+
+    @property
+    def native(self) -> VisualNoise:
+        """The core's own noise of this kind and level."""
+        return native_noise(self.kind, float(self.percent))
+
+    def add(self, image: Pixels, seed: int, index: int = 0, *, out: Pixels | None = None) -> Pixels:
+        """Return an image with noise added.
+
+        Parameters
+        ----------
+        image : array (H, W, 3) of uint8
+            RGB.
+        seed : int
+            Stream of random numbers, 0 <= seed < 2**64.
+        index : int
+            Number of the frame: each has noise of its own.
+        out : array (H, W, 3) of uint8, optional
+            Where to write the result; it may be `image` itself. Default: a new array.
+
+        Returns
+        -------
+        array (H, W, 3) of uint8
+            The noisy image: `out`, if it was given.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an image has the wrong type or shape, or `out` is read-only or shares only a part
+            of the memory of `image`.
+        """
+        return self.native.add(image, seed, index, out=out)
+
+
+@dataclass(frozen=True)
+class GaussianNoise(_Noise):
+    """Gaussian noise, independent for each pixel and channel, rounded and clipped to 0..255.
+
+    Parameters
+    ----------
+    percent : float
+        Level p in % of the range: the standard deviation is 2.55 p.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `percent` is not a number of at least 0.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(measure=True, noise=robsim.GaussianNoise(40))
+    """
+
+    kind: ClassVar[str] = "gaussian"
+
+
+@dataclass(frozen=True)
+class UniformNoise(_Noise):
+    """Uniform noise, independent for each pixel and channel, rounded and clipped to 0..255.
+
+    Parameters
+    ----------
+    percent : float
+        Level p in % of the range: the noise lies within +-2.55 p.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `percent` is not a number of at least 0.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(measure=True, noise=robsim.UniformNoise(40))
+    """
+
+    kind: ClassVar[str] = "uniform"
+
+
+Noise = GaussianNoise | UniformNoise
+
+
+def as_native_noise(noise: Noise | None) -> VisualNoise:
+    """Return the core's noise for a value; None = no noise.
+
+    Parameters
+    ----------
+    noise : GaussianNoise, UniformNoise or None
+        The value of an option ``noise``.
+
+    Raises
+    ------
+    TypeError
+        If it is something else.
+    """
+    if noise is None:
+        return native_noise("none", 0.0)
+    if not isinstance(noise, _Noise):
+        raise TypeError(
+            f"noise must be a GaussianNoise, a UniformNoise or None, got {noise!r}: write, for "
+            "example, noise=robsim.GaussianNoise(40)"
+        )
+    return noise.native
+
+
+@functools.lru_cache(maxsize=16)
+def native_noise(kind: str, percent: float) -> VisualNoise:
+    """Return the core's noise, whose tables are made once."""
+    return VisualNoise(kind, percent)

@@ -1,0 +1,51 @@
+"""Dropouts, as a value: `Simulation(dropout=Dropout(0.2))` hides the robot from the camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robsim._base.checks import check_float, check_int
+
+
+@dataclass(frozen=True)
+class Dropout:
+    """Something hides the robot from the camera.
+
+    The run is cut into segments of `steps` steps; throughout each of them the robot is hidden with
+    this probability.
+
+    Parameters
+    ----------
+    probability : float
+        How likely it is that a segment is hidden, 0..1.
+    steps : int
+        Length of a segment.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a value is out of range; the message names it.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(measure=True, dropout=robsim.Dropout(0.2, steps=5), seed=1)
+    """
+
+    probability: float
+    steps: int = 1
+
+    def __post_init__(self) -> None:
+        check_float("probability", self.probability, minimum=0, maximum=1)
+        check_int("steps", self.steps, minimum=1, maximum=2**31 - 1)
+
+
+def as_dropout(dropout: Dropout | None) -> Dropout:
+    """Return a dropout for the value of an option; None = none."""
+    if dropout is None:
+        return Dropout(0.0)
+    if not isinstance(dropout, Dropout):
+        raise TypeError(
+            f"dropout must be a Dropout or None, got {dropout!r}: write, for example, "
+            "dropout=robsim.Dropout(0.2)"
+        )
+    return dropout
