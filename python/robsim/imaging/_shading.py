@@ -10,17 +10,21 @@ from robsim.imaging._images import Pixels
 SHADOW = 0.8
 
 # Each of the 256 values of a channel as it looks in the shadow, and back in the light.
-_DARKENED = np.rint(np.arange(256) * SHADOW).astype(np.uint8)
-_LIGHTENED = np.minimum(np.rint(np.arange(256) / SHADOW), 255).astype(np.uint8)
+_DARKENED = bytes(round(value * SHADOW) for value in range(256))
+_LIGHTENED = bytes(min(round(value / SHADOW), 255) for value in range(256))
 
 
 def darkened(pixels: Pixels) -> Pixels:
     """Return lit pixels as they look in the shadow."""
-    dark: Pixels = _DARKENED[pixels]
-    return dark
+    return _looked_up(_DARKENED, pixels)
 
 
 def lightened(pixels: Pixels) -> Pixels:
     """Return pixels in the shadow as they look in the light."""
-    light: Pixels = _LIGHTENED[pixels]
-    return light
+    return _looked_up(_LIGHTENED, pixels)
+
+
+def _looked_up(table: bytes, pixels: Pixels) -> Pixels:
+    """Return ``table[pixels]``; `bytes.translate` is several times faster than indexing."""
+    contiguous = np.ascontiguousarray(pixels)
+    return np.frombuffer(bytearray(contiguous).translate(table), np.uint8).reshape(pixels.shape)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+from functools import cache
 from os import PathLike
 from pathlib import Path
 
@@ -61,12 +63,23 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
         folder = find_folder(name)
         if folder is None:
             raise gone(name)
-        return read_robot(folder)
+        return _read(folder)
     folder = find_folder(robot)
     if folder is None and (Path(robot) / TOML).is_file():
         folder = Path(robot)
     if folder is None:
         raise unknown(robot, ", or give a folder with a robot.toml")
+    return _read(folder)
+
+
+def _read(folder: Path) -> RobotDefinition:
+    """Return a folder's definition, one of the caller's own; what ships is read but once."""
+    shipped = folder.parent == ASSETS / "robots"
+    return deepcopy(_shipped_robot(folder)) if shipped else read_robot(folder)
+
+
+@cache
+def _shipped_robot(folder: Path) -> RobotDefinition:
     return read_robot(folder)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from functools import cache
 from os import PathLike
 
 import numpy as np
@@ -101,16 +102,14 @@ def _home(
     left = _shadow_left(floor.shape[1])
     shown = np.concatenate((floor[:, :left], shadowed_floor[:, left:]), axis=1)
     adjusted = _adjusted(adjust_background, shown)
-    changed = np.bitwise_or.reduce(adjusted ^ shown, axis=2) > 0
-    drawn_in_light, drawn_in_shadow = changed.copy(), changed
-    drawn_in_light[:, left:] = False
-    drawn_in_shadow[:, :left] = False
     # What was drawn into the light is darkened in the shadow, and the other way round.
-    home, shadowed_home = floor.copy(), shadowed_floor.copy()
-    home[drawn_in_light] = adjusted[drawn_in_light]
-    home[drawn_in_shadow] = lightened(adjusted[drawn_in_shadow])
-    shadowed_home[drawn_in_light] = darkened(adjusted[drawn_in_light])
-    shadowed_home[drawn_in_shadow] = adjusted[drawn_in_shadow]
+    shadowed_home = adjusted.copy()
+    shadowed_home[:, :left] = darkened(adjusted[:, :left])
+    home = adjusted.copy()
+    home[:, left:] = floor[:, left:]  # which a darkened floor, lightened, does not quite give back
+    red, green, blue = np.moveaxis(adjusted[:, left:] != shown[:, left:], 2, 0)
+    drawn = red | green | blue
+    home[:, left:][drawn] = lightened(adjusted[:, left:][drawn])
     return home, shadowed_home
 
 
@@ -144,9 +143,14 @@ def as_floor(
 def _shipped_floor(area: tuple[int, int]) -> Pixels:
     """Return our floor, repeated or cut to the size of the work area."""
     width, height = area
-    tile = load_image(ASSETS / "floor.jpg")
+    tile = _floor_tile()
     across, down = -(-width // tile.shape[1]), -(-height // tile.shape[0])
     return np.ascontiguousarray(np.tile(tile, (down, across, 1))[:height, :width])
+
+
+@cache
+def _floor_tile() -> Pixels:
+    return load_image(ASSETS / "floor.jpg")
 
 
 def _adjusted(adjust_background: Callable[[Pixels], Pixels], shown: Pixels) -> Pixels:
