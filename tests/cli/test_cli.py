@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 import robsim
-from commands import cli
+from commands import cli, command
 
 FILES = ["camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"]
 
@@ -73,18 +73,18 @@ def test_the_demo_shows_progress_and_prints_the_table(tmp_path):
 
 def test_an_out_folder_that_is_a_file(tmp_path):
     (tmp_path / "file").write_text("mine")
-    run = cli("demo", "--out", "file", cwd=tmp_path)
-    assert run.returncode == 2
+    run = command("demo", "--out", "file", cwd=tmp_path)
+    assert run.exit_code == 2
     assert "error:" in run.stderr
     assert "Traceback" not in run.stderr
     assert (tmp_path / "file").read_text() == "mine"
 
 
 def test_help_and_version():
-    text = cli("--help").stdout
+    text = command("--help").stdout
     assert "demo" in text
     assert "--version" in text
-    text = cli("demo", "--help").stdout
+    text = command("demo", "--help").stdout
     for option in ("--out", "--steps", "--seed", "--json"):
         assert option in text
-    assert cli("--version").stdout == f"robsim {robsim.__version__}\n"
+    assert command("--version").stdout == f"robsim {robsim.__version__}\n"

@@ -31,7 +31,7 @@ def mine(desk, tmp_path):
 
 
 def test_an_untouched_folder_and_none_give_the_same_trace(desk):
-    run = cli(
+    run = command(
         "run", "--steps", "12", "--measure", "--seed", "1", "--out", "plain", "--json", cwd=desk
     )
     assert json.loads(run.stdout)["tracking"]["seen"] == 12
@@ -44,16 +44,16 @@ def test_an_untouched_folder_and_none_give_the_same_trace(desk):
 
 
 def test_new_does_not_overwrite(desk):
-    run = cli("new", "mine", cwd=desk)
-    assert run.returncode == 2
+    run = command("new", "mine", cwd=desk)
+    assert run.exit_code == 2
     assert "mine has define_model.py" in run.stderr
 
 
 def test_a_syntax_error_names_file_and_line_and_leaves_the_last_results_alone(mine):
     before = {file: file.read_bytes() for file in (mine.parent / "robsim-run").iterdir()}
     (mine / "control.py").write_text("def control(step):\n    return (0.1, 0.2\n")
-    run = cli("run", "mine", "--steps", "5", cwd=mine.parent)
-    assert run.returncode == 1
+    run = command("run", "mine", "--steps", "5", cwd=mine.parent)
+    assert run.exit_code == 1
     assert "while loading mine/control.py" in run.stderr
     assert "line 2" in run.stderr
     assert "SyntaxError" in run.stderr
@@ -65,8 +65,8 @@ def test_an_exception_names_the_line_and_the_steps_before_are_kept(mine):
     (mine / "control.py").write_text(
         "def control(step):\n    return 1 / (4 - step.k), 0.0\n", encoding="utf-8"
     )
-    run = cli("run", "mine", "--steps", "9", cwd=mine.parent)
-    assert run.returncode == 1
+    run = command("run", "mine", "--steps", "9", cwd=mine.parent)
+    assert run.exit_code == 1
     assert "in the callback control at step 4" in run.stderr
     assert 'control.py", line 2, in control' in run.stderr
     assert "ZeroDivisionError" in run.stderr
@@ -76,12 +76,12 @@ def test_an_exception_names_the_line_and_the_steps_before_are_kept(mine):
 
 def test_a_wrong_return_and_a_hanging_callback(mine):
     (mine / "control.py").write_text("def control(step):\n    return 'left'\n")
-    run = cli("run", "mine", "--steps", "5", cwd=mine.parent)
-    assert run.returncode == 1
+    run = command("run", "mine", "--steps", "5", cwd=mine.parent)
+    assert run.exit_code == 1
     assert "in the callback control at step 0" in run.stderr
     (mine / "control.py").write_text("def control(step):\n    while True:\n        pass\n")
-    run = cli("run", "mine", "--steps", "5", "--time-limit", "0.3", cwd=mine.parent)
-    assert run.returncode == 1
+    run = command("run", "mine", "--steps", "5", "--time-limit", "0.3", cwd=mine.parent)
+    assert run.exit_code == 1
     assert "longer than time_limit = 0.3 s" in run.stderr
 
 
@@ -129,10 +129,10 @@ def test_a_wrong_call_says_what_is_wrong(arguments, message, tmp_path, monkeypat
 
 
 def test_a_run_with_estimates_writes_their_figures(tmp_path):
-    run = cli(
+    run = command(
         "run", "--steps", "30", "--estimate-parameters", "--boundary", "unlimited", cwd=tmp_path
     )
-    assert run.returncode == 0, run.stderr
+    assert run.exit_code == 0, run.stderr
     names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
     assert names == {"camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"}
     assert "Batch estimate from truth" in run.stdout
@@ -140,15 +140,15 @@ def test_a_run_with_estimates_writes_their_figures(tmp_path):
 
 def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
     pytest.importorskip("cv2")
-    run = cli(
+    run = command(
         *("run", "--steps", "8", "--measure", "--seed", "2", "--headings", "continuous"),
         *("--resolution", "600x600", "--record", "run.mkv", "--video", "run.webm"),
         cwd=tmp_path,
     )
-    assert run.returncode == 0, run.stderr
+    assert run.exit_code == 0, run.stderr
     assert (tmp_path / "run.webm").stat().st_size > 10_000
-    run = cli("track", "run.mkv", "--area", "1200x1200", cwd=tmp_path)
-    assert run.returncode == 0, run.stderr
+    run = command("track", "run.mkv", "--area", "1200x1200", cwd=tmp_path)
+    assert run.exit_code == 0, run.stderr
     assert "tracking: 8 steps, 8 seen (100.0 %)\n" in run.stdout
     one, other = (
         robsim.Trace.load(tmp_path / folder / "trace.npz")
@@ -164,11 +164,9 @@ def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
     (tmp_path / "frames").mkdir()
     for k in range(12):
         image = sim.step().frame.image
-        robsim.imaging.save_image(
-            tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300]
-        )
-    run = cli("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
-    assert run.returncode == 2
+        robsim.imaging.save_image(tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300])
+    run = command("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
+    assert run.exit_code == 2
     assert "frame10.png is 400 x 300 px large, the frames before it 400 x 400" in run.stderr
     assert "the 10 frames before the error are tracked" in run.stderr
     trace = robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")
@@ -176,13 +174,13 @@ def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
     assert trace.seen.all()
 
 
-def test_without_opencv_images_are_tracked_all_the_same(tmp_path):
+def test_without_opencv_images_are_tracked_all_the_same(tmp_path, monkeypatch):
     frame = robsim.Simulation(resolution=(400, 400), seed=1).frame
     (tmp_path / "frames").mkdir()
     robsim.imaging.save_image(tmp_path / "frames" / "frame0.png", frame.image)
-    (tmp_path / "cv2.py").write_text("raise ImportError('not here')")
-    run = cli("track", "frames", "--area", "1200x1200", cwd=tmp_path)
-    assert run.returncode == 0, run.stderr
+    monkeypatch.setitem(sys.modules, "cv2", None)  # importing it raises ImportError
+    run = command("track", "frames", "--area", "1200x1200", cwd=tmp_path)
+    assert run.exit_code == 0, run.stderr
     assert (
         "no tracked.mp4: writing a video needs OpenCV: pip install 'robsim[camera]'" in run.stderr
     )
@@ -193,7 +191,7 @@ def test_figures_of_another_run_do_not_stay(tmp_path):
     (tmp_path / "robsim-run").mkdir()
     (tmp_path / "robsim-run" / "parameters.png").write_text("old")
     (tmp_path / "robsim-run" / "mine.txt").write_text("mine")
-    assert cli("run", "--steps", "3", cwd=tmp_path).returncode == 0
+    assert command("run", "--steps", "3", cwd=tmp_path).exit_code == 0
     names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
     assert names == {"camera.png", "traces.png", "trace.npz", "mine.txt"}
 
@@ -209,7 +207,7 @@ def test_a_callback_that_ends_the_program_keeps_the_steps(mine):
 def test_unknown_numbers_are_null_in_json(tmp_path):
     frame = robsim.Simulation(resolution=(400, 400), seed=1).frame
     robsim.imaging.save_image(tmp_path / "frame0.png", frame.image)
-    run = cli(
+    run = command(
         "track", ".", "--area", "1200x1200", "--out", "out", "--no-video", "--json", cwd=tmp_path
     )
     assert json.loads(run.stdout)["tracking"]["rmse_xy"] is None

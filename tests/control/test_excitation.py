@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robsim
-from commands import cli
+from commands import command
 from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary, controller_named
 
 DT = 0.2
@@ -245,7 +245,7 @@ def test_a_controller_by_its_name():
 def test_on_the_command_line_it_takes_the_place_of_the_folders(tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/control.py").write_text("def control(step):\n    return 0.0, 0.0\n")
-    run = cli("run", "mine", "--steps", "40", "--control", "multi-sine", cwd=tmp_path)
-    assert run.returncode == 0, run.stderr
+    run = command("run", "mine", "--steps", "40", "--control", "multi-sine", cwd=tmp_path)
+    assert run.exit_code == 0, run.stderr
     trace = robsim.Trace.load(tmp_path / "robsim-run/trace.npz")
     np.testing.assert_array_equal(trace.u, voltages(MultiSine(), 40))

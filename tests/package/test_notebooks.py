@@ -6,8 +6,9 @@ import nbclient
 import nbformat
 import pytest
 
-from commands import cli
-from robsim._base.shipped import NOTEBOOKS, copy_notebooks
+import robsim
+from commands import command
+from robsim._base.shipped import NOTEBOOKS
 
 SHIPPED = sorted(NOTEBOOKS.glob("*.ipynb"))
 each = pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
@@ -51,8 +52,8 @@ def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
 
 
 def test_the_command_copies_them_and_never_overwrites(tmp_path):
-    copied = cli("notebooks", "coursework", cwd=tmp_path)
-    assert copied.returncode == 0, copied.stderr
+    copied = command("notebooks", "coursework", cwd=tmp_path)
+    assert copied.exit_code == 0, copied.stderr
     for file in SHIPPED:
         assert file.name in copied.stdout
         assert (tmp_path / "coursework" / file.name).read_bytes() == file.read_bytes()
@@ -60,8 +61,8 @@ def test_the_command_copies_them_and_never_overwrites(tmp_path):
     mine.write_text("my work")
     for file in SHIPPED[1:]:
         (tmp_path / "coursework" / file.name).unlink()
-    again = cli("notebooks", "coursework", cwd=tmp_path)
-    assert again.returncode == 2
+    again = command("notebooks", "coursework", cwd=tmp_path)
+    assert again.exit_code == 2
     assert f"coursework has {mine.name} already: nothing was written" in again.stderr
     assert [file.name for file in mine.parent.iterdir()] == [mine.name]
     assert mine.read_text() == "my work"

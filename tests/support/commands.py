@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from contextlib import chdir
 
 from typer.testing import CliRunner
 
@@ -10,7 +11,7 @@ from robsim.cli import app
 
 
 def cli(*arguments, cwd=None):
-    """Run a command as a program of its own."""
+    """Run a command as a program of its own: a second or more, all that it imports."""
     command = [sys.executable, "-m", "robsim", *arguments]
     environment = {**os.environ, "COLUMNS": "200"}
     return subprocess.run(
@@ -18,6 +19,8 @@ def cli(*arguments, cwd=None):
     )
 
 
-def command(*arguments):
-    """Run a command in this process: quicker, for those that end at once."""
-    return CliRunner(env={"COLUMNS": "200"}).invoke(app, list(arguments))
+def command(*arguments, cwd="."):
+    """Run a command in this process; an exception that the command lets through comes out."""
+    with chdir(cwd):
+        runner = CliRunner(env={"COLUMNS": "200"})
+        return runner.invoke(app, list(arguments), catch_exceptions=False)
