@@ -1,5 +1,19 @@
+import os
+import sys
+from ipaddress import ip_address
+
 import numpy as np
 import pytest
+
+# Other random numbers for all tests that draw any: `ROBSIM_TEST_SEED=1 ./run test -m random`.
+SEED = int(os.environ.get("ROBSIM_TEST_SEED", "0"))
+
+
+def pytest_collection_modifyitems(items):
+    """Mark what draws random numbers by the fixture that it draws them from."""
+    for item in items:
+        if "rng" in getattr(item, "fixturenames", ()):
+            item.add_marker("random")
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -21,5 +35,27 @@ def user_folder(tmp_path, monkeypatch):
 def rng(request):
     """Random numbers of the test's own; a failing test prints the seed."""
     seed = sum(map(ord, request.node.name)) % 100_000
-    print(f"seed of the test: {seed}")
-    return np.random.default_rng(seed)
+    print(f"seed of the test: {seed}, ROBSIM_TEST_SEED={SEED}")
+    return np.random.default_rng((seed, SEED) if SEED else seed)
+
+
+def _stay_on_this_machine(event, arguments):
+    """Fail what reaches for another machine."""
+    if event == "socket.connect" and isinstance(arguments[1], tuple):
+        host = arguments[1][0]
+    elif event == "socket.getaddrinfo":
+        host = arguments[0]
+    else:
+        return
+    if host not in (None, "", "localhost") and not _is_loopback(host):
+        raise RuntimeError(f"a test must not reach beyond this machine: {host}")
+
+
+def _is_loopback(host):
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+sys.addaudithook(_stay_on_this_machine)
