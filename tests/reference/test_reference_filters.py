@@ -16,6 +16,8 @@ from robsim.reference import (
     UnscentedKalmanFilter,
 )
 
+pytestmark = pytest.mark.kernels
+
 DT = 0.2
 KALMAN = [ConstantVelocityKalmanFilter, ExtendedKalmanFilter, UnscentedKalmanFilter]
 ON_THE_MODEL = [ExtendedKalmanFilter, UnscentedKalmanFilter, ParticleFilter]
@@ -158,6 +160,7 @@ def test_the_constant_velocity_filter_is_the_plain_kalman_filter(rng):
         np.testing.assert_allclose(covariances[:, axis, axis], variance, rtol=1e-10)
 
 
+@pytest.mark.long
 def test_the_particle_filter_is_the_plain_kalman_filter_but_for_chance(rng):
     z, u = linear_problem(rng, steps=40)
     particles = ParticleFilter(LINEAR, count=20_000, prior=PRIOR, **NOISES)
@@ -258,11 +261,13 @@ def share_in_band(kind, rng, steps=100, **assumed):
     return np.mean((BAND[0] < nees) & (nees < BAND[1]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ON_THE_MODEL)
 def test_the_covariance_is_honest(kind, rng):
     assert share_in_band(kind, rng) >= 0.8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("noise", TRUE_NOISES)
 @pytest.mark.parametrize("factor", [1 / 4, 4])
 def test_a_wrong_noise_is_seen_in_the_covariance(noise, factor, rng):
@@ -270,6 +275,7 @@ def test_a_wrong_noise_is_seen_in_the_covariance(noise, factor, rng):
     assert share_in_band(ExtendedKalmanFilter, rng, **wrong) < 0.6
 
 
+@pytest.mark.long
 def test_the_innovation_is_as_large_as_its_covariance_says(rng):
     nis = []
     _, z, u = simulated_run(rng, 1000, **TRUE_NOISES)
@@ -331,6 +337,7 @@ def test_before_it_sees_the_robot_it_says_what_the_prior_is(kind):
 # --- headings
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ALL)
 def test_the_seam_of_the_heading_is_nothing_to_it(kind, rng):
     z = rng.normal((600, 600, 0), (0.4, 0.4, 0.05), (120, 3))
@@ -349,7 +356,8 @@ def test_the_seam_of_the_heading_is_nothing_to_it(kind, rng):
     for run in runs[1:]:
         for values, expected in zip(run, runs[0], strict=True):
             np.testing.assert_allclose(values, expected, atol=1e-8)
-    assert runs[0][2][-1, 2] == pytest.approx(0.1 / DT, abs=0.2)
+    # at one step the filter without a model is out by 0.11 rad/s (one sigma)
+    assert runs[0][2][80:, 2].mean() == pytest.approx(0.1 / DT, abs=0.05)
 
 
 # --- as a callback
@@ -408,6 +416,7 @@ def test_particles_that_are_all_elsewhere_find_the_robot_again():
     np.testing.assert_allclose(estimate.pose, (200, 900, 2), atol=1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ON_THE_MODEL)
 def test_without_process_noise_it_still_runs(kind, rng):
     states, z, u = simulated_run(rng, 250, (0, 0, 0), (0.4, 0.4, 0.05))
@@ -443,6 +452,7 @@ def inputs_before(trace):
     return np.vstack((np.zeros(2), trace.u[:-1]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("headings", "kind", "options"),
     [
@@ -462,10 +472,11 @@ def test_it_is_better_than_the_measurement(tracked, headings, kind, options):
     assert (rms(error_of(poses[seen], trace.pose_true[seen])) < 0.95 * raw).all()
 
 
-@pytest.mark.parametrize("headings", [36, None])
-def test_in_the_loop_it_gives_the_same(tracked, headings):
-    trace = tracked[headings]
-    options = {} if headings else CONTINUOUS
+@pytest.mark.long
+@pytest.mark.parametrize("rotation", ["phases", "continuous"])
+def test_in_the_loop_it_gives_the_same(tracked, rotation):
+    trace = tracked[rotation]
+    options = {} if rotation == "phases" else CONTINUOUS
     poses, covariances, velocities = filtered(
         ExtendedKalmanFilter(**options), trace.pose_measured, inputs_before(trace)
     )
@@ -523,6 +534,7 @@ for module in pkgutil.walk_packages(robsim.__path__, "robsim."):
 """
 
 
+@pytest.mark.long
 def test_nothing_else_needs_it():
     run = subprocess.run([sys.executable, "-c", WITHOUT], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
