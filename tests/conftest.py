@@ -2,11 +2,17 @@ import os
 import sys
 from ipaddress import ip_address
 
+import hypothesis
 import numpy as np
 import pytest
 
-# Other random numbers for all tests that draw any: `ROBSIM_TEST_SEED=1 ./run test -m random`.
+# Other random numbers for all tests that draw any: `ROBSIM_TEST_SEED=1 ./run test`. Those that are
+# marked `random` draw them from the fixture `rng`; hypothesis, too, repeats itself only by default.
 SEED = int(os.environ.get("ROBSIM_TEST_SEED", "0"))
+
+# Without a deadline: how long an example takes says nothing where other tests run beside it.
+hypothesis.settings.register_profile("robsim", deadline=None, derandomize=SEED == 0)
+hypothesis.settings.load_profile("robsim")
 
 
 def pytest_collection_modifyitems(items):

@@ -22,6 +22,7 @@ def test_the_command_prints_numbers_for_scripts(tmp_path):
     assert numbers["detect_gaussian_1200"]["ratio"] > 0
 
 
+@pytest.mark.long
 def test_all_cases_have_numbers():
     result = run_bench(rounds=1, sizes=(480,), frames=3, steps=20)
     numbers = result.to_dict()

@@ -6,6 +6,8 @@ import pytest
 from robsim.bench import _estimation as estimation
 from robsim.bench._estimation import TextbookRecursiveLeastSquares
 
+pytestmark = pytest.mark.kernels
+
 
 @pytest.mark.parametrize("forgetting", [1.0, 0.95])
 def test_the_textbook_filter_gives_the_weighted_ridge_solution(rng, forgetting):

@@ -8,6 +8,7 @@ from robsim.bench import _render as render
 cv2 = pytest.importorskip("cv2")
 
 
+@pytest.mark.long
 def test_both_draw_the_same_moving_robot():
     calls = render.render_calls(cv2, 480)
     assert set(calls) == {"ours", "opencv"}

@@ -7,6 +7,8 @@ from PIL import Image
 import robsim
 from commands import cli, command
 
+pytestmark = [pytest.mark.kernels, pytest.mark.long]
+
 FILES = ["camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"]
 
 

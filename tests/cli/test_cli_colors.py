@@ -16,7 +16,7 @@ from robsim.imaging import load_image
 from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, save_colors
 from robsim.vision._color_score import score_color
 
-pytestmark = pytest.mark.usefixtures("user_folder", "_here")
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("user_folder", "_here")]
 
 RED, BLUE, FLOOR = (198, 36, 40), (30, 60, 220), (150, 148, 146)
 REGION = (30, 40, 49, 59)

@@ -23,7 +23,7 @@ from robsim.robots import (
     set_default_robot,
 )
 
-pytestmark = pytest.mark.usefixtures("user_folder", "_here")
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("user_folder", "_here")]
 
 RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)
 

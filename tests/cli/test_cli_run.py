@@ -10,12 +10,14 @@ import pytest
 import robsim
 from commands import cli, command
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory):
     """Return a folder with untouched callbacks and a first run of them."""
     desk = tmp_path_factory.mktemp("desk")
-    assert cli("new", "mine", cwd=desk).returncode == 0
+    assert command("new", "mine", cwd=desk).exit_code == 0
     run = cli("run", "mine", "--steps", "12", "--measure", "--seed", "1", cwd=desk)
     assert run.returncode == 0, run.stderr
     assert "tracking: 12 steps, 12 seen (100.0 %)" in run.stdout

@@ -11,6 +11,8 @@ import robsim
 from commands import command
 from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary, controller_named
 
+pytestmark = pytest.mark.kernels
+
 DT = 0.2
 KINDS = [PseudoRandomBinary, MultiSine, Chirp]
 
@@ -84,6 +86,7 @@ def test_the_sines_are_where_they_should_be_and_nowhere_else():
     assert abs(np.mean(u[:, 0] * u[:, 1])) < 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("highest", [0.1, 0.3, 1.0])
 def test_the_peaks_are_low(highest):
     control = MultiSine(low=-1, high=1, highest_frequency=highest, seed=3)
@@ -104,6 +107,7 @@ def test_the_sines_repeat_after_a_period():
 # --- swept sines
 
 
+@pytest.mark.long
 def test_the_frequency_of_a_chirp_is_what_it_says():
     control = Chirp(low=-1, high=1, lowest_frequency=0.02, highest_frequency=0.5, duration=80)
     assert control.frequencies(0) == pytest.approx((0.02, 0.5))
@@ -242,6 +246,7 @@ def test_a_controller_by_its_name():
         controller_named("dance")
 
 
+@pytest.mark.long
 def test_on_the_command_line_it_takes_the_place_of_the_folders(tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/control.py").write_text("def control(step):\n    return 0.0, 0.0\n")

@@ -8,8 +8,10 @@ import robsim
 from robsim.control._path_following import FollowPath, GoToPoint
 from robsim.control._path_score import score_path
 
-NOISY = {"resolution": (400, 400), "noise": robsim.GaussianNoise(10), "measure": True}
-SMALL = {"resolution": (240, 240)}
+pytestmark = pytest.mark.kernels
+
+NOISY = {"camera": (400, 400), "noise": "gaussian", "noise_percent": 10, "measure": True}
+SMALL = {"camera": (240, 240)}
 MODELS = {"slides sideways": None, "does not": robsim.Unicycle()}
 SQUARE = [(850, 400), (850, 850), (400, 850), (400, 400)]
 TURNS = np.linspace(0, 2 * np.pi, 25)[1:]
@@ -112,6 +114,7 @@ def test_the_estimate_comes_before_the_measurement():
     assert GoToPoint(900, 600)(seen(0, *facing_away)) == pytest.approx((-1.0, -1.0))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("max_voltage", [0.1, 0.3, 1.0, 2.7])
 def test_no_voltage_is_above_the_limit(max_voltage, rng):
     controls = [
@@ -275,6 +278,7 @@ def assert_goes_to(trace, goal):
     assert (distance[near[0] :] <= 20).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("seed", range(3))
 def test_it_goes_to_a_point_and_stays_there(seed, model):
@@ -287,6 +291,7 @@ def test_it_goes_to_a_point_and_stays_there(seed, model):
     assert np.abs(trace.u).max() <= 1.0
 
 
+@pytest.mark.long
 def test_dropouts_are_coasted_through():
     sim = robsim.Simulation(
         start=(300, 900, 0.0),
@@ -301,6 +306,7 @@ def test_dropouts_are_coasted_through():
     assert_goes_to(trace, (800, 400))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(("path", "steps"), [(SQUARE, 560), (EIGHT, 620)])
 def test_it_follows_a_path(path, steps, model):
@@ -316,6 +322,7 @@ def test_it_follows_a_path(path, steps, model):
     assert np.abs(trace.u).max() <= 1.0
 
 
+@pytest.mark.long
 def test_a_path_may_begin_in_the_middle_of_a_run():
     sim = robsim.Simulation(seed=3, control=robsim.DriveAround(), **NOISY)
     sim.run(60)

@@ -20,6 +20,8 @@ from robsim.doctor import (
 from robsim.doctor import _stages as stages
 from robsim.doctor import _trial as trial
 
+pytestmark = [pytest.mark.kernels, pytest.mark.long]
+
 R = np.diag((0.5**2, 0.5**2, 0.01**2))
 
 

@@ -3,6 +3,8 @@ import pytest
 
 import robsim
 
+pytestmark = pytest.mark.kernels
+
 
 def test_it_equals_numpy_on_badly_scaled_columns(rng):
     phi = rng.normal(size=(300, 5)) * (1, 30, 0.02, 100, 1)

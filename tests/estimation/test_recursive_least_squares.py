@@ -6,6 +6,8 @@ import pytest
 import robsim
 from robsim import _core
 
+pytestmark = pytest.mark.kernels
+
 
 def drawn(rng, samples, parameters=5):
     phi = rng.normal(size=(samples, parameters))
@@ -46,6 +48,7 @@ def test_without_forgetting_it_equals_the_ridge_solution_to_the_last_digits(
     np.testing.assert_allclose(filter_.update(phi, y)[-1], theta, rtol=1e-12)
 
 
+@pytest.mark.long
 def test_on_a_drive_it_equals_the_ridge_solution_to_the_last_digits(rng):
     run = robsim.Simulation(control=robsim.DriveAround(), boundary="unlimited", seed=4).run(200)
     phi, y = _core.regression(run.pose_true, run.u)
@@ -78,6 +81,7 @@ def test_filters_side_by_side_do_not_see_each_other(rng):
             np.testing.assert_array_equal(theta[i], alone[i].update(phi[i][k], y[i][k]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("forgetting", [0.999, 0.99, 0.95])
 def test_the_covariance_stays_symmetric_and_positive_where_the_common_form_diverges(
     rng, forgetting
@@ -194,6 +198,7 @@ def test_options_out_of_range_are_refused(options, name):
 LIMIT = 1e9  # of the covariance, for each parameter
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("forgetting", [1.0, 0.999, 0.99, 0.95])
 @pytest.mark.parametrize("excitation", ["rich", "poor", "none"])
 def test_a_million_updates(rng, forgetting, excitation):
@@ -214,6 +219,7 @@ def test_a_million_updates(rng, forgetting, excitation):
         np.testing.assert_allclose(estimate, theta, atol=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("forgetting", [0.999, 0.99, 0.95, 0.5])
 @pytest.mark.parametrize("constant", [(600.0, 599.0, 0.5, 0.7, 1.0), (1.0, 1.0, 1.0, 1.0, 1.0)])
 def test_after_a_long_constant_input_a_change_is_followed_as_by_a_new_filter(

@@ -23,6 +23,8 @@ from robsim.evaluation._errors import estimation_errors, pose_errors, wrapped_er
 from robsim.evaluation._whiteness import whiteness
 from robsim.identification._convergence import convergence_time, parameter_convergence
 
+pytestmark = pytest.mark.kernels
+
 NAN = np.nan
 PI = np.pi
 
@@ -127,6 +129,7 @@ def test_pose_errors_of_a_trace_agree_with_its_own():
     np.testing.assert_array_equal(pose_errors(trace[10:], of="measurement").k, np.arange(10, 40))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("call", "error", "message"),
     [
@@ -343,6 +346,7 @@ def test_the_mean_nis_fails_five_percent():
         assert (nis_consistency(one, S).verdict == "consistent") == expected
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("q", "r", "verdict"),
     [

@@ -3,6 +3,8 @@ import pytest
 
 import robsim
 
+pytestmark = pytest.mark.kernels
+
 
 def driven(steps=800, **options):
     options = {"boundary": "unlimited", "seed": 4, "estimate_parameters": True, **options}
@@ -256,6 +258,7 @@ def tracked_run():
     return tracked(identify_from="measurement")
 
 
+@pytest.mark.long
 def test_from_measurements_least_squares_is_biased_and_the_others_are_not(tracked_run):
     reports = {
         method: robsim.batch_estimate(tracked_run, method=method)
@@ -284,6 +287,7 @@ def test_from_measurements_least_squares_is_biased_and_the_others_are_not(tracke
     np.testing.assert_allclose(report.identifiability.standard_errors, fit.standard_errors)
 
 
+@pytest.mark.long
 def test_what_a_spin_cannot_give_by_output_error():
     trace = robsim.Simulation(measure=True, resolution=(480, 480), seed=1).run(150)
     report = robsim.batch_estimate(trace, identify_from="measurement", method="output_error")
@@ -293,6 +297,7 @@ def test_what_a_spin_cannot_give_by_output_error():
     robsim.plot_batch(report)
 
 
+@pytest.mark.long
 def test_bounces_are_breaks_unless_all_samples_are_wanted():
     trace = driven(800, boundary="bounce", start=(150, 150, 3.0), seed=3)
     assert trace.bounced.any()

@@ -5,6 +5,8 @@ import robsim
 from robsim import identifiability
 from robsim.identification._identifiability import ASSUMED_NOISE, judge
 
+pytestmark = pytest.mark.kernels
+
 THETA = np.array(
     [[1.9, -0.9, 0.2, 0.1, 0.0], [1.9, -0.9, 0.2, 0.1, 0.0], [1.8, -0.8, 0.03, 0.03, 0]]
 )

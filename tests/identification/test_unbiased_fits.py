@@ -7,6 +7,8 @@ import robsim
 from robsim.identification._fits import METHODS, instrumental_variables, output_error
 from robsim.identification._fits.paths import recursion, sensitivities, simulated_path
 
+pytestmark = pytest.mark.kernels
+
 TRUTH = robsim.RobotModel().theta
 NOISE = np.array([0.3, 0.3, 0.01])  # px, px, rad
 each_method = pytest.mark.parametrize("fit", METHODS.values(), ids=METHODS)
@@ -90,6 +92,7 @@ def test_the_sensitivities_are_the_derivatives_of_the_path():
 # --- exact and noisy data
 
 
+@pytest.mark.long
 @each_method
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_exact_data_give_back_the_truth(fit, seed):
@@ -137,6 +140,7 @@ def test_least_squares_is_biased():
     assert (mean[:2, 1:] > 0.25).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("fit", "limit_of_b"),
     [(instrumental_variables, 0.015), (output_error, 0.001)],
@@ -163,6 +167,7 @@ def test_over_100_seeds_the_mean_is_true_and_the_standard_errors_cover_it(fit, l
 # --- gaps and breaks
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.7])
 def test_output_error_bridges_gaps(share, rng):
     path, u, noise = drive(5)
@@ -188,6 +193,7 @@ def test_in_a_gap_the_robot_may_turn_by_any_angle(fit):
     assert_honest(result)
 
 
+@pytest.mark.long
 @each_method
 def test_a_break_starts_a_new_stretch(fit):
     parts = [drive(seed, steps) for seed, steps in ((1, 300), (2, 40), (3, 2), (4, 400))]
@@ -203,6 +209,7 @@ def test_a_break_starts_a_new_stretch(fit):
     assert_honest(result)
 
 
+@pytest.mark.long
 @each_method
 def test_the_bounces_of_a_trace_are_breaks(fit, rng):
     control = robsim.DriveAround(low=0.5, high=1.5, hold=3)
@@ -225,6 +232,7 @@ def noisy_run(control, seed, steps=800):
     return wrapped(trace.pose_true + noise), trace.u
 
 
+@pytest.mark.long
 @each_method
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_spin_says_nothing_about_x_and_y(fit, seed):
@@ -236,6 +244,7 @@ def test_a_spin_says_nothing_about_x_and_y(fit, seed):
     assert "not determined by the record" in str(result)
 
 
+@pytest.mark.long
 @each_method
 @pytest.mark.parametrize("voltages", [(0.0, 0.0), (0.5, 0.5), (0.5, 0.4)])
 def test_constant_inputs_determine_no_force(fit, voltages):
@@ -254,6 +263,7 @@ def test_one_motor_determines_all_but_the_other(fit):
     assert_honest(result)
 
 
+@pytest.mark.long
 @each_method
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("size", [0.01, 0.1])
@@ -262,6 +272,7 @@ def test_weak_inputs_give_no_wrong_number(fit, seed, size):
     assert_honest(fit(poses, u))
 
 
+@pytest.mark.long
 @each_method
 @pytest.mark.parametrize("steps", [14, 20, 30, 40, 60])
 def test_a_short_record_gives_no_wrong_number(fit, steps):

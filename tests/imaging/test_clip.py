@@ -75,6 +75,7 @@ def test_save(tmp_path, ending):
     assert np.abs(last - wanted).mean() < 15
 
 
+@pytest.mark.long
 def test_a_run_stays_small():
     simulation = robsim.Simulation(seed=1, noise=robsim.GaussianNoise(5))
     clip = Clip((simulation.step().frame for _ in range(20)), fps=5)

@@ -3,6 +3,8 @@ import pytest
 
 from robsim.imaging import PlaneMap
 
+pytestmark = pytest.mark.kernels
+
 SQUARE = [(0, 0), (100, 0), (100, 100), (0, 100)]
 
 

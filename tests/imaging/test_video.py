@@ -145,6 +145,7 @@ robsim.imaging.save_video(sys.argv[1], frames, fps=5)
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
 @pytest.mark.parametrize("name", ["run.mkv", "run.avi", "run.mp4", "run.webm"])
 def test_a_full_disk_leaves_no_part_of_a_video(tmp_path, name):
@@ -250,12 +251,14 @@ def measured_in(path):
     return np.array([measurement.pose for measurement in found])
 
 
+@pytest.mark.long
 def test_a_run_in_a_lossless_video_measures_the_same(tmp_path, run):
     frames, measured = run
     save_video(tmp_path / "run.mkv", frames[:15], fps=5)
     np.testing.assert_array_equal(measured_in(tmp_path / "run.mkv"), measured[:15])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ending", SMALL)
 def test_a_run_in_a_small_video_measures_nearly_the_same(tmp_path, run, ending):
     frames, measured = run

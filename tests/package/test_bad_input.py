@@ -124,6 +124,7 @@ OTHER_DTYPES = (
 ).filter(lambda dtype: dtype != np.uint8)
 
 
+@pytest.mark.long
 @takes_images
 @settings(max_examples=40)
 @given(dtype=OTHER_DTYPES)
@@ -133,6 +134,7 @@ def test_images_of_other_types(take, dtype):
     assert "(8, 10, 3)" in message
 
 
+@pytest.mark.long
 @takes_images
 @settings(max_examples=60)
 @given(shape=npst.array_shapes(min_dims=0, max_dims=5, min_side=0, max_side=9))
@@ -147,6 +149,7 @@ def test_images_of_any_shape(take, shape):
 STEPS = st.sampled_from([-3, -2, -1, 1, 2, 3])
 
 
+@pytest.mark.long
 @takes_images
 @settings(max_examples=60)
 @given(rows=STEPS, columns=STEPS, channels=STEPS, fortran=st.booleans())
@@ -188,6 +191,7 @@ VIEWS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("view", VIEWS.values(), ids=VIEWS)
 @settings(max_examples=30)
 @given(width=st.integers(5, 41), height=st.integers(5, 20), seed=st.integers(0, 2**32))
@@ -482,6 +486,7 @@ def test_arrays_that_are_no_numbers(pose):
         Measurement(pose)
 
 
+@pytest.mark.long
 @takes_poses
 @settings(max_examples=40, deadline=None)
 @given(
@@ -606,7 +611,8 @@ def test_pan(pan):
 INT = st.integers(-(2**31), 2**31 - 1) | st.sampled_from([-(2**31), 2**31 - 1, -1, 0, 7])
 
 
-@pytest.mark.parametrize("headings", [0, 4])
+@pytest.mark.long
+@pytest.mark.parametrize("phases", [0, 4])
 @settings(max_examples=100, deadline=None)
 @given(
     x=st.floats(allow_nan=False, allow_infinity=False),
@@ -997,6 +1003,7 @@ def test_no_steps_are_no_steps(sim):
 # --- seeds
 
 
+@pytest.mark.long
 @given(st.integers(0, 2**300))
 def test_any_natural_number_is_a_seed(seed):
     trace = Simulation(area=(200, 200), seed=seed).trace

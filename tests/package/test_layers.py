@@ -109,6 +109,7 @@ def python_files():
     }
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not (ROOT / "python").is_dir(), reason="needs the sources")
 def test_python_rooms_import_only_from_the_storeys_below():
     storey_of = {room: i for i, rooms in enumerate(PYTHON.values()) for room in rooms}
@@ -138,6 +139,7 @@ print("matplotlib" in sys.modules, "matplotlib.pyplot" in sys.modules)
 """
 
 
+@pytest.mark.long
 def test_import_robsim_is_quiet_and_loads_no_drawing():
     run = subprocess.run([sys.executable, "-c", CHECK], capture_output=True, text=True, check=True)
     assert run.stdout.splitlines() == ["[]", "True False"]

@@ -51,6 +51,7 @@ def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
     assert len(pictures) >= 3
 
 
+@pytest.mark.long
 def test_the_command_copies_them_and_never_overwrites(tmp_path):
     copied = command("notebooks", "coursework", cwd=tmp_path)
     assert copied.exit_code == 0, copied.stderr

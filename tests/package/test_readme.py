@@ -9,6 +9,8 @@ import pytest
 
 from robsim.simulation._folders.callback_folder import new_folder
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()
 BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)

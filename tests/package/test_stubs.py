@@ -3,11 +3,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import robsim
 
 SCRIPT = Path(__file__).parents[1] / "support" / "write_stub.py"
 
 
+@pytest.mark.long
 def test_the_stub_of_the_core_is_up_to_date(tmp_path):
     if not shutil.which("pybind11-stubgen", path=str(Path(sys.executable).parent)):
         raise RuntimeError("the tests need pybind11-stubgen: pip install 'robsim[test]'")

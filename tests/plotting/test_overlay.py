@@ -138,6 +138,7 @@ def test_places_go_through_the_plane_map():
     assert has_color(pixels, style.MEASURED, plane_map.to_pixel((250, 800)))
 
 
+@pytest.mark.long
 def test_what_lies_outside_of_the_frame_is_cut_off(rng):
     for x, y in rng.uniform(-200, 1400, (100, 2)):
         pixels = draw_overlay(

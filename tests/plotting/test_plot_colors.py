@@ -8,6 +8,7 @@ from robsim._core import color_histograms
 from robsim.plotting import plot_color_histograms
 
 
+@pytest.mark.long
 def test_the_figure_shows_histograms_and_ranges():
     image = np.full((40, 40, 3), (150, 148, 146), np.uint8)
     image[10:30, 10:30] = (198, 36, 40)

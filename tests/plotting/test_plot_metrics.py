@@ -21,6 +21,8 @@ from robsim.plotting import (
 )
 from robsim.plotting._ellipses import ellipses
 
+pytestmark = pytest.mark.kernels
+
 NAN = np.nan
 
 
@@ -73,6 +75,7 @@ def top_of(band):
 # errors
 
 
+@pytest.mark.long
 def test_errors_stand_beside_their_histograms():
     trace = make_trace(first_step=7)
     figure = render(plot_errors(pose_errors(trace)))
@@ -97,6 +100,7 @@ def test_the_claim_and_the_bound_are_drawn_at_two_standard_deviations():
         plot_errors(pose_errors(make_trace()), bound=np.eye(3))
 
 
+@pytest.mark.long
 def test_errors_of_measurements_are_green_and_unknown_ones_counted():
     measured = make_trace().pose_true + np.array((0.5, 0.5, 0.0))
     measured[10:20] = NAN
@@ -137,6 +141,7 @@ def test_an_error_far_outside_is_marked_at_the_edge():
 # NEES and NIS
 
 
+@pytest.mark.long
 def test_the_values_stand_with_their_band():
     # n = 1: the band is 0.00098..5.02
     report = nees_consistency(np.array([[1.0], [0.001], [NAN], [3.0], [1.5]]), [[1.0]])
@@ -255,6 +260,7 @@ def test_ellipses_need_covariances():
 # parameters
 
 
+@pytest.mark.long
 def test_two_standard_errors_are_shaded_around_the_true_parameters():
     theta = robsim.RobotModel().theta
     trace = make_trace(parameters=np.broadcast_to(theta, (50, 3, 5)))

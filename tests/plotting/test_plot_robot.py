@@ -86,6 +86,7 @@ def test_the_title(axes):
     assert axes.get_title("left") == "toy: 100 px wide on the work area, alignment 90°"
 
 
+@pytest.mark.long
 def test_a_notebook_shows_the_figure(axes):
     assert isinstance(axes, style.NotebookAxes)
     assert axes._repr_png_().startswith(b"\x89PNG")

@@ -14,6 +14,8 @@ from robsim.plotting import _style as style
 from robsim.plotting import plot_batch, plot_frame, plot_parameters, plot_traces
 from robsim.trace._trace import RunInfo, Trace, longest_run
 
+pytestmark = pytest.mark.long
+
 THETA_TRUE = (
     (1.9375, -0.9375, 0.20833, 0.20833, 8.3333e-06),
     (1.9375, -0.9375, 0.20833, 0.20833, 8.3333e-06),
@@ -636,7 +638,7 @@ def test_the_parameters_say_how_well_they_are_excited():
     def shown(controller):
         options = {"boundary": "unlimited", "estimate_parameters": True, "seed": 1}
         trace = robsim.Simulation(control=controller, **options).run(300)
-        figure = render(plot_parameters(trace))
+        figure = render(plot_parameters(trace), layout=False)
         return [axes.texts[0].get_text() for axes in figure.axes[3:]]
 
     assert set(shown(robsim.Spin())[:2]) == {"not excited"}

@@ -9,6 +9,8 @@ from drawn_robots import COLORS, box, painted, random_robot
 from robsim import ColorClass, load_colors
 from robsim.robots import RobotDefinition, check_colors
 
+pytestmark = pytest.mark.kernels
+
 RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)
 EDGE = box(-0.5, -0.5, 399.5, 399.5)
 

@@ -12,6 +12,8 @@ from robsim.robots import RobotDefinition, check_colors, robot_names
 from robsim.robots._lookup import as_robot
 from robsim.vision import MarkerLayout
 
+pytestmark = pytest.mark.kernels
+
 PICTURE = np.zeros((10, 20, 4), np.uint8)
 EDGE = [[0, 0], [19, 0], [19, 9], [0, 9]]
 RED = [[14, 6], [17, 6], [17, 9], [14, 9]]
@@ -172,6 +174,7 @@ def triangles(polygon, around):
     return around + (areas[:, None] * (a + b) / 3).sum(axis=0) / areas.sum(), areas.sum()
 
 
+@pytest.mark.long
 @settings(max_examples=150)
 @given(
     red=st.lists(SIDE, min_size=3, max_size=8),
@@ -197,6 +200,7 @@ def test_the_locator_of_random_markers(red, blue, place, apart, clockwise):
     assert markers.offset == pytest.approx(-(red_centroid + blue_centroid)[0] / 2, abs=1e-8)
 
 
+@pytest.mark.long
 @settings(max_examples=60)
 @given(alignment=st.floats(-360, 360), size=st.floats(1, 500))
 def test_alignment_turns_and_size_scales(alignment, size):
@@ -477,6 +481,7 @@ def test_a_polygon_far_away(value):
     assert refused(outline=[[0, 0], [value, 0], [0, value]]).startswith("outline must be a polygon")
 
 
+@pytest.mark.long
 def test_the_shipped_robots_are_right():
     for name in robot_names():
         robot = load_robot(name)

@@ -9,6 +9,8 @@ from robsim import ColorClass
 from robsim.robots import _polygons as polygons
 from robsim.robots import check_colors, robot_from_picture
 
+pytestmark = pytest.mark.kernels
+
 RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)
 
 FIVE_POINTED = np.array(
@@ -35,6 +37,7 @@ def test_what_is_not_given_has_the_documented_default():
     assert check_colors(robot).ok
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["red", "blue"])
 def test_a_marker_has_the_area_and_the_centroid_of_its_blob(name, rng):
     for _ in range(5):
@@ -46,6 +49,7 @@ def test_a_marker_has_the_area_and_the_centroid_of_its_blob(name, rng):
         np.testing.assert_allclose(found[1], centroid, atol=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("shape", "share"),
     [
@@ -130,6 +134,7 @@ def test_what_is_given_is_taken():
     np.testing.assert_array_equal(robot.blue, BLUE - 1)
 
 
+@pytest.mark.long
 def test_a_large_picture_is_scaled_down_with_its_points():
     large = np.array(Image.fromarray(painted(RED, BLUE)).resize((2000, 2000)))
     robot = robot_from_picture("toy", large, red=5 * (RED + 0.5) - 0.5, centre=(999.5, 1249.5))
@@ -139,6 +144,7 @@ def test_a_large_picture_is_scaled_down_with_its_points():
     assert robot.marker_layout().distance == pytest.approx(160 * 120 / 400, abs=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(5))
 def test_a_photo_with_noise_and_blur(seed):
     rng = np.random.default_rng(seed)
@@ -172,6 +178,7 @@ def test_a_transparent_picture():
         robot_from_picture("toy", image)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "value"),
     [

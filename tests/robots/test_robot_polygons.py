@@ -6,6 +6,8 @@ import pytest
 from drawn_robots import box, star
 from robsim.robots import _polygons as polygons
 
+pytestmark = pytest.mark.kernels
+
 SQUARE = box(0, 0, 4, 4)
 # A square with a notch from the right, as deep as to (1, 2).
 NOTCHED = np.array([(0, 0), (4, 0), (4, 1.5), (1, 2), (4, 2.5), (4, 4), (0, 4)], float)

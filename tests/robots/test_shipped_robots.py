@@ -5,6 +5,8 @@ import robsim
 from robsim.robots._lookup import shipped_robots
 from scenes import errors_of, poses_within, renderer
 
+pytestmark = pytest.mark.long
+
 NAMES = list(shipped_robots())
 OTHERS = [name for name in NAMES if name != "lab"]
 CAMERA = (600, 600)

@@ -29,7 +29,7 @@ from robsim.robots._default_robot import data_folder
 from robsim.robots._lookup import as_robot
 from robsim.vision import MarkerLayout
 
-pytestmark = pytest.mark.usefixtures("user_folder")
+pytestmark = [pytest.mark.kernels, pytest.mark.long, pytest.mark.usefixtures("user_folder")]
 
 SHIPPED = ["lab", "robot2", "sheep"]
 RED, BLUE = box(240, 240, 319, 319), box(80, 240, 159, 319)

@@ -50,6 +50,7 @@ def test_a_path_that_there_is_not(path):
 limits = st.tuples(st.integers(0, 255), st.integers(0, 255)).map(sorted).map(tuple)
 
 
+@pytest.mark.long
 @settings(max_examples=120, deadline=None)
 @given(
     width=st.integers(1, 200),
@@ -95,6 +96,7 @@ def test_rows_with_a_stride_of_their_own(rng):
         assert found == blobs(part.copy(), colors)
 
 
+@pytest.mark.long
 @settings(max_examples=80, deadline=None)
 @given(
     width=st.integers(1, 120),
@@ -112,6 +114,7 @@ def test_noise(width, height, seed, index, kind, percent):
         np.testing.assert_array_equal(other, first)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("robot", ["lab", "sheep"])
 @pytest.mark.parametrize("headings", [0, 7])
 def test_the_renderer(robot, headings, rng):

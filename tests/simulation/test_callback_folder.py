@@ -118,6 +118,7 @@ def test_a_folder_must_be_a_path(make):
         make(3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "options",
     [{}, {"boundary": "unlimited", "noise": robsim.GaussianNoise(5)},
@@ -129,6 +130,7 @@ def test_an_untouched_folder_gives_the_same_bytes_as_none(mine, options):
     assert_same_bytes(simulation(callbacks, **options), plain)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", ["define_model", "evaluate_model", "adjust_background"])
 def test_each_default_is_that_of_the_simulation_where_the_robot_drives(mine, slot):
     options = {"control": robsim.DriveAround(), "seed": 3}
@@ -179,6 +181,7 @@ def suggestions(text):
         yield text[: block.start(1)] + code + text[block.end(1) :]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", SLOTS)
 def test_what_a_file_suggests_to_try_works_and_changes_something(mine, slot):
     for optional in OPTIONAL:
@@ -258,6 +261,7 @@ BROKEN = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", SLOTS)
 @pytest.mark.parametrize("what", BROKEN)
 def test_a_file_that_is_no_python_is_named_with_its_line(mine, slot, what):
@@ -306,6 +310,7 @@ def test_an_empty_file(mine, slot):
     assert str(load_error(mine)).endswith("; it defines: no function")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", SLOTS)
 @pytest.mark.parametrize("value", ["3", "None", "'text'"])
 def test_a_name_that_is_no_function(mine, slot, value):
@@ -338,6 +343,7 @@ def test_a_controller_without_argument(mine):
         CallbackFolder(mine).load()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", SLOTS)
 def test_a_wrong_result_is_told_with_slot_and_file(mine, slot):
     file = mine / f"{slot}.py"

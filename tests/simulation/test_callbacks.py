@@ -53,6 +53,7 @@ BAD = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("slot", "bad"), [(slot, bad) for slot in BAD for bad in BAD[slot]])
 def test_a_bad_result_is_named_with_callback_step_and_expectation(slot, bad):
     sim, callback = failing_at_5(slot, bad)

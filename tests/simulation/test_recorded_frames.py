@@ -133,6 +133,7 @@ def test_a_simulated_world_needs_a_number_of_steps():
         robsim.Simulation().run()
 
 
+@pytest.mark.long
 def test_parameters_can_be_estimated_when_the_inputs_are_known():
     sim = robsim.Simulation(
         measure=True,
@@ -159,6 +160,7 @@ def test_parameters_can_be_estimated_when_the_inputs_are_known():
     assert math.isfinite(again.parameters[-1, 0, 0])
 
 
+@pytest.mark.long
 def test_a_model_with_another_time_step_than_the_frames_is_refused(run, tmp_path):
     robsim.imaging.save_video(tmp_path / "run.mkv", run[0], fps=10)
     recording = robsim.Recording(tmp_path / "run.mkv", area=(1200, 1200))

@@ -20,6 +20,7 @@ def measure_at(pose):
     return lambda step: robsim.Measurement(pose)
 
 
+@pytest.mark.long
 def test_five_lines_show_a_picture():
     sim = robsim.Simulation(measure=True, seed=1)
     trace = sim.run(30)
@@ -29,6 +30,7 @@ def test_five_lines_show_a_picture():
     assert sim.frame._repr_png_().startswith(b"\x89PNG")
 
 
+@pytest.mark.long
 def test_spin_with_36_phases_gives_a_saw_tooth():
     trace = robsim.Simulation(measure=True).run(345)
     assert trace.seen.all()
@@ -94,6 +96,7 @@ ONCE = ("define_model", "init_parameter_estimator", "adjust_background")
 OPTIONAL = ("estimate_parameters", "measure", "estimate_state")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("on", list(itertools.product([False, True], repeat=3)))
 @pytest.mark.parametrize("way", ["keyword", "decorator"])
 def test_every_combination_of_stages_is_called_in_the_order_of_the_manual(on, way):
@@ -236,6 +239,7 @@ def test_further_state_of_the_estimator_is_recorded():
     np.testing.assert_array_equal(sim.run(3).state, [[0, 0], [1, -1], [2, -2]])
 
 
+@pytest.mark.long
 def test_a_frame_that_is_kept_stays_what_it_was():
     kept = []
 
@@ -260,6 +264,7 @@ def test_a_step_that_was_kept_tells_what_it_has_forgotten():
         _ = old.frame
 
 
+@pytest.mark.long
 def test_noise_does_not_change_the_path():
     options = {"measure": True, "control": robsim.DriveAround(), "seed": 5, **SMALL}
     quiet = robsim.Simulation(**options)
@@ -329,6 +334,7 @@ print(digest.hexdigest())
 """
 
 
+@pytest.mark.long
 def test_the_same_seed_gives_the_same_bytes_in_two_processes():
     runs = [
         subprocess.run(
@@ -340,6 +346,7 @@ def test_the_same_seed_gives_the_same_bytes_in_two_processes():
     assert len(runs[0].stdout.strip()) == 64
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "make",
     [
@@ -411,12 +418,14 @@ def counted_while(sim, steps):
         thread.join()
 
 
+@pytest.mark.long
 def test_a_run_without_python_callbacks_holds_no_gil():
     sim = robsim.Simulation(measure=True, estimate_parameters=True)
     sim.run(1)
     assert counted_while(sim, 100) > 10_000
 
 
+@pytest.mark.long
 def test_a_native_run_of_many_short_steps_holds_no_gil():
     sim = robsim.Simulation(control=robsim.DriveAround(), estimate_parameters=True)
     sim.run(1)
@@ -459,6 +468,7 @@ def test_two_threads_cannot_run_one_simulation():
     assert len(sim.run(1)) == 2
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="no POSIX signals")
 @pytest.mark.parametrize("control", [None, lambda step: (0.1, 0.1)])
 def test_ctrl_c_stops_a_run_with_its_trace_kept(control, request):
@@ -489,6 +499,7 @@ def test_identifying_from_a_stage_that_is_off_is_an_error():
         sim.run(1)
 
 
+@pytest.mark.long
 def test_a_simulation_is_freed_even_if_its_callback_refers_to_it():
     def make(closes_over):
         sim = robsim.Simulation(**SMALL)
@@ -584,6 +595,7 @@ def test_a_class_of_ones_own_that_builds_on_a_native_one_is_used():
     assert sim.estimator is estimator
 
 
+@pytest.mark.long
 def test_a_daemon_thread_in_a_run_does_not_abort_the_process_at_its_end():
     code = """
 import threading, time, robsim
@@ -607,6 +619,7 @@ def test_an_area_narrower_than_the_robot_is_an_error():
         robsim.Simulation(area=(100, 400)).run(1)
 
 
+@pytest.mark.long
 def test_the_background_that_nobody_changes_is_made_once():
     sim = robsim.Simulation(resolution=(240, 240), seed=1)
     first = sim.frame.image.copy()

@@ -5,6 +5,8 @@ import pytest
 
 import robsim
 
+pytestmark = pytest.mark.kernels
+
 ERRORS = np.random.default_rng(3).normal(size=(12, 3))
 RAGGED = [[1, 2], [3]]
 ALIKE = np.eye(3)
@@ -87,6 +89,7 @@ def test_names_of_a_batch_estimate_are_texts():
     refuses("of", robsim.pose_errors, trace, of=["estimate"])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("wrong", ["a", 2.5, [3], True, 5, -1, 10**30])
 def test_the_step_of_an_excitation_is_one_of_the_trace(wrong):
     trace = robsim.Simulation(estimate_parameters=True, seed=1, resolution=(60, 60)).run(5)

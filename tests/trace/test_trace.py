@@ -383,6 +383,7 @@ def test_csv_of_a_trace_without_steps_has_a_header(tmp_path):
 # --- files
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(
     rows=st.integers(0, 40),
@@ -502,6 +503,7 @@ def load_damaged(path, content):
     assert str(path) in message
 
 
+@pytest.mark.long
 def test_every_flipped_bit_is_found_or_harmless(tmp_path, saved):
     for place in range(len(saved)):
         damaged = bytearray(saved)
@@ -509,6 +511,7 @@ def test_every_flipped_bit_is_found_or_harmless(tmp_path, saved):
         load_damaged(tmp_path / "flip.npz", bytes(damaged))
 
 
+@pytest.mark.long
 @settings(max_examples=200, deadline=None)
 @given(damage=st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), min_size=1))
 @example(damage=[(40, 255), (41, 255), (42, 255), (43, 255)])
@@ -583,6 +586,7 @@ def test_wrong_members_of_a_trace_without_rows(forge):
     refuses(forge(empty | {"pose_true": np.zeros((0, 7))}))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "info",
     [
@@ -640,6 +644,7 @@ def test_longest_run(mask, run):
     assert longest_run(np.array(mask, dtype=bool)) == run
 
 
+@pytest.mark.long
 @given(st.lists(st.booleans(), max_size=30))
 def test_longest_run_is_true_and_no_other_is_longer(mask):
     run = longest_run(np.array(mask, dtype=bool))

@@ -52,6 +52,7 @@ def _path():
     _core.force_cpu_path(before)
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(
     width=st.integers(1, 400),
@@ -70,6 +71,7 @@ def test_the_masks_are_those_of_the_slow_way(width, height, window, draw, seed, 
         np.testing.assert_array_equal(masks[color.name], mask_of(image, color, window))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("path", _core.cpu_paths())
 def test_no_colour_that_belongs_to_a_class_is_taken_for_grey(path):
     # Classes at every distance from grey, on every colour in steps of 5.

@@ -137,6 +137,7 @@ def test_any_bytes_give_colors_or_a_value_error(tmp_path_factory, content):
     load_any(tmp_path_factory.getbasetemp() / "bytes.toml", content)
 
 
+@pytest.mark.long
 @settings(max_examples=200)
 @given(content=st.text(max_size=200) | st.text("[]redyuv=,0123456789.-'\"\n {}", max_size=60))
 def test_any_text_gives_colors_or_a_value_error(tmp_path_factory, content):
@@ -149,6 +150,7 @@ TOML_VALUES = st.recursive(
 )
 
 
+@pytest.mark.long
 @settings(max_examples=200)
 @given(value=TOML_VALUES | st.lists(st.integers(-1, 256), min_size=2, max_size=2))
 def test_any_value_gives_that_range_or_a_value_error(tmp_path_factory, value):
@@ -189,6 +191,7 @@ def test_a_color_class_shows_its_ranges():
     assert ranges(eval(repr(color))) == ranges(color)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CHANNELS)
 @given(lower=st.integers(-(2**31), 2**31 - 1), upper=st.integers(-(2**31), 2**31 - 1))
 def test_ranges_beyond_the_limits_are_refused(name, lower, upper):

@@ -32,6 +32,7 @@ def test_the_text_of_a_colour():
     assert text.strip() == "[red]\ny = [0, 255]\nu = [0, 150]\nv = [156, 255]"
 
 
+@pytest.mark.long
 @settings(max_examples=30)
 @given(colors=st.lists(COLOR, max_size=4, unique_by=lambda color: color.name))
 def test_text_is_read_back(tmp_path_factory, colors):
@@ -158,6 +159,7 @@ def damaged(random, text):
     return bytes(content)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(5))
 def test_a_damaged_file_is_changed_as_a_whole_or_not_at_all(tmp_path, seed):
     source, path = random.Random(seed), tmp_path / "colors.toml"

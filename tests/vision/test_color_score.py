@@ -71,6 +71,7 @@ def test_a_wide_colour_is_narrowed():
     assert f"narrowed by {-score.margin}" in str(score)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("boxes", "is_found"),
     [
@@ -179,6 +180,7 @@ def test_what_is_refused(name, values):
         score_color(**given)
 
 
+@pytest.mark.long
 def test_the_shipped_colours_on_the_simulators_frame():
     sim = robsim.Simulation(
         robot="lab", start=(200, 200, 0), area=(400, 400), adjust_background=lambda floor: floor

@@ -75,6 +75,7 @@ def test_diagonal_neighbours_belong_together():
     assert [blob.area for blob in found["red"]] == [9]
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(
     width=st.integers(1, 70),

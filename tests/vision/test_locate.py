@@ -69,6 +69,7 @@ def test_markers_in_any_place_give_the_pose(rng):
     assert pose[2] == pytest.approx(heading, abs=0.02)
 
 
+@pytest.mark.long
 def test_continuous_rotation_a_thousand_poses_in_light_shadow_and_at_its_edge(rng):
     errors = errors_of(renderer(), poses_within(rng, 1000))
     # Where the robot covers the red square in part, not to see it would be right, too.
@@ -107,6 +108,7 @@ def test_a_wrong_offset_oscillates_around_the_true_centre():
     np.testing.assert_allclose(errors[:, :2], expected, atol=0.15)
 
 
+@pytest.mark.long
 def test_no_false_pose_near_the_red_square(rng):
     poses = np.column_stack(
         (rng.uniform(500, 700, 400), rng.uniform(60, 200, 400), rng.uniform(-np.pi, np.pi, 400))
@@ -131,6 +133,7 @@ def test_no_false_pose_of_a_robot_half_out_of_the_view(rng):
     assert 0.02 < np.isfinite(errors[:, 0]).mean() < 0.9
 
 
+@pytest.mark.long
 def test_no_false_pose_among_discs_as_red_and_as_large_as_the_marker(rng):
     places = rng.uniform(50, 1150, (40, 2))
     v, u = np.mgrid[: AREA[1], : AREA[0]]

@@ -40,7 +40,8 @@ def check_the_default_measurement(noise, camera, *, steps, seed):
     assert tracking.rmse_heading_deg < rmse_heading_deg
 
 
-@pytest.mark.parametrize("noise", [robsim.UniformNoise(40), robsim.GaussianNoise(40)])
+@pytest.mark.long
+@pytest.mark.parametrize("noise", ["uniform", "gaussian"])
 @pytest.mark.parametrize("camera", ASKED)
 def test_the_robot_is_found_in_noise_of_40_percent(noise, camera):
     check_the_default_measurement(noise, camera, steps=150, seed=4)
@@ -54,6 +55,7 @@ def test_the_robot_is_found_in_1000_frames_of_40_percent(noise, camera, seed):
     check_the_default_measurement(noise, camera, steps=1000, seed=seed)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["robot2", "sheep"])
 def test_other_robots_are_found_in_strong_noise(name):
     options = {"headings": None, "noise": robsim.GaussianNoise(30)}

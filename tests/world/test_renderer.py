@@ -32,6 +32,7 @@ def drawn_by_hand(floor, sprite, centre, pose):
     return result
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("path", _core.cpu_paths())
 @pytest.mark.parametrize("size", [(7, 4), (1, 9), (90, 80)])
 def test_every_pixel_is_what_it_is_by_hand(path, size, rng):
@@ -80,7 +81,8 @@ def test_a_buffer_that_nobody_holds_is_used_again():
     assert len(addresses) == 1
 
 
-@pytest.mark.parametrize("headings", [0, 36])
+@pytest.mark.long
+@pytest.mark.parametrize("phases", [0, 36])
 @pytest.mark.parametrize("camera", [(1200, 1200), (480, 480), (640, 400)])
 def test_restoring_leaves_no_trace_of_the_robot(headings, camera, rng):
     draw, fresh = (
@@ -115,6 +117,7 @@ def test_phases_show_the_nearest_heading_at_the_nearest_pixel():
         assert (draw.render(pose) != shown).any()
 
 
+@pytest.mark.long
 def test_a_phase_looks_like_the_continuous_picture_of_its_heading():
     for heading in np.deg2rad([0, 70, 180, -130]):
         a = renderer(headings=36).render((600.0, 600.0, heading)).astype(int)

@@ -41,6 +41,7 @@ def share(kind, k, scale):
     return (cdf(k + 0.5) if k < 127 else 1.0) - (cdf(k - 0.5) if k > -128 else 0.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["uniform", "gaussian"])
 @pytest.mark.parametrize("percent", [0.2, 0.5, 1, 1.7, 2.4, 3.7, 5, 7, 10, 14, 20, 40, 80, 300])
 def test_the_whole_distribution_at_any_level(kind, percent):
@@ -55,6 +56,7 @@ def test_the_whole_distribution_at_any_level(kind, percent):
     assert (found[theory > 1 / 8192] > 0).all()  # the finest share that is drawn
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("percent", [1, 1.7, 2.5, 3.7, 5, 7.5, 10, 12])
 def test_gaussian_tails(percent):
     sigma = 2.55 * percent
