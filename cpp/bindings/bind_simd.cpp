@@ -9,7 +9,7 @@
 #include "robsim/simd/cpu_path.hpp"
 
 namespace py = pybind11;
-using namespace robsim;
+using namespace robsim::simd;
 
 void bind_simd(py::module_& module) {
   module.def(

@@ -5,9 +5,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "robsim/simd/cpu_path.hpp"
 #include "robsim/simd/lanes.hpp"
 
 namespace robsim {
+
+using simd::Lanes;
 
 namespace {
 
@@ -15,8 +18,8 @@ namespace {
 // of that of the noise.
 constexpr double largest_variance = 1e9;
 
-constexpr int wide = Lanes::count;
-constexpr int five = 5;  // parameters of an axis of the robot model: the case to be fast in
+constexpr int lane_count = Lanes::count;
+constexpr int robot_parameters = 5;  // per axis of the robot model: the case that must be fast
 
 constexpr double zero = 0;
 constexpr double one = 1;
@@ -35,9 +38,9 @@ bool has_nan(const double* row, int n, double output) {
 // Where one sample of each filter lies. Where a filter holds, and in lanes without one, phi = 0,
 // y = 0 and the forgetting is 1: nothing changes.
 struct FilterGroup::Sample {
-  const double* phi[wide];
-  const double* y[wide];
-  const double* forgetting[wide];
+  const double* phi[lane_count];
+  const double* y[lane_count];
+  const double* forgetting[lane_count];
 };
 
 FilterGroup::FilterGroup(int parameters, int filters, double forgetting, double initial_covariance)
@@ -54,13 +57,14 @@ FilterGroup::FilterGroup(int parameters, int filters, double forgetting, double 
 
 // Takes a sample in and returns the largest trace of P. `n` is the number of parameters, a constant
 // where the caller knows it; phi and gain are room for that many lanes.
-ROBSIM_INLINE double FilterGroup::take(const Sample& sample, double* phi, double* gain, int n) {
+ROBSIM_INLINE double FilterGroup::update_one(const Sample& sample, double* phi, double* gain,
+                                             int n) {
   Lanes innovation = gathered(sample.y);
   ROBSIM_UNROLL
   for (int j = 0; j < n; ++j) {
     const Lanes x = gathered(sample.phi, j);
     innovation = innovation - x * Lanes::load(&theta_[place(j, 0)]);
-    x.store(phi + wide * j);
+    x.store(phi + lane_count * j);
   }
   Lanes alpha = gathered(sample.forgetting);
   const Lanes per_forgetting = Lanes::all(1) / alpha;
@@ -70,9 +74,10 @@ ROBSIM_INLINE double FilterGroup::take(const Sample& sample, double* phi, double
   for (int j = 0; j < n; ++j) {
     double* const U = U_.data() + column(j);
     // f = U' phi,  v = D f,  alpha_j = alpha_(j-1) + f_j v_j
-    Lanes f = Lanes::load(phi + wide * j);
+    Lanes f = Lanes::load(phi + lane_count * j);
     ROBSIM_UNROLL
-    for (int i = 0; i < j; ++i) f = f + Lanes::load(U + wide * i) * Lanes::load(phi + wide * i);
+    for (int i = 0; i < j; ++i)
+      f = f + Lanes::load(U + lane_count * i) * Lanes::load(phi + lane_count * i);
     const Lanes d = Lanes::load(&D_[place(j, 0)]);
     const Lanes v = d * f;
     const Lanes previous = alpha;
@@ -82,14 +87,14 @@ ROBSIM_INLINE double FilterGroup::take(const Sample& sample, double* phi, double
     Lanes square = Lanes::all(1);
     ROBSIM_UNROLL
     for (int i = 0; i < j; ++i) {
-      const Lanes u = Lanes::load(U + wide * i);
-      const Lanes b = Lanes::load(gain + wide * i);
+      const Lanes u = Lanes::load(U + lane_count * i);
+      const Lanes b = Lanes::load(gain + lane_count * i);
       const Lanes changed = u - b * c;
       square = square + changed * changed;
-      changed.store(U + wide * i);
-      (b + u * v).store(gain + wide * i);
+      changed.store(U + lane_count * i);
+      (b + u * v).store(gain + lane_count * i);
     }
-    v.store(gain + wide * j);
+    v.store(gain + lane_count * j);
     // D_j <- D_j alpha_(j-1)/(alpha_j lambda)
     per_alpha = Lanes::all(1) / alpha;
     const Lanes changed = d * (previous * per_alpha * per_forgetting);
@@ -101,11 +106,11 @@ ROBSIM_INLINE double FilterGroup::take(const Sample& sample, double* phi, double
   ROBSIM_UNROLL
   for (int j = 0; j < n; ++j) {
     double* const theta = &theta_[place(j, 0)];
-    (Lanes::load(theta) + Lanes::load(gain + wide * j) * innovation).store(theta);
+    (Lanes::load(theta) + Lanes::load(gain + lane_count * j) * innovation).store(theta);
   }
-  double traces[wide];
+  double traces[lane_count];
   trace.store(traces);
-  return *std::max_element(traces, traces + wide);
+  return *std::max_element(traces, traces + lane_count);
 }
 
 ROBSIM_INLINE void FilterGroup::write_theta(double* theta, int n) const {
@@ -115,8 +120,8 @@ ROBSIM_INLINE void FilterGroup::write_theta(double* theta, int n) const {
   }
 }
 
-ROBSIM_INLINE void FilterGroup::take_all(const Samples& samples, double* phi_room,
-                                         double* gain_room, int n) {
+ROBSIM_INLINE void FilterGroup::update_all(const Samples& samples, double* phi, double* gain,
+                                           int n) {
   const double* const none = no_regressors_.data();
   for (std::int64_t k = 0; k < samples.count; ++k) {
     Sample sample{{none, none, none, none}, {&zero, &zero, &zero, &zero}, {&one, &one, &one, &one}};
@@ -130,36 +135,34 @@ ROBSIM_INLINE void FilterGroup::take_all(const Samples& samples, double* phi_roo
       sample.forgetting[filter] = &forgetting_;
       ++samples_[static_cast<std::size_t>(filter)];
     }
-    const double trace = take(sample, phi_room, gain_room, n);
+    const double trace = update_one(sample, phi, gain, n);
     if (forgetting_ < 1 && trace > covariance_limit_) limit_covariance();
     if (samples.history) write_theta(samples.history + k * samples.stride * n, n);
   }
 }
 
-void FilterGroup::take_all_five(const Samples& samples) {
-  double phi_room[five * wide], gain_room[five * wide];
-  take_all(samples, phi_room, gain_room, five);
+template <int n>
+void FilterGroup::update_fixed(const Samples& samples) {
+  double phi[n * lane_count], gain[n * lane_count];
+  update_all(samples, phi, gain, n);
 }
 
 #if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 void FilterGroup::take_all_five_avx2(const Samples& samples) {
-  double phi_room[five * wide], gain_room[five * wide];
-  take_all(samples, phi_room, gain_room, five);
+template <int n>
+ROBSIM_AVX2 void FilterGroup::update_fixed_avx2(const Samples& samples) {
+  double phi[n * lane_count], gain[n * lane_count];
+  update_all(samples, phi, gain, n);
 }
 #endif
 
 void FilterGroup::update(const Samples& samples) {
-  if (parameters_ != five) {
-    take_all(samples, phi_.data(), gain_.data(), parameters_);
+  if (parameters_ != robot_parameters) {
+    update_all(samples, phi_.data(), gain_.data(), parameters_);
     return;
   }
-#if ROBSIM_HAS_AVX2_CODE
-  if (cpu_path() == CpuPath::avx2) {
-    take_all_five_avx2(samples);
-    return;
-  }
-#endif
-  take_all_five(samples);
+  const auto update_all = ROBSIM_PICK(&FilterGroup::update_fixed<robot_parameters>,
+                                      &FilterGroup::update_fixed_avx2<robot_parameters>);
+  (this->*update_all)(samples);
 }
 
 // Cuts each D_j to where its share D_j |U_j|^2 of the trace of P is an n-th of the limit.
@@ -186,15 +189,15 @@ ROBSIM_INLINE void FilterGroup::write_variances(double* variances, int n) const 
       const Lanes u = Lanes::load(&U_[column(j) + place(i, 0)]);
       sum = sum + u * u * Lanes::load(&D_[place(j, 0)]);
     }
-    double of_filter[wide];
+    double of_filter[lane_count];
     sum.store(of_filter);
     for (int filter = 0; filter < filters_; ++filter) variances[filter * n + i] = of_filter[filter];
   }
 }
 
 void FilterGroup::write_standard_errors_unscaled(double* errors) const {
-  if (parameters_ == five) {
-    write_variances(errors, five);
+  if (parameters_ == robot_parameters) {
+    write_variances(errors, robot_parameters);
   } else {
     write_variances(errors, parameters_);
   }

@@ -49,10 +49,12 @@ class FilterGroup {
   static std::size_t column(int j) { return place(j * (j - 1) / 2, 0); }
 
   struct Sample;
-  double take(const Sample& sample, double* phi, double* gain, int n);
-  void take_all(const Samples& samples, double* phi_room, double* gain_room, int n);
-  void take_all_five(const Samples& samples);
-  void take_all_five_avx2(const Samples& samples);
+  double update_one(const Sample& sample, double* phi, double* gain, int n);
+  void update_all(const Samples& samples, double* phi, double* gain, int n);
+  template <int n>
+  void update_fixed(const Samples& samples);
+  template <int n>
+  void update_fixed_avx2(const Samples& samples);
   void write_theta(double* theta, int n) const;
   void limit_covariance();
   void write_variances(double* variances, int n) const;

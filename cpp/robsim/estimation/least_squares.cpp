@@ -16,6 +16,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using simd::Lanes;
 using PivotedQr = Eigen::ColPivHouseholderQR<MatrixXd>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -75,13 +76,11 @@ void append_baseline(MatrixXd& R, MatrixXd& block) { append(R, block); }
 
 #if ROBSIM_HAS_AVX2_CODE
 ROBSIM_AVX2 void append_avx2(MatrixXd& R, MatrixXd& block) { append(R, block); }
-#else
-constexpr auto append_avx2 = append_baseline;
 #endif
 
 // The triangle R of the QR of phi with y as its last column.
 MatrixXd triangle(const Eigen::Ref<const Rows>& phi, const Eigen::Ref<const VectorXd>& y) {
-  const auto append_block = cpu_path() == CpuPath::avx2 ? append_avx2 : append_baseline;
+  const auto append_block = ROBSIM_PICK(append_baseline, append_avx2);
   const Index n = phi.cols();
   MatrixXd R = MatrixXd::Zero(n + 1, n + 1);
   MatrixXd block(block_rows, n + 1);

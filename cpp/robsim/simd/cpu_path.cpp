@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <atomic>
 #include <stdexcept>
+#include <string>
 
 #if ROBSIM_HAS_AVX2_CODE && defined(_MSC_VER)
 #include <immintrin.h>
 #include <intrin.h>
 #endif
 
-namespace robsim {
+namespace robsim::simd {
 
 namespace {
 
@@ -21,7 +22,7 @@ bool has_avx2() {
   __cpuidex(registers, 1, 0);
   constexpr int osxsave_and_avx = (1 << 27) | (1 << 28);
   if ((registers[2] & osxsave_and_avx) != osxsave_and_avx) return false;
-  if ((_xgetbv(0) & 6) != 6) return false;  // the system keeps the wide registers
+  if ((_xgetbv(0) & 6) != 6) return false;  // the system saves the AVX registers
   __cpuidex(registers, 7, 0);
   return (registers[1] & (1 << 5)) != 0;
 }
@@ -48,10 +49,10 @@ CpuPath cpu_path() { return path_in_use().load(std::memory_order_relaxed); }
 void force_cpu_path(CpuPath path) {
   const std::vector<CpuPath> paths = cpu_paths();
   if (std::find(paths.begin(), paths.end(), path) == paths.end()) {
-    throw std::invalid_argument(std::string("this processor does not have the path ") +
+    throw std::invalid_argument(std::string("path is not available on this processor: ") +
                                 name_of(path));
   }
   path_in_use().store(path, std::memory_order_relaxed);
 }
 
-}  // namespace robsim
+}  // namespace robsim::simd

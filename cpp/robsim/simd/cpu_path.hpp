@@ -1,40 +1,32 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
-#if defined(__x86_64__) || defined(_M_X64)
-#define ROBSIM_HAS_AVX2_CODE 1
+#include "robsim/simd/target.hpp"
+
+// The one of two functions that runs on the path in use. A macro, because without AVX2 code the
+// name of the second one does not exist.
+#if ROBSIM_HAS_AVX2_CODE
+#define ROBSIM_PICK(if_baseline, if_avx2) \
+  (::robsim::simd::cpu_path() == ::robsim::simd::CpuPath::avx2 ? (if_avx2) : (if_baseline))
 #else
-#define ROBSIM_HAS_AVX2_CODE 0
+#define ROBSIM_PICK(if_baseline, if_avx2) (if_baseline)
 #endif
 
-// A function that may use the instructions of AVX2, in a file that is compiled for any processor,
-// and one that is made a part of such functions.
-#if defined(__GNUC__) || defined(__clang__)
-#define ROBSIM_AVX2 __attribute__((target("avx2")))
-#define ROBSIM_AVX2_INLINE __attribute__((target("avx2"), always_inline)) inline
-#define ROBSIM_INLINE __attribute__((always_inline)) inline
-#else
-#define ROBSIM_AVX2
-#define ROBSIM_AVX2_INLINE __forceinline
-#define ROBSIM_INLINE __forceinline
-#endif
-
-namespace robsim {
+namespace robsim::simd {
 
 /// The instructions that the hot loops use. All paths give the same results, bit for bit.
 enum class CpuPath { baseline, avx2 };
 
 const char* name_of(CpuPath path);
 
-/// The paths that this processor can take, the fastest last.
+/// The paths available on this processor, the fastest last.
 std::vector<CpuPath> cpu_paths();
 
 /// The path in use: the fastest one, unless another is forced.
 CpuPath cpu_path();
 
-/// Throws std::invalid_argument if this processor can't take it.
+/// Throws std::invalid_argument if the path is not available on this processor.
 void force_cpu_path(CpuPath path);
 
-}  // namespace robsim
+}  // namespace robsim::simd

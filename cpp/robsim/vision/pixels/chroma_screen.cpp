@@ -39,7 +39,7 @@ constexpr auto is_red_or_green = [] {
 
 // Does |R - G| or |G - B| of one of 64 pixels exceed the limit? Reads a byte beyond them.
 // The loops run over all neighbours in memory: a compiler does many of them at a time.
-bool is_colorful_plain(const std::uint8_t* bytes, int limit) {
+bool is_colorful(const std::uint8_t* bytes, int limit) {
   std::uint8_t differences[192];
   for (int i = 0; i < 192; ++i) {
     const std::uint8_t a = bytes[i];
@@ -54,20 +54,22 @@ bool is_colorful_plain(const std::uint8_t* bytes, int limit) {
   return largest > limit;
 }
 
-#if ROBSIM_HAS_AVX2_CODE
-
-ROBSIM_AVX2_INLINE __m256i loaded(const std::uint8_t* bytes) {
-  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes));
+void screen_baseline(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_hold) {
+  for (std::size_t word = 0; word < may_hold.size(); ++word) {
+    may_hold[word] = is_colorful(row.pixels(word), limit);
+  }
 }
+
+#if ROBSIM_HAS_AVX2_CODE
 
 // |byte i - byte i+1|, 32 times
 ROBSIM_AVX2_INLINE __m256i differences(const std::uint8_t* bytes) {
-  const __m256i a = loaded(bytes);
-  const __m256i b = loaded(bytes + 1);
+  const __m256i a = simd::load(bytes);
+  const __m256i b = simd::load(bytes + 1);
   return _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
 }
 
-ROBSIM_AVX2 void look_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_hold) {
+ROBSIM_AVX2 void screen_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_hold) {
   const __m256i limits = _mm256_set1_epi8(static_cast<char>(limit));
   for (std::size_t word = 0; word < may_hold.size(); ++word) {
     const std::uint8_t* pixels = row.pixels(word);
@@ -77,7 +79,7 @@ ROBSIM_AVX2 void look_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t>&
       const __m256i larger =
           _mm256_max_epu8(differences(pixels + 32 * i), differences(pixels + 32 * i + 96));
       largest =
-          _mm256_max_epu8(largest, _mm256_and_si256(larger, loaded(&is_red_or_green[32 * i])));
+          _mm256_max_epu8(largest, _mm256_and_si256(larger, simd::load(&is_red_or_green[32 * i])));
     }
     const __m256i beyond = _mm256_subs_epu8(largest, limits);
     may_hold[word] = !_mm256_testz_si256(beyond, beyond);
@@ -99,15 +101,7 @@ void ChromaScreen::look(const std::uint8_t* rgb, int width,
   may_hold.assign(words_of(width), 1);
   if (safe_difference_ < 0) return;
   PaddedRow row(rgb, width);
-#if ROBSIM_HAS_AVX2_CODE
-  if (cpu_path() == CpuPath::avx2) {
-    look_avx2(row, safe_difference_, may_hold);
-    return;
-  }
-#endif
-  for (std::size_t word = 0; word < may_hold.size(); ++word) {
-    may_hold[word] = is_colorful_plain(row.pixels(word), safe_difference_);
-  }
+  ROBSIM_PICK(screen_baseline, screen_avx2)(row, safe_difference_, may_hold);
 }
 
 }  // namespace robsim

@@ -28,7 +28,7 @@ struct Planes {
   std::uint8_t channel[3][64];
 };
 
-void convert_plain(const std::uint8_t* rgb, Planes& planes) {
+void convert_baseline(const std::uint8_t* rgb, Planes& planes) {
   for (int i = 0; i < 64; ++i) {
     const Yuv yuv = rgb_to_yuv(rgb + 3 * i);
     planes.channel[0][i] = static_cast<std::uint8_t>(yuv.y);
@@ -37,7 +37,7 @@ void convert_plain(const std::uint8_t* rgb, Planes& planes) {
   }
 }
 
-std::uint64_t members_plain(const Planes& planes, const std::vector<ChannelLimits>& limits) {
+std::uint64_t members_baseline(const Planes& planes, const std::vector<ChannelLimits>& limits) {
   std::uint8_t is_member[64];
   std::fill_n(is_member, 64, std::uint8_t{1});
   for (const ChannelLimits& limit : limits) {
@@ -49,16 +49,16 @@ std::uint64_t members_plain(const Planes& planes, const std::vector<ChannelLimit
   return packed(is_member);
 }
 
-void classify_plain(const std::uint8_t* rgb, int width,
-                    const std::vector<std::vector<ChannelLimits>>& limits,
-                    const std::vector<std::uint8_t>& may_hold, std::vector<BitRow>& bits) {
+void classify_baseline(const std::uint8_t* rgb, int width,
+                       const std::vector<std::vector<ChannelLimits>>& limits,
+                       const std::vector<std::uint8_t>& may_hold, std::vector<BitRow>& bits) {
   PaddedRow row(rgb, width);
   for (std::size_t word = 0; word < may_hold.size(); ++word) {
     if (!may_hold[word]) continue;
     Planes planes;
-    convert_plain(row.pixels(word), planes);
+    convert_baseline(row.pixels(word), planes);
     for (std::size_t i = 0; i < limits.size(); ++i) {
-      bits[i][word] = members_plain(planes, limits[i]);
+      bits[i][word] = members_baseline(planes, limits[i]);
     }
   }
 }
@@ -123,18 +123,6 @@ ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
 
 #endif
 
-void classify_words(const std::uint8_t* rgb, int width,
-                    const std::vector<std::vector<ChannelLimits>>& limits,
-                    const std::vector<std::uint8_t>& may_hold, std::vector<BitRow>& bits) {
-#if ROBSIM_HAS_AVX2_CODE
-  if (cpu_path() == CpuPath::avx2) {
-    classify_avx2(rgb, width, limits, may_hold, bits);
-    return;
-  }
-#endif
-  classify_plain(rgb, width, limits, may_hold, bits);
-}
-
 }  // namespace
 
 Classifier::Classifier(const std::vector<ColorClass>& classes) : screen_(classes) {
@@ -148,7 +136,7 @@ Classifier::Classifier(const std::vector<ColorClass>& classes) : screen_(classes
 void Classifier::classify(const std::uint8_t* rgb, int width, std::vector<BitRow>& bits) {
   for (BitRow& row : bits) row.assign(words_of(width), 0);
   screen_.look(rgb, width, may_hold_);
-  classify_words(rgb, width, limits_, may_hold_, bits);
+  ROBSIM_PICK(classify_baseline, classify_avx2)(rgb, width, limits_, may_hold_, bits);
   const int left = width % 64;
   if (left == 0) return;
   for (BitRow& row : bits) row.back() &= (std::uint64_t{1} << left) - 1;

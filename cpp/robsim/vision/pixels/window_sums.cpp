@@ -1,10 +1,7 @@
 #include "robsim/vision/pixels/window_sums.hpp"
 
+#include "robsim/simd/avx2.hpp"
 #include "robsim/simd/cpu_path.hpp"
-
-#if ROBSIM_HAS_AVX2_CODE
-#include <immintrin.h>
-#endif
 
 namespace robsim {
 
@@ -23,13 +20,13 @@ ROBSIM_INLINE void exchange_body(const std::uint8_t* in, const std::uint8_t* out
   }
 }
 
-void exchange_plain(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
-                    Sum* columns) {
+void exchange_baseline(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
+                       Sum* columns) {
   exchange_body(in, out, count, columns);
 }
 
 // Bit i = the 64 sums i lie within the limits
-std::uint64_t within_plain(const Sum* sums, const Limits& limits) {
+std::uint64_t within_baseline(const Sum* sums, const Limits& limits) {
   const Sum lower = limits.lower;
   const Sum upper = limits.upper;
   std::uint8_t is_within[64];
@@ -40,8 +37,8 @@ std::uint64_t within_plain(const Sum* sums, const Limits& limits) {
 }
 
 template <int window>
-void classify_plain(const Columns& columns, std::size_t first, std::size_t last,
-                    const std::vector<std::vector<Limits>>& classes, std::vector<BitRow>& bits) {
+void classify_baseline(const Columns& columns, std::size_t first, std::size_t last,
+                       const std::vector<std::vector<Limits>>& classes, std::vector<BitRow>& bits) {
   Sum sums[3][64];
   for (std::size_t word = first; word < last; ++word) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -57,7 +54,7 @@ void classify_plain(const Columns& columns, std::size_t first, std::size_t last,
     for (std::size_t i = 0; i < classes.size(); ++i) {
       std::uint64_t members = ~std::uint64_t{0};
       for (const Limits& limits : classes[i]) {
-        if (members != 0) members &= within_plain(sums[limits.channel], limits);
+        if (members != 0) members &= within_baseline(sums[limits.channel], limits);
       }
       bits[i][word] = members;
     }
@@ -68,10 +65,6 @@ void classify_plain(const Columns& columns, std::size_t first, std::size_t last,
 ROBSIM_AVX2 void exchange_avx2(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
                                Sum* columns) {
   exchange_body(in, out, count, columns);
-}
-
-ROBSIM_AVX2_INLINE __m256i loaded(const Sum* numbers) {
-  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(numbers));
 }
 
 // 16 numbers of all bits or none
@@ -87,8 +80,8 @@ ROBSIM_AVX2_INLINE std::uint64_t within_avx2(const __m256i* sums, const Limits& 
   for (int i = 0; i < 4; i += 2) {
     const __m256i bytes =
         _mm256_packs_epi16(is_within(sums[i], lower, range), is_within(sums[i + 1], lower, range));
-    const __m256i in_order = _mm256_permute4x64_epi64(bytes, 0b11011000);  // packing joins lanes
-    word |= std::uint64_t{static_cast<std::uint32_t>(_mm256_movemask_epi8(in_order))} << (16 * i);
+    const int mask = _mm256_movemask_epi8(simd::in_order(bytes));
+    word |= std::uint64_t{static_cast<std::uint32_t>(mask)} << (16 * i);
   }
   return word;
 }
@@ -103,8 +96,9 @@ ROBSIM_AVX2 void classify_avx2(const Columns& columns, std::size_t first, std::s
       if (!columns[channel]) continue;
       for (std::size_t i = 0; i < 4; ++i) {
         const Sum* column = columns[channel] + 64 * word + 16 * i;
-        __m256i sum = loaded(column);
-        for (std::size_t j = 1; j < window; ++j) sum = _mm256_add_epi16(sum, loaded(column + j));
+        __m256i sum = simd::load(column);
+        for (std::size_t j = 1; j < window; ++j)
+          sum = _mm256_add_epi16(sum, simd::load(column + j));
         sums[channel][i] = sum;
       }
     }
@@ -121,10 +115,8 @@ ROBSIM_AVX2 void classify_avx2(const Columns& columns, std::size_t first, std::s
 
 template <int window>
 WindowSums loops_of() {
-#if ROBSIM_HAS_AVX2_CODE
-  if (cpu_path() == CpuPath::avx2) return {exchange_avx2, classify_avx2<window>};
-#endif
-  return {exchange_plain, classify_plain<window>};
+  return {ROBSIM_PICK(exchange_baseline, exchange_avx2),
+          ROBSIM_PICK(classify_baseline<window>, classify_avx2<window>)};
 }
 
 }  // namespace

@@ -1,10 +1,8 @@
 #pragma once
 
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/simd/avx2.hpp"
 
 #if ROBSIM_HAS_AVX2_CODE
-
-#include <immintrin.h>
 
 #include <cstdint>
 
@@ -20,12 +18,6 @@ ROBSIM_AVX2_INLINE void prefetch(const std::uint8_t* rgb) {
   }
 }
 
-ROBSIM_AVX2_INLINE __m256i both_lanes(const std::uint8_t* low, const std::uint8_t* high) {
-  const __m128i a = _mm_loadu_si128(reinterpret_cast<const __m128i*>(low));
-  const __m128i b = _mm_loadu_si128(reinterpret_cast<const __m128i*>(high));
-  return _mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1);
-}
-
 // 16 pixels: 8 in each lane, as pairs of bytes (r, g) and (b, 0).
 struct Pairs {
   __m256i rg;
@@ -34,8 +26,8 @@ struct Pairs {
 
 // Each lane holds 24 bytes of pixels, loaded as bytes 0..15 and 8..23.
 ROBSIM_AVX2_INLINE Pairs pairs(const std::uint8_t* low, const std::uint8_t* high) {
-  const __m256i first = both_lanes(low, high);
-  const __m256i second = both_lanes(low + 8, high + 8);
+  const __m256i first = simd::load_halves(low, high);
+  const __m256i second = simd::load_halves(low + 8, high + 8);
   const __m256i rg_of_first = _mm256_broadcastsi128_si256(
       _mm_setr_epi8(0, 1, 3, 4, 6, 7, 9, 10, 12, 13, -1, -1, -1, -1, -1, -1));
   const __m256i rg_of_second = _mm256_broadcastsi128_si256(

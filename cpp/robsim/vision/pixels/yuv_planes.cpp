@@ -11,7 +11,7 @@ namespace robsim {
 
 namespace {
 
-void convert_plain(const std::uint8_t* rgb, int first, int last, std::uint8_t* const* planes) {
+void convert_baseline(const std::uint8_t* rgb, int first, int last, std::uint8_t* const* planes) {
   for (int u = first; u < last; ++u) {
     const Yuv yuv = rgb_to_yuv(rgb + std::ptrdiff_t{3} * u);
     const int values[] = {yuv.y, yuv.u, yuv.v};
@@ -26,8 +26,7 @@ ROBSIM_AVX2_INLINE void convert_32(const std::uint8_t* rgb, int u, std::uint8_t*
   __m256i yuv[3];
   convert_block(rgb, planes[0] != nullptr, yuv);
   for (int channel = 0; channel < 3; ++channel) {
-    if (!planes[channel]) continue;
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(planes[channel] + u), yuv[channel]);
+    if (planes[channel]) simd::store(yuv[channel], planes[channel] + u);
   }
 }
 
@@ -50,13 +49,7 @@ ROBSIM_AVX2 void convert_avx2(const std::uint8_t* rgb, int first, int last,
 }  // namespace
 
 void convert_to_planes(const std::uint8_t* rgb, int first, int last, std::uint8_t* const* planes) {
-#if ROBSIM_HAS_AVX2_CODE
-  if (cpu_path() == CpuPath::avx2) {
-    convert_avx2(rgb, first, last, planes);
-    return;
-  }
-#endif
-  convert_plain(rgb, first, last, planes);
+  ROBSIM_PICK(convert_baseline, convert_avx2)(rgb, first, last, planes);
 }
 
 }  // namespace robsim

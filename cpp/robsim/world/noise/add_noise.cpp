@@ -4,11 +4,8 @@
 #include <cstring>
 
 #include "robsim/random/counter_random.hpp"
+#include "robsim/simd/avx2.hpp"
 #include "robsim/simd/cpu_path.hpp"
-
-#if ROBSIM_HAS_AVX2_CODE
-#include <immintrin.h>
-#endif
 
 namespace robsim {
 
@@ -53,8 +50,8 @@ int gaussian_step(std::uint8_t a, std::uint8_t b, std::uint8_t c, const Gaussian
   return (b & 128) != 0 ? -step : step;
 }
 
-void add_gaussian_plain(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
-                        NoiseStream& stream, std::uint8_t* noisy) {
+void add_gaussian_baseline(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
+                           NoiseStream& stream, std::uint8_t* noisy) {
   for (int first = 0; first < bytes; first += block) {
     const Draw a = draw(stream.state[0]);
     const Draw b = draw(stream.state[1]);
@@ -67,8 +64,8 @@ void add_gaussian_plain(const std::uint8_t* clean, int bytes, const GaussianTabl
   }
 }
 
-void add_uniform_plain(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
-                       NoiseStream& stream, std::uint8_t* noisy) {
+void add_uniform_baseline(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
+                          NoiseStream& stream, std::uint8_t* noisy) {
   for (int first = 0; first < bytes; first += block) {
     const Draw draws[2] = {draw(stream.state[0]), draw(stream.state[1])};
     const int count = std::min(block, bytes - first);
@@ -76,7 +73,7 @@ void add_uniform_plain(const std::uint8_t* clean, int bytes, const UniformSteps&
       const std::uint8_t* half = draws[i / 16].bytes + 2 * (i % 16);
       const std::uint32_t bits = half[0] | (std::uint32_t{half[1]} << 8);
       const int drawn = static_cast<int>((bits * steps.scale) >> 16) + steps.offset;
-      // A shift of a negative number rounds down, as the wide instruction does.
+      // A shift of a negative number rounds down, as the AVX2 instruction does.
       const int step = (drawn >> steps.shift) * (1 << steps.doublings);
       noisy[first + i] = static_cast<std::uint8_t>(std::clamp(clean[first + i] + step, 0, 255));
     }
@@ -87,28 +84,26 @@ void add_uniform_plain(const std::uint8_t* clean, int bytes, const UniformSteps&
 
 // --- 32 bytes at a time
 
-struct Wide {
+// Four generators, one in each quarter of the registers.
+struct Generators {
   __m256i s0;
   __m256i s1;
   __m256i s2;
   __m256i s3;
 };
 
-ROBSIM_AVX2_INLINE Wide load(const std::uint64_t (&state)[4][NoiseStream::lanes]) {
-  const auto* s = reinterpret_cast<const __m256i*>(state);
-  return {_mm256_load_si256(s), _mm256_load_si256(s + 1), _mm256_load_si256(s + 2),
-          _mm256_load_si256(s + 3)};
+ROBSIM_AVX2_INLINE Generators generators_from(const std::uint64_t (&state)[4][NoiseStream::lanes]) {
+  return {simd::load(state[0]), simd::load(state[1]), simd::load(state[2]), simd::load(state[3])};
 }
 
-ROBSIM_AVX2_INLINE void store(const Wide& wide, std::uint64_t (&state)[4][NoiseStream::lanes]) {
-  auto* s = reinterpret_cast<__m256i*>(state);
-  _mm256_store_si256(s, wide.s0);
-  _mm256_store_si256(s + 1, wide.s1);
-  _mm256_store_si256(s + 2, wide.s2);
-  _mm256_store_si256(s + 3, wide.s3);
+ROBSIM_AVX2_INLINE void keep(const Generators& s, std::uint64_t (&state)[4][NoiseStream::lanes]) {
+  simd::store(s.s0, state[0]);
+  simd::store(s.s1, state[1]);
+  simd::store(s.s2, state[2]);
+  simd::store(s.s3, state[3]);
 }
 
-ROBSIM_AVX2_INLINE __m256i draw(Wide& s) {
+ROBSIM_AVX2_INLINE __m256i draw(Generators& s) {
   const __m256i bits = _mm256_add_epi64(s.s0, s.s3);
   const __m256i shifted = _mm256_slli_epi64(s.s1, 17);
   s.s2 = _mm256_xor_si256(s.s2, s.s0);
@@ -122,12 +117,11 @@ ROBSIM_AVX2_INLINE __m256i draw(Wide& s) {
 
 template <typename T>
 ROBSIM_AVX2_INLINE __m256i table(const std::array<T, 16>& values) {
-  return _mm256_broadcastsi128_si256(
-      _mm_loadu_si128(reinterpret_cast<const __m128i*>(values.data())));
+  return simd::load_halves(values.data(), values.data());
 }
 
 // The tables in registers.
-struct WideTables {
+struct RegisterTables {
   __m256i threshold;
   __m256i alias;
   __m256i node;
@@ -135,7 +129,7 @@ struct WideTables {
 };
 
 ROBSIM_AVX2_INLINE __m256i with_gaussian(__m256i value, __m256i a, __m256i b, __m256i c,
-                                         const WideTables& tables) {
+                                         const RegisterTables& tables) {
   const __m256i low = _mm256_and_si256(_mm256_srli_epi16(a, 5), _mm256_set1_epi8(7));
   const __m256i high = _mm256_and_si256(_mm256_srli_epi16(b, 2), _mm256_set1_epi8(8));
   const __m256i place = _mm256_or_si256(low, high);
@@ -168,9 +162,8 @@ ROBSIM_AVX2_INLINE __m256i with_uniform(__m256i value, __m256i a, __m256i b,
   };
   const __m256i low = _mm256_cvtepu8_epi16(_mm256_castsi256_si128(value));
   const __m256i high = _mm256_cvtepu8_epi16(_mm256_extracti128_si256(value, 1));
-  const __m256i sums =
-      _mm256_packus_epi16(_mm256_adds_epi16(low, step(a)), _mm256_adds_epi16(high, step(b)));
-  return _mm256_permute4x64_epi64(sums, 0b11011000);  // packing joins lanes
+  return simd::in_order(
+      _mm256_packus_epi16(_mm256_adds_epi16(low, step(a)), _mm256_adds_epi16(high, step(b))));
 }
 
 // Calls next(32 bytes) for each block of a row; the last one is filled up.
@@ -179,43 +172,41 @@ ROBSIM_AVX2_INLINE void for_each_block(const std::uint8_t* clean, int bytes, std
                                        Next next) {
   int i = 0;
   for (; i + block <= bytes; i += block) {
-    const __m256i value = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(clean + i));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(noisy + i), next(value));
+    simd::store(next(simd::load(clean + i)), noisy + i);
   }
   if (i == bytes) return;
-  alignas(32) std::uint8_t last[block] = {0};
+  std::uint8_t last[block] = {0};
   const auto count = static_cast<std::size_t>(bytes - i);
   std::memcpy(last, clean + i, count);
-  auto* wide = reinterpret_cast<__m256i*>(last);
-  _mm256_store_si256(wide, next(_mm256_load_si256(wide)));
+  simd::store(next(simd::load(last)), last);
   std::memcpy(noisy + i, last, count);
 }
 
 ROBSIM_AVX2 void add_gaussian_avx2(const std::uint8_t* clean, int bytes,
                                    const GaussianTables& tables, NoiseStream& stream,
                                    std::uint8_t* noisy) {
-  const WideTables wide = {table(tables.threshold), table(tables.alias), table(tables.node),
-                           table(tables.mask)};
-  Wide a = load(stream.state[0]);
-  Wide b = load(stream.state[1]);
-  Wide c = load(stream.state[2]);
+  const RegisterTables registers = {table(tables.threshold), table(tables.alias),
+                                    table(tables.node), table(tables.mask)};
+  Generators a = generators_from(stream.state[0]);
+  Generators b = generators_from(stream.state[1]);
+  Generators c = generators_from(stream.state[2]);
   for_each_block(clean, bytes, noisy, [&](__m256i value) ROBSIM_AVX2 {
-    return with_gaussian(value, draw(a), draw(b), draw(c), wide);
+    return with_gaussian(value, draw(a), draw(b), draw(c), registers);
   });
-  store(a, stream.state[0]);
-  store(b, stream.state[1]);
-  store(c, stream.state[2]);
+  keep(a, stream.state[0]);
+  keep(b, stream.state[1]);
+  keep(c, stream.state[2]);
 }
 
 ROBSIM_AVX2 void add_uniform_avx2(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
                                   NoiseStream& stream, std::uint8_t* noisy) {
-  Wide a = load(stream.state[0]);
-  Wide b = load(stream.state[1]);
+  Generators a = generators_from(stream.state[0]);
+  Generators b = generators_from(stream.state[1]);
   for_each_block(clean, bytes, noisy, [&](__m256i value) ROBSIM_AVX2 {
     return with_uniform(value, draw(a), draw(b), steps);
   });
-  store(a, stream.state[0]);
-  store(b, stream.state[1]);
+  keep(a, stream.state[0]);
+  keep(b, stream.state[1]);
 }
 
 #endif
@@ -234,24 +225,12 @@ NoiseStream::NoiseStream(std::uint64_t seed, std::uint64_t index) {
 
 void add_gaussian(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
                   NoiseStream& stream, std::uint8_t* noisy) {
-#if ROBSIM_HAS_AVX2_CODE
-  if (cpu_path() == CpuPath::avx2) {
-    add_gaussian_avx2(clean, bytes, tables, stream, noisy);
-    return;
-  }
-#endif
-  add_gaussian_plain(clean, bytes, tables, stream, noisy);
+  ROBSIM_PICK(add_gaussian_baseline, add_gaussian_avx2)(clean, bytes, tables, stream, noisy);
 }
 
 void add_uniform(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
                  NoiseStream& stream, std::uint8_t* noisy) {
-#if ROBSIM_HAS_AVX2_CODE
-  if (cpu_path() == CpuPath::avx2) {
-    add_uniform_avx2(clean, bytes, steps, stream, noisy);
-    return;
-  }
-#endif
-  add_uniform_plain(clean, bytes, steps, stream, noisy);
+  ROBSIM_PICK(add_uniform_baseline, add_uniform_avx2)(clean, bytes, steps, stream, noisy);
 }
 
 }  // namespace robsim

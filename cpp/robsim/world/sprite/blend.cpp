@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "robsim/simd/avx2.hpp"
 #include "robsim/simd/cpu_path.hpp"
-
-#if ROBSIM_HAS_AVX2_CODE
-#include <immintrin.h>
-#endif
 
 namespace robsim {
 
@@ -67,8 +64,8 @@ ROBSIM_INLINE void blend_body(const float* colors, const float* rest, int bytes,
   }
 }
 
-void sample_plain(const Sprite& sprite, const SpriteLine& line, int first, int count, float* colors,
-                  float* rest) {
+void sample_baseline(const Sprite& sprite, const SpriteLine& line, int first, int count,
+                     float* colors, float* rest) {
   const Places places = places_on(line, sprite.width, first, count);
   float sampled[4 * block];
   for (int i = 0; i < count; ++i) {
@@ -90,8 +87,8 @@ void sample_plain(const Sprite& sprite, const SpriteLine& line, int first, int c
   }
 }
 
-void blend_plain(const float* colors, const float* rest, int bytes, float brightness,
-                 std::uint8_t* pixels) {
+void blend_baseline(const float* colors, const float* rest, int bytes, float brightness,
+                    std::uint8_t* pixels) {
   blend_body(colors, rest, bytes, brightness, pixels);
 }
 
@@ -125,10 +122,7 @@ struct Loops {
 };
 
 Loops loops() {
-#if ROBSIM_HAS_AVX2_CODE
-  if (cpu_path() == CpuPath::avx2) return {sample_avx2, blend_avx2};
-#endif
-  return {sample_plain, blend_plain};
+  return {ROBSIM_PICK(sample_baseline, sample_avx2), ROBSIM_PICK(blend_baseline, blend_avx2)};
 }
 
 }  // namespace
