@@ -84,7 +84,7 @@ std::map<std::string, py::array_t<bool>> masks_of(const py::object& image,
                                                   const std::vector<ColorClass>& colors,
                                                   int smoothing) {
   const ImageView view = view_of(image);
-  RowClassifier classifier(colors, smoothing);
+  pixels::RowClassifier classifier(colors, smoothing);
   std::map<std::string, py::array_t<bool>> masks;
   std::vector<bool*> next;
   for (const ColorClass& color : colors) {
@@ -95,9 +95,9 @@ std::map<std::string, py::array_t<bool>> masks_of(const py::object& image,
   const py::gil_scoped_release native;
   classifier.begin(view);
   for (int v = 0; v < view.height; ++v) {
-    const std::vector<BitRow>& bits = classifier.next_row();
+    const std::vector<pixels::BitRow>& bits = classifier.next_row();
     for (std::size_t i = 0; i < colors.size(); ++i) {
-      for (int u = 0; u < view.width; ++u) *next[i]++ = has(bits[i], u);
+      for (int u = 0; u < view.width; ++u) *next[i]++ = pixels::is_set(bits[i], u);
     }
   }
   return masks;

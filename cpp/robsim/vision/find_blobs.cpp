@@ -32,13 +32,13 @@ BlobFinder::BlobFinder(std::vector<ColorClass> colors, const BlobOptions& option
 
 BlobsByColor BlobFinder::find(const ImageView& image, const PixelBox& part) {
   check_region(part, image);
-  const ImageView seen{image.row(part.top) + std::ptrdiff_t{3} * part.left, part.right - part.left,
+  const ImageView view{image.row(part.top) + std::ptrdiff_t{3} * part.left, part.right - part.left,
                        part.bottom - part.top, image.stride};
-  for (ComponentFinder& components : components_) components.begin(options_.minimum_area);
-  classifier_.begin(seen);
-  for (int v = 0; v < seen.height; ++v) {
-    const std::vector<BitRow>& bits = classifier_.next_row();
-    for (std::size_t i = 0; i < colors_.size(); ++i) components_[i].add_row(bits[i], seen.width);
+  for (pixels::ComponentFinder& components : components_) components.begin(options_.minimum_area);
+  classifier_.begin(view);
+  for (int v = 0; v < view.height; ++v) {
+    const std::vector<pixels::BitRow>& bits = classifier_.next_row();
+    for (std::size_t i = 0; i < colors_.size(); ++i) components_[i].add_row(bits[i], view.width);
   }
   BlobsByColor found;
   for (std::size_t i = 0; i < colors_.size(); ++i) found[colors_[i].name] = blobs(i, part);
@@ -46,9 +46,9 @@ BlobsByColor BlobFinder::find(const ImageView& image, const PixelBox& part) {
 }
 
 std::vector<Blob> BlobFinder::blobs(std::size_t color, const PixelBox& part) {
-  std::vector<Component> largest = components_[color].finish();
+  std::vector<pixels::Component> largest = components_[color].finish();
   const auto count = std::min(largest.size(), static_cast<std::size_t>(options_.maximum_count));
-  const auto is_larger = [](const Component& a, const Component& b) {
+  const auto is_larger = [](const pixels::Component& a, const pixels::Component& b) {
     return std::make_tuple(-a.area, a.box.top, a.box.left) <
            std::make_tuple(-b.area, b.box.top, b.box.left);
   };
@@ -56,7 +56,7 @@ std::vector<Blob> BlobFinder::blobs(std::size_t color, const PixelBox& part) {
                     largest.end(), is_larger);
   largest.resize(count);
   std::vector<Blob> blobs;
-  for (const Component& c : largest) {
+  for (const pixels::Component& c : largest) {
     const auto area = static_cast<double>(c.area);
     const PixelBox box = moved(c.box, part.left, part.top);
     const bool at_border = box.left == part.left || box.top == part.top ||

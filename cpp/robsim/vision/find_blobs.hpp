@@ -18,7 +18,7 @@ struct Blob {
   std::int64_t area = 0;
   Point centroid;
   PixelBox box;
-  bool at_border = false;  // it touches the edge of the frame: it may go on beyond it
+  bool at_border = false;  // it touches the edge of the frame and may continue beyond it
 };
 
 /// Per colour class the blobs, the largest first.
@@ -27,7 +27,7 @@ using BlobsByColor = std::map<std::string, std::vector<Blob>>;
 struct BlobOptions {
   std::int64_t minimum_area = 12;  // px; smaller components are dropped
   int maximum_count = 64;          // of the largest blobs of a colour
-  int smoothing = 1;               // px; a pixel is judged by the mean of so wide a window
+  int smoothing = 1;               // px; width of the window whose mean classifies a pixel, 1 = off
 
   bool operator==(const BlobOptions& other) const {
     return minimum_area == other.minimum_area && maximum_count == other.maximum_count &&
@@ -37,10 +37,10 @@ struct BlobOptions {
 
 /// Finds the blobs of every colour class in one pass over the image: rows of pixels become bits,
 /// bits become runs, runs are joined to components.
-/// Keeps its memory from frame to frame.
+/// Its buffers are reused from frame to frame.
 class BlobFinder {
  public:
-  /// Throws std::invalid_argument for bad colour classes, two of one name, or bad options.
+  /// Throws std::invalid_argument for invalid colour classes, duplicate names or invalid options.
   explicit BlobFinder(std::vector<ColorClass> colors, const BlobOptions& options = {});
 
   const std::vector<ColorClass>& colors() const { return colors_; }
@@ -50,8 +50,8 @@ class BlobFinder {
     return find(image, {0, 0, image.width, image.height});
   }
 
-  /// Looks at a part of the image only, as if the image ended there; places are those in the whole
-  /// image. Throws std::invalid_argument unless the part lies within it and is not empty.
+  /// Searches a part of the image only, as if the image ended there; positions are those in the
+  /// whole image. Throws std::invalid_argument unless the part lies within it and is not empty.
   BlobsByColor find(const ImageView& image, const PixelBox& part);
 
  private:
@@ -59,8 +59,8 @@ class BlobFinder {
 
   std::vector<ColorClass> colors_;
   BlobOptions options_;
-  RowClassifier classifier_;
-  std::vector<ComponentFinder> components_;  // per colour
+  pixels::RowClassifier classifier_;
+  std::vector<pixels::ComponentFinder> components_;  // per colour
 };
 
 }  // namespace robsim

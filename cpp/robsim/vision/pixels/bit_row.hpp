@@ -8,51 +8,57 @@
 #include <intrin.h>
 #endif
 
-namespace robsim {
+namespace robsim::pixels {
 
-/// One bit a pixel, 64 pixels a word, the first in the lowest bit; bits beyond the row are 0.
+/// One bit per pixel, 64 pixels per word, the first in the lowest bit; bits beyond the row are 0.
 using BitRow = std::vector<std::uint64_t>;
 
 inline std::size_t words_of(int width) { return (static_cast<std::size_t>(width) + 63) / 64; }
 
-inline bool has(const BitRow& row, int u) {
+inline bool is_set(const BitRow& row, int u) {
   return (row[static_cast<std::size_t>(u) / 64] >> (u % 64)) & 1;
 }
 
-/// The number of zeros below the lowest bit that is set; there must be one.
+/// The position of the lowest set bit. Precondition: word != 0.
 inline int lowest_bit(std::uint64_t word) {
 #ifdef _MSC_VER
-  unsigned long place = 0;
-  _BitScanForward64(&place, word);
-  return static_cast<int>(place);
+  unsigned long position = 0;
+  _BitScanForward64(&position, word);
+  return static_cast<int>(position);
 #else
   return __builtin_ctzll(word);
 #endif
 }
 
 /// Packs 64 bytes, each 0 or 1, into a word.
-inline std::uint64_t packed(const std::uint8_t* bytes) {
+inline std::uint64_t pack_bits(const std::uint8_t* bytes) {
   std::uint64_t word = 0;
   for (int i = 0; i < 64; i += 8) {
     std::uint64_t eight = 0;
     for (int j = 0; j < 8; ++j) eight |= std::uint64_t{bytes[i + j]} << (8 * j);
-    // The product brings bit 8 j, that of byte j, to bit 56 + j.
+    // The product moves bit 8 j, that of byte j, to bit 56 + j.
     word |= (eight * 0x0102040810204080ULL) >> 56 << i;
   }
   return word;
 }
 
+/// Clears the bits beyond the row in its last word.
+inline void clear_beyond(std::vector<BitRow>& rows, int width) {
+  if (width % 64 == 0) return;
+  for (BitRow& row : rows) row.back() &= (std::uint64_t{1} << (width % 64)) - 1;
+}
+
 /// Calls f(left, right) for each run left <= u < right of set bits.
 template <typename F>
 void for_each_run(const BitRow& row, int width, F&& f) {
-  std::uint64_t before = 0;  // the last bit of the word before
+  std::uint64_t previous = 0;  // the last bit of the previous word
   int left = 0;
   for (std::size_t i = 0; i < row.size(); ++i) {
     const std::uint64_t word = row[i];
-    if ((word | before) == 0) continue;
-    // A bit that differs from the one before it begins or ends a run.
-    std::uint64_t edges = word ^ ((word << 1) | before);
-    before = word >> 63;
+    if ((word | previous) == 0) continue;
+    // A bit that differs from its predecessor begins or ends a run.
+    std::uint64_t edges = word ^ ((word << 1) | previous);
+    previous = word >> 63;
     for (; edges != 0; edges &= edges - 1) {
       const int bit = lowest_bit(edges);
       const int u = static_cast<int>(64 * i) + bit;
@@ -63,7 +69,7 @@ void for_each_run(const BitRow& row, int width, F&& f) {
       }
     }
   }
-  if (before) f(left, width);
+  if (previous) f(left, width);
 }
 
-}  // namespace robsim
+}  // namespace robsim::pixels

@@ -7,7 +7,7 @@
 #include "robsim/vision/pixels/padded_row.hpp"
 #include "robsim/vision/pixels/yuv_avx2.hpp"
 
-namespace robsim {
+namespace robsim::pixels {
 
 namespace {
 
@@ -15,10 +15,10 @@ namespace {
 //   U - 128 = floor((64 (B - G) + 22 (G - R))/128) lies within floor(-86 d/128)..floor(86 d/128)
 //   V - 128 = floor((64 (R - G) + 10 (G - B))/128) lies within floor(-74 d/128)..floor(74 d/128)
 bool excludes(const ColorClass& color, int d) {
-  const int reach[] = {86 * d, 74 * d};
+  const int half_width[] = {86 * d, 74 * d};
   for (std::size_t i = 0; i < 2; ++i) {
-    if (color.lower[i + 1] > 128 + (reach[i] >> 7)) return true;
-    if (color.upper[i + 1] < 128 + (-reach[i] >> 7)) return true;
+    if (color.lower[i + 1] > 128 + (half_width[i] >> 7)) return true;
+    if (color.upper[i + 1] < 128 + (-half_width[i] >> 7)) return true;
   }
   return false;
 }
@@ -29,16 +29,16 @@ int safe_difference(const ColorClass& color) {
   return d;
 }
 
-// 255 for a byte whose next one is of the same pixel: the difference between a pixel's blue and the
-// next one's red says nothing.
+// 255 for a byte whose successor is of the same pixel. The difference between the blue of a pixel
+// and the red of the next one is masked out.
 constexpr auto is_red_or_green = [] {
   std::array<std::uint8_t, 192> result{};
   for (std::size_t i = 0; i < result.size(); ++i) result[i] = i % 3 == 2 ? 0 : 255;
   return result;
 }();
 
-// Does |R - G| or |G - B| of one of 64 pixels exceed the limit? Reads a byte beyond them.
-// The loops run over all neighbours in memory: a compiler does many of them at a time.
+// True if |R - G| or |G - B| of any of 64 pixels exceeds the limit. Reads one byte beyond them.
+// The loops run over all neighbours in memory, so that the compiler can vectorise them.
 bool is_colorful(const std::uint8_t* bytes, int limit) {
   std::uint8_t differences[192];
   for (int i = 0; i < 192; ++i) {
@@ -46,17 +46,17 @@ bool is_colorful(const std::uint8_t* bytes, int limit) {
     const std::uint8_t b = bytes[i + 1];
     differences[i] = static_cast<std::uint8_t>((a > b ? a : b) - (a > b ? b : a));
   }
-  std::uint8_t largest = 0;
+  std::uint8_t maximum = 0;
   for (int i = 0; i < 192; ++i) {
     const std::uint8_t counted = differences[i] & is_red_or_green[i];
-    largest = largest > counted ? largest : counted;
+    maximum = maximum > counted ? maximum : counted;
   }
-  return largest > limit;
+  return maximum > limit;
 }
 
-void screen_baseline(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_hold) {
-  for (std::size_t word = 0; word < may_hold.size(); ++word) {
-    may_hold[word] = is_colorful(row.pixels(word), limit);
+void screen_baseline(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_contain) {
+  for (std::size_t word = 0; word < may_contain.size(); ++word) {
+    may_contain[word] = is_colorful(row.block(word), limit);
   }
 }
 
@@ -69,20 +69,20 @@ ROBSIM_AVX2_INLINE __m256i differences(const std::uint8_t* bytes) {
   return _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
 }
 
-ROBSIM_AVX2 void screen_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_hold) {
+ROBSIM_AVX2 void screen_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_contain) {
   const __m256i limits = _mm256_set1_epi8(static_cast<char>(limit));
-  for (std::size_t word = 0; word < may_hold.size(); ++word) {
-    const std::uint8_t* pixels = row.pixels(word);
+  for (std::size_t word = 0; word < may_contain.size(); ++word) {
+    const std::uint8_t* pixels = row.block(word);
     prefetch(pixels);
-    __m256i largest = _mm256_setzero_si256();
+    __m256i maximum = _mm256_setzero_si256();
     for (int i = 0; i < 3; ++i) {
       const __m256i larger =
           _mm256_max_epu8(differences(pixels + 32 * i), differences(pixels + 32 * i + 96));
-      largest =
-          _mm256_max_epu8(largest, _mm256_and_si256(larger, simd::load(&is_red_or_green[32 * i])));
+      maximum =
+          _mm256_max_epu8(maximum, _mm256_and_si256(larger, simd::load(&is_red_or_green[32 * i])));
     }
-    const __m256i beyond = _mm256_subs_epu8(largest, limits);
-    may_hold[word] = !_mm256_testz_si256(beyond, beyond);
+    const __m256i beyond = _mm256_subs_epu8(maximum, limits);
+    may_contain[word] = !_mm256_testz_si256(beyond, beyond);
   }
 }
 
@@ -96,12 +96,12 @@ ChromaScreen::ChromaScreen(const std::vector<ColorClass>& classes) : safe_differ
   }
 }
 
-void ChromaScreen::look(const std::uint8_t* rgb, int width,
-                        std::vector<std::uint8_t>& may_hold) const {
-  may_hold.assign(words_of(width), 1);
+void ChromaScreen::screen(const std::uint8_t* rgb, int width,
+                          std::vector<std::uint8_t>& may_contain) const {
+  may_contain.assign(words_of(width), 1);
   if (safe_difference_ < 0) return;
   PaddedRow row(rgb, width);
-  ROBSIM_PICK(screen_baseline, screen_avx2)(row, safe_difference_, may_hold);
+  ROBSIM_PICK(screen_baseline, screen_avx2)(row, safe_difference_, may_contain);
 }
 
-}  // namespace robsim
+}  // namespace robsim::pixels

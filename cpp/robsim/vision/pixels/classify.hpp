@@ -8,21 +8,21 @@
 #include "robsim/vision/pixels/bit_row.hpp"
 #include "robsim/vision/pixels/chroma_screen.hpp"
 
-namespace robsim {
+namespace robsim::pixels {
 
-/// What a class asks of a channel (0 = Y, 1 = U, 2 = V) that it does not take whole.
+/// The limits of a class in a channel (0 = Y, 1 = U, 2 = V) that it restricts.
 struct ChannelLimits {
   std::size_t channel;
   std::uint8_t lower;
   std::uint8_t upper;
 };
 
-/// Tells which pixels belong to which class.
+/// Decides which pixels belong to which class, each by its own colour.
 class Classifier {
  public:
-  static constexpr std::size_t most_classes = 32;
+  static constexpr std::size_t maximum_classes = 32;
 
-  /// Throws std::invalid_argument for more classes than that.
+  /// Throws std::invalid_argument for more than `maximum_classes`.
   explicit Classifier(const std::vector<ColorClass>& classes);
 
   /// Sets, for each class, the bits of the pixels of a row of RGB8 that belong to it.
@@ -31,7 +31,7 @@ class Classifier {
  private:
   std::vector<std::vector<ChannelLimits>> limits_;  // per class
   ChromaScreen screen_;
-  std::vector<std::uint8_t> may_hold_;  // a member, per 64 pixels
+  std::vector<std::uint8_t> may_contain_;  // a member, per block of 64 pixels
 };
 
-}  // namespace robsim
+}  // namespace robsim::pixels

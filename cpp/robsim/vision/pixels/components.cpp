@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-namespace robsim {
+namespace robsim::pixels {
 
 namespace {
 
-constexpr std::uint32_t nowhere = 0xFFFFFFFF;
+constexpr std::uint32_t none = 0xFFFFFFFF;
 
 void add(Component& sum, const Component& part) {
   sum.area += part.area;
@@ -55,9 +55,9 @@ void ComponentFinder::add_run(int left, int right, std::size_t& first_above) {
   const auto is_neighbour = [&] { return i < above_.size() && above_[i].left <= right; };
   const Component run = of_run(left, right, v_);
   if (!is_neighbour()) {
-    const auto place = static_cast<std::uint32_t>(open_.size());
-    open_.push_back({run, place});
-    runs_.push_back({left, right, place});
+    const auto slot = static_cast<std::uint32_t>(open_.size());
+    open_.push_back({run, slot});
+    runs_.push_back({left, right, slot});
     return;
   }
   const std::uint32_t component = root_of(above_[i].component);
@@ -81,23 +81,23 @@ void ComponentFinder::join(std::uint32_t a, std::uint32_t b) {
 }
 
 void ComponentFinder::close_row() {
-  if (open_.empty()) return;  // nothing here, and nothing above
-  place_.assign(open_.size(), nowhere);
-  still_open_.clear();
+  if (open_.empty()) return;  // no run in this row, none in the row above
+  new_slot_.assign(open_.size(), none);
+  next_open_.clear();
   for (Run& run : runs_) {
     const std::uint32_t root = root_of(run.component);
-    if (place_[root] == nowhere) {
-      place_[root] = static_cast<std::uint32_t>(still_open_.size());
-      still_open_.push_back({open_[root].component, place_[root]});
+    if (new_slot_[root] == none) {
+      new_slot_[root] = static_cast<std::uint32_t>(next_open_.size());
+      next_open_.push_back({open_[root].component, new_slot_[root]});
     }
-    run.component = place_[root];
+    run.component = new_slot_[root];
   }
   for (std::uint32_t i = 0; i < open_.size(); ++i) {
     const auto& [component, parent] = open_[i];
-    const bool is_complete = parent == i && place_[i] == nowhere;
+    const bool is_complete = parent == i && new_slot_[i] == none;
     if (is_complete && component.area >= minimum_area_) complete_.push_back(component);
   }
-  std::swap(open_, still_open_);
+  std::swap(open_, next_open_);
 }
 
-}  // namespace robsim
+}  // namespace robsim::pixels

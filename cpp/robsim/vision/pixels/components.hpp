@@ -7,7 +7,7 @@
 #include "robsim/imaging/image.hpp"
 #include "robsim/vision/pixels/bit_row.hpp"
 
-namespace robsim {
+namespace robsim::pixels {
 
 /// The moments of a connected set of pixels.
 struct Component {
@@ -17,30 +17,30 @@ struct Component {
   PixelBox box;
 };
 
-/// Joins the set pixels of an image to components (8 neighbours), row by row: the runs of a row
-/// are joined with those of the row above by union-find. Only components that the newest row
-/// touches are kept in reach; the others are complete, and too small ones are dropped at once.
+/// Connected components (8 neighbours) of the set pixels of an image, row by row: union-find joins
+/// the runs of a row with those of the row above. A component that the newest row does not touch is
+/// complete: it is stored, or dropped if it is too small, and its slot is used again.
 class ComponentFinder {
  public:
-  /// Forgets all; components below this area will be dropped.
+  /// Starts a new image; components of a smaller area will be dropped.
   void begin(std::int64_t minimum_area);
 
-  /// The next row from above.
+  /// Adds the next row, from top to bottom.
   void add_row(const BitRow& row, int width);
 
-  /// The components, once all rows are there.
+  /// Returns the components. Call it after the last row.
   const std::vector<Component>& finish();
 
  private:
   struct Run {
     int left;
     int right;
-    std::uint32_t component;  // its place in open_
+    std::uint32_t component;  // its slot in open_
   };
 
   struct Open {
     Component component;
-    std::uint32_t parent;  // the one it was joined to, or its own place
+    std::uint32_t parent;  // the slot it was joined to; its own slot = root
   };
 
   std::uint32_t root_of(std::uint32_t i);
@@ -52,10 +52,10 @@ class ComponentFinder {
   int v_ = 0;
   std::vector<Run> above_;  // the runs of the row above
   std::vector<Run> runs_;
-  std::vector<Open> open_;  // those of the runs above, and of this row
-  std::vector<Open> still_open_;
-  std::vector<std::uint32_t> place_;  // in still_open_
+  std::vector<Open> open_;  // components of the row above and of this row, by slot
+  std::vector<Open> next_open_;
+  std::vector<std::uint32_t> new_slot_;  // in next_open_, of each root in open_
   std::vector<Component> complete_;
 };
 
-}  // namespace robsim
+}  // namespace robsim::pixels

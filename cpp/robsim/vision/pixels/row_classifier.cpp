@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace robsim {
+namespace robsim::pixels {
 
 RowClassifier::RowClassifier(const std::vector<ColorClass>& classes, int smoothing)
     : classifier_(classes), bits_(classes.size()) {
@@ -34,4 +34,4 @@ const std::vector<BitRow>& RowClassifier::next_row() {
   return bits_;
 }
 
-}  // namespace robsim
+}  // namespace robsim::pixels

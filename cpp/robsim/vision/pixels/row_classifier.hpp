@@ -7,20 +7,20 @@
 #include "robsim/vision/pixels/classify.hpp"
 #include "robsim/vision/pixels/smoothed_classifier.hpp"
 
-namespace robsim {
+namespace robsim::pixels {
 
-/// Tells, row by row, which pixels of an image belong to which class: by their own colour or, with
-/// smoothing, by the mean of the window around them.
+/// Decides, row by row, which pixels of an image belong to which class: by their own colour or,
+/// with smoothing, by the mean of the window around them.
 class RowClassifier {
  public:
-  /// Throws std::invalid_argument for bad classes, two of one name, too many of them, and unless
-  /// smoothing is 1 = off or a window of 3, 5, ... 15 px.
+  /// Throws std::invalid_argument for invalid classes, duplicate names, too many classes, and
+  /// unless smoothing is 1 (off) or a window of 3, 5, ... 15 px.
   RowClassifier(const std::vector<ColorClass>& classes, int smoothing);
 
-  /// Begins with an image, which must stay as it is until its last row.
+  /// Starts an image, which must not change until its last row is done.
   void begin(const ImageView& image);
 
-  /// For each class the bits of the next row.
+  /// Returns, for each class, the bits of the next row.
   const std::vector<BitRow>& next_row();
 
  private:
@@ -31,4 +31,4 @@ class RowClassifier {
   std::vector<BitRow> bits_;
 };
 
-}  // namespace robsim
+}  // namespace robsim::pixels

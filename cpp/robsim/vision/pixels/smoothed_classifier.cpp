@@ -6,16 +6,16 @@
 
 #include "robsim/vision/pixels/yuv_planes.hpp"
 
-namespace robsim {
+namespace robsim::pixels {
 
 namespace {
 
-// Sums before and behind those of a row: as many as a line of the cache has.
+// Column sums before and after those of a row: as many as fit in a cache line.
 constexpr std::size_t margin = 32;
 
-// Calls f(first, last) for each segment first <= i < last of words that fulfil a condition.
+// Calls f(first, last) for each maximal segment first <= i < last of words that meet a condition.
 template <typename Condition, typename F>
-void for_each_stretch(std::size_t words, Condition&& condition, F&& f) {
+void for_each_segment(std::size_t words, Condition&& condition, F&& f) {
   for (std::size_t first = 0; first < words;) {
     std::size_t last = first;
     while (last < words && condition(last)) ++last;
@@ -36,7 +36,7 @@ void widen(const std::vector<std::uint8_t>& flags, std::vector<std::uint8_t>& re
 
 SmoothedClassifier::SmoothedClassifier(const std::vector<ColorClass>& classes, int window)
     : window_(window), screen_(classes) {
-  if (window < 3 || window > largest_window || window % 2 == 0) {
+  if (window < 3 || window > maximum_window || window % 2 == 0) {
     throw std::invalid_argument("smoothing must be 1 = off, or a window of 3, 5, ... 15 px, got " +
                                 std::to_string(window));
   }
@@ -52,7 +52,7 @@ SmoothedClassifier::SmoothedClassifier(const std::vector<ColorClass>& classes, i
                                 static_cast<WindowSums::Sum>((upper + 1) * area - 1)});
       channels_[channel].is_needed = true;
     }
-    // First what a neutral pixel, with 128 in every channel, does not fulfil.
+    // The limits that a neutral pixel, 128 in every channel, violates come first.
     std::stable_partition(limits_.back().begin(), limits_.back().end(),
                           [&](const WindowSums::Limits& limit) {
                             return limit.lower > 128 * area || limit.upper < 128 * area;
@@ -60,8 +60,8 @@ SmoothedClassifier::SmoothedClassifier(const std::vector<ColorClass>& classes, i
   }
 }
 
-SmoothedClassifier::Flags& SmoothedClassifier::may_hold(int v) {
-  return may_hold_[static_cast<std::size_t>(v % (window_ + 1))];
+SmoothedClassifier::Flags& SmoothedClassifier::may_contain(int v) {
+  return may_contain_[static_cast<std::size_t>(v % (window_ + 1))];
 }
 
 std::uint8_t* SmoothedClassifier::row(Channel& channel, int v) {
@@ -74,12 +74,12 @@ WindowSums::Sum* SmoothedClassifier::column(Channel& channel, std::size_t u) {
   return channel.columns.data() + (2 * margin - unaligned) + u;
 }
 
-int SmoothedClassifier::within(int v) const { return std::clamp(v, 0, image_.height - 1); }
+int SmoothedClassifier::clamped(int v) const { return std::clamp(v, 0, image_.height - 1); }
 
 void SmoothedClassifier::begin(const ImageView& image) {
   image_ = image;
   v_ = 0;
-  colorful_rows_ = 0;
+  unscreened_rows_ = 0;
   words_ = words_of(image.width);
   const auto window = static_cast<std::size_t>(window_);
   for (Channel& channel : channels_) {
@@ -87,67 +87,68 @@ void SmoothedClassifier::begin(const ImageView& image) {
     channel.rows.resize(64 * words_ * (window + 1));
     channel.columns.resize(64 * words_ + 3 * margin);
   }
-  may_hold_.resize(window + 1);
-  for (Flags* flags : {&suspects_, &active_, &is_summed_, &was_summed_}) flags->assign(words_, 0);
-  const int reach = window_ / 2;
-  for (int v = 0; v <= within(reach); ++v) look(v);
-  for (int v = -reach; v <= reach; ++v) {
+  may_contain_.resize(window + 1);
+  for (Flags* flags : {&candidate_rows_, &active_, &is_summed_, &was_summed_})
+    flags->assign(words_, 0);
+  const int half_width = window_ / 2;
+  for (int v = 0; v <= clamped(half_width); ++v) screen_row(v);
+  for (int v = -half_width; v <= half_width; ++v) {
     for (std::size_t i = 0; i < words_; ++i)
-      suspects_[i] = static_cast<std::uint8_t>(suspects_[i] + may_hold(within(v))[i]);
+      candidate_rows_[i] =
+          static_cast<std::uint8_t>(candidate_rows_[i] + may_contain(clamped(v))[i]);
   }
 }
 
 void SmoothedClassifier::next_row(std::vector<BitRow>& bits) {
   for (BitRow& row : bits) row.resize(words_);
-  const int reach = window_ / 2;
-  if (v_ > 0 && v_ + reach < image_.height) look(v_ + reach);
-  if (colorful_rows_ > window_) {
-    // All rows of this window and of the one before may hold members everywhere.
+  const int half_width = window_ / 2;
+  if (v_ > 0 && v_ + half_width < image_.height) screen_row(v_ + half_width);
+  if (unscreened_rows_ > window_) {
+    // All rows of this window and of the previous one may contain members everywhere.
     move_down(0, words_);
     classify(0, words_, bits);
   } else {
-    if (v_ > 0) move_suspects_down();
+    if (v_ > 0) move_candidates_down();
     find_active();
     classify_active(bits);
   }
   ++v_;
 }
 
-void SmoothedClassifier::look(int v) {
-  // In noise every pixel is colourful: a look at every eighth row finds out when that ends.
-  const bool is_taken_for_granted = v % 8 != 0 && colorful_rows_ > 0;
-  if (is_taken_for_granted) {
-    may_hold(v).assign(words_, 1);
+void SmoothedClassifier::screen_row(int v) {
+  // In noise no pixel is grey: screening every eighth row is enough to notice the end of it.
+  const bool is_assumed = v % 8 != 0 && unscreened_rows_ > 0;
+  if (is_assumed) {
+    may_contain(v).assign(words_, 1);
   } else {
-    screen_.look(image_.row(v), image_.width, may_hold(v));
+    screen_.screen(image_.row(v), image_.width, may_contain(v));
   }
-  const Flags& flags = may_hold(v);
-  const bool is_colorful =
-      is_taken_for_granted || std::find(flags.begin(), flags.end(), 0) == flags.end();
-  colorful_rows_ = is_colorful ? colorful_rows_ + 1 : 0;
+  const Flags& flags = may_contain(v);
+  const bool is_unscreened = is_assumed || std::find(flags.begin(), flags.end(), 0) == flags.end();
+  unscreened_rows_ = is_unscreened ? unscreened_rows_ + 1 : 0;
 }
 
-void SmoothedClassifier::move_suspects_down() {
-  const int reach = window_ / 2;
-  const Flags& in = may_hold(within(v_ + reach));
-  const Flags& out = may_hold(within(v_ - 1 - reach));
+void SmoothedClassifier::move_candidates_down() {
+  const int half_width = window_ / 2;
+  const Flags& in = may_contain(clamped(v_ + half_width));
+  const Flags& out = may_contain(clamped(v_ - 1 - half_width));
   for (std::size_t i = 0; i < words_; ++i) {
-    suspects_[i] = static_cast<std::uint8_t>(suspects_[i] + in[i] - out[i]);
+    candidate_rows_[i] = static_cast<std::uint8_t>(candidate_rows_[i] + in[i] - out[i]);
   }
 }
 
 void SmoothedClassifier::classify_active(std::vector<BitRow>& bits) {
-  const auto goes_on = [&](std::size_t i) { return is_summed_[i] && was_summed_[i]; };
+  const auto continues = [&](std::size_t i) { return is_summed_[i] && was_summed_[i]; };
   const auto begins = [&](std::size_t i) { return is_summed_[i] && !was_summed_[i]; };
-  for_each_stretch(words_, goes_on, [&](auto first, auto last) { move_down(first, last); });
-  for_each_stretch(words_, begins, [&](auto first, auto last) { fill(first, last); });
+  for_each_segment(words_, continues, [&](auto first, auto last) { move_down(first, last); });
+  for_each_segment(words_, begins, [&](auto first, auto last) { fill(first, last); });
   for (BitRow& row : bits) std::fill(row.begin(), row.end(), 0);
   const auto is_active = [&](std::size_t i) { return active_[i] != 0; };
-  for_each_stretch(words_, is_active, [&](auto first, auto last) { classify(first, last, bits); });
+  for_each_segment(words_, is_active, [&](auto first, auto last) { classify(first, last, bits); });
 }
 
 void SmoothedClassifier::find_active() {
-  widen(suspects_, active_);
+  widen(candidate_rows_, active_);
   std::swap(is_summed_, was_summed_);
   widen(active_, is_summed_);
 }
@@ -162,47 +163,47 @@ void SmoothedClassifier::convert(int v, std::size_t first, std::size_t last) {
 }
 
 void SmoothedClassifier::fill(std::size_t first, std::size_t last) {
-  const int reach = window_ / 2;
-  for (int v = within(v_ - reach); v <= within(v_ + reach); ++v) convert(v, first, last);
+  const int half_width = window_ / 2;
+  for (int v = clamped(v_ - half_width); v <= clamped(v_ + half_width); ++v)
+    convert(v, first, last);
   const std::size_t count = 64 * (last - first);
-  const std::vector<std::uint8_t> nothing(count, 0);
+  const std::vector<std::uint8_t> zeros(count, 0);
   const WindowSums loops = window_sums(window_);
   for (Channel& channel : channels_) {
     if (!channel.is_needed) continue;
     WindowSums::Sum* columns = column(channel, 64 * first);
     std::fill_n(columns, count, WindowSums::Sum{0});
-    for (int v = v_ - reach; v <= v_ + reach; ++v) {
-      loops.exchange(row(channel, within(v)) + 64 * first, nothing.data(), count, columns);
+    for (int v = v_ - half_width; v <= v_ + half_width; ++v) {
+      loops.exchange(row(channel, clamped(v)) + 64 * first, zeros.data(), count, columns);
     }
   }
 }
 
 void SmoothedClassifier::move_down(std::size_t first, std::size_t last) {
-  const int reach = window_ / 2;
-  if (v_ + reach < image_.height) convert(v_ + reach, first, last);
+  const int half_width = window_ / 2;
+  if (v_ + half_width < image_.height) convert(v_ + half_width, first, last);
   const WindowSums loops = window_sums(window_);
   for (Channel& channel : channels_) {
     if (!channel.is_needed) continue;
-    loops.exchange(row(channel, within(v_ + reach)) + 64 * first,
-                   row(channel, within(v_ - 1 - reach)) + 64 * first, 64 * (last - first),
+    loops.exchange(row(channel, clamped(v_ + half_width)) + 64 * first,
+                   row(channel, clamped(v_ - 1 - half_width)) + 64 * first, 64 * (last - first),
                    column(channel, 64 * first));
   }
 }
 
 void SmoothedClassifier::classify(std::size_t first, std::size_t last, std::vector<BitRow>& bits) {
-  const auto reach = static_cast<std::size_t>(window_ / 2);
+  const auto half_width = static_cast<std::size_t>(window_ / 2);
   const auto width = static_cast<std::size_t>(image_.width);
   WindowSums::Columns columns{};
   for (std::size_t i = 0; i < 3; ++i) {
     if (!channels_[i].is_needed) continue;
     WindowSums::Sum* sums = column(channels_[i], 0);
-    if (first == 0) std::fill_n(sums - reach, reach, sums[0]);
-    if (last == words_) std::fill_n(sums + width, reach, sums[width - 1]);
-    columns[i] = sums - reach;
+    if (first == 0) std::fill_n(sums - half_width, half_width, sums[0]);
+    if (last == words_) std::fill_n(sums + width, half_width, sums[width - 1]);
+    columns[i] = sums - half_width;
   }
   window_sums(window_).classify(columns, first, last, limits_, bits);
-  if (last < words_ || width % 64 == 0) return;
-  for (BitRow& row : bits) row.back() &= (std::uint64_t{1} << (width % 64)) - 1;
+  if (last == words_) clear_beyond(bits, image_.width);
 }
 
-}  // namespace robsim
+}  // namespace robsim::pixels

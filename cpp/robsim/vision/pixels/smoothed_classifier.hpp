@@ -10,19 +10,19 @@
 #include "robsim/vision/pixels/chroma_screen.hpp"
 #include "robsim/vision/pixels/window_sums.hpp"
 
-namespace robsim {
+namespace robsim::pixels {
 
-/// Tells which pixels belong to which class by the mean of the window of pixels around them, in
-/// every channel that a class limits. Beyond the border of the image its outermost pixels go on.
-/// Where the window holds grey pixels only, no mean is worked out.
+/// Decides which pixels belong to which class by the mean of the window of pixels around them, in
+/// every channel that a class limits. Beyond the border of the image its outermost pixels are
+/// repeated. Where the window contains grey pixels only, no mean is computed.
 class SmoothedClassifier {
  public:
-  static constexpr int largest_window = 15;
+  static constexpr int maximum_window = 15;
 
   /// Throws std::invalid_argument unless the window is 3, 5, ... 15 px wide.
   SmoothedClassifier(const std::vector<ColorClass>& classes, int window);
 
-  /// Begins with an image, which must stay as it is until its last row.
+  /// Starts an image, which must not change until its last row is done.
   void begin(const ImageView& image);
 
   /// Sets, for each class, the bits of the next row.
@@ -31,19 +31,19 @@ class SmoothedClassifier {
  private:
   struct Channel {
     bool is_needed = false;
-    std::vector<std::uint8_t> rows;        // the newest ones, in turns
-    std::vector<WindowSums::Sum> columns;  // sums of the window's rows, with a margin on both sides
+    std::vector<std::uint8_t> rows;        // a ring of the newest ones
+    std::vector<WindowSums::Sum> columns;  // sums over the rows of the window, with margins
   };
 
-  // A flag for each 64 pixels of a row
+  // A flag or a count for each block of 64 pixels of a row
   using Flags = std::vector<std::uint8_t>;
 
-  Flags& may_hold(int v);
+  Flags& may_contain(int v);
   std::uint8_t* row(Channel& channel, int v);
   WindowSums::Sum* column(Channel& channel, std::size_t u);
-  int within(int v) const;
-  void look(int v);
-  void move_suspects_down();
+  int clamped(int v) const;
+  void screen_row(int v);
+  void move_candidates_down();
   void find_active();
   void classify_active(std::vector<BitRow>& bits);
   void convert(int v, std::size_t first, std::size_t last);
@@ -56,13 +56,13 @@ class SmoothedClassifier {
   ChromaScreen screen_;
   Channel channels_[3];
   ImageView image_;
-  std::size_t words_ = 0;         // 64 pixels each
-  int v_ = 0;                     // the row at hand
-  int colorful_rows_ = 0;         // the newest ones that may hold members everywhere
-  std::vector<Flags> may_hold_;   // a member, of the newest rows, in turns
-  Flags suspects_;                // how many rows of the window may hold one
-  Flags active_;                  // the means decide
-  Flags is_summed_, was_summed_;  // the sums of the columns are those of row v, of the row above
+  std::size_t words_ = 0;           // blocks of 64 pixels per row
+  int v_ = 0;                       // the current row
+  int unscreened_rows_ = 0;         // how many of the newest rows may contain members everywhere
+  std::vector<Flags> may_contain_;  // a ring of the newest rows
+  Flags candidate_rows_;            // how many rows of the window may contain a member
+  Flags active_;                    // the means must be computed
+  Flags is_summed_, was_summed_;    // the column sums are valid for row v_, for the row above it
 };
 
-}  // namespace robsim
+}  // namespace robsim::pixels

@@ -3,7 +3,7 @@
 #include "robsim/simd/avx2.hpp"
 #include "robsim/simd/cpu_path.hpp"
 
-namespace robsim {
+namespace robsim::pixels {
 
 namespace {
 
@@ -11,7 +11,7 @@ using Sum = WindowSums::Sum;
 using Limits = WindowSums::Limits;
 using Columns = WindowSums::Columns;
 
-// A loop that a compiler does many numbers at a time, compiled for every path.
+// A loop that the compiler vectorises, once for every path.
 
 ROBSIM_INLINE void exchange_body(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
                                  Sum* columns) {
@@ -25,7 +25,7 @@ void exchange_baseline(const std::uint8_t* in, const std::uint8_t* out, std::siz
   exchange_body(in, out, count, columns);
 }
 
-// Bit i = the 64 sums i lie within the limits
+// Bit i is set if sum i of 64 lies within the limits.
 std::uint64_t within_baseline(const Sum* sums, const Limits& limits) {
   const Sum lower = limits.lower;
   const Sum upper = limits.upper;
@@ -33,7 +33,7 @@ std::uint64_t within_baseline(const Sum* sums, const Limits& limits) {
   for (int i = 0; i < 64; ++i) {
     is_within[i] = static_cast<std::uint8_t>((sums[i] >= lower) & (sums[i] <= upper));
   }
-  return packed(is_within);
+  return pack_bits(is_within);
 }
 
 template <int window>
@@ -67,7 +67,7 @@ ROBSIM_AVX2 void exchange_avx2(const std::uint8_t* in, const std::uint8_t* out, 
   exchange_body(in, out, count, columns);
 }
 
-// 16 numbers of all bits or none
+// 16 masks
 ROBSIM_AVX2_INLINE __m256i is_within(__m256i sums, __m256i lower, __m256i range) {
   const __m256i above = _mm256_sub_epi16(sums, lower);
   return _mm256_cmpeq_epi16(_mm256_min_epu16(above, range), above);
@@ -140,4 +140,4 @@ WindowSums window_sums(int window) {
   }
 }
 
-}  // namespace robsim
+}  // namespace robsim::pixels

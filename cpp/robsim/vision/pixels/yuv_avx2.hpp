@@ -6,10 +6,10 @@
 
 #include <cstdint>
 
-namespace robsim {
+namespace robsim::pixels {
 
-// Asks for 64 pixels of the row below or so: rows lie one after the other nearly always, and where
-// they do not, nothing is lost.
+// Prefetches 64 pixels about one row ahead. Rows are nearly always contiguous; where they are not,
+// this costs nothing.
 ROBSIM_AVX2_INLINE void prefetch(const std::uint8_t* rgb) {
   constexpr std::uintptr_t ahead = 4096;
   const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(rgb) + ahead;
@@ -42,7 +42,7 @@ ROBSIM_AVX2_INLINE Pairs pairs(const std::uint8_t* low, const std::uint8_t* high
                           _mm256_shuffle_epi8(second, b_of_second))};
 }
 
-// (wr r + wg g + wb b) >> 7, 16 bits a pixel
+// (wr r + wg g + wb b) >> 7, 16 bits per pixel
 ROBSIM_AVX2_INLINE __m256i weighted(const Pairs& pixels, int wr, int wg, int wb) {
   const auto weights = static_cast<short>((wr & 0xFF) | ((wg & 0xFF) << 8));
   const __m256i sum =
@@ -51,9 +51,9 @@ ROBSIM_AVX2_INLINE __m256i weighted(const Pairs& pixels, int wr, int wg, int wb)
   return _mm256_srai_epi16(sum, 7);
 }
 
-// The Y, U and V of 32 pixels; Y only if somebody asks for it.
+// Y, U and V of 32 pixels; Y only where it is needed.
 ROBSIM_AVX2_INLINE void convert_block(const std::uint8_t* rgb, bool needs_y, __m256i* yuv) {
-  // Packing joins lanes: pixels 0..7 and 16..23 go with 8..15 and 24..31.
+  // Packing works within halves: pixels 0..7 and 16..23 are joined with 8..15 and 24..31.
   const Pairs even = pairs(rgb, rgb + 48);
   const Pairs odd = pairs(rgb + 24, rgb + 72);
   const __m256i neutral = _mm256_set1_epi8(static_cast<char>(128));
@@ -66,6 +66,6 @@ ROBSIM_AVX2_INLINE void convert_block(const std::uint8_t* rgb, bool needs_y, __m
       neutral, _mm256_packs_epi16(weighted(even, 64, -54, -10), weighted(odd, 64, -54, -10)));
 }
 
-}  // namespace robsim
+}  // namespace robsim::pixels
 
 #endif

@@ -7,7 +7,7 @@
 #include "robsim/vision/color/color_class.hpp"
 #include "robsim/vision/pixels/yuv_avx2.hpp"
 
-namespace robsim {
+namespace robsim::pixels {
 
 namespace {
 
@@ -52,4 +52,4 @@ void convert_to_planes(const std::uint8_t* rgb, int first, int last, std::uint8_
   ROBSIM_PICK(convert_baseline, convert_avx2)(rgb, first, last, planes);
 }
 
-}  // namespace robsim
+}  // namespace robsim::pixels
