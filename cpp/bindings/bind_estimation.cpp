@@ -17,7 +17,7 @@ py::array_t<double> read_only(py::array_t<double> array) {
   return array;
 }
 
-// One filter speaks in vectors, several in rows.
+// One filter has vectors, several have rows.
 Shape theta_shape(const RecursiveLeastSquares& self) {
   return self.filters() == 1 ? Shape{self.parameters()} : Shape{self.filters(), self.parameters()};
 }
@@ -28,7 +28,7 @@ py::array_t<double> theta_of(const RecursiveLeastSquares& self) {
   return read_only(theta);
 }
 
-py::array_t<double> unit_errors_of(const RecursiveLeastSquares& self) {
+py::array_t<double> standard_errors_of(const RecursiveLeastSquares& self) {
   py::array_t<double> errors(theta_shape(self));
   self.write_standard_errors_unscaled(errors.mutable_data());
   return read_only(errors);
@@ -45,7 +45,7 @@ py::array_t<double> covariance_of(const RecursiveLeastSquares& self) {
   return to_array(values.data(), shape);
 }
 
-py::object regression_of(const RecursiveLeastSquares& self) {
+py::object sample_counts_of(const RecursiveLeastSquares& self) {
   if (self.filters() == 1) return py::int_(self.samples(0));
   py::array_t<std::int64_t> samples(self.filters());
   for (int i = 0; i < self.filters(); ++i) samples.mutable_at(i) = self.samples(i);
@@ -53,9 +53,7 @@ py::object regression_of(const RecursiveLeastSquares& self) {
 }
 
 std::string text_of(const Shape& shape) {
-  std::string text = "(";
-  for (const py::ssize_t size : shape) text += (text == "(" ? "" : ", ") + std::to_string(size);
-  return text + (shape.size() == 1 ? ",)" : ")");
+  return shape_text(shape.data(), static_cast<py::ssize_t>(shape.size()));
 }
 
 // Regressors or outputs of one sample or, with a dimension more, of many.
@@ -63,9 +61,9 @@ Doubles samples_from(const py::object& value, const char* name, const char* what
   Shape many = single;
   many.insert(many.begin(), -1);
   const std::string one = single.empty() ? "a number" : text_of(single);
-  const std::string rest = single.empty() ? ",)" : ", " + text_of(single).substr(1);
+  const std::string remaining = single.empty() ? ",)" : ", " + text_of(single).substr(1);
   const std::string expected =
-      std::string(what) + ": " + one + " for a sample, (N" + rest + " for N samples";
+      std::string(what) + ": " + one + " for a sample, (N" + remaining + " for N samples";
   const Doubles array = numbers_from(value, name, std::nullopt, expected);
   const bool is_many = array.ndim() == static_cast<py::ssize_t>(many.size());
   return numbers_from(value, name, is_many ? many : single, expected);
@@ -106,11 +104,11 @@ Parameters
 parameters : int
     Number of parameters of a filter.
 filters : int
-    Number of filters: 3 for the axes of a robot, 3 R for those of R runs at once.
+    Number of filters: 3 for the axes of a robot, 3 R for those of R runs.
 forgetting : float
-    Forgetting factor, 0 < forgetting <= 1; 1 forgets nothing.
+    Forgetting factor, 0 < forgetting <= 1; 1 = none.
 initial_covariance : float
-    P at the start is this times the unit matrix; theta is 0.
+    The initial P is this times the identity matrix; the initial theta is 0.
 
 Raises
 ------
@@ -121,39 +119,39 @@ Notes
 -----
 theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
 plus forgetting^N |theta|^2 / initial_covariance. The covariance is kept as P = U D U' (Bierman,
-Factorization Methods for Discrete Sequential Estimation, 1977, ch. V): no rounding can make it
-asymmetric or negative, in any number of samples.
+Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot
+make it asymmetric or indefinite, whatever the number of samples.
 
-Without excitation, as with a constant input, forgetting would let P grow for ever. Here the trace
-of P never exceeds 1e9 for each parameter, or what it is at the start: when it would, the variances
-D of single columns of U are cut. That adds information along these columns only. The estimates stay
-what they are, what the samples do excite is forgotten as before, and when excitation comes back the
-filter follows as a new one does. Up to there it is the textbook's filter. With forgetting = 1 a
-filter follows a change of the parameters the more slowly, the more samples it has taken in.
+Without excitation, as with a constant input, forgetting lets P grow without bound. Here the trace
+of P never exceeds 1e9 per parameter, or its initial value if that is larger: where it would, the
+variances D of single columns of U are limited. This adds information along these columns only. The
+estimates do not change, excited directions are forgotten as before, and when excitation returns the
+filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
+filter follows a change of the parameters more and more slowly as samples accumulate.
 )")
       .def(py::init<int, int, double, double>(), py::arg("parameters"), py::kw_only(),
            py::arg("filters") = 1, py::arg("forgetting") = defaults.forgetting(),
            py::arg("initial_covariance") = defaults.initial_covariance())
       .def("update", &update, py::arg("phi"), py::arg("y"), R"(
-Take in one sample of every filter, or N samples, one after the other.
+Update every filter with one sample, or with N samples in sequence.
 
 Parameters
 ----------
 phi : array (parameters,) or (N, parameters); for several filters (filters, parameters) or \
 (N, filters, parameters)
-    Regressors. A NaN = no sample: a filter that has one in its regressors or its output holds.
+    Regressors. A filter with NaN in its regressors or its output skips the update.
 y : array, shaped as phi without its last dimension
     Outputs.
 
 Returns
 -------
 array, shaped as phi
-    The estimates after each sample. Those of a filter that holds are what they were before.
+    The estimates after each sample. A skipped update leaves them unchanged.
 
 Raises
 ------
 TypeError, ValueError
-    For other shapes and for infinity; the filters stay what they were.
+    For other shapes and for infinity; the filters are unchanged then.
 )")
       .def_property_readonly("theta", &theta_of,
                              "array (parameters,) or (filters, parameters): the estimates.")
@@ -162,30 +160,29 @@ TypeError, ValueError
           "array (parameters, parameters), for several filters (filters, parameters, parameters):\n"
           "covariance of the estimates in units of the variance of the output noise.")
       .def_property_readonly(
-          "standard_errors_unscaled", &unit_errors_of,
+          "standard_errors_unscaled", &standard_errors_of,
           "array, shaped as theta: standard errors of the estimates in units of the standard\n"
           "deviation of the output noise, the square roots of the diagonal of P.")
       .def_property_readonly(
-          "samples", &regression_of,
-          "int, or array (filters,) of int: samples taken in; those at which a filter held do not\n"
-          "count.")
+          "samples", &sample_counts_of,
+          "int, or array (filters,) of int: number of samples used, without skipped updates.")
       .def_property_readonly("forgetting", &RecursiveLeastSquares::forgetting,
                              "float: forgetting factor.")
       .def_property_readonly("initial_covariance", &RecursiveLeastSquares::initial_covariance,
-                             "float: P at the start is this times the unit matrix.")
-      .def("reset", &RecursiveLeastSquares::reset, "Go back to the start.");
+                             "float: the initial P is this times the identity matrix.")
+      .def("reset", &RecursiveLeastSquares::reset, "Return to the initial state.");
 
-  py::class_<LeastSquaresFit>(module, "LeastSquaresFit", "What `least_squares` found.")
+  py::class_<LeastSquaresFit>(module, "LeastSquaresFit", "Result of `least_squares`.")
       .def_property_readonly(
           "theta",
           [](const LeastSquaresFit& self) {
             return to_array(self.theta.data(), {self.theta.size()});
           },
-          "array (n,): the parameters, NaN where the samples say nothing.")
+          "array (n,): the parameters, NaN where the samples do not determine them.")
       .def_readonly("rank", &LeastSquaresFit::rank, "int: number of independent regressors.")
       .def_readonly(
           "condition", &LeastSquaresFit::condition,
-          "float: condition of the regressors, scaled to length 1: an estimate, from below.")
+          "float: condition number of the regressors, scaled to length 1: an estimate from below.")
       .def_readonly("residual_rms", &LeastSquaresFit::residual_rms,
                     "float: root mean square of y - phi theta.")
       .def_property_readonly(
@@ -195,7 +192,7 @@ TypeError, ValueError
                             {self.standard_errors_unscaled.size()});
           },
           "array (n,): standard errors of theta in units of the standard deviation of the noise;\n"
-          "inf where the samples say nothing.")
+          "inf where the samples do not determine them.")
       .def_property_readonly(
           "standard_errors",
           [](const LeastSquaresFit& self) {
@@ -204,7 +201,7 @@ TypeError, ValueError
           "array (n,): standard errors of theta, with the noise estimated from the residuals.");
 
   module.def("least_squares", &fit, py::arg("phi"), py::arg("y"), R"(
-Return the theta that minimises the squares of y - phi theta.
+Return the theta that minimises the sum of squares of y - phi theta.
 
 Parameters
 ----------
@@ -220,7 +217,7 @@ LeastSquaresFit
 
 Notes
 -----
-Householder QR, block after block of rows, and column pivoting in what comes of that (Golub and Van
-Loan, Matrix Computations, 5.2.2 and 5.4.2). The standard errors hold for white noise in y.
+Householder QR of blocks of rows, then QR with column pivoting of the triangle (Golub and Van Loan,
+Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise in y.
 )");
 }

@@ -1,4 +1,3 @@
-// Room simd.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -22,7 +21,7 @@ void bind_simd(py::module_& module) {
         for (const CpuPath path : cpu_paths()) names.emplace_back(name_of(path));
         return names;
       },
-      "Return those that this processor can use, the fastest last.");
+      "Return the paths available on this processor, the fastest last.");
   module.def(
       "force_cpu_path",
       [](const std::string& name) {
@@ -35,7 +34,7 @@ void bind_simd(py::module_& module) {
         throw std::invalid_argument("path must be one that this processor has, got '" + name + "'");
       },
       py::arg("path"), R"(
-Use other instructions from now on. The results are the same, bit for bit.
+Use other instructions from now on. The results are identical, bit for bit.
 
 Parameters
 ----------
@@ -45,6 +44,6 @@ path : str
 Raises
 ------
 ValueError
-    If this processor does not have it.
+    If it is not available on this processor.
 )");
 }

@@ -1,4 +1,4 @@
-// The table of contents of the extension: one function per room.
+// The table of contents of the extension: one function per room, two for vision.
 #include <pybind11/pybind11.h>
 
 namespace py = pybind11;
@@ -8,7 +8,8 @@ void bind_geometry(py::module_& module);
 void bind_imaging(py::module_& module);
 void bind_model(py::module_& module);
 void bind_world(py::module_& module);
-void bind_vision(py::module_& module);
+void bind_color(py::module_& module);
+void bind_blobs(py::module_& module);
 void bind_estimation(py::module_& module);
 void bind_simulation(py::module_& module);
 
@@ -19,7 +20,8 @@ PYBIND11_MODULE(_core, module) {
   bind_imaging(module);
   bind_model(module);
   bind_world(module);
-  bind_vision(module);
+  bind_color(module);
+  bind_blobs(module);
   bind_estimation(module);
   bind_simulation(module);
 }

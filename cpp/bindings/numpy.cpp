@@ -1,16 +1,22 @@
 #include "numpy.hpp"
 
+#include <pybind11/stl.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "robsim/imaging/frame.hpp"
 
 namespace robsim::bindings {
 
 namespace {
 
-constexpr py::ssize_t longest_repr = 80;
+constexpr py::ssize_t maximum_repr = 80;
 
-// The numbers of a tuple of floats, as callbacks return it, without a way through numpy; nothing
-// for what numpy has to look at.
+// A fast path for tuples of floats, as callbacks return them. Anything else, nullopt here, is left
+// to numpy.
 template <std::size_t count>
 std::optional<std::array<double, count>> floats_from(py::handle value) {
   if (!PyTuple_CheckExact(value.ptr()) || PyTuple_GET_SIZE(value.ptr()) != count) return {};
@@ -24,14 +30,6 @@ std::optional<std::array<double, count>> floats_from(py::handle value) {
   return numbers;
 }
 
-std::string shape_text(const py::array& array) {
-  std::string text = "(";
-  for (py::ssize_t i = 0; i < array.ndim(); ++i) {
-    text += (i ? ", " : "") + std::to_string(array.shape(i));
-  }
-  return text + (array.ndim() == 1 ? ",)" : ")");
-}
-
 bool fits(const py::array& array, const Shape& shape) {
   if (array.ndim() != static_cast<py::ssize_t>(shape.size())) return false;
   for (std::size_t i = 0; i < shape.size(); ++i) {
@@ -42,16 +40,22 @@ bool fits(const py::array& array, const Shape& shape) {
 
 }  // namespace
 
+std::string shape_text(const py::ssize_t* sizes, py::ssize_t dimensions) {
+  std::string text = "(";
+  for (py::ssize_t i = 0; i < dimensions; ++i) text += (i ? ", " : "") + std::to_string(sizes[i]);
+  return text + (dimensions == 1 ? ",)" : ")");
+}
+
 std::string describe(py::handle value) {
   if (py::isinstance<py::array>(value)) {
     const auto array = py::reinterpret_borrow<py::array>(value);
     return "a " + py::str(array.dtype()).cast<std::string>() + " array of shape " +
-           shape_text(array);
+           shape_text(array.shape(), array.ndim());
   }
   const py::str text = py::repr(value);
-  if (py::len(text) <= longest_repr) return text.cast<std::string>();
-  // Cut as text, not as bytes: a letter may have several.
-  return text[py::slice(0, longest_repr, 1)].cast<std::string>() + " ...";
+  if (py::len(text) <= maximum_repr) return text.cast<std::string>();
+  // Cut as text, not as bytes: a character may have several.
+  return text[py::slice(0, maximum_repr, 1)].cast<std::string>() + " ...";
 }
 
 Doubles numbers_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
@@ -67,14 +71,14 @@ Doubles numbers_from(py::handle value, const std::string& name, const std::optio
     try {
       return py::array(py::reinterpret_borrow<py::object>(value));
     } catch (const py::error_already_set& error) {
-      // Not a Ctrl-C, for example, that comes just here.
+      // Anything else, such as KeyboardInterrupt, passes.
       if (error.matches(PyExc_TypeError) || error.matches(PyExc_ValueError)) {
         throw py::type_error(message());
       }
       throw;
     }
   }();
-  // Numbers only: no text, dates, complex numbers, ints beyond all bounds or other objects.
+  // Real numbers only: no text, dates, complex numbers or objects (very large ints among them).
   if (std::string("biuf").find(given.dtype().kind()) == std::string::npos) {
     throw py::type_error(message());
   }
@@ -162,6 +166,22 @@ ImageView image_view(py::handle value, const std::string& name) {
   }
   return {static_cast<const std::uint8_t*>(array.data()), static_cast<int>(array.shape(1)),
           static_cast<int>(array.shape(0)), array.strides(0)};
+}
+
+ImageView view_from(py::handle value, const std::string& name) {
+  if (py::isinstance<Frame>(value)) return value.cast<const Frame&>().image.view();
+  return image_view(value, name);
+}
+
+PixelBox region_from(py::handle value, const std::string& name) {
+  try {
+    const auto [left, top, right, bottom] = value.cast<std::tuple<int, int, int, int>>();
+    constexpr int maximum = std::numeric_limits<int>::max() - 1;
+    return {left, top, std::min(right, maximum) + 1, std::min(bottom, maximum) + 1};
+  } catch (const py::cast_error&) {
+    throw py::type_error(name + " must be (left, top, right, bottom), four ints, got " +
+                         describe(value));
+  }
 }
 
 WritableView writable_view(py::handle value, const std::string& name) {

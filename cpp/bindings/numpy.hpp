@@ -1,4 +1,4 @@
-// All conversion between Python values and the core's, with the checks of type and shape.
+// All conversion between Python values and those of the core, with checks of type and shape.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -23,15 +23,18 @@ namespace py = pybind11;
 using Shape = std::vector<py::ssize_t>;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// What came instead, for an error message: "None", "array of shape (2,)", "'red'", ...
+/// A shape as Python prints it: "(3,)", "(3, 5)".
+std::string shape_text(const py::ssize_t* sizes, py::ssize_t dimensions);
+
+/// The value that came, for an error message: "None", "array of shape (2,)", "'red'", ...
 std::string describe(py::handle value);
 
-/// An array of float64 numbers of this shape, NaN and infinity among them; else as `doubles_from`.
+/// As `doubles_from`, but NaN and infinity are accepted.
 Doubles numbers_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
                      const std::string& expected);
 
 /// An array of finite float64 numbers of this shape (-1 = any size; none = any shape).
-/// Throws py::type_error or py::value_error that names the value and what was expected.
+/// Throws py::type_error or py::value_error that names the argument and what was expected.
 Doubles doubles_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
                      const std::string& expected);
 
@@ -41,22 +44,28 @@ Input input_from(py::handle value, const std::string& name);
 Polygon polygon_from(py::handle value, const std::string& name);
 AxisMatrix axis_matrix_from(py::handle value, const std::string& name);
 
-/// A read-only array of its own memory.
+/// A read-only copy.
 py::array_t<double> to_array(const double* values, const Shape& shape);
 py::array_t<double> to_array(const Pose& pose);
 py::array_t<double> to_array(const Point& point);
 py::array_t<double> to_array(const AxisMatrix& matrix);
 
-/// The caller's uint8 RGB pixels, shape (H, W, 3), rows of any stride, without a copy.
+/// A view of the caller's uint8 RGB pixels, shape (H, W, 3), rows of any stride. Copies nothing.
 ImageView image_view(py::handle value, const std::string& name);
 
-/// The caller's pixels, to be written: as image_view, rows one after the other.
+/// The pixels of a Frame, or those of an array as `image_view` has them.
+ImageView view_from(py::handle value, const std::string& name);
+
+/// The box of (left, top, right, bottom), all four included.
+PixelBox region_from(py::handle value, const std::string& name);
+
+/// As `image_view`, but writable; rows must not overlap.
 WritableView writable_view(py::handle value, const std::string& name);
 
 /// A read-only view of shape (H, W, 3) that keeps the image's buffer alive.
 py::array_t<std::uint8_t> image_array(const Image& image);
 
-/// The value that belongs to a name. Throws py::value_error that lists the names.
+/// The value of a named choice. Throws py::value_error that lists the names.
 template <typename T>
 T choice_from(const std::string& name, const std::string& chosen,
               std::initializer_list<std::pair<const char*, T>> choices) {

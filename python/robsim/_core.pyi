@@ -382,12 +382,12 @@ class ColorClass:
     @staticmethod
     def from_histograms(histograms: typing.Any, *, name: str, percentile: typing.SupportsFloat | typing.SupportsIndex = 33.0, margin: typing.SupportsInt | typing.SupportsIndex = 52, limit_y: bool = False) -> ColorClass:
         """
-        Return the colour class of regions with these histograms: those of several images add up.
+        Return the colour class of regions with these histograms, which add up over images.
         
         Parameters
         ----------
         histograms : array (3, 256)
-            As from `color_histograms`, or a sum of such.
+            As from `color_histograms`, or a sum of several.
         name, percentile, margin, limit_y
             As for `from_region`.
         """
@@ -399,31 +399,31 @@ class ColorClass:
         Parameters
         ----------
         image : Frame or array (H, W, 3) of uint8
-            RGB. Better one with little noise.
+            RGB, preferably with little noise.
         region : tuple of four ints
-            Its outermost pixels (left, top, right, bottom), both ends included, as in
-            `Blob.bounding_box`. Most of it must have the colour.
+            (left, top, right, bottom), all included, as in `Blob.bounding_box`. Most of the region must
+            have the colour.
         name : str
             Name of the colour.
         percentile : float
-            So many % of the pixels lie outside at each end of the range that is found in a channel.
+            Percentage of the pixels outside the range found in a channel, at each end.
         margin : int
-            What widens the ranges found (levels).
+            How far the ranges found are widened (levels).
         limit_y : bool
-            Whether the class limits Y, too. Light and shadow change it, so by default any Y is right.
+            Whether the class limits Y, too. Light and shadow change Y, so by default any Y belongs.
         
         Raises
         ------
         TypeError, ValueError
-            For an image or a region of another kind, for a region that does not lie within the image,
-            for options out of range, and if the region is grey, so that Y alone tells it: `limit_y`.
+            For an image or a region of the wrong type or shape, a region outside the image, options out
+            of range, and a grey region, which only Y can distinguish: see `limit_y`.
         
         Notes
         -----
-        Shadow and noise that is clipped at black and white take U and V towards neutral, 128, never away
-        from it. So a range that lies to one side of neutral is open at its far end. And the channel
-        farthest from neutral keeps 28 levels off it, or half of what it has: greys do not belong to the
-        class, however large the margin.
+        Shadow, and noise clipped at black and white, move U and V towards neutral (128), never away from
+        it. So a range on one side of neutral is open at its far end. The channel farthest from neutral
+        stays 26 levels away from it, or half of its own distance if that is less: greys do not belong to
+        the class, however large the margin.
         """
     def __init__(self, name: str, *, y: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), u: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), v: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255)) -> None:
         ...
@@ -436,13 +436,13 @@ class ColorClass:
         Parameters
         ----------
         margin : int
-            By how many levels each end moves outwards; negative: inwards. Ends at 0 and 255 are open and
-            stay.
+            How many levels each end moves outwards; negative: inwards. Ends at 0 and 255 are open and
+            do not move.
         
         Raises
         ------
         ValueError
-            If nothing is left of a range.
+            If a range becomes empty.
         """
     @property
     def name(self) -> str:
@@ -466,29 +466,29 @@ class ColorClass:
         """
 class MarkerLayout:
     """
-    Where a robot carries its red and its blue marker: what turns a pair of blobs into a pose.
+    The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
     
-    The line from blue to red lies across the heading, red on the robot's right. Markers in other
-    places: see `from_markers`.
+    The line from blue to red is perpendicular to the heading, red on the robot's right. For other
+    arrangements see `from_markers`.
     
     Parameters
     ----------
     distance : float
-        Between the centroids of the two markers (work-area px).
+        Distance between the centroids of the two markers (work-area px).
     offset : float
         From the midpoint of the markers forward to the robot's centre (work-area px).
     distance_tolerance : float
-        Greatest deviation of a pair's distance, as a share of the distance.
+        Maximum deviation of a pair's distance, as a fraction of the distance.
     area_tolerance : float
-        Greatest factor between a blob's area and the marker's; where the areas are not known, between
-        the two blobs of a pair.
+        Maximum ratio between a blob's area and the marker's or, where the marker areas are not known,
+        between the areas of a pair.
     maximum_blobs : int
-        So many of the largest blobs of a colour are looked at.
+        How many blobs of a colour are considered, the largest first.
     """
     @staticmethod
     def from_markers(red: typing.Any, blue: typing.Any, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> MarkerLayout:
         """
-        Return the marker layout of a robot with these markers; it knows their areas, too.
+        Return the layout of these markers, with their areas.
         
         Parameters
         ----------
@@ -504,32 +504,32 @@ class MarkerLayout:
     @property
     def area_tolerance(self) -> float:
         """
-        float: factor.
+        float: ratio.
         """
     @property
     def blue(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): the blue marker's place, forward and right of the centre (px).
+        array (2,): position of the blue marker, forward and right of the centre (px).
         """
     @property
     def blue_area(self) -> float:
         """
-        float: px^2, NaN = not known.
+        float: px^2, NaN = unknown.
         """
     @property
     def distance(self) -> float:
         """
-        float: between the markers' centroids (work-area px).
+        float: distance between the markers' centroids (work-area px).
         """
     @property
     def distance_tolerance(self) -> float:
         """
-        float: share.
+        float: fraction.
         """
     @property
     def maximum_blobs(self) -> int:
         """
-        int: of the largest of a colour.
+        int: blobs considered per colour.
         """
     @property
     def offset(self) -> float:
@@ -539,12 +539,12 @@ class MarkerLayout:
     @property
     def red(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): the red marker's place, forward and right of the centre (px).
+        array (2,): position of the red marker, forward and right of the centre (px).
         """
     @property
     def red_area(self) -> float:
         """
-        float: px^2, NaN = not known.
+        float: px^2, NaN = unknown.
         """
 class Blob:
     """
@@ -560,12 +560,12 @@ class Blob:
     @property
     def at_border(self) -> bool:
         """
-        bool: it touches the edge of the frame, beyond which it may go on.
+        bool: it touches the edge of the frame and may continue beyond it.
         """
     @property
     def bounding_box(self) -> tuple[int, int, int, int]:
         """
-        tuple of int: its outermost pixels (u_min, v_min, u_max, v_max), both ends included.
+        tuple of int: (u_min, v_min, u_max, v_max), all included.
         """
     @property
     def centroid(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -579,7 +579,7 @@ class Blob:
         """
 class Measurement:
     """
-    Where a robot was seen. A frame without a robot gives None instead.
+    The pose of a detected robot. A frame without a detection gives None instead.
     
     Parameters
     ----------
@@ -604,11 +604,11 @@ class RecursiveLeastSquares:
     parameters : int
         Number of parameters of a filter.
     filters : int
-        Number of filters: 3 for the axes of a robot, 3 R for those of R runs at once.
+        Number of filters: 3 for the axes of a robot, 3 R for those of R runs.
     forgetting : float
-        Forgetting factor, 0 < forgetting <= 1; 1 forgets nothing.
+        Forgetting factor, 0 < forgetting <= 1; 1 = none.
     initial_covariance : float
-        P at the start is this times the unit matrix; theta is 0.
+        The initial P is this times the identity matrix; the initial theta is 0.
     
     Raises
     ------
@@ -619,43 +619,43 @@ class RecursiveLeastSquares:
     -----
     theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
     plus forgetting^N |theta|^2 / initial_covariance. The covariance is kept as P = U D U' (Bierman,
-    Factorization Methods for Discrete Sequential Estimation, 1977, ch. V): no rounding can make it
-    asymmetric or negative, in any number of samples.
+    Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot
+    make it asymmetric or indefinite, whatever the number of samples.
     
-    Without excitation, as with a constant input, forgetting would let P grow for ever. Here the trace
-    of P never exceeds 1e9 for each parameter, or what it is at the start: when it would, the variances
-    D of single columns of U are cut. That adds information along these columns only. The estimates stay
-    what they are, what the samples do excite is forgotten as before, and when excitation comes back the
-    filter follows as a new one does. Up to there it is the textbook's filter. With forgetting = 1 a
-    filter follows a change of the parameters the more slowly, the more samples it has taken in.
+    Without excitation, as with a constant input, forgetting lets P grow without bound. Here the trace
+    of P never exceeds 1e9 per parameter, or its initial value if that is larger: where it would, the
+    variances D of single columns of U are limited. This adds information along these columns only. The
+    estimates do not change, excited directions are forgotten as before, and when excitation returns the
+    filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
+    filter follows a change of the parameters more and more slowly as samples accumulate.
     """
     def __init__(self, parameters: typing.SupportsInt | typing.SupportsIndex, *, filters: typing.SupportsInt | typing.SupportsIndex = 1, forgetting: typing.SupportsFloat | typing.SupportsIndex = 1.0, initial_covariance: typing.SupportsFloat | typing.SupportsIndex = 1000000000.0) -> None:
         ...
     def reset(self) -> None:
         """
-        Go back to the start.
+        Return to the initial state.
         """
     def update(self, phi: typing.Any, y: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Take in one sample of every filter, or N samples, one after the other.
+        Update every filter with one sample, or with N samples in sequence.
         
         Parameters
         ----------
         phi : array (parameters,) or (N, parameters); for several filters (filters, parameters) or \\
         (N, filters, parameters)
-            Regressors. A NaN = no sample: a filter that has one in its regressors or its output holds.
+            Regressors. A filter with NaN in its regressors or its output skips the update.
         y : array, shaped as phi without its last dimension
             Outputs.
         
         Returns
         -------
         array, shaped as phi
-            The estimates after each sample. Those of a filter that holds are what they were before.
+            The estimates after each sample. A skipped update leaves them unchanged.
         
         Raises
         ------
         TypeError, ValueError
-            For other shapes and for infinity; the filters stay what they were.
+            For other shapes and for infinity; the filters are unchanged then.
         """
     @property
     def P(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -671,13 +671,12 @@ class RecursiveLeastSquares:
     @property
     def initial_covariance(self) -> float:
         """
-        float: P at the start is this times the unit matrix.
+        float: the initial P is this times the identity matrix.
         """
     @property
     def samples(self) -> typing.Any:
         """
-        int, or array (filters,) of int: samples taken in; those at which a filter held do not
-        count.
+        int, or array (filters,) of int: number of samples used, without skipped updates.
         """
     @property
     def standard_errors_unscaled(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -692,12 +691,12 @@ class RecursiveLeastSquares:
         """
 class LeastSquaresFit:
     """
-    What `least_squares` found.
+    Result of `least_squares`.
     """
     @property
     def condition(self) -> float:
         """
-        float: condition of the regressors, scaled to length 1: an estimate, from below.
+        float: condition number of the regressors, scaled to length 1: an estimate from below.
         """
     @property
     def rank(self) -> int:
@@ -718,12 +717,12 @@ class LeastSquaresFit:
     def standard_errors_unscaled(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (n,): standard errors of theta in units of the standard deviation of the noise;
-        inf where the samples say nothing.
+        inf where the samples do not determine them.
         """
     @property
     def theta(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (n,): the parameters, NaN where the samples say nothing.
+        array (n,): the parameters, NaN where the samples do not determine them.
         """
 class Estimate:
     """
@@ -1037,16 +1036,16 @@ class Simulation:
         """
 def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, smoothing: typing.SupportsInt | typing.SupportsIndex = 1) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """
-    Tell which pixels belong to which colour class: what `find_blobs` makes its blobs of.
+    Return which pixels belong to which colour class: the masks that `find_blobs` works on.
     
     Parameters
     ----------
     image : Frame or array (H, W, 3) of uint8
-        RGB; rows may lie at any distance in memory.
+        RGB; rows of any stride.
     colors : list of ColorClass
         The colours; a pixel may belong to several.
     smoothing : int
-        A pixel is judged by the mean of so wide a window, as in `find_blobs`; 1 = by itself.
+        Width of the window whose mean classifies a pixel, as in `find_blobs`; 1 = off.
     
     Returns
     -------
@@ -1056,7 +1055,7 @@ def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *,
     Raises
     ------
     TypeError, ValueError
-        For an image of another kind, for two colours of one name, and for options out of range.
+        For an image of the wrong type or shape, duplicate colour names, and options out of range.
     """
 def color_histograms(image: typing.Any, region: typing.Any) -> numpy.typing.NDArray[numpy.int64]:
     """
@@ -1067,17 +1066,17 @@ def color_histograms(image: typing.Any, region: typing.Any) -> numpy.typing.NDAr
     image : Frame or array (H, W, 3) of uint8
         RGB.
     region : tuple of four ints
-        Its outermost pixels (left, top, right, bottom), both ends included.
+        (left, top, right, bottom), all included.
     
     Returns
     -------
     array (3, 256) of int64
-        Rows Y, U, V. Those of several images add up.
+        Rows Y, U, V. Add them up over several images.
     
     Raises
     ------
     TypeError, ValueError
-        For an image or a region of another kind, or a region that does not lie within the image.
+        For an image or a region of the wrong type or shape, or a region outside the image.
     """
 def cpu_path() -> str:
     """
@@ -1085,7 +1084,7 @@ def cpu_path() -> str:
     """
 def cpu_paths() -> list[str]:
     """
-    Return those that this processor can use, the fastest last.
+    Return the paths available on this processor, the fastest last.
     """
 def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, minimum_area: typing.SupportsInt | typing.SupportsIndex | None = None, maximum_count: typing.SupportsInt | typing.SupportsIndex | None = None, smoothing: typing.SupportsInt | typing.SupportsIndex | None = None, region: typing.Any = None) -> dict[str, list[Blob]]:
     """
@@ -1094,25 +1093,24 @@ def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], 
     Parameters
     ----------
     image : Frame or array (H, W, 3) of uint8
-        RGB; rows may lie at any distance in memory.
+        RGB; rows of any stride.
     colors : list of ColorClass
-        The colours to look for; a pixel may belong to several.
+        The colours to find; a pixel may belong to several.
     markers : MarkerLayout, optional
-        The robot whose markers are looked for: the defaults of the other options are those with which
-        they are found, in noise, too. Its lengths count as px of an array, or by the plane map of a
-        Frame.
+        The markers to find: the other options default to values that find them, in noise, too. Its
+        lengths are in px of an array, or converted by the plane map of a Frame.
     minimum_area : int, optional
-        Smaller blobs are dropped (px). Default: 12, or an eighth of the smaller marker.
+        Smaller blobs are dropped (px). Default: 12, or 1/8 of the area of the smaller marker.
     maximum_count : int, optional
-        Only so many of the largest blobs of a colour are returned. Default: 64, or as the markers
-        says.
+        How many blobs of a colour are returned, the largest first. Default: 64, or the
+        `maximum_blobs` of the markers.
     smoothing : int, optional
-        A pixel is judged by the mean of the window around it, so many px wide: 3, 5, ... 15, against
-        noise; between a quarter and three quarters of a marker's width. 1 = by itself. Default: 1, or
-        0.28 of the width of the smaller marker, at most 7.
+        Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
+        and 3/4 of a marker's width; 1 = off. Default: 1, or 0.28 of the width of the smaller marker, at
+        most 7.
     region : tuple of int, optional
         (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
-        pixels are looked at, as if the image ended there. Places remain those in the whole image.
+        pixels are searched, as if the image ended there. Positions are those in the whole image.
     
     Returns
     -------
@@ -1122,11 +1120,11 @@ def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], 
     Raises
     ------
     TypeError, ValueError
-        For an image of another kind, for two colours of one name, and for options out of range.
+        For an image of the wrong type or shape, duplicate colour names, and options out of range.
     """
 def force_cpu_path(path: str) -> None:
     """
-    Use other instructions from now on. The results are the same, bit for bit.
+    Use other instructions from now on. The results are identical, bit for bit.
     
     Parameters
     ----------
@@ -1136,11 +1134,11 @@ def force_cpu_path(path: str) -> None:
     Raises
     ------
     ValueError
-        If this processor does not have it.
+        If it is not available on this processor.
     """
 def least_squares(phi: typing.Any, y: typing.Any) -> LeastSquaresFit:
     """
-    Return the theta that minimises the squares of y - phi theta.
+    Return the theta that minimises the sum of squares of y - phi theta.
     
     Parameters
     ----------
@@ -1156,29 +1154,29 @@ def least_squares(phi: typing.Any, y: typing.Any) -> LeastSquaresFit:
     
     Notes
     -----
-    Householder QR, block after block of rows, and column pivoting in what comes of that (Golub and Van
-    Loan, Matrix Computations, 5.2.2 and 5.4.2). The standard errors hold for white noise in y.
+    Householder QR of blocks of rows, then QR with column pivoting of the triangle (Golub and Van Loan,
+    Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise in y.
     """
 def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, plane_map: PlaneMap = ...) -> Measurement | None:
     """
     Return the pose of the robot whose markers are among the blobs.
     
-    It is that of the red-blue pair whose distance and areas fit. Blobs at the border of the frame are
-    not used: they may be cut off.
+    The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
+    used: they may be cut off.
     
     Parameters
     ----------
     blobs : dict of str to list of Blob
-        As from `find_blobs`; "red" and "blue" are looked at.
+        As from `find_blobs`; "red" and "blue" are used.
     markers : MarkerLayout
-        Where the robot carries its markers.
+        The positions of the markers on the robot.
     plane_map : PlaneMap, optional
-        Pixels of the blobs' frame to work area. Default: the identity.
+        From pixels of the blobs' frame to the work area. Default: the identity.
     
     Returns
     -------
     Measurement or None
-        None = not seen: no pair fits, or two fit equally well.
+        None = not detected: no pair fits, or two fit equally well.
     """
 def regression(poses: typing.Any, u: typing.Any) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
     """
@@ -1200,7 +1198,7 @@ def regression(poses: typing.Any, u: typing.Any) -> tuple[numpy.typing.NDArray[n
     """
 def rgb_to_yuv(image: typing.Any) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    Return Y, U and V of every pixel, as the colour classes see them.
+    Return Y, U and V of every pixel, as the colour classes use them.
     
     Full-range BT.601 in coefficients of 7 bits, rounded down: Y = (38 R + 75 G + 15 B)/128,
     U = 128 + (-22 R - 42 G + 64 B)/128, V = 128 + (64 R - 54 G - 10 B)/128.

@@ -1,0 +1,284 @@
+#include <pybind11/stl.h>
+
+#include <tuple>
+
+#include "numpy.hpp"
+#include "robsim/imaging/frame.hpp"
+#include "robsim/vision/marker_blobs.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+std::string repr(const Blob& blob) {
+  return "<Blob " + blob.color + ": area " + std::to_string(blob.area) + " px, centroid (" +
+         std::to_string(blob.centroid.x) + ", " + std::to_string(blob.centroid.y) + ")>";
+}
+
+PlaneMap plane_map_of(const py::object& image) {
+  return py::isinstance<Frame>(image) ? image.cast<const Frame&>().plane_map : PlaneMap();
+}
+
+BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors,
+                  const std::optional<MarkerLayout>& markers,
+                  std::optional<std::int64_t> minimum_area, std::optional<int> maximum_count,
+                  std::optional<int> smoothing, const py::object& region) {
+  const ImageView view = view_from(image, "image");
+  BlobOptions options;
+  if (markers) options = marker_blobs(*markers, plane_map_of(image), view.width, view.height);
+  if (minimum_area) options.minimum_area = *minimum_area;
+  if (maximum_count) options.maximum_count = *maximum_count;
+  if (smoothing) options.smoothing = *smoothing;
+  BlobFinder finder(colors, options);
+  const PixelBox part =
+      region.is_none() ? PixelBox{0, 0, view.width, view.height} : region_from(region, "region");
+  const py::gil_scoped_release native;
+  return finder.find(view, part);
+}
+
+std::map<std::string, py::array_t<bool>> masks_of(const py::object& image,
+                                                  const std::vector<ColorClass>& colors,
+                                                  int smoothing) {
+  const ImageView view = view_from(image, "image");
+  pixels::RowClassifier classifier(colors, smoothing);
+  std::map<std::string, py::array_t<bool>> masks;
+  std::vector<bool*> next;
+  for (const ColorClass& color : colors) {
+    py::array_t<bool>& mask =
+        masks.try_emplace(color.name, Shape{view.height, view.width}).first->second;
+    next.push_back(mask.mutable_data());
+  }
+  const py::gil_scoped_release native;
+  classifier.begin(view);
+  for (int v = 0; v < view.height; ++v) {
+    const std::vector<pixels::BitRow>& bits = classifier.next_row();
+    for (std::size_t i = 0; i < colors.size(); ++i) {
+      for (int u = 0; u < view.width; ++u) *next[i]++ = pixels::is_set(bits[i], u);
+    }
+  }
+  return masks;
+}
+
+MarkerLayout with_options(MarkerLayout markers, double distance_tolerance, double area_tolerance,
+                          int maximum_blobs) {
+  markers.distance_tolerance = distance_tolerance;
+  markers.area_tolerance = area_tolerance;
+  markers.maximum_blobs = maximum_blobs;
+  check_marker_layout(markers);
+  return markers;
+}
+
+void bind_marker_layout(py::module_& module) {
+  const MarkerLayout defaults;
+  py::class_<MarkerLayout>(module, "MarkerLayout", R"(
+The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
+
+The line from blue to red is perpendicular to the heading, red on the robot's right. For other
+arrangements see `from_markers`.
+
+Parameters
+----------
+distance : float
+    Distance between the centroids of the two markers (work-area px).
+offset : float
+    From the midpoint of the markers forward to the robot's centre (work-area px).
+distance_tolerance : float
+    Maximum deviation of a pair's distance, as a fraction of the distance.
+area_tolerance : float
+    Maximum ratio between a blob's area and the marker's or, where the marker areas are not known,
+    between the areas of a pair.
+maximum_blobs : int
+    How many blobs of a colour are considered, the largest first.
+)")
+      .def(py::init([](double distance, double offset, double distance_tolerance,
+                       double area_tolerance, int maximum_blobs) {
+             return with_options(MarkerLayout::across(distance, offset), distance_tolerance,
+                                 area_tolerance, maximum_blobs);
+           }),
+           py::arg("distance"), py::arg("offset"), py::kw_only(),
+           py::arg("distance_tolerance") = defaults.distance_tolerance,
+           py::arg("area_tolerance") = defaults.area_tolerance,
+           py::arg("maximum_blobs") = defaults.maximum_blobs)
+      .def_static(
+          "from_markers",
+          [](const py::object& red, const py::object& blue, double distance_tolerance,
+             double area_tolerance, int maximum_blobs) {
+            return with_options(
+                MarkerLayout::from_markers(polygon_from(red, "red"), polygon_from(blue, "blue")),
+                distance_tolerance, area_tolerance, maximum_blobs);
+          },
+          py::arg("red"), py::arg("blue"), py::kw_only(),
+          py::arg("distance_tolerance") = defaults.distance_tolerance,
+          py::arg("area_tolerance") = defaults.area_tolerance,
+          py::arg("maximum_blobs") = defaults.maximum_blobs, R"(
+Return the layout of these markers, with their areas.
+
+Parameters
+----------
+red, blue : array (N, 2)
+    Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
+distance_tolerance, area_tolerance, maximum_blobs
+    As for `MarkerLayout`.
+)")
+      .def_property_readonly("distance", &MarkerLayout::distance,
+                             "float: distance between the markers' centroids (work-area px).")
+      .def_property_readonly("offset", &MarkerLayout::offset,
+                             "float: from the markers' midpoint forward to the centre (px).")
+      .def_property_readonly(
+          "red", [](const MarkerLayout& self) { return to_array(self.red); },
+          "array (2,): position of the red marker, forward and right of the centre (px).")
+      .def_property_readonly(
+          "blue", [](const MarkerLayout& self) { return to_array(self.blue); },
+          "array (2,): position of the blue marker, forward and right of the centre (px).")
+      .def_readonly("red_area", &MarkerLayout::red_area, "float: px^2, NaN = unknown.")
+      .def_readonly("blue_area", &MarkerLayout::blue_area, "float: px^2, NaN = unknown.")
+      .def_readonly("distance_tolerance", &MarkerLayout::distance_tolerance, "float: fraction.")
+      .def_readonly("area_tolerance", &MarkerLayout::area_tolerance, "float: ratio.")
+      .def_readonly("maximum_blobs", &MarkerLayout::maximum_blobs,
+                    "int: blobs considered per colour.")
+      .def("__repr__", [](const MarkerLayout& self) {
+        return "<MarkerLayout: markers " + std::to_string(self.distance()) + " px apart, centre " +
+               std::to_string(self.offset()) + " px ahead of their midpoint>";
+      });
+}
+
+void bind_find_blobs(py::module_& module) {
+  py::class_<Blob>(module, "Blob", R"(
+A connected component (8 neighbours) of pixels of one colour class, in pixels of its frame.
+)")
+      .def_readonly("color", &Blob::color, "str: name of the colour class.")
+      .def_readonly("area", &Blob::area, "int: number of pixels.")
+      .def_property_readonly(
+          "centroid", [](const Blob& self) { return to_array(self.centroid); },
+          "array (2,): mean (u, v) of its pixels.")
+      .def_property_readonly(
+          "bounding_box",
+          [](const Blob& self) {
+            return std::make_tuple(self.box.left, self.box.top, self.box.right - 1,
+                                   self.box.bottom - 1);
+          },
+          "tuple of int: (u_min, v_min, u_max, v_max), all included.")
+      .def_readonly("at_border", &Blob::at_border,
+                    "bool: it touches the edge of the frame and may continue beyond it.")
+      .def("__repr__", py::overload_cast<const Blob&>(&repr));
+
+  const BlobOptions defaults;
+  module.def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
+             py::arg("markers") = py::none(), py::arg("minimum_area") = py::none(),
+             py::arg("maximum_count") = py::none(), py::arg("smoothing") = py::none(),
+             py::arg("region") = py::none(), R"(
+Find the blobs of every colour class in one pass over an image.
+
+Parameters
+----------
+image : Frame or array (H, W, 3) of uint8
+    RGB; rows of any stride.
+colors : list of ColorClass
+    The colours to find; a pixel may belong to several.
+markers : MarkerLayout, optional
+    The markers to find: the other options default to values that find them, in noise, too. Its
+    lengths are in px of an array, or converted by the plane map of a Frame.
+minimum_area : int, optional
+    Smaller blobs are dropped (px). Default: 12, or 1/8 of the area of the smaller marker.
+maximum_count : int, optional
+    How many blobs of a colour are returned, the largest first. Default: 64, or the
+    `maximum_blobs` of the markers.
+smoothing : int, optional
+    Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
+    and 3/4 of a marker's width; 1 = off. Default: 1, or 0.28 of the width of the smaller marker, at
+    most 7.
+region : tuple of int, optional
+    (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
+    pixels are searched, as if the image ended there. Positions are those in the whole image.
+
+Returns
+-------
+dict of str to list of Blob
+    Per colour the blobs, the largest first.
+
+Raises
+------
+TypeError, ValueError
+    For an image of the wrong type or shape, duplicate colour names, and options out of range.
+)");
+
+  module.def("classify", &masks_of, py::arg("image"), py::arg("colors"), py::kw_only(),
+             py::arg("smoothing") = defaults.smoothing, R"(
+Return which pixels belong to which colour class: the masks that `find_blobs` works on.
+
+Parameters
+----------
+image : Frame or array (H, W, 3) of uint8
+    RGB; rows of any stride.
+colors : list of ColorClass
+    The colours; a pixel may belong to several.
+smoothing : int
+    Width of the window whose mean classifies a pixel, as in `find_blobs`; 1 = off.
+
+Returns
+-------
+dict of str to array (H, W) of bool
+    Per colour, True for its pixels.
+
+Raises
+------
+TypeError, ValueError
+    For an image of the wrong type or shape, duplicate colour names, and options out of range.
+)");
+}
+
+void bind_locate(py::module_& module) {
+  py::class_<Measurement>(module, "Measurement", R"(
+The pose of a detected robot. A frame without a detection gives None instead.
+
+Parameters
+----------
+pose : array (3,)
+    x, y (work-area px), heading (rad).
+)")
+      .def(py::init([](const py::object& pose) { return Measurement{pose_from(pose, "pose")}; }),
+           py::arg("pose"))
+      .def_property_readonly(
+          "pose", [](const Measurement& self) { return to_array(self.pose); },
+          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).")
+      .def("__repr__", [](const Measurement& self) {
+        return "Measurement(" + py::repr(to_array(self.pose).attr("tolist")()).cast<std::string>() +
+               ")";
+      });
+
+  module.def(
+      "locate",
+      [](const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map) {
+        return locate(blobs, markers, plane_map);
+      },
+      py::arg("blobs"), py::arg("markers"), py::arg("plane_map") = PlaneMap(), R"(
+Return the pose of the robot whose markers are among the blobs.
+
+The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
+used: they may be cut off.
+
+Parameters
+----------
+blobs : dict of str to list of Blob
+    As from `find_blobs`; "red" and "blue" are used.
+markers : MarkerLayout
+    The positions of the markers on the robot.
+plane_map : PlaneMap, optional
+    From pixels of the blobs' frame to the work area. Default: the identity.
+
+Returns
+-------
+Measurement or None
+    None = not detected: no pair fits, or two fit equally well.
+)");
+}
+
+}  // namespace
+
+void bind_blobs(py::module_& module) {
+  bind_marker_layout(module);
+  bind_find_blobs(module);
+  bind_locate(module);
+}

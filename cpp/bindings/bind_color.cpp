@@ -1,0 +1,223 @@
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "numpy.hpp"
+#include "robsim/vision/color/color_training.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+using Range = std::pair<int, int>;
+
+constexpr double maximum_count = 1e15;  // of histograms: their sums are exact
+
+ColorClass color_from(const py::str& name, Range y, Range u, Range v) {
+  const ColorClass color{name, {y.first, u.first, v.first}, {y.second, u.second, v.second}};
+  check_color_class(color);
+  return color;
+}
+
+Range range_of(const ColorClass& color, std::size_t channel) {
+  return {color.lower[channel], color.upper[channel]};
+}
+
+std::string repr(const ColorClass& color) {
+  const auto text = [&](std::size_t i) {
+    return py::repr(py::cast(range_of(color, i))).cast<std::string>();
+  };
+  return "ColorClass('" + color.name + "', y=" + text(0) + ", u=" + text(1) + ", v=" + text(2) +
+         ")";
+}
+
+py::array_t<std::uint8_t> yuv_of(const py::object& image) {
+  const ImageView view = image_view(image, "image");
+  py::array_t<std::uint8_t> result({view.height, view.width, 3});
+  std::uint8_t* to = result.mutable_data();
+  for (int v = 0; v < view.height; ++v) {
+    for (int u = 0; u < view.width; ++u, to += 3) {
+      const Yuv yuv = rgb_to_yuv(view.row(v) + std::ptrdiff_t{3} * u);
+      to[0] = static_cast<std::uint8_t>(yuv.y);
+      to[1] = static_cast<std::uint8_t>(yuv.u);
+      to[2] = static_cast<std::uint8_t>(yuv.v);
+    }
+  }
+  return result;
+}
+
+ColorHistograms histograms_from(const py::object& histograms) {
+  const std::string expected = "counts of shape (3, 256), as from color_histograms";
+  const Doubles counts = doubles_from(histograms, "histograms", Shape{3, 256}, expected);
+  ColorHistograms result{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t value = 0; value < 256; ++value) {
+      const double count = counts.at(i, value);
+      if (count < 0 || count > maximum_count || count != std::floor(count)) {
+        throw py::value_error("histograms must be " + expected + ", got " + std::to_string(count));
+      }
+      result[i][value] = static_cast<std::int64_t>(count);
+    }
+  }
+  return result;
+}
+
+py::array_t<std::int64_t> histograms_of(const py::object& image, const py::object& region) {
+  const ColorHistograms histograms =
+      color_histograms(view_from(image, "image"), region_from(region, "region"));
+  py::array_t<std::int64_t> result({3, 256});
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::copy(histograms[i].begin(), histograms[i].end(), result.mutable_data(i));
+  }
+  return result;
+}
+
+void bind_training(py::module_& module, py::class_<ColorClass>& color_class) {
+  const TrainingOptions defaults;
+  color_class
+      .def_static(
+          "from_region",
+          [](const py::object& image, const py::object& region, const py::str& name,
+             double percentile, int margin, bool limit_y) {
+            return color_from_histograms(
+                name, color_histograms(view_from(image, "image"), region_from(region, "region")),
+                {percentile, margin, limit_y});
+          },
+          py::arg("image"), py::arg("region"), py::kw_only(), py::arg("name"),
+          py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
+          py::arg("limit_y") = defaults.limit_y, R"(
+Return the colour class of a region of an image, such as that of a marker.
+
+Parameters
+----------
+image : Frame or array (H, W, 3) of uint8
+    RGB, preferably with little noise.
+region : tuple of four ints
+    (left, top, right, bottom), all included, as in `Blob.bounding_box`. Most of the region must
+    have the colour.
+name : str
+    Name of the colour.
+percentile : float
+    Percentage of the pixels outside the range found in a channel, at each end.
+margin : int
+    How far the ranges found are widened (levels).
+limit_y : bool
+    Whether the class limits Y, too. Light and shadow change Y, so by default any Y belongs.
+
+Raises
+------
+TypeError, ValueError
+    For an image or a region of the wrong type or shape, a region outside the image, options out
+    of range, and a grey region, which only Y can distinguish: see `limit_y`.
+
+Notes
+-----
+Shadow, and noise clipped at black and white, move U and V towards neutral (128), never away from
+it. So a range on one side of neutral is open at its far end. The channel farthest from neutral
+stays 26 levels away from it, or half of its own distance if that is less: greys do not belong to
+the class, however large the margin.
+)")
+      .def_static(
+          "from_histograms",
+          [](const py::object& histograms, const py::str& name, double percentile, int margin,
+             bool limit_y) {
+            return color_from_histograms(name, histograms_from(histograms),
+                                         {percentile, margin, limit_y});
+          },
+          py::arg("histograms"), py::kw_only(), py::arg("name"),
+          py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
+          py::arg("limit_y") = defaults.limit_y, R"(
+Return the colour class of regions with these histograms, which add up over images.
+
+Parameters
+----------
+histograms : array (3, 256)
+    As from `color_histograms`, or a sum of several.
+name, percentile, margin, limit_y
+    As for `from_region`.
+)")
+      .def("widened", &widened, py::arg("margin"), R"(
+Return the class with wider ranges.
+
+Parameters
+----------
+margin : int
+    How many levels each end moves outwards; negative: inwards. Ends at 0 and 255 are open and
+    do not move.
+
+Raises
+------
+ValueError
+    If a range becomes empty.
+)");
+
+  module.def("color_histograms", &histograms_of, py::arg("image"), py::arg("region"), R"(
+Return how many pixels of a region have each value of Y, U and V.
+
+Parameters
+----------
+image : Frame or array (H, W, 3) of uint8
+    RGB.
+region : tuple of four ints
+    (left, top, right, bottom), all included.
+
+Returns
+-------
+array (3, 256) of int64
+    Rows Y, U, V. Add them up over several images.
+
+Raises
+------
+TypeError, ValueError
+    For an image or a region of the wrong type or shape, or a region outside the image.
+)");
+}
+
+}  // namespace
+
+void bind_color(py::module_& module) {
+  py::class_<ColorClass> color_class(module, "ColorClass", R"(
+A named colour: a pixel belongs to it when its Y, U and V lie within the ranges.
+
+Parameters
+----------
+name : str
+    Name of the colour.
+y, u, v : tuple of two ints
+    Lower and upper end of the range, both included, within 0..255.
+)");
+  color_class
+      .def(py::init(&color_from), py::arg("name"), py::kw_only(), py::arg("y") = Range(0, 255),
+           py::arg("u") = Range(0, 255), py::arg("v") = Range(0, 255))
+      .def_readonly("name", &ColorClass::name, "str: name of the colour.")
+      .def_property_readonly(
+          "y", [](const ColorClass& self) { return range_of(self, 0); }, "tuple of int: luma.")
+      .def_property_readonly(
+          "u", [](const ColorClass& self) { return range_of(self, 1); },
+          "tuple of int: blue minus luma, 128 = neutral.")
+      .def_property_readonly(
+          "v", [](const ColorClass& self) { return range_of(self, 2); },
+          "tuple of int: red minus luma, 128 = neutral.")
+      .def("__repr__", py::overload_cast<const ColorClass&>(&repr));
+
+  module.def("rgb_to_yuv", &yuv_of, py::arg("image"), R"(
+Return Y, U and V of every pixel, as the colour classes use them.
+
+Full-range BT.601 in coefficients of 7 bits, rounded down: Y = (38 R + 75 G + 15 B)/128,
+U = 128 + (-22 R - 42 G + 64 B)/128, V = 128 + (64 R - 54 G - 10 B)/128.
+
+Parameters
+----------
+image : array (H, W, 3) of uint8
+    RGB.
+
+Returns
+-------
+array (H, W, 3) of uint8
+    Y, U, V.
+)");
+  bind_training(module, color_class);
+}
