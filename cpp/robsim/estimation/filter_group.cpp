@@ -14,9 +14,9 @@ using simd::Lanes;
 
 namespace {
 
-// The most that forgetting may let a variance grow to without excitation, on the average, in units
-// of that of the noise.
-constexpr double largest_variance = 1e9;
+// The limit of the mean variance under forgetting without excitation, in units of the variance of
+// the noise.
+constexpr double maximum_variance = 1e9;
 
 constexpr int lane_count = Lanes::count;
 constexpr int robot_parameters = 5;  // per axis of the robot model: the case that must be fast
@@ -24,19 +24,19 @@ constexpr int robot_parameters = 5;  // per axis of the robot model: the case th
 constexpr double zero = 0;
 constexpr double one = 1;
 
-ROBSIM_INLINE Lanes gathered(const double* const* places, int at = 0) {
-  return {places[0][at], places[1][at], places[2][at], places[3][at]};
+ROBSIM_INLINE Lanes gathered(const double* const* rows, int i = 0) {
+  return {rows[0][i], rows[1][i], rows[2][i], rows[3][i]};
 }
 
-// NaN spreads to the sum; numbers up to 1e100 don't add up to infinity.
+// NaN propagates to the sum; numbers up to 1e100 do not add up to infinity.
 bool has_nan(const double* row, int n, double output) {
   return std::isnan(std::accumulate(row, row + n, output));
 }
 
 }  // namespace
 
-// Where one sample of each filter lies. Where a filter holds, and in lanes without one, phi = 0,
-// y = 0 and the forgetting is 1: nothing changes.
+// One sample of each filter. In lanes that skip the update, and in lanes without a filter, phi = 0,
+// y = 0 and forgetting = 1 leave everything unchanged.
 struct FilterGroup::Sample {
   const double* phi[lane_count];
   const double* y[lane_count];
@@ -47,23 +47,23 @@ FilterGroup::FilterGroup(int parameters, int filters, double forgetting, double 
     : parameters_(parameters),
       filters_(filters),
       forgetting_(forgetting),
-      covariance_limit_(parameters * std::max(largest_variance, initial_covariance)),
-      theta_(place(parameters, 0), 0),
-      D_(place(parameters, 0), initial_covariance),
+      covariance_limit_(parameters * std::max(maximum_variance, initial_covariance)),
+      theta_(at(parameters, 0), 0),
+      D_(at(parameters, 0), initial_covariance),
       U_(column(parameters), 0),
-      phi_(place(parameters, 0)),
-      gain_(place(parameters, 0)),
+      phi_(at(parameters, 0)),
+      gain_(at(parameters, 0)),
       no_regressors_(static_cast<std::size_t>(parameters), 0) {}
 
-// Takes a sample in and returns the largest trace of P. `n` is the number of parameters, a constant
-// where the caller knows it; phi and gain are room for that many lanes.
+// Updates with one sample and returns the maximum trace of P. `n` is the number of parameters, a
+// constant where the caller knows it; phi and gain are buffers for n vectors.
 ROBSIM_INLINE double FilterGroup::update_one(const Sample& sample, double* phi, double* gain,
                                              int n) {
   Lanes innovation = gathered(sample.y);
   ROBSIM_UNROLL
   for (int j = 0; j < n; ++j) {
     const Lanes x = gathered(sample.phi, j);
-    innovation = innovation - x * Lanes::load(&theta_[place(j, 0)]);
+    innovation = innovation - x * Lanes::load(&theta_[at(j, 0)]);
     x.store(phi + lane_count * j);
   }
   Lanes alpha = gathered(sample.forgetting);
@@ -78,7 +78,7 @@ ROBSIM_INLINE double FilterGroup::update_one(const Sample& sample, double* phi, 
     ROBSIM_UNROLL
     for (int i = 0; i < j; ++i)
       f = f + Lanes::load(U + lane_count * i) * Lanes::load(phi + lane_count * i);
-    const Lanes d = Lanes::load(&D_[place(j, 0)]);
+    const Lanes d = Lanes::load(&D_[at(j, 0)]);
     const Lanes v = d * f;
     const Lanes previous = alpha;
     alpha = alpha + f * v;
@@ -98,14 +98,14 @@ ROBSIM_INLINE double FilterGroup::update_one(const Sample& sample, double* phi, 
     // D_j <- D_j alpha_(j-1)/(alpha_j lambda)
     per_alpha = Lanes::all(1) / alpha;
     const Lanes changed = d * (previous * per_alpha * per_forgetting);
-    changed.store(&D_[place(j, 0)]);
+    changed.store(&D_[at(j, 0)]);
     trace = trace + changed * square;
   }
   // K = b/alpha_n,  theta <- theta + K innovation
   innovation = innovation * per_alpha;
   ROBSIM_UNROLL
   for (int j = 0; j < n; ++j) {
-    double* const theta = &theta_[place(j, 0)];
+    double* const theta = &theta_[at(j, 0)];
     (Lanes::load(theta) + Lanes::load(gain + lane_count * j) * innovation).store(theta);
   }
   double traces[lane_count];
@@ -116,7 +116,7 @@ ROBSIM_INLINE double FilterGroup::update_one(const Sample& sample, double* phi, 
 ROBSIM_INLINE void FilterGroup::write_theta(double* theta, int n) const {
   for (int filter = 0; filter < filters_; ++filter) {
     ROBSIM_UNROLL
-    for (int i = 0; i < n; ++i) *theta++ = theta_[place(i, filter)];
+    for (int i = 0; i < n; ++i) *theta++ = theta_[at(i, filter)];
   }
 }
 
@@ -126,9 +126,9 @@ ROBSIM_INLINE void FilterGroup::update_all(const Samples& samples, double* phi, 
   for (std::int64_t k = 0; k < samples.count; ++k) {
     Sample sample{{none, none, none, none}, {&zero, &zero, &zero, &zero}, {&one, &one, &one, &one}};
     for (int filter = 0; filter < filters_; ++filter) {
-      const std::int64_t at = k * samples.stride + filter;
-      const double* const row = samples.phi + at * n;
-      const double* const output = samples.y + at;
+      const std::int64_t i = k * samples.stride + filter;
+      const double* const row = samples.phi + i * n;
+      const double* const output = samples.y + i;
       if (samples.may_have_nan && has_nan(row, n, *output)) continue;
       sample.phi[filter] = row;
       sample.y[filter] = output;
@@ -165,13 +165,13 @@ void FilterGroup::update(const Samples& samples) {
   (this->*update_all)(samples);
 }
 
-// Cuts each D_j to where its share D_j |U_j|^2 of the trace of P is an n-th of the limit.
+// Limits each D_j so that its part D_j |U_j|^2 of the trace of P is at most 1/n of the limit.
 void FilterGroup::limit_covariance() {
   for (int filter = 0; filter < filters_; ++filter) {
     for (int j = 0; j < parameters_; ++j) {
       double square = 1;
       for (int i = 0; i < j; ++i) square += u(filter, i, j) * u(filter, i, j);
-      double& D = D_[place(j, filter)];
+      double& D = D_[at(j, filter)];
       D = std::min(D, covariance_limit_ / parameters_ / square);
     }
   }
@@ -183,11 +183,11 @@ void FilterGroup::write_estimates(double* estimates) const { write_theta(estimat
 ROBSIM_INLINE void FilterGroup::write_variances(double* variances, int n) const {
   ROBSIM_UNROLL
   for (int i = 0; i < n; ++i) {
-    Lanes sum = Lanes::load(&D_[place(i, 0)]);
+    Lanes sum = Lanes::load(&D_[at(i, 0)]);
     ROBSIM_UNROLL
     for (int j = i + 1; j < n; ++j) {
-      const Lanes u = Lanes::load(&U_[column(j) + place(i, 0)]);
-      sum = sum + u * u * Lanes::load(&D_[place(j, 0)]);
+      const Lanes u = Lanes::load(&U_[column(j) + at(i, 0)]);
+      sum = sum + u * u * Lanes::load(&D_[at(j, 0)]);
     }
     double of_filter[lane_count];
     sum.store(of_filter);

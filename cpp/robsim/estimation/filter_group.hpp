@@ -6,25 +6,25 @@
 
 namespace robsim {
 
-/// Up to four recursive filters of least squares, of which a processor updates all at once.
-/// `RecursiveLeastSquares` has the equations' source and the checks.
+/// Up to four recursive least squares filters, updated together in the lanes of vectors.
+/// `RecursiveLeastSquares` names the source of the equations and checks the arguments.
 class FilterGroup {
  public:
-  static constexpr int most_filters = 4;
+  static constexpr int maximum_filters = 4;
 
   FilterGroup(int parameters, int filters, double forgetting, double initial_covariance);
 
   int filters() const { return filters_; }
 
-  /// Samples one after the other: in phi the regressors of the first filter, of the second, ...,
-  /// in y their outputs. From one sample to the next there are `stride` outputs.
+  /// A sequence of samples: phi has the regressors of the first filter, of the second, ..., y their
+  /// outputs. Consecutive samples are `stride` outputs apart.
   struct Samples {
     const double* phi;
     const double* y;
-    double* history;  // if not null, the estimates after each sample go there, in the order of phi
+    double* history;  // optional: receives the estimates after each sample, in the order of phi
     std::int64_t count;
     std::int64_t stride;
-    bool may_have_nan;  // a filter holds where its regressors or its output have one
+    bool may_have_nan;  // a filter with NaN in its sample skips the update
   };
   void update(const Samples& samples);
 
@@ -32,21 +32,20 @@ class FilterGroup {
   void write_estimates(double* estimates) const;
   void write_standard_errors_unscaled(double* errors) const;
 
-  /// What the trace of P of a filter never exceeds.
+  /// The limit of the trace of P of a filter.
   double covariance_limit() const { return covariance_limit_; }
 
-  // P = U D U': above the diagonal of U, which is 1, and on that of D.
-  double u(int filter, int i, int j) const { return U_[column(j) + place(i, filter)]; }
-  double d(int filter, int j) const { return D_[place(j, filter)]; }
+  // P = U D U': the elements of U above its diagonal, which is 1, and the diagonal of D.
+  double u(int filter, int i, int j) const { return U_[column(j) + at(i, filter)]; }
+  double d(int filter, int j) const { return D_[at(j, filter)]; }
   std::int64_t samples(int filter) const { return samples_[static_cast<std::size_t>(filter)]; }
 
  private:
-  // Each number of theta, D and U stands there for the four filters side by side, those of U column
-  // by column.
-  static std::size_t place(int i, int filter) {
-    return static_cast<std::size_t>(i * most_filters + filter);
+  // Each element of theta, D and U is stored for the four filters side by side, U by columns.
+  static std::size_t at(int i, int filter) {
+    return static_cast<std::size_t>(i * maximum_filters + filter);
   }
-  static std::size_t column(int j) { return place(j * (j - 1) / 2, 0); }
+  static std::size_t column(int j) { return at(j * (j - 1) / 2, 0); }
 
   struct Sample;
   double update_one(const Sample& sample, double* phi, double* gain, int n);
@@ -64,9 +63,9 @@ class FilterGroup {
   double forgetting_;
   double covariance_limit_;
   std::vector<double> theta_, D_, U_;
-  std::vector<double> phi_, gain_;     // room for an update
-  std::vector<double> no_regressors_;  // of a filter that holds: zeros
-  std::array<std::int64_t, most_filters> samples_{};
+  std::vector<double> phi_, gain_;     // buffers of an update
+  std::vector<double> no_regressors_;  // zeros, for a filter that skips the update
+  std::array<std::int64_t, maximum_filters> samples_{};
 };
 
 }  // namespace robsim

@@ -23,36 +23,37 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Rows that are reduced at a time: of a few columns they stay near the processor.
+// Rows reduced at a time: with a few columns they stay in the cache.
 constexpr Index block_rows = 256;
-constexpr Index stride = 4 * Lanes::count;  // four sums at once: none waits for the one before
+constexpr Index stride =
+    4 * Lanes::count;  // four independent sums hide the latency of the additions
 static_assert(block_rows % stride == 0);
 
 // a'b of two columns of a block.
 ROBSIM_INLINE double dot(const double* a, const double* b) {
-  constexpr int wide = Lanes::count;
+  constexpr int lane_count = Lanes::count;
   Lanes sums[4] = {Lanes::all(0), Lanes::all(0), Lanes::all(0), Lanes::all(0)};
   for (Index i = 0; i < block_rows; i += stride) {
     ROBSIM_UNROLL
     for (int k = 0; k < 4; ++k) {
-      const Index at = i + k * wide;
+      const Index at = i + k * lane_count;
       sums[k] = sums[k] + Lanes::load(a + at) * Lanes::load(b + at);
     }
   }
-  double parts[wide];
+  double parts[lane_count];
   ((sums[0] + sums[1]) + (sums[2] + sums[3])).store(parts);
   return (parts[0] + parts[1]) + (parts[2] + parts[3]);
 }
 
-// b <- b - share a
-ROBSIM_INLINE void subtract(double share, const double* a, double* b) {
-  const Lanes shares = Lanes::all(share);
+// b <- b - factor a
+ROBSIM_INLINE void subtract(double factor, const double* a, double* b) {
+  const Lanes factors = Lanes::all(factor);
   for (Index i = 0; i < block_rows; i += Lanes::count) {
-    (Lanes::load(b + i) - shares * Lanes::load(a + i)).store(b + i);
+    (Lanes::load(b + i) - factors * Lanes::load(a + i)).store(b + i);
   }
 }
 
-// The triangle of the QR of R with the rows of a block below it.
+// Replaces R by the triangle of the QR of R with the rows of a block below it.
 ROBSIM_INLINE void append(MatrixXd& R, MatrixXd& block) {
   for (Index k = 0; k < R.cols(); ++k) {
     const double* const column = block.col(k).data();
@@ -65,9 +66,9 @@ ROBSIM_INLINE void append(MatrixXd& R, MatrixXd& block) {
     R(k, k) = length;
     for (Index j = k + 1; j < R.cols(); ++j) {
       double* const other = block.col(j).data();
-      const double share = beta * (v * R(k, j) + dot(column, other));
-      R(k, j) -= share * v;
-      subtract(share, column, other);
+      const double factor = beta * (v * R(k, j) + dot(column, other));
+      R(k, j) -= factor * v;
+      subtract(factor, column, other);
     }
   }
 }
@@ -78,7 +79,7 @@ void append_baseline(MatrixXd& R, MatrixXd& block) { append(R, block); }
 ROBSIM_AVX2 void append_avx2(MatrixXd& R, MatrixXd& block) { append(R, block); }
 #endif
 
-// The triangle R of the QR of phi with y as its last column.
+// The triangle R of the QR of (phi y).
 MatrixXd triangle(const Eigen::Ref<const Rows>& phi, const Eigen::Ref<const VectorXd>& y) {
   const auto append_block = ROBSIM_PICK(append_baseline, append_avx2);
   const Index n = phi.cols();
@@ -94,7 +95,7 @@ MatrixXd triangle(const Eigen::Ref<const Rows>& phi, const Eigen::Ref<const Vect
   return R;
 }
 
-// The parameters along which phi does not change: R11 N1 = -R12, N2 = 1, rows in phi's order.
+// Basis of the null space of phi: R11 N1 = -R12, N2 = 1, rows in the order of phi.
 MatrixXd null_space(const PivotedQr& qr, Index n) {
   const Index rank = qr.rank();
   const MatrixXd R = qr.matrixR().topRows(rank);
@@ -105,8 +106,7 @@ MatrixXd null_space(const PivotedQr& qr, Index n) {
   return qr.colsPermutation() * basis;
 }
 
-// Square roots of the diagonal of (R11' R11)^-1, in phi's order; what is not in R11 counts as
-// known.
+// Square roots of the diagonal of (R11' R11)^-1, in the order of phi; 0 for parameters not in R11.
 VectorXd standard_errors_unscaled(const PivotedQr& qr, Index n) {
   const Index rank = qr.rank();
   const MatrixXd R = qr.matrixR().topLeftCorner(rank, rank);
@@ -116,7 +116,7 @@ VectorXd standard_errors_unscaled(const PivotedQr& qr, Index n) {
   return qr.colsPermutation() * errors;
 }
 
-// |y - phi theta|: of y what no column of phi reaches, and what those beyond the rank would.
+// |y - phi theta|: the components of y outside the range of phi and beyond its numerical rank.
 double residual_norm(const PivotedQr& qr, const MatrixXd& R) {
   const Index n = R.cols() - 1;
   const VectorXd reached = qr.householderQ().adjoint() * R.col(n).head(n);
@@ -138,7 +138,7 @@ LeastSquaresFit least_squares(const Eigen::Ref<const Rows>& phi,
   check_samples(phi, y);
   const Index n = phi.cols();
   const MatrixXd R = triangle(phi, y);
-  if (!std::isfinite(R.squaredNorm())) {  // what is wrong in one number spreads as far as R
+  if (!std::isfinite(R.squaredNorm())) {  // NaN and overflow propagate to R
     throw std::invalid_argument("phi and y must be finite and at most 1e100");
   }
   VectorXd scale = R.topLeftCorner(n, n).colwise().norm().transpose();

@@ -9,23 +9,23 @@ namespace robsim {
 
 namespace {
 
-constexpr double largest = 1e100;  // squares of larger numbers overflow
-constexpr int most_parameters = 1000;
-constexpr int most_filters = 100'000;
-constexpr double most_numbers = 1e8;  // of all covariances: 0.8 GB
+constexpr double maximum = 1e100;  // squares of larger numbers overflow
+constexpr int maximum_parameters = 1000;
+constexpr int maximum_filters = 100'000;
+constexpr double maximum_numbers = 1e8;  // of all covariances: 0.8 GB
 
 template <typename Number>
 void check(bool holds, const char* expected, Number value) {
   if (!holds) throw std::invalid_argument(expected + std::to_string(value));
 }
 
-// True if all are numbers, and none is so large that its square overflows. False tells nothing.
+// True only if no value is NaN or too large to square. False is inconclusive.
 bool are_surely_usable(const double* values, std::int64_t count) {
-  return Eigen::Map<const Eigen::VectorXd>(values, count).squaredNorm() <= largest;
+  return Eigen::Map<const Eigen::VectorXd>(values, count).squaredNorm() <= maximum;
 }
 
-bool has_too_large(const double* values, std::int64_t count) {
-  return std::any_of(values, values + count, [](double x) { return std::abs(x) > largest; });
+bool has_excessive(const double* values, std::int64_t count) {
+  return std::any_of(values, values + count, [](double x) { return std::abs(x) > maximum; });
 }
 
 }  // namespace
@@ -36,12 +36,12 @@ RecursiveLeastSquares::RecursiveLeastSquares(int parameters, int filters, double
       filters_(filters),
       forgetting_(forgetting),
       initial_covariance_(initial_covariance) {
-  check(parameters >= 1 && parameters <= most_parameters,
+  check(parameters >= 1 && parameters <= maximum_parameters,
         "parameters must lie within 1..1000, got ", parameters);
-  check(filters >= 1 && filters <= most_filters, "filters must lie within 1..100000, got ",
+  check(filters >= 1 && filters <= maximum_filters, "filters must lie within 1..100000, got ",
         filters);
   const double numbers = 1.0 * filters * parameters * parameters;
-  check(numbers <= most_numbers, "filters * parameters^2 must be at most 1e8, got ", numbers);
+  check(numbers <= maximum_numbers, "filters * parameters^2 must be at most 1e8, got ", numbers);
   check(forgetting > 0 && forgetting <= 1, "forgetting must lie in (0, 1], got ", forgetting);
   check(std::isfinite(initial_covariance) && initial_covariance > 0,
         "initial_covariance must be positive and finite, got ", initial_covariance);
@@ -50,8 +50,8 @@ RecursiveLeastSquares::RecursiveLeastSquares(int parameters, int filters, double
 
 void RecursiveLeastSquares::reset() {
   groups_.clear();
-  for (int left = filters_; left > 0; left -= FilterGroup::most_filters) {
-    groups_.emplace_back(parameters_, std::min(left, FilterGroup::most_filters), forgetting_,
+  for (int left = filters_; left > 0; left -= FilterGroup::maximum_filters) {
+    groups_.emplace_back(parameters_, std::min(left, FilterGroup::maximum_filters), forgetting_,
                          initial_covariance_);
   }
 }
@@ -61,10 +61,10 @@ void RecursiveLeastSquares::update(const double* phi, const double* y, std::int6
   const std::int64_t outputs = samples * filters_;
   const std::int64_t regressors = outputs * parameters_;
   const bool is_usable = are_surely_usable(phi, regressors) && are_surely_usable(y, outputs);
-  if (!is_usable && (has_too_large(phi, regressors) || has_too_large(y, outputs))) {
+  if (!is_usable && (has_excessive(phi, regressors) || has_excessive(y, outputs))) {
     throw std::invalid_argument("phi and y must be at most 1e100, or NaN for no sample");
   }
-  // One group takes all samples at once; of many each takes one in turn, as they lie in memory.
+  // A single group takes all samples at once; several groups take them in turn, in memory order.
   const std::int64_t at_once = groups_.size() == 1 ? samples : 1;
   for (std::int64_t k = 0; k < samples; k += at_once) {
     for (FilterGroup& group : groups_) {
@@ -92,12 +92,12 @@ void RecursiveLeastSquares::write_standard_errors_unscaled(double* errors) const
 }
 
 std::int64_t RecursiveLeastSquares::samples(int filter) const {
-  return group_of(filter).samples(filter % FilterGroup::most_filters);
+  return group_of(filter).samples(filter % FilterGroup::maximum_filters);
 }
 
 Eigen::MatrixXd RecursiveLeastSquares::covariance(int filter) const {
   const FilterGroup& group = group_of(filter);
-  const int lane = filter % FilterGroup::most_filters;
+  const int lane = filter % FilterGroup::maximum_filters;
   Eigen::MatrixXd U = Eigen::MatrixXd::Identity(parameters_, parameters_);
   Eigen::VectorXd D(parameters_);
   for (int j = 0; j < parameters_; ++j) {

@@ -8,19 +8,19 @@
 
 namespace robsim {
 
-/// Recursive least squares with forgetting, for one filter or any number side by side.
+/// Recursive least squares with forgetting, for any number of filters side by side.
 /// Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977, ch. V: the
-/// covariance is kept as P = U D U', so that no rounding can make it asymmetric or negative.
+/// covariance is kept as P = U D U', so that rounding cannot make it asymmetric or indefinite.
 ///
-/// Without excitation forgetting would let P grow for ever. Here the trace of P never exceeds
-/// `covariance_limit()`: when it would, each D_j is cut to where its share D_j |U_j|^2 of the trace
-/// is at most an n-th of the limit. That adds information along single columns of U and takes none
-/// away, leaves theta as it is, and cuts no column that the samples excite. Up to there it is the
-/// textbook's filter.
+/// Without excitation forgetting lets P grow without bound. Here the trace of P never exceeds
+/// `covariance_limit()`: where it would, each D_j is limited so that its part D_j |U_j|^2 of the
+/// trace is at most 1/n of the limit. This adds information along single columns of U and removes
+/// none, does not change theta, and does not affect columns that the samples excite. Below the
+/// limit it is the textbook filter.
 class RecursiveLeastSquares {
  public:
-  /// `parameters` of each of `filters` filters; 0 < forgetting <= 1; P starts as
-  /// initial_covariance times the unit matrix, theta as 0.
+  /// `filters` filters of `parameters` parameters each; 0 < forgetting <= 1; the initial P is
+  /// initial_covariance times the identity matrix, the initial theta 0.
   /// Throws std::invalid_argument for values outside these ranges.
   explicit RecursiveLeastSquares(int parameters, int filters = 1, double forgetting = 1,
                                  double initial_covariance = 1e9);
@@ -30,14 +30,14 @@ class RecursiveLeastSquares {
   double forgetting() const { return forgetting_; }
   double initial_covariance() const { return initial_covariance_; }
 
-  /// What the trace of P never exceeds: 1e9 for each parameter, or what it is at the start.
+  /// The limit of the trace of P: 1e9 per parameter, or its initial value if that is larger.
   double covariance_limit() const { return groups_.front().covariance_limit(); }
 
-  /// Samples of every filter, one after the other. A sample has the regressors of filter 0,
-  /// those of filter 1, ... in phi, and their outputs in y. A filter whose own regressors or output
-  /// have a NaN holds: nothing of it changes. If `history` is given, the estimates after each
-  /// sample are written to it, in the order of phi. Throws std::invalid_argument for infinity and
-  /// beyond 1e100, and changes nothing then.
+  /// Updates every filter with a sequence of samples. A sample has the regressors of filter 0,
+  /// those of filter 1, ... in phi, and their outputs in y. A filter with NaN in its sample skips
+  /// the update. If `history` is given, the estimates after each sample are written to it, in the
+  /// order of phi. Throws std::invalid_argument, and changes nothing, for infinity and beyond
+  /// 1e100.
   void update(const double* phi, const double* y, std::int64_t samples = 1,
               double* history = nullptr);
 
@@ -51,15 +51,15 @@ class RecursiveLeastSquares {
   /// The covariance P of one filter, in units of the variance of its output noise.
   Eigen::MatrixXd covariance(int filter) const;
 
-  /// Samples that a filter has taken in; those at which it held do not count.
+  /// The number of samples a filter has used, without skipped updates.
   std::int64_t samples(int filter) const;
 
-  /// Back to the start.
+  /// Returns to the initial state.
   void reset();
 
  private:
   const FilterGroup& group_of(int filter) const {
-    return groups_.at(static_cast<std::size_t>(filter / FilterGroup::most_filters));
+    return groups_.at(static_cast<std::size_t>(filter / FilterGroup::maximum_filters));
   }
 
   int parameters_;
