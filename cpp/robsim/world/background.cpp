@@ -21,7 +21,7 @@ Background::Background(Layer floor, Layer home, int shadow_left, double shadow_f
       shadow_factor_(shadow_factor) {
   for (const Image* image : {&floor_.lit, &floor_.shadowed, &home_.shadowed}) {
     if (image->width() != width() || image->height() != height()) {
-      throw std::invalid_argument("floor and home must be pictures of one size");
+      throw std::invalid_argument("floor and home must be images of one size");
     }
   }
   if (!(shadow_factor >= 0 && shadow_factor <= 1)) {

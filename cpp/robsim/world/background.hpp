@@ -5,17 +5,17 @@
 
 namespace robsim {
 
-/// One picture twice, as it looks in the light and in the shadow.
+/// One image twice: lit, and in the shadow.
 struct Layer {
   Image lit;
   Image shadowed;
 };
 
-/// What lies under the robot: the work area itself (`home`), once, and around it the floor that
-/// repeats. The shadow stays with the view: it covers the columns from `shadow_left` on.
+/// What lies under the robot: the work area itself (`home`), once, and around it the repeating
+/// floor. The shadow stays with the view: it covers the columns from `shadow_left` on.
 class Background {
  public:
-  /// Throws std::invalid_argument unless all four pictures have the size of the camera's frame.
+  /// Throws std::invalid_argument unless all four images have the size of the camera's frame.
   Background(Layer floor, Layer home, int shadow_left, double shadow_factor);
 
   int width() const { return home_.lit.width(); }
@@ -25,7 +25,7 @@ class Background {
   /// Brightness in the shadow relative to that in the light.
   double shadow_factor() const { return shadow_factor_; }
 
-  /// Copies what the moved view shows in `box` to the same place of `image`.
+  /// Copies what the panned view shows in `box` to the same box of `image`.
   void copy(const PixelBox& box, const Pan& pan, Image& image) const;
 
  private:

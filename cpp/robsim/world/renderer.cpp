@@ -6,7 +6,7 @@
 namespace robsim {
 
 namespace {
-constexpr std::size_t most_canvases = 3;
+constexpr std::size_t maximum_canvases = 3;
 }
 
 Renderer::Renderer(Background background, RobotImage robot, const PlaneMap& camera)
@@ -35,7 +35,7 @@ Renderer::Canvas& Renderer::free_canvas() {
   const auto free = std::find_if(canvases_.begin(), canvases_.end(),
                                  [](const Canvas& c) { return !c.image.is_shared(); });
   if (free != canvases_.end()) return *free;
-  if (canvases_.size() == most_canvases) canvases_.erase(canvases_.begin());
+  if (canvases_.size() == maximum_canvases) canvases_.erase(canvases_.begin());
   Image image(width(), height());
   canvases_.push_back({image, image.box(), {}});
   return canvases_.back();

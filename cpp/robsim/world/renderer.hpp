@@ -9,22 +9,21 @@
 
 namespace robsim {
 
-/// Draws what the ceiling camera sees, without noise.
-/// It restores only what the robot covered before, and never writes to an image that somebody
-/// still holds.
+/// Draws what the ceiling camera sees, without noise. Restores only what the robot covered before,
+/// and never writes to an image that is still held elsewhere.
 class Renderer {
  public:
-  /// `camera` maps the pixels of the view that has not been moved to the work area.
+  /// `camera` maps the pixels of the view before any pan to the work area.
   Renderer(Background background, RobotImage robot, const PlaneMap& camera);
 
   int width() const { return background_.width(); }
   int height() const { return background_.height(); }
   const PlaneMap& camera() const { return camera_; }
 
-  /// The map of a view moved by `pan`.
+  /// The map of the view panned by `pan`.
   PlaneMap plane_map(const Pan& pan) const;
 
-  /// Without a pose the robot is hidden: the floor alone.
+  /// Without a pose the floor alone.
   Image render(const std::optional<Pose>& pose, const Pan& pan = {});
 
  private:

@@ -7,7 +7,7 @@ namespace robsim {
 
 namespace {
 
-// Mirrors one coordinate at the wall that it runs into, if it does.
+// Mirrors a coordinate and its predecessor at the wall that it runs into, if any.
 bool mirror(double low, double high, double& now, double& last) {
   double wall = 0;
   if (now < low && now < last) {
@@ -22,29 +22,31 @@ bool mirror(double low, double high, double& now, double& last) {
   return true;
 }
 
-// The same until it is inside: how often. A robot faster than the room meets both walls in a step.
+// Mirrors until the coordinate is inside and returns how often: in one step a fast robot may cross
+// the whole area.
 int mirror_all(double low, double high, double& now, double& last) {
-  constexpr int most = 1000;
+  constexpr int maximum = 1000;
   int count = 0;
-  while (count < most && mirror(low, high, now, last)) ++count;
+  while (count < maximum && mirror(low, high, now, last)) ++count;
   return count;
 }
 
-constexpr double farthest = 1e9;  // pixels: the view ends there, within the range of int
+constexpr double maximum_pan = 1e9;  // px; within the range of int
 
-int moved(int shift, double pixel, int size, double margin) {
-  pixel = std::clamp(pixel, -farthest, farthest);
-  const double room = std::min(margin, size / 2.0 - 1);
-  if (pixel - shift < room) return static_cast<int>(std::floor(pixel - room));
-  if (pixel - shift > size - 1 - room)
-    return static_cast<int>(std::ceil(pixel - (size - 1 - room)));
-  return shift;
+// The pan along one axis.
+int panned(int pan, double pixel, int size, double margin) {
+  pixel = std::clamp(pixel, -maximum_pan, maximum_pan);
+  const double clearance = std::min(margin, size / 2.0 - 1);
+  if (pixel - pan < clearance) return static_cast<int>(std::floor(pixel - clearance));
+  if (pixel - pan > size - 1 - clearance)
+    return static_cast<int>(std::ceil(pixel - (size - 1 - clearance)));
+  return pan;
 }
 
 }  // namespace
 
 bool bounce(const WorkArea& area, double radius, Pose& now, Pose& last) {
-  // The area reaches half a pixel beyond the centres of its outermost pixels.
+  // The area extends half a pixel beyond the centres of its outermost pixels.
   const int x = mirror_all(radius - 0.5, area.width - 0.5 - radius, now.x, last.x);
   const int y = mirror_all(radius - 0.5, area.height - 0.5 - radius, now.y, last.y);
   for (Pose* pose : {&now, &last}) {
@@ -55,7 +57,7 @@ bool bounce(const WorkArea& area, double radius, Pose& now, Pose& last) {
 }
 
 Pan follow(const Pan& pan, const Point& pixel, int width, int height, double margin) {
-  return {moved(pan.u, pixel.x, width, margin), moved(pan.v, pixel.y, height, margin)};
+  return {panned(pan.u, pixel.x, width, margin), panned(pan.v, pixel.y, height, margin)};
 }
 
 }  // namespace robsim

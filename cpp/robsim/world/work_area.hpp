@@ -5,21 +5,21 @@
 
 namespace robsim {
 
-/// What the robot meets at the edge of the work area.
+/// What happens at the edge of the work area.
 enum class Boundary { bounce, unlimited };
 
-/// The floor the camera looks at, in work-area px.
+/// The floor under the camera, in work-area px.
 struct WorkArea {
   int width = 1200;
   int height = 1200;
   Boundary boundary = Boundary::bounce;
 };
 
-/// Mirrors the last two poses at every wall that the robot, `radius` px around its centre, has run
-/// into on its way from `last` to `now`. True if there was one.
+/// Mirrors the last two poses at every wall that the robot, a disc of `radius` px, has hit between
+/// `last` and `now`. True if it hit any.
 bool bounce(const WorkArea& area, double radius, Pose& now, Pose& last);
 
-/// Whole camera pixels by which the view is moved over an unlimited area.
+/// Displacement of the view over an unlimited area, in whole camera pixels.
 struct Pan {
   int u = 0;
   int v = 0;
@@ -27,8 +27,8 @@ struct Pan {
 
 inline bool operator==(const Pan& a, const Pan& b) { return a.u == b.u && a.v == b.v; }
 
-/// Moves the view of width x height pixels just so far that the pixel stays `margin` pixels off
-/// its edges. `pixel` is counted from the corner of the view that has not been moved.
+/// Moves the view of width x height pixels just far enough to keep the pixel `margin` pixels away
+/// from its edges. `pixel` is relative to the corner of the view before any pan.
 Pan follow(const Pan& pan, const Point& pixel, int width, int height, double margin);
 
 }  // namespace robsim

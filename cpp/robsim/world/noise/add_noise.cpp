@@ -13,7 +13,7 @@ namespace {
 
 constexpr int block = 32;  // bytes at a time
 
-// --- one byte after the other
+// --- byte by byte
 
 struct Draw {
   std::uint8_t bytes[block];
@@ -42,10 +42,10 @@ Draw draw(std::uint64_t (&state)[4][NoiseStream::lanes]) {
 }
 
 int gaussian_step(std::uint8_t a, std::uint8_t b, std::uint8_t c, const GaussianTables& tables) {
-  // a and b: 5 bits each for the triangle, 4 of the others for the place, the last for the sign
-  const std::size_t place = (a >> 5) | ((b >> 2) & 8);
-  const bool is_own = static_cast<std::int8_t>(c) < tables.threshold[place];
-  const std::size_t i = is_own ? place : tables.alias[place];
+  // a and b: 5 bits each for the triangle, 4 of the others for the column, the last for the sign
+  const std::size_t column = (a >> 5) | ((b >> 2) & 8);
+  const bool is_own = static_cast<std::int8_t>(c) < tables.threshold[column];
+  const std::size_t i = is_own ? column : tables.alias[column];
   const int step = tables.node[i] + (a & tables.mask[i]) - (b & tables.mask[i]);
   return (b & 128) != 0 ? -step : step;
 }
@@ -132,14 +132,14 @@ ROBSIM_AVX2_INLINE __m256i with_gaussian(__m256i value, __m256i a, __m256i b, __
                                          const RegisterTables& tables) {
   const __m256i low = _mm256_and_si256(_mm256_srli_epi16(a, 5), _mm256_set1_epi8(7));
   const __m256i high = _mm256_and_si256(_mm256_srli_epi16(b, 2), _mm256_set1_epi8(8));
-  const __m256i place = _mm256_or_si256(low, high);
-  const __m256i is_own = _mm256_cmpgt_epi8(_mm256_shuffle_epi8(tables.threshold, place), c);
-  const __m256i i = _mm256_blendv_epi8(_mm256_shuffle_epi8(tables.alias, place), place, is_own);
+  const __m256i column = _mm256_or_si256(low, high);
+  const __m256i is_own = _mm256_cmpgt_epi8(_mm256_shuffle_epi8(tables.threshold, column), c);
+  const __m256i i = _mm256_blendv_epi8(_mm256_shuffle_epi8(tables.alias, column), column, is_own);
   const __m256i mask = _mm256_shuffle_epi8(tables.mask, i);
   const __m256i node = _mm256_shuffle_epi8(tables.node, i);
   const __m256i u1 = _mm256_and_si256(a, mask);
   const __m256i u2 = _mm256_and_si256(b, mask);
-  // step = more - less, with one of the two 0; for the other sign they change their roles
+  // step = more - less, one of which is 0; they swap roles for the other sign
   const __m256i up = _mm256_adds_epu8(node, _mm256_subs_epu8(u1, u2));
   const __m256i down = _mm256_subs_epu8(u2, u1);
   const __m256i more = _mm256_subs_epu8(up, down);
@@ -166,7 +166,7 @@ ROBSIM_AVX2_INLINE __m256i with_uniform(__m256i value, __m256i a, __m256i b,
       _mm256_packus_epi16(_mm256_adds_epi16(low, step(a)), _mm256_adds_epi16(high, step(b))));
 }
 
-// Calls next(32 bytes) for each block of a row; the last one is filled up.
+// Applies next to each block of a row; the last block is padded.
 template <typename Next>
 ROBSIM_AVX2_INLINE void for_each_block(const std::uint8_t* clean, int bytes, std::uint8_t* noisy,
                                        Next next) {

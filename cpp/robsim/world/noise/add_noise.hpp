@@ -6,8 +6,8 @@
 
 namespace robsim {
 
-/// The random bits of one frame: three streams of 32 bytes a draw, each of four generators side by
-/// side. Generator: xoshiro256+ 1.0 (Blackman and Vigna 2019).
+/// The random bits of one frame: three streams of 32 bytes per draw, each of four interleaved
+/// generators. Generator: xoshiro256+ 1.0 (Blackman and Vigna 2019).
 struct NoiseStream {
   static constexpr int streams = 3;
   static constexpr int lanes = 4;
@@ -17,7 +17,7 @@ struct NoiseStream {
   alignas(32) std::uint64_t state[streams][4][lanes];
 };
 
-/// Writes bytes + noise, clipped to 0..255; every 32 bytes of a row take one draw of each stream.
+/// Writes clean + noise, clipped to 0..255. Every 32 bytes of a row use one draw of each stream.
 void add_gaussian(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
                   NoiseStream& stream, std::uint8_t* noisy);
 

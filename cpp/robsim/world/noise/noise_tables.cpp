@@ -8,125 +8,128 @@ namespace robsim {
 
 namespace {
 
-constexpr int largest = 255;  // a larger step clips as this one does
-constexpr int nodes = 16;     // on each side of 0
+constexpr int maximum_step = 255;  // larger ones clip to the same bytes
+constexpr int nodes = 16;          // on each side of 0
 constexpr int narrow_nodes = 10;
-constexpr int bits_of_mask = 5;  // at most
-constexpr int resolution = 256;  // of the share of a place
-constexpr int rounds = 200;      // of the fit
+constexpr int maximum_mask_bits = 5;
+constexpr int resolution = 256;  // of the weight of a column of the alias table
+constexpr int iterations = 200;  // of the fit
 
-// P(|step| = k) for k = 0..255, the tail at the end
-std::vector<double> wanted(double deviation) {
-  std::vector<double> probability(largest + 1);
+// The target: P(|step| = k) for k = 0..255, the tail included in the last.
+std::vector<double> target_distribution(double deviation) {
+  std::vector<double> probability(maximum_step + 1);
   double outside = 1;
-  for (int k = 0; k <= largest; ++k) {
-    const double next = k == largest ? 0 : std::erfc((k + 0.5) / (deviation * std::sqrt(2.0)));
+  for (int k = 0; k <= maximum_step; ++k) {
+    const double next = k == maximum_step ? 0 : std::erfc((k + 0.5) / (deviation * std::sqrt(2.0)));
     probability[static_cast<std::size_t>(k)] = outside - next;
     outside = next;
   }
   return probability;
 }
 
-// What one node gives: P(|step| = k)
-std::vector<double> given_by(int node, int mask) {
-  std::vector<double> probability(largest + 1, 0.0);
+// P(|step| = k) given the node.
+std::vector<double> node_distribution(int node, int mask) {
+  std::vector<double> probability(maximum_step + 1, 0.0);
   const int count = mask + 1;
   for (int difference = -mask; difference <= mask; ++difference) {
-    const double share = double(count - std::abs(difference)) / (double(count) * count);
-    const int step = std::min(std::abs(node + difference), largest);
-    probability[static_cast<std::size_t>(step)] += share;
+    const double weight = double(count - std::abs(difference)) / (double(count) * count);
+    const int step = std::min(std::abs(node + difference), maximum_step);
+    probability[static_cast<std::size_t>(step)] += weight;
   }
   return probability;
 }
 
-// The shares of the nodes whose mixture is nearest to what is wanted.
-// Method: expectation-maximisation for the shares of a mixture (Dempster, Laird and Rubin 1977).
-std::vector<double> fitted_shares(const GaussianTables& tables, double deviation) {
-  const std::vector<double> target = wanted(deviation);
+// The weights of the nodes whose mixture is closest to the target.
+// Method: expectation-maximisation for the weights of a mixture (Dempster, Laird and Rubin 1977).
+std::vector<double> fitted_weights(const GaussianTables& tables, double deviation) {
+  const std::vector<double> target = target_distribution(deviation);
   std::vector<std::vector<double>> part;
   for (std::size_t i = 0; i < nodes; ++i) {
-    part.push_back(given_by(tables.node[i], tables.mask[i]));
+    part.push_back(node_distribution(tables.node[i], tables.mask[i]));
   }
-  std::vector<double> share(nodes, 1.0 / nodes);
-  for (int round = 0; round < rounds; ++round) {
+  std::vector<double> weight(nodes, 1.0 / nodes);
+  for (int iteration = 0; iteration < iterations; ++iteration) {
     std::vector<double> factor(nodes, 0.0);
-    for (std::size_t k = 0; k <= largest; ++k) {
+    for (std::size_t k = 0; k <= maximum_step; ++k) {
       double mixture = 0;
-      for (std::size_t i = 0; i < nodes; ++i) mixture += share[i] * part[i][k];
+      for (std::size_t i = 0; i < nodes; ++i) mixture += weight[i] * part[i][k];
       if (mixture <= 0) continue;
       for (std::size_t i = 0; i < nodes; ++i) factor[i] += part[i][k] * target[k] / mixture;
     }
-    for (std::size_t i = 0; i < nodes; ++i) share[i] *= factor[i];
+    for (std::size_t i = 0; i < nodes; ++i) weight[i] *= factor[i];
   }
-  return share;
+  return weight;
 }
 
-// Whole numbers that sum up to 16 * 256; rounded from the tail inwards, so that the tail is right.
-std::array<int, nodes> rounded(const std::vector<double>& share) {
+// Integers that sum to 16 * 256, rounded from the tail inwards, so that the tail is accurate.
+std::array<int, nodes> rounded(const std::vector<double>& weight) {
   std::array<int, nodes> count{};
   double sum = 0;
-  int before = 0;
+  int previous = 0;
   for (std::size_t i = nodes; i-- > 0;) {
-    sum += share[i];
-    const int up_to = i == 0 ? nodes * resolution : int(std::lround(nodes * resolution * sum));
-    count[i] = up_to - before;
-    before = up_to;
+    sum += weight[i];
+    const int cumulative = i == 0 ? nodes * resolution : int(std::lround(nodes * resolution * sum));
+    count[i] = cumulative - previous;
+    previous = cumulative;
   }
   return count;
 }
 
+// Walker's alias method: the node with the smallest count shares its column with the one with the
+// largest.
 void fill_alias(std::array<int, nodes> count, GaussianTables& tables) {
   for (std::size_t i = 0; i < nodes; ++i) tables.alias[i] = static_cast<std::uint8_t>(i);
   std::array<bool, nodes> done{};
   for (int turn = 0; turn < nodes; ++turn) {
-    std::size_t least = nodes;
-    std::size_t most = 0;
+    std::size_t smallest = nodes;
+    std::size_t largest = 0;
     for (std::size_t i = 0; i < nodes; ++i) {
       if (done[i]) continue;
-      if (least == nodes || count[i] < count[least]) least = i;
-      if (done[most] || count[i] > count[most]) most = i;
+      if (smallest == nodes || count[i] < count[smallest]) smallest = i;
+      if (done[largest] || count[i] > count[largest]) largest = i;
     }
-    // A full place is its own alias: its threshold does not matter.
-    done[least] = true;
-    const int own = std::min(count[least], resolution - 1);
-    tables.threshold[least] = static_cast<std::int8_t>(own - 128);
-    if (count[least] >= resolution) continue;
-    tables.alias[least] = static_cast<std::uint8_t>(most);
-    count[most] -= resolution - count[least];
+    // A full column is its own alias: its threshold does not matter.
+    done[smallest] = true;
+    const int own = std::min(count[smallest], resolution - 1);
+    tables.threshold[smallest] = static_cast<std::int8_t>(own - 128);
+    if (count[smallest] >= resolution) continue;
+    tables.alias[smallest] = static_cast<std::uint8_t>(largest);
+    count[largest] -= resolution - count[smallest];
   }
 }
 
 }  // namespace
 
 GaussianTables gaussian_tables(double deviation) {
-  // Straight lines a third of a deviation long are near enough to a bell curve, and twice as long
-  // ones to its flanks.
+  // Line segments of a third of a standard deviation approximate the bell curve well enough, and
+  // segments twice as long its flanks.
   const int bits = static_cast<int>(std::floor(std::log2(std::max(deviation / 3, 1.0))));
-  const int spacing = 1 << std::min(bits, bits_of_mask - 1);
+  const int spacing = 1 << std::min(bits, maximum_mask_bits - 1);
   GaussianTables tables{};
   int node = spacing / 2;
   for (int i = 0; i < nodes; ++i) {
     const int mask = (i < narrow_nodes ? 1 : 2) * spacing - 1;
     if (i > 0) node += i > narrow_nodes ? 2 * spacing : spacing;
-    const bool is_beyond = node - mask >= largest;
-    tables.node[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::min(node, largest));
+    const bool is_beyond = node - mask >= maximum_step;
+    tables.node[static_cast<std::size_t>(i)] =
+        static_cast<std::uint8_t>(std::min(node, maximum_step));
     tables.mask[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(is_beyond ? 0 : mask);
   }
-  fill_alias(rounded(fitted_shares(tables, deviation)), tables);
+  fill_alias(rounded(fitted_weights(tables, deviation)), tables);
   return tables;
 }
 
-UniformSteps uniform_steps(double reach) {
-  constexpr double most = 32767;  // of a 16-bit number
+UniformSteps uniform_steps(double half_width) {
+  constexpr double maximum = 32767;  // of a signed 16-bit number
   int doublings = 0;
-  for (; reach > most - 1; reach /= 2) ++doublings;
+  for (; half_width > maximum - 1; half_width /= 2) ++doublings;
   int shift = 14;
-  while (std::ldexp(reach + 0.5, shift) > most) --shift;
-  // Rounding is adding a half and rounding down.
+  while (std::ldexp(half_width + 0.5, shift) > maximum) --shift;
+  // Rounding = adding 1/2 and rounding down.
   const double unit = std::ldexp(1.0, shift);
   const double half = unit / 2;
-  return {static_cast<std::uint16_t>(std::lround(2 * reach * unit)),
-          static_cast<std::int16_t>(std::lround(half - reach * unit)), shift, doublings};
+  return {static_cast<std::uint16_t>(std::lround(2 * half_width * unit)),
+          static_cast<std::int16_t>(std::lround(half - half_width * unit)), shift, doublings};
 }
 
 }  // namespace robsim

@@ -6,9 +6,9 @@
 #include "robsim/geometry/pose.hpp"
 #include "robsim/world/sprite/sprite.hpp"
 
-namespace robsim {
+namespace robsim::sprite {
 
-/// Where a row of an image lies in a sprite: the place of column 0, and from one to the next.
+/// A row of an image in sprite coordinates: the position of column 0, and the step per column.
 struct SpriteLine {
   Point start;
   Point step;
@@ -22,29 +22,29 @@ struct Span {
   int last = 0;
 };
 
-/// The columns, out of some, that lie within the sprite and before its last column and row, which
-/// `sample` may touch by rounding.
+/// Those of the columns that lie within the sprite and before its last column and row, which
+/// `sample` may read because of rounding.
 Span span_within(const Sprite& sprite, const SpriteLine& line, const Span& columns);
 
-/// Pixels to be laid over a part of a row, from column `left` on. For each byte of the image: what
-/// is added to it, and how much of it is kept.
+/// Pixels to blend over a part of a row, from column `left` on. For each byte of the image: the
+/// colour added to it, and the weight of the background.
 struct Strip {
   int left = 0;
   int width = 0;
   std::vector<float> colors;
-  std::vector<float> rest;
+  std::vector<float> background_weight;
 };
 
-/// The sprite in columns that lie within it, bilinearly between its pixels.
+/// Samples the sprite bilinearly in columns that lie within it.
 Strip sample(const Sprite& sprite, const SpriteLine& line, const Span& columns);
 
 Strip without_transparent_ends(const Strip& strip);
 
-/// Lays a part of the strip over pixels. `brightness`, within 0..1, is that of the strip.
+/// Blends a part of the strip over pixels. `brightness`, within 0..1, is that of the strip.
 void blend(const Strip& strip, const Span& part, float brightness, std::uint8_t* pixels);
 
-/// Samples and blends at once.
+/// Samples and blends in one pass.
 void blend(const Sprite& sprite, const SpriteLine& line, const Span& columns, float brightness,
            std::uint8_t* pixels);
 
-}  // namespace robsim
+}  // namespace robsim::sprite

@@ -6,24 +6,28 @@
 
 namespace robsim {
 
+using sprite::Span;
+using sprite::SpriteLine;
+using sprite::Strip;
+
 namespace {
 
-constexpr double most_reach = 20000;  // work-area px
+constexpr double maximum_radius = 20000;  // work-area px
 
-// Keeps places far outside the view within the range of int.
+// Keeps positions far outside the view within the range of int.
 Point near_the_view(const Point& pixel) {
   constexpr double far = 1e8;
   return {std::clamp(pixel.x, -far, far), std::clamp(pixel.y, -far, far)};
 }
 
-// Makes the box of what has been drawn grow by columns of the next row.
+// Extends the box of what has been drawn by columns of the next row.
 void add_row(PixelBox& box, const Span& columns, int v) {
   if (columns.first >= columns.last) return;
   if (box.empty()) box = {columns.first, v, columns.last, v};
   box = {std::min(box.left, columns.first), box.top, std::max(box.right, columns.last), v + 1};
 }
 
-// Calls draw(columns, brightness) for what lies in the light and for what lies in the shadow.
+// Calls draw(columns, brightness) for the lit part and for the part in the shadow.
 template <typename Draw>
 void draw_parts(const Span& columns, const Shadow& shadow, Draw draw) {
   const int edge = std::clamp(shadow.left, columns.first, columns.last);
@@ -51,9 +55,9 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
   const double du = std::max(centre_.x, sprite_.width - 2 - centre_.x);
   const double dv = std::max(centre_.y, sprite_.height - 2 - centre_.y);
   radius_ = unit_ * std::hypot(du, dv);
-  if (!(radius_ < most_reach)) {
-    throw std::invalid_argument("centre and unit must keep the robot's picture within " +
-                                std::to_string(static_cast<int>(most_reach)) +
+  if (!(radius_ < maximum_radius)) {
+    throw std::invalid_argument("centre and unit must keep the robot's image within " +
+                                std::to_string(static_cast<int>(maximum_radius)) +
                                 " work-area px of its centre");
   }
   for (int i = 0; i < phases; ++i) phases_.push_back(make_phase(2 * pi * i / phases));
@@ -61,12 +65,12 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
 
 PixelBox RobotImage::draw(const Point& pixel, double heading, const Shadow& shadow,
                           Image& image) const {
-  const Point place = near_the_view(pixel);
-  return phases_.empty() ? draw_turned(place, heading, shadow, image)
-                         : draw_phase(place, heading, shadow, image);
+  const Point position = near_the_view(pixel);
+  return phases_.empty() ? draw_turned(position, heading, shadow, image)
+                         : draw_phase(position, heading, shadow, image);
 }
 
-PixelBox RobotImage::reach(const Point& pixel) const {
+PixelBox RobotImage::bounds(const Point& pixel) const {
   const double ru = radius_ / pixel_size_.x;
   const double rv = radius_ / pixel_size_.y;
   return {static_cast<int>(std::floor(pixel.x - ru)), static_cast<int>(std::floor(pixel.y - rv)),
@@ -75,7 +79,7 @@ PixelBox RobotImage::reach(const Point& pixel) const {
 }
 
 SpriteLine RobotImage::line(const Point& pixel, const Point& ahead, int v) const {
-  // The place in the sprite: the offset from the robot's centre, turned back.
+  // The position in the sprite: the offset from the robot's centre, rotated back.
   const Point scale{pixel_size_.x / unit_, pixel_size_.y / unit_};
   const double dx = -pixel.x * scale.x;
   const double dy = (v - pixel.y) * scale.y;
@@ -88,29 +92,29 @@ Point RobotImage::direction(double heading) const {
 }
 
 RobotImage::Phase RobotImage::make_phase(double heading) const {
-  const PixelBox box = reach({0, 0});
+  const PixelBox box = bounds({0, 0});
   const Point ahead = direction(heading);
   Phase phase;
   for (int v = box.top; v < box.bottom; ++v) {
-    const SpriteLine place = line({0, 0}, ahead, v);
-    const Span columns = span_within(sprite_, place, {box.left, box.right});
-    phase.push_back(without_transparent_ends(sample(sprite_, place, columns)));
+    const SpriteLine row_line = line({0, 0}, ahead, v);
+    const Span columns = span_within(sprite_, row_line, {box.left, box.right});
+    phase.push_back(without_transparent_ends(sample(sprite_, row_line, columns)));
   }
   return phase;
 }
 
 PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shadow& shadow,
                                  Image& image) const {
-  const PixelBox box = intersection(reach(pixel), image.box());
+  const PixelBox box = intersection(bounds(pixel), image.box());
   if (box.empty()) return {};
   PixelBox drawn;
   const Point ahead = direction(heading);
   for (int v = box.top; v < box.bottom; ++v) {
-    const SpriteLine place = line(pixel, ahead, v);
-    const Span columns = span_within(sprite_, place, {box.left, box.right});
+    const SpriteLine row_line = line(pixel, ahead, v);
+    const Span columns = span_within(sprite_, row_line, {box.left, box.right});
     add_row(drawn, columns, v);
     draw_parts(columns, shadow, [&](const Span& part, float brightness) {
-      blend(sprite_, place, part, brightness, image.row(v) + std::ptrdiff_t{3} * part.first);
+      blend(sprite_, row_line, part, brightness, image.row(v) + std::ptrdiff_t{3} * part.first);
     });
   }
   return drawn;
@@ -123,7 +127,7 @@ PixelBox RobotImage::draw_phase(const Point& pixel, double heading, const Shadow
   const Phase& phase = phases_[static_cast<std::size_t>((nearest + count) % count)];
   const int u = static_cast<int>(std::round(pixel.x));
   const int v = static_cast<int>(std::round(pixel.y));
-  const PixelBox around = reach({0, 0});
+  const PixelBox around = bounds({0, 0});
   const PixelBox box = intersection(
       {u + around.left, v + around.top, u + around.right, v + around.bottom}, image.box());
   if (box.empty()) return {};

@@ -17,26 +17,26 @@ struct Shadow {
 };
 
 /// The robot seen from above, in any heading.
-/// With phases > 0 it is shown in the nearest of so many headings, at the nearest whole pixel, as
-/// in the program of 2008; with phases = 0 at its exact place and heading.
+/// With phases > 0 it is drawn in the nearest of that many headings at the nearest whole pixel, as
+/// in the program of 2008; with phases = 0 at its exact position and heading.
 class RobotImage {
  public:
-  /// `centre` is the robot's centre in sprite pixels, `unit` the work-area px that a sprite pixel
-  /// stands for, `alignment` (rad, clockwise) what turns the picture so that the robot faces +x,
-  /// `camera` the map of the frames to draw into.
+  /// `centre` is the robot's centre in sprite pixels, `unit` the size of a sprite pixel in
+  /// work-area px, `alignment` (rad, clockwise) the rotation of the image that makes the robot face
+  /// +x, `camera` the map of the frames to draw into.
   RobotImage(const Sprite& sprite, Point centre, double unit, double alignment, int phases,
              const PlaneMap& camera);
 
-  /// Draws the robot, its centre at `pixel`, and returns the box of the pixels that it has touched.
+  /// Draws the robot, its centre at `pixel`, and returns the box of the pixels changed.
   PixelBox draw(const Point& pixel, double heading, const Shadow& shadow, Image& image) const;
 
  private:
   // A strip for each row around the robot's centre.
-  using Phase = std::vector<Strip>;
+  using Phase = std::vector<sprite::Strip>;
 
-  PixelBox reach(const Point& pixel) const;
-  Point direction(double heading) const;  // of the picture: cosine and sine
-  SpriteLine line(const Point& pixel, const Point& ahead, int v) const;
+  PixelBox bounds(const Point& pixel) const;
+  Point direction(double heading) const;  // of the image: cosine and sine
+  sprite::SpriteLine line(const Point& pixel, const Point& ahead, int v) const;
   Phase make_phase(double heading) const;
   PixelBox draw_turned(const Point& pixel, double heading, const Shadow& shadow,
                        Image& image) const;

@@ -6,8 +6,8 @@
 
 namespace robsim {
 
-/// A picture with transparency: 4 floats a pixel, R, G, B (0..255) times alpha, and 1 - alpha: how
-/// much of the floor shows through.
+/// An image with transparency: 4 floats per pixel, R, G, B (0..255) times alpha, and 1 - alpha, the
+/// weight of the background.
 struct Sprite {
   int width = 0;
   int height = 0;
@@ -17,7 +17,7 @@ struct Sprite {
   float* row(int v) { return pixels.data() + std::ptrdiff_t{4} * width * v; }
 };
 
-/// From RGBA8 pixels, colours not yet multiplied with alpha, without gaps between rows.
+/// From RGBA8 pixels with straight alpha, without gaps between rows.
 Sprite premultiplied(const std::uint8_t* rgba, int width, int height);
 
 /// With a transparent rim: one pixel to the left and above, two to the right and below.
