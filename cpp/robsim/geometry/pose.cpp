@@ -5,7 +5,7 @@
 namespace robsim {
 
 double wrap_angle(double angle) {
-  if (angle > -pi && angle <= pi) return angle;  // as a rule; the remainder takes its time
+  if (angle > -pi && angle <= pi) return angle;  // the common case; remainder() is slow
   const double wrapped = std::remainder(angle, 2 * pi);
   return wrapped <= -pi ? pi : wrapped;
 }

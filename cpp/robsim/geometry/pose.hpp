@@ -4,7 +4,7 @@ namespace robsim {
 
 constexpr double pi = 3.14159265358979323846;
 
-/// A place in the plane. The unit is the caller's: pixels of a frame, or of the work area.
+/// A position in the plane. The unit is the caller's: pixels of a frame, or of the work area.
 struct Point {
   double x = 0;
   double y = 0;

@@ -7,7 +7,7 @@
 
 namespace robsim {
 
-/// What the camera hands over: all that the robot half gets to know of the world.
+/// What the camera delivers: everything the robot half knows about the world.
 struct Frame {
   Image image;
   double t = 0;  // s

@@ -7,7 +7,7 @@
 
 namespace robsim {
 
-/// Somebody's RGB8 pixels, looked at: 3 bytes a pixel, `stride` bytes from row to row.
+/// A non-owning, read-only view of RGB8 pixels: 3 bytes per pixel, `stride` bytes from row to row.
 struct ImageView {
   const std::uint8_t* data = nullptr;
   int width = 0;
@@ -17,7 +17,7 @@ struct ImageView {
   const std::uint8_t* row(int v) const { return data + v * stride; }
 };
 
-/// Somebody's RGB8 pixels, to be written.
+/// A non-owning, writable view of RGB8 pixels.
 struct WritableView {
   std::uint8_t* data = nullptr;
   int width = 0;
@@ -39,10 +39,10 @@ struct PixelBox {
 
 PixelBox intersection(const PixelBox& a, const PixelBox& b);
 
-/// Throws std::invalid_argument unless a region has pixels and lies within the image.
+/// Throws std::invalid_argument unless the region is not empty and lies within the image.
 void check_region(const PixelBox& region, const ImageView& image);
 
-/// An RGB8 image whose buffer is shared by its copies. The last holder frees it.
+/// An RGB8 image. Copies share its buffer, and the last one frees it.
 class Image {
  public:
   Image() = default;
@@ -57,7 +57,7 @@ class Image {
   ImageView view() const;
   WritableView writable_view();
 
-  /// True while another Image (a frame that a user kept, say) holds the same buffer.
+  /// True while another Image (such as a frame that a user kept) holds the same buffer.
   bool is_shared() const { return pixels_.use_count() > 1; }
 
  private:
@@ -70,7 +70,7 @@ class Image {
 
 Image copy_of(const ImageView& view);
 
-/// Hands out images of one size, taking back the buffers that nobody holds any more.
+/// Provides images of one size, reusing buffers that are no longer held elsewhere.
 class ImagePool {
  public:
   Image take(int width, int height);

@@ -4,7 +4,7 @@
 
 namespace robsim {
 
-/// The physical robot. The defaults reproduce the true values that the manual of 2008 prints.
+/// The physical robot. The defaults reproduce the true values printed in the manual of 2008.
 struct RobotParameters {
   double mass = 0.3;                                  // kg
   double inertia = 0.1;                               // kg m^2
@@ -17,7 +17,7 @@ struct RobotParameters {
   double dt = 0.2;                                    // sample time, s
 };
 
-/// Throws std::invalid_argument with a sentence that says which value is not physical, and why.
+/// Throws std::invalid_argument that names the value that is not physical, and why.
 void check_parameters(const RobotParameters& parameters);
 
 }  // namespace robsim

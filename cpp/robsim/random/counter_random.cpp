@@ -15,7 +15,7 @@ std::uint64_t mix(std::uint64_t z) {
 }  // namespace
 
 std::uint64_t random_bits(std::uint64_t seed, std::uint64_t counter) {
-  // The seed is mixed first: neighbouring seeds must not give shifted copies of one stream.
+  // The seed is mixed first: otherwise neighbouring seeds give shifted copies of one stream.
   return mix(mix(seed + golden) + (counter + 1) * golden);
 }
 

@@ -4,8 +4,8 @@
 
 namespace robsim {
 
-/// The random number at place `counter` of the stream `seed`: a pure function, so that what is
-/// drawn for one step or one frame does not depend on what was drawn before.
+/// The random number at position `counter` of the stream `seed`: a pure function, so that the draws
+/// of one step or frame do not depend on earlier ones.
 /// Method: SplitMix64 (Steele, Lea and Flood 2014), used as a hash of seed and counter.
 std::uint64_t random_bits(std::uint64_t seed, std::uint64_t counter);
 

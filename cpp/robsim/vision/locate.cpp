@@ -7,12 +7,12 @@ namespace robsim {
 
 namespace {
 
-// Two pairs are told apart when their misfits (0 = perfect, 3 = just accepted) differ by this.
+// Misfit (0 = perfect, 3 = just accepted) by which the best pair must be better than the second.
 constexpr double clear_lead = 0.1;
 
 struct Marker {
-  Point place;  // work-area px
-  double area;  // work-area px^2
+  Point position;  // work-area px
+  double area;     // work-area px^2
 };
 
 std::vector<Marker> markers_of(const BlobsByColor& blobs, const char* color, const PlaneMap& map) {
@@ -30,7 +30,8 @@ std::vector<Marker> markers_of(const BlobsByColor& blobs, const char* color, con
 // ((distance - expected)/tolerance)^2, 1 at the limit
 double distance_misfit(const Marker& red, const Marker& blue, const MarkerLayout& markers) {
   const double expected = markers.distance();
-  const double distance = std::hypot(red.place.x - blue.place.x, red.place.y - blue.place.y);
+  const double distance =
+      std::hypot(red.position.x - blue.position.x, red.position.y - blue.position.y);
   return std::pow((distance - expected) / (markers.distance_tolerance * expected), 2);
 }
 
@@ -59,14 +60,14 @@ Pose pose_from(const Marker& red, const Marker& blue, const MarkerLayout& marker
     return std::atan2(to.y - from.y, to.x - from.x);
   };
   const double heading =
-      wrap_angle(direction(blue.place, red.place) - direction(markers.blue, markers.red));
+      wrap_angle(direction(blue.position, red.position) - direction(markers.blue, markers.red));
   // centre = midpoint seen - R(heading) midpoint in the robot's frame
   const double x = (markers.red.x + markers.blue.x) / 2;
   const double y = (markers.red.y + markers.blue.y) / 2;
   const double cos = std::cos(heading);
   const double sin = std::sin(heading);
-  return {(red.place.x + blue.place.x) / 2 - (x * cos - y * sin),
-          (red.place.y + blue.place.y) / 2 - (x * sin + y * cos), heading};
+  return {(red.position.x + blue.position.x) / 2 - (x * cos - y * sin),
+          (red.position.y + blue.position.y) / 2 - (x * sin + y * cos), heading};
 }
 
 }  // namespace
@@ -131,22 +132,22 @@ std::optional<Measurement> locate(const BlobsByColor& blobs, const MarkerLayout&
                                   const PlaneMap& plane_map) {
   const std::vector<Marker> blues = markers_of(blobs, "blue", plane_map);
   std::optional<Measurement> best;
-  double least = 0;
+  double best_misfit = 0;
   double second = std::numeric_limits<double>::infinity();
   for (const Marker& red : markers_of(blobs, "red", plane_map)) {
     for (const Marker& blue : blues) {
       const std::optional<double> value = misfit(red, blue, markers);
       if (!value) continue;
-      if (best && *value >= least) {
+      if (best && *value >= best_misfit) {
         second = std::min(second, *value);
         continue;
       }
-      if (best) second = least;
+      if (best) second = best_misfit;
       best = Measurement{pose_from(red, blue, markers)};
-      least = *value;
+      best_misfit = *value;
     }
   }
-  if (best && second - least < clear_lead) return std::nullopt;
+  if (best && second - best_misfit < clear_lead) return std::nullopt;
   return best;
 }
 

@@ -7,14 +7,16 @@ namespace robsim {
 
 namespace {
 
-// A quarter of the marker's width is the least that helps, 7 px are enough for the strongest noise;
-// more would blur the shape of large markers.
-constexpr double window_share = 0.28;
-constexpr double widest = 7;
-constexpr double least_share = 1.0 / 8;  // of the marker's area
+// Less than 1/4 of the marker's width does not help; 7 px suffice for the strongest noise, and more
+// would blur the shape of large markers.
+constexpr double window_fraction = 0.28;      // of the marker's width
+constexpr double maximum_window = 7;          // px
+constexpr double minimum_fraction = 1.0 / 8;  // of the marker's area
 
-// The odd number of pixels next to a width.
-int odd_window(double width) { return 2 * static_cast<int>(std::min(width, widest) / 2) + 1; }
+// The odd number of pixels nearest to a width.
+int odd_window(double width) {
+  return 2 * static_cast<int>(std::min(width, maximum_window) / 2) + 1;
+}
 
 }  // namespace
 
@@ -27,9 +29,9 @@ BlobOptions marker_blobs(const MarkerLayout& markers, const PlaneMap& plane_map,
   const double area = marker / scale;  // px^2 of the frame
   if (!std::isfinite(area)) return options;
   const double pixels = static_cast<double>(width) * height;
-  options.smoothing = odd_window(window_share * std::sqrt(area));
+  options.smoothing = odd_window(window_fraction * std::sqrt(area));
   options.minimum_area =
-      std::max<std::int64_t>(1, std::llround(std::min(least_share * area, pixels)));
+      std::max<std::int64_t>(1, std::llround(std::min(minimum_fraction * area, pixels)));
   return options;
 }
 

@@ -6,10 +6,10 @@
 
 namespace robsim {
 
-/// The options of find_blobs with which the markers of a robot are found, in noise, too, in a
-/// width x height frame of this plane map: smoothing over 0.28 of the width of the smaller marker,
-/// at most 7 px, at least an eighth of its area, the marker layout's number of blobs. Without known
-/// areas: the default options.
+/// The options of find_blobs that find the markers of a robot, in noise, too, in a width x height
+/// frame of this plane map: a smoothing window of 0.28 of the width of the smaller marker, at most
+/// 7 px; a minimum area of 1/8 of the smaller marker; the maximum number of blobs of the layout.
+/// Without known areas: the default options.
 BlobOptions marker_blobs(const MarkerLayout& markers, const PlaneMap& plane_map, int width,
                          int height);
 

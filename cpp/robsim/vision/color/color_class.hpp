@@ -6,7 +6,7 @@
 
 namespace robsim {
 
-/// Luma and chroma of one RGB8 pixel: full-range BT.601 in coefficients of 7 bits, rounded down.
+/// Luma and chroma of one RGB8 pixel: full-range BT.601 with 7-bit coefficients, rounded down.
 struct Yuv {
   int y;
   int u;
@@ -21,7 +21,7 @@ inline Yuv rgb_to_yuv(const std::uint8_t* rgb) {
           128 + ((64 * r - 54 * g - 10 * b) >> 7)};
 }
 
-/// A named colour: a pixel belongs to it when its Y, U and V lie within the limits, ends included.
+/// A named colour: a pixel belongs to it if its Y, U and V lie within the limits, both included.
 struct ColorClass {
   std::string name;
   std::array<int, 3> lower = {0, 0, 0};

@@ -10,12 +10,12 @@ namespace {
 
 constexpr int neutral = 128;
 
-// Levels from neutral that grey hardly reaches: 3.7 standard deviations of the mean of 7 x 7 grey
-// pixels in Gaussian noise of 40 %.
+// Distance from neutral that grey hardly exceeds (levels): 3.7 standard deviations of the mean of
+// 7 x 7 grey pixels in Gaussian noise of 40 %.
 constexpr int beyond_grey = 26;
 
-// What is nearer to neutral has hardly a colour: floors and walls.
-constexpr int least_chroma = 16;
+// Closer to neutral (levels), as floors and walls are, there is hardly any colour.
+constexpr int minimum_chroma = 16;
 
 struct Range {
   int lower;
@@ -36,7 +36,7 @@ Range percentiles(const std::array<std::int64_t, 256>& counts, double percentile
   return range;
 }
 
-// How far a range lies from neutral; negative: neutral is within.
+// Distance of a range from neutral; negative if it contains neutral.
 int chroma(const Range& range) { return std::max(range.lower - neutral, neutral - range.upper); }
 
 Range widened(const Range& range, int margin) {
@@ -44,18 +44,18 @@ Range widened(const Range& range, int margin) {
           range.upper < 255 ? std::clamp(range.upper + margin, 0, 255) : 255};
 }
 
-// The range of U or V: open away from neutral, on the other side wider by the margin, but not into
-// the greys; these end with `grey`.
+// The range of U or V: open away from neutral, widened by the margin towards neutral, but not into
+// the range `grey`.
 Range chroma_range(const Range& found, int margin, const Range& grey) {
   if (found.lower > neutral) return {std::max(found.lower - margin, grey.upper), 255};
   if (found.upper < neutral) return {0, std::min(found.upper + margin, grey.lower)};
   return widened(found, margin);
 }
 
-void check_margin(int margin, int least) {
-  if (margin < least || margin > 255) {
-    throw std::invalid_argument("margin must lie within " + std::to_string(least) + "..255, got " +
-                                std::to_string(margin));
+void check_margin(int margin, int minimum) {
+  if (margin < minimum || margin > 255) {
+    throw std::invalid_argument("margin must lie within " + std::to_string(minimum) +
+                                "..255, got " + std::to_string(margin));
   }
 }
 
@@ -94,7 +94,7 @@ ColorClass color_from_histograms(const std::string& name, const ColorHistograms&
   for (std::size_t i = 0; i < 3; ++i) found[i] = percentiles(histograms[i], options.percentile);
   const std::size_t strongest = chroma(found[1]) > chroma(found[2]) ? 1 : 2;
   const int strength = chroma(found[strongest]);
-  if (strength < least_chroma && !options.limit_y) {
+  if (strength < minimum_chroma && !options.limit_y) {
     throw std::invalid_argument(
         "the region has hardly any colour: U " + text(found[1]) + " and V " + text(found[2]) +
         " lie around 128, which is grey. Give a region within the marker, or limit its "
@@ -104,7 +104,7 @@ ColorClass color_from_histograms(const std::string& name, const ColorHistograms&
   Range ranges[3] = {{0, 255}, {0, 255}, {0, 255}};
   if (options.limit_y) ranges[0] = widened(found[0], options.margin);
   for (std::size_t i = 1; i < 3; ++i) {
-    const bool stays_off_grey = i == strongest && strength >= least_chroma;
+    const bool stays_off_grey = i == strongest && strength >= minimum_chroma;
     const Range grey = stays_off_grey ? Range{neutral - kept, neutral + kept} : Range{255, 0};
     ranges[i] = chroma_range(found[i], options.margin, grey);
   }
