@@ -1,0 +1,89 @@
+// Bit rows and their runs, across the borders of words.
+#include "robsim/vision/pixels/bit_row.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace robsim::pixels {
+namespace {
+
+using Runs = std::vector<std::pair<int, int>>;
+
+void set(BitRow& row, int left, int right) {
+  for (int u = left; u < right; ++u) {
+    row[static_cast<std::size_t>(u / 64)] |= std::uint64_t{1} << (u % 64);
+  }
+}
+
+Runs runs_of(const BitRow& row, int width) {
+  Runs runs;
+  for_each_run(row, width, [&](int left, int right) { runs.emplace_back(left, right); });
+  return runs;
+}
+
+Runs runs_pixel_by_pixel(const BitRow& row, int width) {
+  Runs runs;
+  for (int u = 0; u < width; ++u) {
+    if (!is_set(row, u)) continue;
+    if (u == 0 || !is_set(row, u - 1)) runs.emplace_back(u, u);
+    runs.back().second = u + 1;
+  }
+  return runs;
+}
+
+TEST(BitRow, HasAWordForEvery64Pixels) {
+  EXPECT_EQ(words_of(1), 1U);
+  EXPECT_EQ(words_of(64), 1U);
+  EXPECT_EQ(words_of(65), 2U);
+}
+
+TEST(BitRow, RunsMayBeginEndAndContinueAtTheBordersOfWords) {
+  const Runs expected = {{0, 1}, {63, 65}, {70, 128}, {130, 192}, {193, 256}};
+  BitRow row(words_of(256), 0);
+  for (const auto& [left, right] : expected) set(row, left, right);
+  EXPECT_EQ(runs_of(row, 256), expected);
+}
+
+TEST(BitRow, ARunOverAllWordsIsOneRun) {
+  BitRow row(words_of(192), 0);
+  set(row, 0, 192);
+  EXPECT_EQ(runs_of(row, 192), (Runs{{0, 192}}));
+}
+
+TEST(BitRow, RunsAgreeWithAScanPixelByPixel) {
+  for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    for (const int width : {1, 63, 64, 65, 200}) {
+      BitRow row(words_of(width));
+      for (std::uint64_t& word : row) word = random() | (random() & random());
+      std::vector<BitRow> rows = {row};
+      clear_beyond(rows, width);
+      EXPECT_EQ(runs_of(rows[0], width), runs_pixel_by_pixel(rows[0], width)) << width;
+    }
+  }
+}
+
+TEST(BitRow, ClearsTheBitsBeyondTheRowAndNoOthers) {
+  std::vector<BitRow> rows = {BitRow(2, ~std::uint64_t{0}), BitRow(2, 0)};
+  clear_beyond(rows, 67);
+  EXPECT_EQ(rows[0], (BitRow{~std::uint64_t{0}, 0b111}));
+  EXPECT_EQ(rows[1], (BitRow{0, 0}));
+  rows[0].back() = ~std::uint64_t{0};
+  clear_beyond(rows, 128);
+  EXPECT_EQ(rows[0].back(), ~std::uint64_t{0});
+}
+
+TEST(BitRow, PacksByteIIntoBitI) {
+  for (int i = 0; i < 64; ++i) {
+    std::uint8_t bytes[64] = {};
+    bytes[i] = 1;
+    EXPECT_EQ(pack_bits(bytes), std::uint64_t{1} << i) << i;
+  }
+}
+
+}  // namespace
+}  // namespace robsim::pixels
