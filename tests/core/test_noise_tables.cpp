@@ -111,7 +111,8 @@ TEST_P(UniformStepsOf, TheVarianceIsThatOfAUniformDistribution) {
   EXPECT_NEAR(squares / 65536, expected, 0.01 * expected + 1.0 / 12);
 }
 
-INSTANTIATE_TEST_SUITE_P(HalfWidths, UniformStepsOf, testing::Values(2.55, 25.5, 102.0, 255.0, 40000.0));
+INSTANTIATE_TEST_SUITE_P(HalfWidths, UniformStepsOf,
+                         testing::Values(2.55, 25.5, 102.0, 255.0, 40000.0));
 
 }  // namespace
 }  // namespace robsim

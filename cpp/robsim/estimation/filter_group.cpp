@@ -76,8 +76,9 @@ ROBSIM_INLINE double FilterGroup::update_one(const Sample& sample, double* phi, 
     // f = U' phi,  v = D f,  alpha_j = alpha_(j-1) + f_j v_j
     Lanes f = Lanes::load(phi + lane_count * j);
     ROBSIM_UNROLL
-    for (int i = 0; i < j; ++i)
+    for (int i = 0; i < j; ++i) {
       f = f + Lanes::load(U + lane_count * i) * Lanes::load(phi + lane_count * i);
+    }
     const Lanes d = Lanes::load(&D_[at(j, 0)]);
     const Lanes v = d * f;
     const Lanes previous = alpha;

@@ -38,8 +38,9 @@ int panned(int pan, double pixel, int size, double margin) {
   pixel = std::clamp(pixel, -maximum_pan, maximum_pan);
   const double clearance = std::min(margin, size / 2.0 - 1);
   if (pixel - pan < clearance) return static_cast<int>(std::floor(pixel - clearance));
-  if (pixel - pan > size - 1 - clearance)
+  if (pixel - pan > size - 1 - clearance) {
     return static_cast<int>(std::ceil(pixel - (size - 1 - clearance)));
+  }
   return pan;
 }
 

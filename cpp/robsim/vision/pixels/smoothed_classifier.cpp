@@ -88,14 +88,16 @@ void SmoothedClassifier::begin(const ImageView& image) {
     channel.columns.resize(64 * words_ + 3 * margin);
   }
   may_contain_.resize(window + 1);
-  for (Flags* flags : {&candidate_rows_, &active_, &is_summed_, &was_summed_})
+  for (Flags* flags : {&candidate_rows_, &active_, &is_summed_, &was_summed_}) {
     flags->assign(words_, 0);
+  }
   const int half_width = window_ / 2;
   for (int v = 0; v <= clamped(half_width); ++v) screen_row(v);
   for (int v = -half_width; v <= half_width; ++v) {
-    for (std::size_t i = 0; i < words_; ++i)
-      candidate_rows_[i] =
-          static_cast<std::uint8_t>(candidate_rows_[i] + may_contain(clamped(v))[i]);
+    const Flags& row = may_contain(clamped(v));
+    for (std::size_t i = 0; i < words_; ++i) {
+      candidate_rows_[i] = static_cast<std::uint8_t>(candidate_rows_[i] + row[i]);
+    }
   }
 }
 
