@@ -166,7 +166,9 @@ def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
     (tmp_path / "frames").mkdir()
     for k in range(12):
         image = sim.step().frame.image
-        robsim.imaging.save_image(tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300])
+        robsim.imaging.save_image(
+            tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300]
+        )
     run = command("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
     assert run.exit_code == 2
     assert "frame10.png is 400 x 300 px large, the frames before it 400 x 400" in run.stderr

@@ -10,8 +10,8 @@ from robsim.control._path_score import score_path
 
 pytestmark = pytest.mark.kernels
 
-NOISY = {"camera": (400, 400), "noise": "gaussian", "noise_percent": 10, "measure": True}
-SMALL = {"camera": (240, 240)}
+NOISY = {"resolution": (400, 400), "noise": robsim.GaussianNoise(10), "measure": True}
+SMALL = {"resolution": (240, 240)}
 MODELS = {"slides sideways": None, "does not": robsim.Unicycle()}
 SQUARE = [(850, 400), (850, 850), (400, 850), (400, 400)]
 TURNS = np.linspace(0, 2 * np.pi, 25)[1:]

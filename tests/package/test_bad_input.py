@@ -612,7 +612,7 @@ INT = st.integers(-(2**31), 2**31 - 1) | st.sampled_from([-(2**31), 2**31 - 1, -
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("phases", [0, 4])
+@pytest.mark.parametrize("headings", [0, 4])
 @settings(max_examples=100, deadline=None)
 @given(
     x=st.floats(allow_nan=False, allow_infinity=False),

@@ -6,9 +6,8 @@ import nbclient
 import nbformat
 import pytest
 
-import robsim
 from commands import command
-from robsim._base.shipped import NOTEBOOKS
+from robsim._base.shipped import NOTEBOOKS, copy_notebooks
 
 SHIPPED = sorted(NOTEBOOKS.glob("*.ipynb"))
 each = pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)

@@ -473,10 +473,10 @@ def test_it_is_better_than_the_measurement(tracked, headings, kind, options):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("rotation", ["phases", "continuous"])
-def test_in_the_loop_it_gives_the_same(tracked, rotation):
-    trace = tracked[rotation]
-    options = {} if rotation == "phases" else CONTINUOUS
+@pytest.mark.parametrize("headings", [36, None])
+def test_in_the_loop_it_gives_the_same(tracked, headings):
+    trace = tracked[headings]
+    options = {} if headings else CONTINUOUS
     poses, covariances, velocities = filtered(
         ExtendedKalmanFilter(**options), trace.pose_measured, inputs_before(trace)
     )

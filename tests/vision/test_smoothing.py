@@ -41,7 +41,7 @@ def check_the_default_measurement(noise, camera, *, steps, seed):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("noise", ["uniform", "gaussian"])
+@pytest.mark.parametrize("noise", [robsim.UniformNoise(40), robsim.GaussianNoise(40)])
 @pytest.mark.parametrize("camera", ASKED)
 def test_the_robot_is_found_in_noise_of_40_percent(noise, camera):
     check_the_default_measurement(noise, camera, steps=150, seed=4)

@@ -82,7 +82,7 @@ def test_a_buffer_that_nobody_holds_is_used_again():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("phases", [0, 36])
+@pytest.mark.parametrize("headings", [0, 36])
 @pytest.mark.parametrize("camera", [(1200, 1200), (480, 480), (640, 400)])
 def test_restoring_leaves_no_trace_of_the_robot(headings, camera, rng):
     draw, fresh = (
