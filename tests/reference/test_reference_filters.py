@@ -419,11 +419,15 @@ def test_particles_that_are_all_elsewhere_find_the_robot_again():
 @pytest.mark.long
 @pytest.mark.parametrize("kind", ON_THE_MODEL)
 def test_without_process_noise_it_still_runs(kind, rng):
-    states, z, u = simulated_run(rng, 250, (0, 0, 0), (0.4, 0.4, 0.05))
-    poses, covariances, _ = filtered(kind(process_noise=(0, 0, 0)), z, u)
-    assert np.isfinite(covariances).all()
+    errors = []
+    # in the end the error of a run hardly changes: it is one number
+    for _ in range(1 if kind is ParticleFilter else 6):
+        states, z, u = simulated_run(rng, 250, (0, 0, 0), (0.4, 0.4, 0.05))
+        poses, covariances, _ = filtered(kind(process_noise=(0, 0, 0)), z, u)
+        assert np.isfinite(covariances).all()
+        errors.append(error_of(poses, states[:, :3])[150:])
     if kind is not ParticleFilter:  # nothing keeps the particles apart
-        assert (rms(error_of(poses, states[:, :3])[150:]) < (0.1, 0.1, 0.01)).all()
+        assert (rms(np.concatenate(errors)) < (0.1, 0.1, 0.002)).all()
 
 
 # --- real tracking
