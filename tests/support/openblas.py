@@ -33,5 +33,6 @@ if __name__ == "__main__":
     found = kernels()
     print(found)
     wanted = os.environ["OPENBLAS_CORETYPE"]
-    if not found or {*found.values()} != {wanted}:
+    same = {"Zen": {"Zen", "Haswell"}}  # builds without kernels of its own take Haswell's for Zen
+    if not found or not {*found.values()} <= same.get(wanted, {wanted}):
         sys.exit(f"OPENBLAS_CORETYPE={wanted} has no effect here")
