@@ -2,7 +2,8 @@
 
 #include <tuple>
 
-#include "numpy.hpp"
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
 #include "robsim/imaging/frame.hpp"
 #include "robsim/vision/marker_blobs.hpp"
 
@@ -72,7 +73,7 @@ MarkerLayout with_options(MarkerLayout markers, double distance_tolerance, doubl
 
 void bind_marker_layout(py::module_& module) {
   const MarkerLayout defaults;
-  py::class_<MarkerLayout>(module, "MarkerLayout", R"(
+  py::class_<MarkerLayout>(public_in(module, "robsim.vision"), "MarkerLayout", R"(
 The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
 
 The line from blue to red is perpendicular to the heading, red on the robot's right. For other
@@ -145,7 +146,7 @@ distance_tolerance, area_tolerance, maximum_blobs
 }
 
 void bind_find_blobs(py::module_& module) {
-  py::class_<Blob>(module, "Blob", R"(
+  py::class_<Blob>(public_in(module, "robsim.vision"), "Blob", R"(
 A connected component (8 neighbours) of pixels of one colour class, in pixels of its frame.
 )")
       .def_readonly("color", &Blob::color, "str: name of the colour class.")
@@ -165,10 +166,11 @@ A connected component (8 neighbours) of pixels of one colour class, in pixels of
       .def("__repr__", py::overload_cast<const Blob&>(&repr));
 
   const BlobOptions defaults;
-  module.def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
-             py::arg("markers") = py::none(), py::arg("minimum_area") = py::none(),
-             py::arg("maximum_count") = py::none(), py::arg("smoothing") = py::none(),
-             py::arg("region") = py::none(), R"(
+  public_in(module, "robsim")
+      .def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
+           py::arg("markers") = py::none(), py::arg("minimum_area") = py::none(),
+           py::arg("maximum_count") = py::none(), py::arg("smoothing") = py::none(),
+           py::arg("region") = py::none(), R"(
 Find the blobs of every colour class in one pass over an image.
 
 Parameters
@@ -204,8 +206,9 @@ TypeError, ValueError
     For an image of the wrong type or shape, duplicate colour names, and options out of range.
 )");
 
-  module.def("classify", &masks_of, py::arg("image"), py::arg("colors"), py::kw_only(),
-             py::arg("smoothing") = defaults.smoothing, R"(
+  public_in(module, "robsim.vision")
+      .def("classify", &masks_of, py::arg("image"), py::arg("colors"), py::kw_only(),
+           py::arg("smoothing") = defaults.smoothing, R"(
 Return which pixels belong to which colour class: the masks that `find_blobs` works on.
 
 Parameters
@@ -230,7 +233,7 @@ TypeError, ValueError
 }
 
 void bind_locate(py::module_& module) {
-  py::class_<Measurement>(module, "Measurement", R"(
+  py::class_<Measurement>(public_in(module, "robsim"), "Measurement", R"(
 The pose of a detected robot. A frame without a detection gives None instead.
 
 Parameters
@@ -248,12 +251,13 @@ pose : array (3,)
                ")";
       });
 
-  module.def(
-      "locate",
-      [](const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map) {
-        return locate(blobs, markers, plane_map);
-      },
-      py::arg("blobs"), py::arg("markers"), py::arg("plane_map") = PlaneMap(), R"(
+  public_in(module, "robsim")
+      .def(
+          "locate",
+          [](const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map) {
+            return locate(blobs, markers, plane_map);
+          },
+          py::arg("blobs"), py::arg("markers"), py::arg("plane_map") = PlaneMap(), R"(
 Return the pose of the robot whose markers are among the blobs.
 
 The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "numpy.hpp"
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
 #include "robsim/vision/color/color_training.hpp"
 
 namespace py = pybind11;
@@ -154,7 +155,8 @@ ValueError
     If a range becomes empty.
 )");
 
-  module.def("color_histograms", &histograms_of, py::arg("image"), py::arg("region"), R"(
+  public_in(module, "robsim.vision")
+      .def("color_histograms", &histograms_of, py::arg("image"), py::arg("region"), R"(
 Return how many pixels of a region have each value of Y, U and V.
 
 Parameters
@@ -179,7 +181,7 @@ TypeError, ValueError
 }  // namespace
 
 void bind_color(py::module_& module) {
-  py::class_<ColorClass> color_class(module, "ColorClass", R"(
+  py::class_<ColorClass> color_class(public_in(module, "robsim"), "ColorClass", R"(
 A named colour: a pixel belongs to it when its Y, U and V lie within the ranges.
 
 Parameters
@@ -203,7 +205,7 @@ y, u, v : tuple of two ints
           "tuple of int: red minus luma, 128 = neutral.")
       .def("__repr__", py::overload_cast<const ColorClass&>(&repr));
 
-  module.def("rgb_to_yuv", &yuv_of, py::arg("image"), R"(
+  public_in(module, "robsim.vision").def("rgb_to_yuv", &yuv_of, py::arg("image"), R"(
 Return Y, U and V of every pixel, as the colour classes use them.
 
 Full-range BT.601 in coefficients of 7 bits, rounded down: Y = (38 R + 75 G + 15 B)/128,

@@ -1,6 +1,7 @@
 #include <pybind11/eigen.h>
 
-#include "numpy.hpp"
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
 #include "robsim/estimation/least_squares.hpp"
 #include "robsim/estimation/recursive_least_squares.hpp"
 
@@ -19,7 +20,8 @@ py::array_t<double> read_only(py::array_t<double> array) {
 
 // One filter has vectors, several have rows.
 Shape theta_shape(const RecursiveLeastSquares& self) {
-  return self.filters() == 1 ? Shape{self.parameters()} : Shape{self.filters(), self.parameters()};
+  return self.n_filters() == 1 ? Shape{self.n_parameters()}
+                               : Shape{self.n_filters(), self.n_parameters()};
 }
 
 py::array_t<double> theta_of(const RecursiveLeastSquares& self) {
@@ -36,19 +38,19 @@ py::array_t<double> standard_errors_of(const RecursiveLeastSquares& self) {
 
 py::array_t<double> covariance_of(const RecursiveLeastSquares& self) {
   std::vector<double> values;
-  for (int filter = 0; filter < self.filters(); ++filter) {
+  for (int filter = 0; filter < self.n_filters(); ++filter) {
     const Eigen::MatrixXd P = self.covariance(filter);
     values.insert(values.end(), P.data(), P.data() + P.size());
   }
   Shape shape = theta_shape(self);
-  shape.push_back(self.parameters());
+  shape.push_back(self.n_parameters());
   return to_array(values.data(), shape);
 }
 
 py::object sample_counts_of(const RecursiveLeastSquares& self) {
-  if (self.filters() == 1) return py::int_(self.samples(0));
-  py::array_t<std::int64_t> samples(self.filters());
-  for (int i = 0; i < self.filters(); ++i) samples.mutable_at(i) = self.samples(i);
+  if (self.n_filters() == 1) return py::int_(self.samples(0));
+  py::array_t<std::int64_t> samples(self.n_filters());
+  for (int i = 0; i < self.n_filters(); ++i) samples.mutable_at(i) = self.samples(i);
   return std::move(samples);
 }
 
@@ -96,14 +98,14 @@ LeastSquaresFit fit(const py::object& phi_value, const py::object& y_value) {
 void bind_estimation(py::module_& module) {
   const RecursiveLeastSquares defaults(1);
   py::class_<RecursiveLeastSquares, std::shared_ptr<RecursiveLeastSquares>>(
-      module, "RecursiveLeastSquares", R"(
+      public_in(module, "robsim"), "RecursiveLeastSquares", R"(
 Recursive least squares with forgetting, for one filter or any number side by side.
 
 Parameters
 ----------
-parameters : int
+n_parameters : int
     Number of parameters of a filter.
-filters : int
+n_filters : int
     Number of filters: 3 for the axes of a robot, 3 R for those of R runs.
 forgetting : float
     Forgetting factor, 0 < forgetting <= 1; 1 = none.
@@ -129,16 +131,16 @@ estimates do not change, excited directions are forgotten as before, and when ex
 filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
 filter follows a change of the parameters more and more slowly as samples accumulate.
 )")
-      .def(py::init<int, int, double, double>(), py::arg("parameters"), py::kw_only(),
-           py::arg("filters") = 1, py::arg("forgetting") = defaults.forgetting(),
+      .def(py::init<int, int, double, double>(), py::arg("n_parameters"), py::kw_only(),
+           py::arg("n_filters") = 1, py::arg("forgetting") = defaults.forgetting(),
            py::arg("initial_covariance") = defaults.initial_covariance())
       .def("update", &update, py::arg("phi"), py::arg("y"), R"(
 Update every filter with one sample, or with N samples in sequence.
 
 Parameters
 ----------
-phi : array (parameters,) or (N, parameters); for several filters (filters, parameters) or \
-(N, filters, parameters)
+phi : array (n_parameters,) or (N, n_parameters); for several filters (n_filters, n_parameters) or \
+(N, n_filters, n_parameters)
     Regressors. A filter with NaN in its regressors or its output skips the update.
 y : array, shaped as phi without its last dimension
     Outputs.
@@ -154,25 +156,27 @@ TypeError, ValueError
     For other shapes and for infinity; the filters are unchanged then.
 )")
       .def_property_readonly("theta", &theta_of,
-                             "array (parameters,) or (filters, parameters): the estimates.")
+                             "array (n_parameters,) or (n_filters, n_parameters): the estimates.")
       .def_property_readonly(
           "P", &covariance_of,
-          "array (parameters, parameters), for several filters (filters, parameters, parameters):\n"
+          "array (n_parameters, n_parameters), for several filters (n_filters, n_parameters, "
+          "n_parameters):\n"
           "covariance of the estimates in units of the variance of the output noise.")
       .def_property_readonly(
           "standard_errors_unscaled", &standard_errors_of,
           "array, shaped as theta: standard errors of the estimates in units of the standard\n"
           "deviation of the output noise, the square roots of the diagonal of P.")
       .def_property_readonly(
-          "samples", &sample_counts_of,
-          "int, or array (filters,) of int: number of samples used, without skipped updates.")
+          "n_samples", &sample_counts_of,
+          "int, or array (n_filters,) of int: number of samples used, without skipped updates.")
       .def_property_readonly("forgetting", &RecursiveLeastSquares::forgetting,
                              "float: forgetting factor.")
       .def_property_readonly("initial_covariance", &RecursiveLeastSquares::initial_covariance,
                              "float: the initial P is this times the identity matrix.")
       .def("reset", &RecursiveLeastSquares::reset, "Return to the initial state.");
 
-  py::class_<LeastSquaresFit>(module, "LeastSquaresFit", "Result of `least_squares`.")
+  py::class_<LeastSquaresFit>(public_in(module, "robsim.identification"), "LeastSquaresFit",
+                              "Result of `least_squares`.")
       .def_property_readonly(
           "theta",
           [](const LeastSquaresFit& self) {
@@ -200,7 +204,8 @@ TypeError, ValueError
           },
           "array (n,): standard errors of theta, with the noise estimated from the residuals.");
 
-  module.def("least_squares", &fit, py::arg("phi"), py::arg("y"), R"(
+  public_in(module, "robsim.identification")
+      .def("least_squares", &fit, py::arg("phi"), py::arg("y"), R"(
 Return the theta that minimises the sum of squares of y - phi theta.
 
 Parameters

@@ -1,10 +1,13 @@
-#include "numpy.hpp"
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
 #include "robsim/geometry/pose.hpp"
 
 namespace py = pybind11;
+using robsim::bindings::public_in;
 
 void bind_geometry(py::module_& module) {
-  module.def("wrap_angle", py::vectorize(&robsim::wrap_angle), py::arg("angle"), R"(
+  public_in(module, "robsim")
+      .def("wrap_angle", py::vectorize(&robsim::wrap_angle), py::arg("angle"), R"(
 Return the angle in (-pi, pi] that differs by full turns.
 
 Parameters

@@ -1,6 +1,7 @@
 #include <cmath>
 
-#include "numpy.hpp"
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
 #include "robsim/imaging/frame.hpp"
 
 namespace py = pybind11;
@@ -54,7 +55,7 @@ py::array_t<double> map_points(py::handle value, const std::string& name, const 
 }  // namespace
 
 void bind_imaging(py::module_& module) {
-  py::class_<PlaneMap>(module, "PlaneMap", R"(
+  py::class_<PlaneMap>(public_in(module, "robsim.imaging"), "PlaneMap", R"(
 Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
 
 Parameters
@@ -167,7 +168,7 @@ array (2,) or (N, 2)
 )")
       .def("__repr__", &repr);
 
-  py::class_<Frame>(module, "Frame", R"(
+  py::class_<Frame>(public_in(module, "robsim"), "Frame", R"(
 A camera image with its time: all that the robot half gets to know of the world.
 
 Parameters

@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
-#include "numpy.hpp"
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
 #include "robsim/model/robot_model.hpp"
 
 namespace py = pybind11;
@@ -71,7 +72,7 @@ Arrays regression_of(py::handle poses_value, py::handle u_value) {
 
 void bind_parameters(py::module_& module) {
   const RobotParameters defaults;
-  py::class_<RobotParameters>(module, "RobotParameters", R"(
+  py::class_<RobotParameters>(public_in(module, "robsim"), "RobotParameters", R"(
 The physical robot; the defaults are those of the original program.
 
 Parameters
@@ -107,7 +108,7 @@ ValueError
       .def_readonly("mass", &RobotParameters::mass, "float: mass (kg).")
       .def_readonly("inertia", &RobotParameters::inertia, "float: moment of inertia (kg m^2).")
       .def_readonly("linear_friction", &RobotParameters::linear_friction,
-                    "float: viscous friction of the place (N s/m).")
+                    "float: viscous friction of the position (N s/m).")
       .def_readonly("angular_friction", &RobotParameters::angular_friction,
                     "float: viscous friction of the heading (N m s/rad).")
       .def_readonly("wheel_radius", &RobotParameters::wheel_radius, "float: wheel radius (m).")
@@ -128,7 +129,7 @@ ValueError
 void bind_model(py::module_& module) {
   bind_parameters(module);
 
-  py::class_<RobotModel>(module, "RobotModel", R"(
+  py::class_<RobotModel>(public_in(module, "robsim"), "RobotModel", R"(
 One-step predictor of a differential-drive robot, linear in its 15 parameters.
 
 Per axis: x(k) = a1 x(k-1) + a2 x(k-2) + (b1 u1(k-1) + b2 u2(k-1) + d1) cos heading(k-1), with sin
@@ -196,7 +197,8 @@ array (3,)
                " s, theta =\n" + py::str(to_array(self.theta())).cast<std::string>() + ">";
       });
 
-  module.def("regression", &regression_of, py::arg("poses"), py::arg("u"), R"(
+  public_in(module, "robsim.identification")
+      .def("regression", &regression_of, py::arg("poses"), py::arg("u"), R"(
 Return the samples of the robot model's predictor in an unbroken record.
 
 Parameters

@@ -3,8 +3,9 @@
 #include <chrono>
 #include <thread>
 
-#include "callbacks.hpp"
-#include "numpy.hpp"
+#include "python/callbacks.hpp"
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
 #include "robsim/model/unicycle.hpp"
 #include "robsim/simulation/simulation.hpp"
 
@@ -146,7 +147,7 @@ py::array_t<double> input_of(const Step& step) {
 }
 
 void bind_records(py::module_& module) {
-  py::class_<Estimate>(module, "Estimate", R"(
+  py::class_<Estimate>(public_in(module, "robsim"), "Estimate", R"(
 What a state estimator makes of a step.
 
 Parameters
@@ -192,7 +193,7 @@ state : array (n,), optional
                ">";
       });
 
-  py::class_<Sample>(module, "Sample", R"(
+  py::class_<Sample>(public_in(module, "robsim.identification"), "Sample", R"(
 One sample for the parameter estimator: y = sum(phi * theta, axis=1).
 )")
       .def_readonly("k", &Sample::k, "int: the step whose output y is.")
@@ -205,7 +206,8 @@ One sample for the parameter estimator: y = sum(phi * theta, axis=1).
       .def("__repr__",
            [](const Sample& self) { return "<Sample of step " + std::to_string(self.k) + ">"; });
 
-  py::class_<WorldState>(module, "WorldState", "What a robot model gets to compute the next pose.")
+  py::class_<WorldState>(public_in(module, "robsim"), "WorldState",
+                         "What a robot model gets to compute the next pose.")
       .def_readonly("k", &WorldState::k, "int: number of the step.")
       .def_readonly("t", &WorldState::t, "float: time (s).")
       .def_readonly("dt", &WorldState::dt, "float: sample time (s).")
@@ -227,7 +229,7 @@ One sample for the parameter estimator: y = sum(phi * theta, axis=1).
 }
 
 void bind_unicycle(py::module_& module) {
-  py::class_<Unicycle>(module, "Unicycle", R"(
+  py::class_<Unicycle>(public_in(module, "robsim"), "Unicycle", R"(
 The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
 
 It has the constants of the `RobotModel` and moves as that along a straight line, and in its
@@ -250,7 +252,7 @@ x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
 }
 
 void bind_step(py::module_& module) {
-  py::class_<Step, std::shared_ptr<Step>>(module, "Step", R"(
+  py::class_<Step, std::shared_ptr<Step>>(public_in(module, "robsim"), "Step", R"(
 What the robot half may know of a step, read-only. It fills up from stage to stage.
 )")
       .def_readonly("k", &Step::k, "int: number of the step, from 0.")
@@ -292,7 +294,8 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
 }
 
 void bind_controllers(py::module_& module) {
-  py::class_<Controller, std::shared_ptr<Controller>>(module, "Controller", R"(
+  py::class_<Controller, std::shared_ptr<Controller>>(public_in(module, "robsim.control"),
+                                                      "Controller", R"(
 A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
 )")
       .def(
@@ -300,7 +303,7 @@ A ready controller, as fast as the loop. It can be called like a callback: ``u =
           py::arg("step"), "Return the input of a step: array (2,), V.");
 
   const Spin spin;
-  py::class_<Spin, Controller, std::shared_ptr<Spin>>(module, "Spin", R"(
+  py::class_<Spin, Controller, std::shared_ptr<Spin>>(public_in(module, "robsim"), "Spin", R"(
 Turns on the spot: (+voltage, -voltage).
 
 Parameters
@@ -312,7 +315,8 @@ voltage : float
       .def_property_readonly("voltage", &Spin::voltage, "float: voltage of the left motor (V).");
 
   const DriveAround drive;
-  py::class_<DriveAround, Controller, std::shared_ptr<DriveAround>>(module, "DriveAround", R"(
+  py::class_<DriveAround, Controller, std::shared_ptr<DriveAround>>(public_in(module, "robsim"),
+                                                                    "DriveAround", R"(
 Drives around: for each motor a random voltage, held for some steps.
 
 Parameters
@@ -337,7 +341,8 @@ void bind_simulation(py::module_& module) {
   bind_unicycle(module);
   bind_controllers(module);
 
-  py::class_<SlottedSimulation>(module, "Simulation", "The loop. Users take robsim.Simulation.",
+  py::class_<SlottedSimulation>(public_in(module, "robsim._core"), "Simulation",
+                                "The loop. Users take robsim.Simulation.",
                                 py::custom_type_setup(&collect_garbage))
       .def(py::init(&make_simulation), py::kw_only(), py::arg("area"), py::arg("boundary"),
            py::arg("robot_radius"), py::arg("start"), py::arg("noise"), py::arg("colors"),

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "numpy.hpp"
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
 #include "robsim/world/noise/visual_noise.hpp"
 #include "robsim/world/renderer.hpp"
 
@@ -14,9 +15,9 @@ using namespace robsim::bindings;
 
 namespace {
 
-Layer layer_from(const std::pair<py::object, py::object>& pictures, const std::string& name) {
-  return {copy_of(image_view(pictures.first, name + "[0]")),
-          copy_of(image_view(pictures.second, name + "[1]"))};
+Layer layer_from(const std::pair<py::object, py::object>& images, const std::string& name) {
+  return {copy_of(image_view(images.first, name + "[0]")),
+          copy_of(image_view(images.second, name + "[1]"))};
 }
 
 Sprite sprite_from(const py::object& value) {
@@ -38,14 +39,14 @@ Sprite sprite_from(const py::object& value) {
 Renderer make_renderer(const std::pair<py::object, py::object>& floor,
                        const std::pair<py::object, py::object>& home, int shadow_left,
                        double shadow_factor, const py::object& sprite, const py::object& centre,
-                       double unit, double alignment, int phases, std::pair<int, int> area) {
+                       double unit, double alignment, int headings, std::pair<int, int> area) {
   if (area.first < 1 || area.second < 1) throw py::value_error("area must be above 0");
   if (!std::isfinite(alignment)) throw py::value_error("alignment must be finite (rad)");
   Background background(layer_from(floor, "floor"), layer_from(home, "home"), shadow_left,
                         shadow_factor);
   const PlaneMap camera =
       PlaneMap::scaled(background.width(), background.height(), area.first, area.second);
-  RobotImage robot(sprite_from(sprite), point_from(centre, "centre"), unit, alignment, phases,
+  RobotImage robot(sprite_from(sprite), point_from(centre, "centre"), unit, alignment, headings,
                    camera);
   return Renderer(std::move(background), std::move(robot), camera);
 }
@@ -87,7 +88,7 @@ py::array with_noise(const VisualNoise& self, const py::object& image, std::uint
 }  // namespace
 
 void bind_world(py::module_& module) {
-  py::class_<Renderer>(module, "Renderer", R"(
+  py::class_<Renderer>(public_in(module, "robsim.simulation"), "Renderer", R"(
 Draws what the ceiling camera sees, without noise.
 
 Parameters
@@ -100,7 +101,7 @@ shadow_left : int
 shadow_factor : float
     Brightness of the robot in the shadow relative to that in the light.
 sprite : array (h, w, 4) of uint8
-    The robot's picture, RGBA.
+    The robot's image, RGBA.
 centre : array (2,)
     The robot's centre in the sprite (sprite px).
 unit : float
@@ -108,7 +109,7 @@ unit : float
 alignment : float
     What turns the sprite clockwise so that the robot faces +x (rad).
 headings : int
-    Number of headings the robot is shown in, at whole pixels; 0 = any heading and place.
+    Number of headings the robot is shown in, at whole pixels; 0 = any heading and position.
 area : tuple of int
     Width and height of the work area (px).
 )")
@@ -136,7 +137,7 @@ array (H, W, 3) of uint8
     Read-only; it stays what it is as long as you hold it.
 )");
 
-  py::class_<VisualNoise>(module, "VisualNoise", R"(
+  py::class_<VisualNoise>(public_in(module, "robsim._core"), "VisualNoise", R"(
 Noise of the camera: independent per pixel and channel, added, rounded, clipped to 0..255.
 
 Parameters

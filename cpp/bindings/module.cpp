@@ -24,4 +24,5 @@ PYBIND11_MODULE(_core, module) {
   bind_blobs(module);
   bind_estimation(module);
   bind_simulation(module);
+  pybind11::delattr(module, "__module__");  // the bindings set it
 }

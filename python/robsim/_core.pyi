@@ -194,7 +194,7 @@ class RobotParameters:
     @property
     def linear_friction(self) -> float:
         """
-        float: viscous friction of the place (N s/m).
+        float: viscous friction of the position (N s/m).
         """
     @property
     def mass(self) -> float:
@@ -299,7 +299,7 @@ class Renderer:
     shadow_factor : float
         Brightness of the robot in the shadow relative to that in the light.
     sprite : array (h, w, 4) of uint8
-        The robot's picture, RGBA.
+        The robot's image, RGBA.
     centre : array (2,)
         The robot's centre in the sprite (sprite px).
     unit : float
@@ -307,7 +307,7 @@ class Renderer:
     alignment : float
         What turns the sprite clockwise so that the robot faces +x (rad).
     headings : int
-        Number of headings the robot is shown in, at whole pixels; 0 = any heading and place.
+        Number of headings the robot is shown in, at whole pixels; 0 = any heading and position.
     area : tuple of int
         Width and height of the work area (px).
     """
@@ -601,9 +601,9 @@ class RecursiveLeastSquares:
     
     Parameters
     ----------
-    parameters : int
+    n_parameters : int
         Number of parameters of a filter.
-    filters : int
+    n_filters : int
         Number of filters: 3 for the axes of a robot, 3 R for those of R runs.
     forgetting : float
         Forgetting factor, 0 < forgetting <= 1; 1 = none.
@@ -629,7 +629,7 @@ class RecursiveLeastSquares:
     filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
     filter follows a change of the parameters more and more slowly as samples accumulate.
     """
-    def __init__(self, parameters: typing.SupportsInt | typing.SupportsIndex, *, filters: typing.SupportsInt | typing.SupportsIndex = 1, forgetting: typing.SupportsFloat | typing.SupportsIndex = 1.0, initial_covariance: typing.SupportsFloat | typing.SupportsIndex = 1000000000.0) -> None:
+    def __init__(self, n_parameters: typing.SupportsInt | typing.SupportsIndex, *, n_filters: typing.SupportsInt | typing.SupportsIndex = 1, forgetting: typing.SupportsFloat | typing.SupportsIndex = 1.0, initial_covariance: typing.SupportsFloat | typing.SupportsIndex = 1000000000.0) -> None:
         ...
     def reset(self) -> None:
         """
@@ -641,8 +641,8 @@ class RecursiveLeastSquares:
         
         Parameters
         ----------
-        phi : array (parameters,) or (N, parameters); for several filters (filters, parameters) or \\
-        (N, filters, parameters)
+        phi : array (n_parameters,) or (N, n_parameters); for several filters (n_filters, n_parameters) or \\
+        (N, n_filters, n_parameters)
             Regressors. A filter with NaN in its regressors or its output skips the update.
         y : array, shaped as phi without its last dimension
             Outputs.
@@ -660,7 +660,7 @@ class RecursiveLeastSquares:
     @property
     def P(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (parameters, parameters), for several filters (filters, parameters, parameters):
+        array (n_parameters, n_parameters), for several filters (n_filters, n_parameters, n_parameters):
         covariance of the estimates in units of the variance of the output noise.
         """
     @property
@@ -674,9 +674,9 @@ class RecursiveLeastSquares:
         float: the initial P is this times the identity matrix.
         """
     @property
-    def samples(self) -> typing.Any:
+    def n_samples(self) -> typing.Any:
         """
-        int, or array (filters,) of int: number of samples used, without skipped updates.
+        int, or array (n_filters,) of int: number of samples used, without skipped updates.
         """
     @property
     def standard_errors_unscaled(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -687,7 +687,7 @@ class RecursiveLeastSquares:
     @property
     def theta(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (parameters,) or (filters, parameters): the estimates.
+        array (n_parameters,) or (n_filters, n_parameters): the estimates.
         """
 class LeastSquaresFit:
     """

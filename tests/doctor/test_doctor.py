@@ -490,7 +490,7 @@ class LeastSquares:
 
 
 def as_callback():
-    estimator = robsim.RecursiveLeastSquares(5, filters=3, forgetting=0.99)
+    estimator = robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.99)
 
     def estimate(step):
         return None if step.sample is None else estimator.update(step.sample.phi, step.sample.y)
@@ -502,9 +502,9 @@ def as_callback():
     "make",
     [LeastSquares,
      as_callback,
-     lambda: robsim.RecursiveLeastSquares(5, filters=3),
-     lambda: robsim.RecursiveLeastSquares(5, filters=3, forgetting=0.99),
-     lambda: robsim.RecursiveLeastSquares(5, filters=3, forgetting=0.95)],
+     lambda: robsim.RecursiveLeastSquares(5, n_filters=3),
+     lambda: robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.99),
+     lambda: robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.95)],
     ids=["numpy", "callback", "1", "0.99", "0.95"],
 )  # fmt: skip
 def test_right_parameter_estimators_are_well(make):
@@ -531,7 +531,7 @@ class Wrapped:
     """A right one to be spoiled, faster than numpy."""
 
     def __init__(self):
-        self.filters = robsim.RecursiveLeastSquares(5, filters=3, forgetting=0.99)
+        self.filters = robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.99)
 
     def update(self, phi, y):
         return self.filters.update(phi, y)
@@ -574,7 +574,7 @@ class Subtracts(Wrapped):
 
 
 class OneForAll(Wrapped):
-    filters = robsim.RecursiveLeastSquares(5, filters=3)
+    filters = robsim.RecursiveLeastSquares(5, n_filters=3)
 
     def __init__(self):
         pass

@@ -53,7 +53,7 @@ def test_on_a_drive_it_equals_the_ridge_solution_to_the_last_digits(rng):
     run = robsim.Simulation(control=robsim.DriveAround(), boundary="unlimited", seed=4).run(200)
     phi, y = _core.regression(run.pose_true, run.u)
     y = y + (0.1, 0.1, 0.005) * rng.normal(size=y.shape)
-    theta = robsim.RecursiveLeastSquares(5, filters=3, initial_covariance=2.0**20).update(phi, y)
+    theta = robsim.RecursiveLeastSquares(5, n_filters=3, initial_covariance=2.0**20).update(phi, y)
     for axis in range(3):
         exact = exact_ridge(phi[:, axis], y[:, axis], 2.0**-20)
         assert np.linalg.norm(theta[-1, axis] - exact) < 1e-12 * np.linalg.norm(exact)
@@ -73,7 +73,7 @@ def test_it_equals_the_weighted_ridge_solution(rng, forgetting):
 
 def test_filters_side_by_side_do_not_see_each_other(rng):
     phi, y = zip(*(drawn(rng, 50, 4) for _ in range(3)), strict=True)
-    together = robsim.RecursiveLeastSquares(4, filters=3)
+    together = robsim.RecursiveLeastSquares(4, n_filters=3)
     alone = [robsim.RecursiveLeastSquares(4) for _ in range(3)]
     for k in range(50):
         theta = together.update([p[k] for p in phi], [o[k] for o in y])
@@ -109,7 +109,7 @@ def test_one_bad_sample_among_many_changes_nothing():
     filter_ = robsim.RecursiveLeastSquares(2)
     with pytest.raises(ValueError, match="at most 1e100"):
         filter_.update([[1.0, 2.0], [1.0, np.inf]], [1.0, 2.0])
-    assert filter_.samples == 0
+    assert filter_.n_samples == 0
     np.testing.assert_array_equal(filter_.theta, [0, 0])
 
 
@@ -119,7 +119,7 @@ def test_rows_of_samples_are_the_same_as_single_ones(rng, parameters, filters):
     shape = (40, filters, parameters) if filters > 1 else (40, parameters)
     phi, y = rng.normal(size=shape), rng.normal(size=shape[:-1])
     phi[11, ..., 0] = np.nan
-    options = {"filters": filters, "forgetting": 0.9}
+    options = {"n_filters": filters, "forgetting": 0.9}
     together = robsim.RecursiveLeastSquares(parameters, **options)
     one_by_one = robsim.RecursiveLeastSquares(parameters, **options)
     history = together.update(phi, y)
@@ -136,7 +136,7 @@ def test_every_processor_gives_the_same_bits(rng):
     try:
         for path in _core.cpu_paths():
             _core.force_cpu_path(path)
-            filters = robsim.RecursiveLeastSquares(5, filters=3, forgetting=0.98)
+            filters = robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.98)
             results.append((filters.update(phi, y), filters.P))
     finally:
         _core.force_cpu_path(used)
@@ -149,11 +149,11 @@ def test_a_filter_without_a_sample_holds_and_the_others_go_on(rng):
     phi, y = rng.normal(size=(30, 3, 5)), rng.normal(size=(30, 3))
     phi[10:20, 1, 2] = np.nan
     y[25, 2] = np.nan
-    filters = robsim.RecursiveLeastSquares(5, filters=3, forgetting=0.9)
+    filters = robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.9)
     history = filters.update(phi, y)
     np.testing.assert_array_equal(history[9:20, 1], np.tile(history[9, 1], (11, 1)))
     np.testing.assert_array_equal(history[25, 2], history[24, 2])
-    np.testing.assert_array_equal(filters.samples, [30, 20, 29])
+    np.testing.assert_array_equal(filters.n_samples, [30, 20, 29])
     # As if there had been no such samples at all.
     for i, seen in enumerate(
         [range(30), [*range(10), *range(20, 30)], [*range(25), *range(26, 30)]]
@@ -166,7 +166,7 @@ def test_a_filter_without_a_sample_holds_and_the_others_go_on(rng):
 
 
 def test_unit_errors_are_the_roots_of_the_diagonal(rng):
-    filters = robsim.RecursiveLeastSquares(4, filters=2, forgetting=0.95)
+    filters = robsim.RecursiveLeastSquares(4, n_filters=2, forgetting=0.95)
     filters.update(rng.normal(size=(20, 2, 4)), rng.normal(size=(20, 2)))
     diagonals = np.diagonal(filters.P, axis1=1, axis2=2)
     np.testing.assert_allclose(filters.standard_errors_unscaled, np.sqrt(diagonals), rtol=1e-13)
@@ -183,11 +183,11 @@ def test_reset_goes_back_to_the_start():
 @pytest.mark.parametrize(
     ("options", "name"),
     [
-        ({"parameters": 0}, "parameters"),
-        ({"parameters": 2, "filters": 0}, "filters"),
-        ({"parameters": 2, "forgetting": 0.0}, "forgetting"),
-        ({"parameters": 2, "forgetting": 1.1}, "forgetting"),
-        ({"parameters": 2, "initial_covariance": 0.0}, "initial_covariance"),
+        ({"n_parameters": 0}, "n_parameters"),
+        ({"n_parameters": 2, "n_filters": 0}, "n_filters"),
+        ({"n_parameters": 2, "forgetting": 0.0}, "forgetting"),
+        ({"n_parameters": 2, "forgetting": 1.1}, "forgetting"),
+        ({"n_parameters": 2, "initial_covariance": 0.0}, "initial_covariance"),
     ],
 )
 def test_options_out_of_range_are_refused(options, name):
@@ -253,11 +253,11 @@ def test_forgetting_without_excitation_stays_finite():
 @pytest.mark.parametrize(
     ("parameters", "filters", "message"),
     [
-        (1001, 1, r"parameters must lie within 1\.\.1000, got 1001"),
-        (2, 100_001, r"filters must lie within 1\.\.100000, got 100001"),
-        (1000, 101, r"filters \* parameters\^2 must be at most 1e8, got 101000000"),
+        (1001, 1, r"n_parameters must lie within 1\.\.1000, got 1001"),
+        (2, 100_001, r"n_filters must lie within 1\.\.100000, got 100001"),
+        (1000, 101, r"n_filters \* n_parameters\^2 must be at most 1e8, got 101000000"),
     ],
 )
 def test_filters_that_no_memory_holds(parameters, filters, message):
     with pytest.raises(ValueError, match=message):
-        robsim.RecursiveLeastSquares(parameters, filters=filters)
+        robsim.RecursiveLeastSquares(parameters, n_filters=filters)

@@ -784,7 +784,7 @@ def test_update_of_one_filter_changes_nothing(phi, y, name):
     y=npst.array_shapes(min_dims=0, max_dims=2, max_side=4),
 )
 def test_update_of_three_filters(phi, y):
-    filters = RecursiveLeastSquares(2, filters=3)
+    filters = RecursiveLeastSquares(2, n_filters=3)
     fits = phi[-2:] == (3, 2) and len(phi) <= 3
     if fits and y == phi[:-1]:
         assert filters.update(np.ones(phi), np.ones(y)).shape == phi

@@ -90,7 +90,7 @@ def test_an_exception_at_the_start_has_a_note_and_the_start_can_be_tried_again(s
             raise OSError("not yet")
         return {
             "define_model": robsim.RobotModel,
-            "init_parameter_estimator": lambda: robsim.RecursiveLeastSquares(5, filters=3),
+            "init_parameter_estimator": lambda: robsim.RecursiveLeastSquares(5, n_filters=3),
             "adjust_background": lambda: arguments[0],
         }[slot]()
 
@@ -173,7 +173,7 @@ def test_an_estimator_object_that_returns_nonsense():
 
 def test_filters_of_the_wrong_size_are_refused_at_the_start():
     sim = robsim.Simulation(init_parameter_estimator=lambda model: robsim.RecursiveLeastSquares(4))
-    with pytest.raises(ValueError, match="filters=3 and parameters=5"):
+    with pytest.raises(ValueError, match="n_filters=3 and n_parameters=5"):
         sim.run(1)
 
 

@@ -64,7 +64,7 @@ class Recorder:
     def init_parameter_estimator(self, model):
         assert isinstance(model, robsim.RobotModel)
         self.calls.append("init_parameter_estimator")
-        return robsim.RecursiveLeastSquares(5, filters=3)
+        return robsim.RecursiveLeastSquares(5, n_filters=3)
 
     def adjust_background(self, background):
         assert background.shape == (1200, 1200, 3)
@@ -130,7 +130,7 @@ def test_optional_stages_are_off_unless_given():
 
 def test_an_estimator_that_is_given_is_used():
     sim = robsim.Simulation(
-        init_parameter_estimator=lambda model: robsim.RecursiveLeastSquares(5, filters=3)
+        init_parameter_estimator=lambda model: robsim.RecursiveLeastSquares(5, n_filters=3)
     )
     assert np.isfinite(sim.run(5).parameters[-1]).all()
 
@@ -587,7 +587,7 @@ def test_a_class_of_ones_own_that_builds_on_a_native_one_is_used():
             Counting.updates += 1
             return super().update(phi, y)
 
-    estimator = Counting(5, filters=3)
+    estimator = Counting(5, n_filters=3)
     sim = robsim.Simulation(control=Faster(), init_parameter_estimator=lambda model: estimator)
     trace = sim.run(6)
     np.testing.assert_array_equal(trace.u, [[0.1, -0.1]] * 6)

@@ -126,7 +126,7 @@ def test_own_kinds_of_native_stages_are_watched(options, note):
 
 def test_the_other_stages_stay_what_they_are():
     sim = robsim.Simulation(
-        init_parameter_estimator=lambda model: robsim.RecursiveLeastSquares(5, filters=3),
+        init_parameter_estimator=lambda model: robsim.RecursiveLeastSquares(5, n_filters=3),
         measure=True,
         time_limit=30,
         seed=1,

@@ -30,18 +30,19 @@ bool has_excessive(const double* values, std::int64_t count) {
 
 }  // namespace
 
-RecursiveLeastSquares::RecursiveLeastSquares(int parameters, int filters, double forgetting,
+RecursiveLeastSquares::RecursiveLeastSquares(int n_parameters, int n_filters, double forgetting,
                                              double initial_covariance)
-    : parameters_(parameters),
-      filters_(filters),
+    : n_parameters_(n_parameters),
+      n_filters_(n_filters),
       forgetting_(forgetting),
       initial_covariance_(initial_covariance) {
-  check(parameters >= 1 && parameters <= maximum_parameters,
-        "parameters must lie within 1..1000, got ", parameters);
-  check(filters >= 1 && filters <= maximum_filters, "filters must lie within 1..100000, got ",
-        filters);
-  const double numbers = 1.0 * filters * parameters * parameters;
-  check(numbers <= maximum_numbers, "filters * parameters^2 must be at most 1e8, got ", numbers);
+  check(n_parameters >= 1 && n_parameters <= maximum_parameters,
+        "n_parameters must lie within 1..1000, got ", n_parameters);
+  check(n_filters >= 1 && n_filters <= maximum_filters, "n_filters must lie within 1..100000, got ",
+        n_filters);
+  const double numbers = 1.0 * n_filters * n_parameters * n_parameters;
+  check(numbers <= maximum_numbers, "n_filters * n_parameters^2 must be at most 1e8, got ",
+        numbers);
   check(forgetting > 0 && forgetting <= 1, "forgetting must lie in (0, 1], got ", forgetting);
   check(std::isfinite(initial_covariance) && initial_covariance > 0,
         "initial_covariance must be positive and finite, got ", initial_covariance);
@@ -50,16 +51,16 @@ RecursiveLeastSquares::RecursiveLeastSquares(int parameters, int filters, double
 
 void RecursiveLeastSquares::reset() {
   groups_.clear();
-  for (int left = filters_; left > 0; left -= FilterGroup::maximum_filters) {
-    groups_.emplace_back(parameters_, std::min(left, FilterGroup::maximum_filters), forgetting_,
+  for (int left = n_filters_; left > 0; left -= FilterGroup::maximum_filters) {
+    groups_.emplace_back(n_parameters_, std::min(left, FilterGroup::maximum_filters), forgetting_,
                          initial_covariance_);
   }
 }
 
 void RecursiveLeastSquares::update(const double* phi, const double* y, std::int64_t samples,
                                    double* history) {
-  const std::int64_t outputs = samples * filters_;
-  const std::int64_t regressors = outputs * parameters_;
+  const std::int64_t outputs = samples * n_filters_;
+  const std::int64_t regressors = outputs * n_parameters_;
   const bool is_usable = are_surely_usable(phi, regressors) && are_surely_usable(y, outputs);
   if (!is_usable && (has_excessive(phi, regressors) || has_excessive(y, outputs))) {
     throw std::invalid_argument("phi and y must be at most 1e100, or NaN for no sample");
@@ -68,8 +69,8 @@ void RecursiveLeastSquares::update(const double* phi, const double* y, std::int6
   const std::int64_t at_once = groups_.size() == 1 ? samples : 1;
   for (std::int64_t k = 0; k < samples; k += at_once) {
     for (FilterGroup& group : groups_) {
-      const std::int64_t numbers = std::int64_t{group.filters()} * parameters_;
-      group.update({phi, y, history, at_once, filters_, !is_usable});
+      const std::int64_t numbers = std::int64_t{group.filters()} * n_parameters_;
+      group.update({phi, y, history, at_once, n_filters_, !is_usable});
       phi += numbers;
       y += group.filters();
       if (history) history += numbers;
@@ -80,14 +81,14 @@ void RecursiveLeastSquares::update(const double* phi, const double* y, std::int6
 void RecursiveLeastSquares::write_estimates(double* estimates) const {
   for (const FilterGroup& group : groups_) {
     group.write_estimates(estimates);
-    estimates += group.filters() * parameters_;
+    estimates += group.filters() * n_parameters_;
   }
 }
 
 void RecursiveLeastSquares::write_standard_errors_unscaled(double* errors) const {
   for (const FilterGroup& group : groups_) {
     group.write_standard_errors_unscaled(errors);
-    errors += group.filters() * parameters_;
+    errors += group.filters() * n_parameters_;
   }
 }
 
@@ -98,9 +99,9 @@ std::int64_t RecursiveLeastSquares::samples(int filter) const {
 Eigen::MatrixXd RecursiveLeastSquares::covariance(int filter) const {
   const FilterGroup& group = group_of(filter);
   const int lane = filter % FilterGroup::maximum_filters;
-  Eigen::MatrixXd U = Eigen::MatrixXd::Identity(parameters_, parameters_);
-  Eigen::VectorXd D(parameters_);
-  for (int j = 0; j < parameters_; ++j) {
+  Eigen::MatrixXd U = Eigen::MatrixXd::Identity(n_parameters_, n_parameters_);
+  Eigen::VectorXd D(n_parameters_);
+  for (int j = 0; j < n_parameters_; ++j) {
     D[j] = group.d(lane, j);
     for (int i = 0; i < j; ++i) U(i, j) = group.u(lane, i, j);
   }

@@ -19,14 +19,14 @@ namespace robsim {
 /// limit it is the textbook filter.
 class RecursiveLeastSquares {
  public:
-  /// `filters` filters of `parameters` parameters each; 0 < forgetting <= 1; the initial P is
+  /// `n_filters` filters of `n_parameters` parameters each; 0 < forgetting <= 1; the initial P is
   /// initial_covariance times the identity matrix, the initial theta 0.
   /// Throws std::invalid_argument for values outside these ranges.
-  explicit RecursiveLeastSquares(int parameters, int filters = 1, double forgetting = 1,
+  explicit RecursiveLeastSquares(int n_parameters, int n_filters = 1, double forgetting = 1,
                                  double initial_covariance = 1e9);
 
-  int parameters() const { return parameters_; }
-  int filters() const { return filters_; }
+  int n_parameters() const { return n_parameters_; }
+  int n_filters() const { return n_filters_; }
   double forgetting() const { return forgetting_; }
   double initial_covariance() const { return initial_covariance_; }
 
@@ -62,8 +62,8 @@ class RecursiveLeastSquares {
     return groups_.at(static_cast<std::size_t>(filter / FilterGroup::maximum_filters));
   }
 
-  int parameters_;
-  int filters_;
+  int n_parameters_;
+  int n_filters_;
   double forgetting_;
   double initial_covariance_;
   std::vector<FilterGroup> groups_;

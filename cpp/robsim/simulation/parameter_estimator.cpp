@@ -7,11 +7,11 @@ namespace robsim {
 
 RecursiveEstimator::RecursiveEstimator(std::shared_ptr<RecursiveLeastSquares> filters)
     : filters_(std::move(filters)) {
-  if (filters_->filters() != 3 || filters_->parameters() != 5) {
+  if (filters_->n_filters() != 3 || filters_->n_parameters() != 5) {
     throw std::invalid_argument(
-        "a parameter estimator of the robot needs filters=3 and parameters=5, got filters=" +
-        std::to_string(filters_->filters()) +
-        " and parameters=" + std::to_string(filters_->parameters()));
+        "a parameter estimator of the robot needs n_filters=3 and n_parameters=5, got n_filters=" +
+        std::to_string(filters_->n_filters()) +
+        " and n_parameters=" + std::to_string(filters_->n_parameters()));
   }
 }
 

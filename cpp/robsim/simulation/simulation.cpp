@@ -382,11 +382,11 @@ void Simulation::record_measurement() {
   if (!step_->blobs || columns_.blobs.empty()) return;
   auto column = columns_.blobs.begin();
   for (const auto& [color, blobs] : *step_->blobs) {
-    double* places = trace_.writable(**column++);
+    double* positions = trace_.writable(**column++);
     for (std::size_t i = 0; i < std::min<std::size_t>(2, blobs.size()); ++i) {
-      const Point place = step_->frame->plane_map.to_world(blobs[i].centroid);
-      places[2 * i] = place.x;
-      places[2 * i + 1] = place.y;
+      const Point position = step_->frame->plane_map.to_world(blobs[i].centroid);
+      positions[2 * i] = position.x;
+      positions[2 * i + 1] = position.y;
     }
   }
 }

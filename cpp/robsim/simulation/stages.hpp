@@ -10,7 +10,7 @@
 
 namespace robsim {
 
-/// The place of one stage: a native component or a Python callable. Empty = off.
+/// One stage: a native component or a Python callable. Empty = off.
 template <typename Signature>
 struct Slot {
   std::function<Signature> call;

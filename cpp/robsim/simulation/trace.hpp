@@ -59,7 +59,7 @@ class Trace {
   void clear();
 
  private:
-  mutable std::mutex mutex_;  // of the list of columns and of their memory's place
+  mutable std::mutex mutex_;  // of the list of columns and of where their memory is
   std::deque<Column> columns_;
   std::int64_t capacity_ = 0;
   std::atomic<std::int64_t> rows_{0};

@@ -84,7 +84,7 @@ def recursive_calls(samples: int = RECURSIVE_SAMPLES) -> dict[str, Call]:
     options = {"forgetting": 0.999, "initial_covariance": 1e6}
 
     def ours() -> Floats:
-        filters = RecursiveLeastSquares(PARAMETERS, filters=AXES, **options)
+        filters = RecursiveLeastSquares(PARAMETERS, n_filters=AXES, **options)
         filters.update(phi, y)
         return filters.theta
 

@@ -39,7 +39,7 @@ void draw_parts(const Span& columns, const Shadow& shadow, Draw draw) {
 }  // namespace
 
 RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double alignment,
-                       int phases, const PlaneMap& camera)
+                       int headings, const PlaneMap& camera)
     : sprite_(with_rim(sprite)),
       centre_{centre.x + 1, centre.y + 1},
       unit_(unit),
@@ -49,8 +49,8 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
     throw std::invalid_argument("unit must be positive and finite (work-area px), got " +
                                 std::to_string(unit));
   }
-  if (phases < 0) {
-    throw std::invalid_argument("headings must be at least 0, got " + std::to_string(phases));
+  if (headings < 0) {
+    throw std::invalid_argument("headings must be at least 0, got " + std::to_string(headings));
   }
   const double du = std::max(centre_.x, sprite_.width - 2 - centre_.x);
   const double dv = std::max(centre_.y, sprite_.height - 2 - centre_.y);
@@ -60,14 +60,14 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
                                 std::to_string(static_cast<int>(maximum_radius)) +
                                 " work-area px of its centre");
   }
-  for (int i = 0; i < phases; ++i) phases_.push_back(make_phase(2 * pi * i / phases));
+  for (int i = 0; i < headings; ++i) headings_.push_back(make_heading(2 * pi * i / headings));
 }
 
 PixelBox RobotImage::draw(const Point& pixel, double heading, const Shadow& shadow,
                           Image& image) const {
   const Point position = near_the_view(pixel);
-  return phases_.empty() ? draw_turned(position, heading, shadow, image)
-                         : draw_phase(position, heading, shadow, image);
+  return headings_.empty() ? draw_turned(position, heading, shadow, image)
+                           : draw_nearest_heading(position, heading, shadow, image);
 }
 
 PixelBox RobotImage::bounds(const Point& pixel) const {
@@ -91,16 +91,16 @@ Point RobotImage::direction(double heading) const {
   return {std::cos(heading + alignment_), std::sin(heading + alignment_)};
 }
 
-RobotImage::Phase RobotImage::make_phase(double heading) const {
+RobotImage::DrawnHeading RobotImage::make_heading(double heading) const {
   const PixelBox box = bounds({0, 0});
   const Point ahead = direction(heading);
-  Phase phase;
+  DrawnHeading drawn;
   for (int v = box.top; v < box.bottom; ++v) {
     const SpriteLine row_line = line({0, 0}, ahead, v);
     const Span columns = span_within(sprite_, row_line, {box.left, box.right});
-    phase.push_back(without_transparent_ends(sample(sprite_, row_line, columns)));
+    drawn.push_back(without_transparent_ends(sample(sprite_, row_line, columns)));
   }
-  return phase;
+  return drawn;
 }
 
 PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shadow& shadow,
@@ -120,11 +120,11 @@ PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shado
   return drawn;
 }
 
-PixelBox RobotImage::draw_phase(const Point& pixel, double heading, const Shadow& shadow,
-                                Image& image) const {
-  const int count = static_cast<int>(phases_.size());
+PixelBox RobotImage::draw_nearest_heading(const Point& pixel, double heading, const Shadow& shadow,
+                                          Image& image) const {
+  const int count = static_cast<int>(headings_.size());
   const int nearest = static_cast<int>(std::lround(wrap_angle(heading) / (2 * pi) * count));
-  const Phase& phase = phases_[static_cast<std::size_t>((nearest + count) % count)];
+  const DrawnHeading& shown = headings_[static_cast<std::size_t>((nearest + count) % count)];
   const int u = static_cast<int>(std::round(pixel.x));
   const int v = static_cast<int>(std::round(pixel.y));
   const PixelBox around = bounds({0, 0});
@@ -133,7 +133,7 @@ PixelBox RobotImage::draw_phase(const Point& pixel, double heading, const Shadow
   if (box.empty()) return {};
   PixelBox drawn;
   for (int row = box.top; row < box.bottom; ++row) {
-    const Strip& strip = phase[static_cast<std::size_t>(row - v - around.top)];
+    const Strip& strip = shown[static_cast<std::size_t>(row - v - around.top)];
     const int left = u + strip.left;
     const Span columns{std::clamp(left, box.left, box.right),
                        std::clamp(left + strip.width, box.left, box.right)};

@@ -17,14 +17,14 @@ struct Shadow {
 };
 
 /// The robot seen from above, in any heading.
-/// With phases > 0 it is drawn in the nearest of that many headings at the nearest whole pixel, as
-/// in the program of 2008; with phases = 0 at its exact position and heading.
+/// With headings > 0 it is drawn in the nearest of that many headings at the nearest whole pixel,
+/// as in the program of 2008; with headings = 0 at its exact position and heading.
 class RobotImage {
  public:
   /// `centre` is the robot's centre in sprite pixels, `unit` the size of a sprite pixel in
   /// work-area px, `alignment` (rad, clockwise) the rotation of the image that makes the robot face
   /// +x, `camera` the map of the frames to draw into.
-  RobotImage(const Sprite& sprite, Point centre, double unit, double alignment, int phases,
+  RobotImage(const Sprite& sprite, Point centre, double unit, double alignment, int headings,
              const PlaneMap& camera);
 
   /// Draws the robot, its centre at `pixel`, and returns the box of the pixels changed.
@@ -32,15 +32,16 @@ class RobotImage {
 
  private:
   // A strip for each row around the robot's centre.
-  using Phase = std::vector<sprite::Strip>;
+  using DrawnHeading = std::vector<sprite::Strip>;
 
   PixelBox bounds(const Point& pixel) const;
   Point direction(double heading) const;  // of the image: cosine and sine
   sprite::SpriteLine line(const Point& pixel, const Point& ahead, int v) const;
-  Phase make_phase(double heading) const;
+  DrawnHeading make_heading(double heading) const;
   PixelBox draw_turned(const Point& pixel, double heading, const Shadow& shadow,
                        Image& image) const;
-  PixelBox draw_phase(const Point& pixel, double heading, const Shadow& shadow, Image& image) const;
+  PixelBox draw_nearest_heading(const Point& pixel, double heading, const Shadow& shadow,
+                                Image& image) const;
 
   Sprite sprite_;  // with a transparent rim
   Point centre_;
@@ -48,7 +49,7 @@ class RobotImage {
   double alignment_;
   Point pixel_size_;  // work-area px per camera pixel
   double radius_;     // of the sprite's farthest corner, work-area px
-  std::vector<Phase> phases_;
+  std::vector<DrawnHeading> headings_;
 };
 
 }  // namespace robsim

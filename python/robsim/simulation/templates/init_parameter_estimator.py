@@ -14,5 +14,5 @@ ENABLED = True  # False: robsim's own default instead of this file
 def init_parameter_estimator(model):
     """Return the estimator: one filter of 5 parameters for each of x, y and the heading."""
     # To try: forget old samples, to follow a robot that changes.
-    # return robsim.RecursiveLeastSquares(5, filters=3, forgetting=0.99)
-    return robsim.RecursiveLeastSquares(5, filters=3, forgetting=1.0)
+    # return robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.99)
+    return robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=1.0)

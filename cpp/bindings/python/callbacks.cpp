@@ -1,4 +1,4 @@
-#include "callbacks.hpp"
+#include "python/callbacks.hpp"
 
 #include <functional>
 #include <unordered_map>
@@ -216,20 +216,20 @@ Callback::Callback(std::string slot, py::handle function)
   }
 }
 
-std::string Callback::place(std::int64_t k) const {
+std::string Callback::where(std::int64_t k) const {
   return "in the callback " + slot_ + (k < 0 ? " at the start" : " at step " + std::to_string(k));
 }
 
 void Callback::add_note(const py::error_already_set& error, std::int64_t k) const {
   try {
-    error.value().attr("add_note")(place(k));
+    error.value().attr("add_note")(where(k));
   } catch (const py::error_already_set&) {
     // An exception class that takes no notes: the exception itself is what counts.
   }
 }
 
 std::string Callback::blame(std::int64_t k, const std::string& what) const {
-  return place(k) + ": " + what + "\n" + location(py::reinterpret_borrow<py::object>(function_));
+  return where(k) + ": " + what + "\n" + location(py::reinterpret_borrow<py::object>(function_));
 }
 
 AxisMatrix ObjectEstimator::update(const Step& step) {

@@ -1,17 +1,17 @@
-// Python callables in the place of stages: their calls, their errors, their results.
+// Python callables as stages: their calls, their errors, their results.
 #pragma once
 
 #include <stdexcept>
 #include <unordered_map>
 
-#include "numpy.hpp"
+#include "python/numpy.hpp"
 #include "robsim/simulation/controllers.hpp"
 #include "robsim/simulation/simulation.hpp"
 
 namespace robsim::bindings {
 
 /// A user's callable in a slot. What goes wrong in it reaches the user with the slot, the step
-/// and the place of the callable. It does not keep the callable alive: SlottedSimulation does.
+/// and where the callable is defined. It does not keep the callable alive: SlottedSimulation does.
 class Callback {
  public:
   /// Throws py::type_error unless the value is callable.
@@ -47,7 +47,7 @@ class Callback {
   }
 
  private:
-  std::string place(std::int64_t k) const;
+  std::string where(std::int64_t k) const;
   void add_note(const py::error_already_set& error, std::int64_t k) const;
   std::string blame(std::int64_t k, const std::string& what) const;
 

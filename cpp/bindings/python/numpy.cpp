@@ -1,4 +1,4 @@
-#include "numpy.hpp"
+#include "python/numpy.hpp"
 
 #include <pybind11/stl.h>
 
