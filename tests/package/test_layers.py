@@ -144,15 +144,3 @@ def test_import_robsim_is_quiet_and_loads_no_drawing():
     run = subprocess.run([sys.executable, "-c", CHECK], capture_output=True, text=True, check=True)
     assert run.stdout.splitlines() == ["[]", "True False"]
     assert run.stderr == ""
-
-
-def test_everything_in_all_is_there():
-    import robsim
-
-    assert robsim.__all__ == sorted(
-        robsim.__all__, key=lambda n: (not n.isupper(), not n[0].isupper(), n)
-    )
-    for name in robsim.__all__:
-        assert getattr(robsim, name) is not None
-    with pytest.raises(AttributeError, match="no attribute 'plot_nothing'"):
-        _ = robsim.plot_nothing

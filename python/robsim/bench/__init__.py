@@ -1,6 +1,6 @@
 """Speed against what else there is."""
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim.bench._cases import BenchResult, Case
 from robsim.bench._run import run_bench
 
@@ -10,4 +10,4 @@ __all__ = [
     "run_bench",
 ]
 
-present(globals())
+_present(globals())

@@ -1,6 +1,6 @@
 """Controllers: paths to follow, excitation for identification, and a score of the path."""
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim._core import Controller, DriveAround, Spin
 from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.control._path_following import FollowPath, GoToPoint
@@ -19,4 +19,4 @@ __all__ = [
     "score_path",
 ]
 
-present(globals())
+_present(globals())

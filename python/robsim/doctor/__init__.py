@@ -1,7 +1,7 @@
 """The estimator doctor: what is wrong with a student's estimator, and where."""
 
 from robsim._base.check_report import CheckReport, Problem
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim._base.source_line import SourceLine
 from robsim.doctor._parameter_estimators import check_parameter_estimator
 from robsim.doctor._state_estimators import check_estimator
@@ -14,4 +14,4 @@ __all__ = [
     "check_parameter_estimator",
 ]
 
-present(globals())
+_present(globals())

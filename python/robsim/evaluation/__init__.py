@@ -1,6 +1,6 @@
 """How good estimates are: errors, consistency, whiteness, bounds."""
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim.evaluation._chi_square import chi_square_band
 from robsim.evaluation._consistency import (
     ConsistencyReport,
@@ -39,4 +39,4 @@ __all__ = [
     "wrapped_error",
 ]
 
-present(globals())
+_present(globals())

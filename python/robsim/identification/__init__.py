@@ -1,6 +1,6 @@
 """Parameters from records: batch estimates, what a record determines, convergence."""
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim._core import LeastSquaresFit, RecursiveLeastSquares, Sample, least_squares, regression
 from robsim.identification._batch import BatchEstimate, batch_estimate
 from robsim.identification._convergence import (
@@ -32,4 +32,4 @@ __all__ = [
     "regression_of",
 ]
 
-present(globals())
+_present(globals())

@@ -1,6 +1,6 @@
 """Images and frames: files, videos, recordings, clips."""
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim._core import Frame, PlaneMap
 from robsim.imaging._clip import Clip
 from robsim.imaging._images import load_image, save_image
@@ -21,4 +21,4 @@ __all__ = [
     "save_video",
 ]
 
-present(globals())
+_present(globals())

@@ -17,15 +17,15 @@ class _Noise:
 
     percent: float
 
-    kind: ClassVar[str]
+    _kind: ClassVar[str]
 
     def __post_init__(self) -> None:
         check_float("percent", self.percent, "%", minimum=0)
 
     @property
-    def native(self) -> VisualNoise:
+    def _native(self) -> VisualNoise:
         """The core's own noise of this kind and level."""
-        return native_noise(self.kind, float(self.percent))
+        return native_noise(self._kind, float(self.percent))
 
     def add(self, image: Pixels, seed: int, index: int = 0, *, out: Pixels | None = None) -> Pixels:
         """Return an image with noise added.
@@ -52,7 +52,7 @@ class _Noise:
             If an image has the wrong type or shape, or `out` is read-only or shares only a part
             of the memory of `image`.
         """
-        return self.native.add(image, seed, index, out=out)
+        return self._native.add(image, seed, index, out=out)
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class GaussianNoise(_Noise):
     >>> sim = robsim.Simulation(measure=True, noise=robsim.GaussianNoise(40))
     """
 
-    kind: ClassVar[str] = "gaussian"
+    _kind: ClassVar[str] = "gaussian"
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class UniformNoise(_Noise):
     >>> sim = robsim.Simulation(measure=True, noise=robsim.UniformNoise(40))
     """
 
-    kind: ClassVar[str] = "uniform"
+    _kind: ClassVar[str] = "uniform"
 
 
 Noise = GaussianNoise | UniformNoise
@@ -122,7 +122,7 @@ def as_native_noise(noise: Noise | None) -> VisualNoise:
             f"noise must be a GaussianNoise, a UniformNoise or None, got {noise!r}: write, for "
             "example, noise=robsim.GaussianNoise(40)"
         )
-    return noise.native
+    return noise._native
 
 
 @functools.lru_cache(maxsize=16)

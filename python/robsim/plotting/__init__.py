@@ -4,7 +4,7 @@ The colours mean the same in all of them, see `robsim.plotting.style`. Places ar
 pixels with the y axis downwards, as the camera sees the area; angles are in degrees.
 """
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim.plotting._batch import plot_batch
 from robsim.plotting._colors import plot_color_histograms
 from robsim.plotting._consistency import plot_consistency
@@ -32,4 +32,4 @@ __all__ = [
     "plot_traces",
 ]
 
-present(globals())
+_present(globals())

@@ -4,7 +4,7 @@ Nothing of robsim needs this package: a course in which the students write these
 themselves can delete its folder.
 """
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim.reference._constant_velocity import ConstantVelocityKalmanFilter
 from robsim.reference._estimator import Prior
 from robsim.reference._extended import ExtendedKalmanFilter
@@ -21,4 +21,4 @@ __all__ = [
     "UnscentedKalmanFilter",
 ]
 
-present(globals())
+_present(globals())

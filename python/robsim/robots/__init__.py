@@ -1,6 +1,6 @@
 """Robots: what they look like, where they are kept, which one is in use."""
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim.robots._default_robot import default_robot, reset_default_robot
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._files import save_robot
@@ -24,4 +24,4 @@ __all__ = [
     "set_default_robot",
 ]
 
-present(globals())
+_present(globals())

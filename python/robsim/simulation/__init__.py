@@ -1,6 +1,6 @@
 """The simulation: scene, slots, callback folders, the loop."""
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim._core import Estimate, Renderer, RobotModel, RobotParameters, Step, Unicycle, WorldState
 from robsim.simulation._dropout import Dropout
 from robsim.simulation._scene import draw_red_square
@@ -19,4 +19,4 @@ __all__ = [
     "draw_red_square",
 ]
 
-present(globals())
+_present(globals())

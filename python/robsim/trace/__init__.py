@@ -1,6 +1,6 @@
 """The recorded run: named columns, slices, files."""
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim.trace._trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
 
 __all__ = [
@@ -10,4 +10,4 @@ __all__ = [
     "TrackingStatistics",
 ]
 
-present(globals())
+_present(globals())

@@ -1,6 +1,6 @@
 """Colours: files, masks, and how robustly they are found."""
 
-from robsim._base.public import present
+from robsim._base.public import present as _present
 from robsim._core import (
     Blob,
     ColorClass,
@@ -34,4 +34,4 @@ __all__ = [
     "score_color",
 ]
 
-present(globals())
+_present(globals())
