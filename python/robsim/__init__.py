@@ -6,7 +6,6 @@ What is used first is here. The rest is one step down, by subject: `robsim.imagi
 """
 
 import importlib as _importlib
-from importlib.metadata import version as _version
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
 
@@ -31,6 +30,7 @@ from robsim.trace import Trace
 from robsim.vision import ColorClass, Measurement, find_blobs, load_colors, locate
 
 if _TYPE_CHECKING:
+    __version__: str
     from robsim import bench as bench
     from robsim import doctor as doctor
     from robsim import plotting as plotting
@@ -46,8 +46,6 @@ if _TYPE_CHECKING:
         plot_parameters,
         plot_traces,
     )
-
-__version__ = _version("robsim")
 
 __all__ = [
     "ColorClass",
@@ -110,6 +108,8 @@ _present({**globals(), "__all__": [name for name in __all__ if name in globals()
 
 
 def __getattr__(name: str) -> _Any:
+    if name == "__version__":
+        return _importlib.import_module("importlib.metadata").version("robsim")
     if name in _LATE_ROOMS:
         return _importlib.import_module(f"robsim.{name}")
     if name in _LATE_NAMES:
