@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 import robsim
 from robsim.plotting import _style as style
 from robsim.plotting import plot_batch, plot_frame, plot_parameters, plot_traces
-from robsim.trace._trace import RunInfo, Trace, longest_run
+from robsim.trace import RunInfo, Trace
+from robsim.trace._trace import longest_run
 
 pytestmark = pytest.mark.long
 

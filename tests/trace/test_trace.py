@@ -10,7 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import robsim
-from robsim.trace._trace import PARAMETER_NAMES, RunInfo, Trace, longest_run
+from robsim.trace import PARAMETER_NAMES, RunInfo, Trace
+from robsim.trace._trace import longest_run
 
 NAN = np.nan
 DT = 0.2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robsim._core import MarkerLayout
-from robsim.trace._trace import Trace
+from robsim.trace import Trace
 
 
 def explain_no_detection(trace: Trace, markers: MarkerLayout) -> str | None:

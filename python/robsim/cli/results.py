@@ -11,7 +11,7 @@ import numpy as np
 from robsim import plotting
 from robsim.identification._batch import BatchEstimate, batch_estimate
 from robsim.simulation._simulation import Simulation
-from robsim.trace._trace import TrackingStatistics
+from robsim.trace import TrackingStatistics
 
 
 def _known(numbers: dict[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, check_float
 from robsim.control._waypoints import as_waypoints, nearest_on_segment
-from robsim.trace._trace import Trace
+from robsim.trace import Trace
 
 
 @dataclass(frozen=True, kw_only=True)

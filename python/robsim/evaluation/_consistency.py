@@ -13,7 +13,7 @@ from robsim._base.checks import Floats, as_float_array
 from robsim.evaluation._chi_square import chi_square_band
 from robsim.evaluation._errors import as_runs, mean_of_known, wrapped_error
 from robsim.evaluation._whiteness import WhitenessReport, whitened, whiteness
-from robsim.trace._trace import Trace
+from robsim.trace import Trace
 
 #: A filter with fewer of its steps in the band of the NEES is called inconsistent.
 SHARE_IN_BAND = 0.8

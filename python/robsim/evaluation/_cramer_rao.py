@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array
 from robsim._core import regression
-from robsim.trace._trace import Trace, check_trace
+from robsim.trace import Trace
+from robsim.trace._trace import check_trace
 
 
 def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:

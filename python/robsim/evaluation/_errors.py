@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array, is_int
 from robsim._core import wrap_angle
-from robsim.trace._trace import Trace
+from robsim.trace import Trace
 
 _SOURCES = {"measurement": "pose_measured", "estimate": "pose_estimated"}
 

@@ -14,7 +14,7 @@ from robsim._core import least_squares
 from robsim.identification._fits import METHODS
 from robsim.identification._identifiability import Identifiability, judge
 from robsim.identification._regression import SOURCES, Regression, regression_of
-from robsim.trace._trace import PARAMETER_NAMES, Trace
+from robsim.trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
     import pandas

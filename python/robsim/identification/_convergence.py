@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, as_float_array, check_float
-from robsim.trace._trace import PARAMETER_NAMES, Trace, check_trace
+from robsim.trace import PARAMETER_NAMES, Trace
+from robsim.trace._trace import check_trace
 
 
 def convergence_time(

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array, check_int
 from robsim.identification._regression import regression_of
-from robsim.trace._trace import PARAMETER_NAMES, Trace, check_trace
+from robsim.trace import PARAMETER_NAMES, Trace
+from robsim.trace._trace import check_trace
 
 #: Standard deviation of the noise in the equations of x, y (px) and heading (rad) that true poses,
 #: which have none, are taken to have.

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
 from robsim._core import regression
-from robsim.trace._trace import Bools, Trace, check_trace, longest_run
+from robsim.trace import Trace
+from robsim.trace._trace import Bools, check_trace, longest_run
 
 SOURCES = {"truth": "pose_true", "measurement": "pose_measured", "estimate": "pose_estimated"}
 SELECTIONS = ("valid", "longest", "all")

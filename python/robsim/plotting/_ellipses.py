@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, check_float, check_int
 from robsim.plotting import _style as style
-from robsim.trace._trace import Trace
+from robsim.trace import Trace
 
 # Corners of the polygon that stands for an ellipse.
 _CORNERS = 48

@@ -13,7 +13,7 @@ from robsim._base.checks import Floats
 from robsim._core import Blob, Frame, Measurement
 from robsim.plotting import _style as style
 from robsim.plotting._shapes import box_corners, heading_line, placed_outline
-from robsim.trace._trace import Trace
+from robsim.trace import Trace
 
 _Map = Callable[[ArrayLike], Floats]  # places (N, 2) to places (N, 2)
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from robsim._base.checks import Floats
 from robsim.identification._identifiability import identifiability
 from robsim.plotting import _style as style
-from robsim.trace._trace import Trace
+from robsim.trace import Trace
 
 
 @style.applied

@@ -11,7 +11,7 @@ from robsim.imaging._clip import Clip
 from robsim.imaging._images import Pixels
 from robsim.plotting._overlay import draw_overlay
 from robsim.simulation._simulation import Simulation
-from robsim.trace._trace import Trace
+from robsim.trace import Trace
 
 
 def annotated_frames(

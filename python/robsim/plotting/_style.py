@@ -16,7 +16,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from robsim._base.checks import Floats
-from robsim.trace._trace import PARAMETER_NAMES, Trace
+from robsim.trace import PARAMETER_NAMES, Trace
 
 TRUE = "#d100c9"  # the true pose and the true parameters
 MEASURED = "#17a02b"  # what the camera measured

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from robsim._base.checks import Floats
 from robsim.plotting import _style as style
 from robsim.plotting._error_panels import draw_histogram, limit_panel
-from robsim.trace._trace import Trace, check_trace, longest_run
+from robsim.trace import Trace
+from robsim.trace._trace import check_trace, longest_run
 
 
 @style.applied

@@ -33,7 +33,7 @@ from robsim.simulation._frame_source import FrameSource, check_no_world
 from robsim.simulation._options import heading_count, start_within, step_count
 from robsim.simulation._scene import HEADINGS, as_floor, draw_red_square, make_renderer
 from robsim.simulation._time_limit import TimeLimit
-from robsim.trace._trace import RunInfo, Trace
+from robsim.trace import RunInfo, Trace
 from robsim.vision._color_files import as_colors
 
 if TYPE_CHECKING:

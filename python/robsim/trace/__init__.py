@@ -1,13 +1,11 @@
-"""The recorded run: named columns, slices, files."""
+"""The recorded run: named columns with units, slices, files."""
 
 from robsim._base.public import present as _present
-from robsim.trace._trace import PARAMETER_NAMES, RunInfo, Trace, TrackingStatistics
+from robsim.trace._columns import PARAMETER_NAMES
+from robsim.trace._run_info import RunInfo
+from robsim.trace._trace import Trace
+from robsim.trace._tracking import TrackingStatistics
 
-__all__ = [
-    "PARAMETER_NAMES",
-    "RunInfo",
-    "Trace",
-    "TrackingStatistics",
-]
+__all__ = ["PARAMETER_NAMES", "RunInfo", "Trace", "TrackingStatistics"]
 
 _present(globals())

@@ -1,17 +1,10 @@
-"""The recorded run: named columns, slices, files."""
+"""The recorded run: its columns as arrays, slices, tables. `Simulation.run` returns one."""
 
 from __future__ import annotations
 
 import csv
-import io
-import json
-import math
 import reprlib
-import tokenize
-import zipfile
-import zlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,177 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats
-from robsim._base.files import write_whole
 from robsim._core import wrap_angle
+from robsim.trace._columns import RECORDED, SIMULATED, as_rows, fields_of
+from robsim.trace._run_info import RunInfo
+from robsim.trace._trace_file import read_trace, write_trace
+from robsim.trace._tracking import FALSE_POSE_LIMITS, TrackingStatistics
 
 if TYPE_CHECKING:
     import pandas
 Bools = NDArray[np.bool_]
-
-FORMAT = "robsim trace 1"
-
-#: The 15 parameters of the robot model, row by row of theta (3, 5).
-PARAMETER_NAMES = tuple(f"{p}{axis}" for axis in "XYP" for p in ("a1", "a2", "b1", "b2", "d1"))
-
-#: Farther from the truth than this, a measured pose is a false one (px, rad).
-FALSE_POSE_LIMITS = (10.0, np.deg2rad(20.0))
-
-_POSE_UNITS = ("px", "px", "rad")
-
-
-def _poses(suffix: str) -> dict[str, str]:
-    return {
-        f"{q}_{suffix}": unit for q, unit in zip(("x", "y", "heading"), _POSE_UNITS, strict=True)
-    }
-
-
-# What each group of columns consists of: name -> unit, in the order of the numbers of a row.
-_FIXED_GROUPS: dict[str, dict[str, str]] = {
-    "t": {"t": "s"},
-    "pose_true": _poses("true"),
-    "u": {"u1": "V", "u2": "V"},
-    "bounced": {"bounced": ""},
-    "pose_measured": _poses("measured"),
-    "pose_held": _poses("held"),
-    "pose_estimated": _poses("estimated"),
-    "covariance": {
-        f"cov_{a}_{b}": f"{ua} {ub}"
-        for a, ua in zip(("x", "y", "heading"), _POSE_UNITS, strict=True)
-        for b, ub in zip(("x", "y", "heading"), _POSE_UNITS, strict=True)
-    },
-    "parameters": dict.fromkeys(PARAMETER_NAMES, ""),
-    "standard_errors_unscaled": {f"standard_error_unscaled_{name}": "" for name in PARAMETER_NAMES},
-    "view": {"x_view": "px", "y_view": "px"},
-}
-_SIMULATED = ("pose_true", "u", "bounced")
-_RECORDED = ("pose_measured",)
-_SHAPES = {
-    "covariance": (3, 3),
-    "parameters": (3, 5),
-    "standard_errors_unscaled": (3, 5),
-    "state": (),
-}
-
-
-def _fields(group: str, width: int) -> dict[str, str]:
-    """Return name -> unit of the single columns of a group."""
-    if group.startswith("blobs_") and group != "blobs_":
-        color = group.removeprefix("blobs_")
-        return {f"{color}{i}_{q}": "px" for i in (1, 2) for q in "xy"}
-    if group == "state":
-        return {f"state{i}": "" for i in range(width)}
-    if group not in _FIXED_GROUPS:
-        raise ValueError(f"there is no group of columns {group!r}")
-    return _FIXED_GROUPS[group]
-
-
-def _numbers(name: str, values: Any) -> Floats:
-    """Return real numbers as float64."""
-    try:
-        array = np.asarray(values)
-    except ValueError:
-        raise ValueError(f"{name} must be an array of numbers, got {values!r}") from None
-    if array.dtype.kind not in "biuf":
-        raise ValueError(f"{name} must be numbers, got {array.dtype} of shape {array.shape}")
-    return array.astype(np.float64, copy=False)
-
-
-def _rows_of(name: str, values: Any) -> Floats:
-    """Return a read-only array (N, width) of a group's numbers, which may come as (N, 3, 5)."""
-    array = _numbers(name, values)
-    if array.ndim < 1 or (array.ndim > 2 and array.shape[1:] != _SHAPES.get(name, (2, 2))):
-        raise ValueError(f"{name} must have a row for each step, got shape {array.shape}")
-    rows = array.reshape(len(array), math.prod(array.shape[1:])).view()
-    rows.setflags(write=False)
-    if rows.shape[1] != len(_fields(name, rows.shape[1])):
-        raise ValueError(f"{name} must not have {rows.shape[1]} columns, got shape {array.shape}")
-    return rows
-
-
-@dataclass(frozen=True, kw_only=True)
-class RunInfo:
-    """What a trace knows of the run as a whole.
-
-    Parameters
-    ----------
-    dt : float
-        Sample time (s).
-    theta_true : array_like (3, 5)
-        True parameters of the robot model, rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
-        NaN = not known, for recorded frames.
-    seed : dict
-        ``entropy`` and ``spawn_key`` of the run's `numpy.random.SeedSequence`.
-    identify_from : str
-        The data that the online estimate is made from: truth, measurement or estimate.
-    area : tuple of int
-        Width and height of the work area (px).
-    boundary : str
-        ``"bounce"`` or ``"unlimited"``, or ``"recorded"``: the frames were not simulated.
-    robot : str
-        Name of the robot definition.
-    """
-
-    dt: float
-    theta_true: ArrayLike
-    seed: Mapping[str, Any] = field(default_factory=dict)
-    identify_from: str = "truth"
-    area: tuple[int, int] = (1200, 1200)
-    boundary: str = "bounce"
-    robot: str = ""
-
-    def __post_init__(self) -> None:
-        is_number = isinstance(self.dt, (int, float)) and not isinstance(self.dt, bool)
-        if not is_number or not 0 < self.dt < 1e9:
-            raise ValueError(f"dt must be a positive number (s), got {self.dt!r}")
-        theta = _numbers("theta_true", self.theta_true)
-        is_unknown = self.boundary == "recorded" and bool(np.isnan(theta).all())
-        if theta.shape != (3, 5) or not (np.isfinite(theta).all() or is_unknown):
-            raise ValueError(f"theta_true must be 3 x 5 finite numbers, got {self.theta_true!r}")
-        object.__setattr__(self, "theta_true", tuple(map(tuple, theta.tolist())))
-        if not isinstance(self.seed, Mapping):
-            raise ValueError(f"seed must have entropy and spawn_key, got {self.seed!r}")
-        area = self.area if isinstance(self.area, tuple) else ()
-        if len(area) != 2 or not all(type(size) is int and size > 0 for size in area):
-            raise ValueError(f"area must be (width, height), two ints, got {self.area!r}")
-        for name in ("identify_from", "boundary", "robot"):
-            if not isinstance(getattr(self, name), str):
-                raise ValueError(f"{name} must be text, got {getattr(self, name)!r}")
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrackingStatistics:
-    """How well the measurement followed the truth.
-
-    Attributes
-    ----------
-    steps : int
-        Steps of the record.
-    seen : int
-        Steps in which the robot was found.
-    false_poses : int
-        Valid steps more than 10 px or 20 degrees off.
-    rmse_xy : float
-        sqrt(mean(dx^2 + dy^2)) over the steps seen (work-area px); NaN if the truth is not known.
-    rmse_heading_deg : float
-        Root mean square of the heading error over the steps seen (degrees).
-    """
-
-    steps: int
-    seen: int
-    false_poses: int
-    rmse_xy: float
-    rmse_heading_deg: float
-
-    def __str__(self) -> str:
-        if not self.seen:
-            return f"tracking: {self.steps} steps, never seen"
-        share = f"{100 * self.seen / self.steps:.1f} %"
-        if math.isnan(self.rmse_xy):
-            return f"tracking: {self.steps} steps, {self.seen} seen ({share})"
-        return (
-            f"tracking: {self.steps} steps, {self.seen} seen ({share}), {self.false_poses} false, "
-            f"rmse {self.rmse_xy:.3f} px and {self.rmse_heading_deg:.3f} deg"
-        )
 
 
 def check_trace(trace: Any) -> None:
@@ -262,8 +93,8 @@ class Trace:
             raise ValueError(f"first_step must be an int of at least 0, got {first_step!r}")
         self.info = info
         self._first_step = first_step
-        self._groups = {name: _rows_of(name, values) for name, values in groups.items()}
-        required = _RECORDED if info.boundary == "recorded" else _SIMULATED
+        self._groups = {name: as_rows(name, values) for name, values in groups.items()}
+        required = RECORDED if info.boundary == "recorded" else SIMULATED
         missing = [name for name in required if name not in groups]
         if missing:
             raise ValueError(f"a trace must have the group {missing[0]}, got {', '.join(groups)}")
@@ -379,8 +210,8 @@ class Trace:
         """Steps with a measured pose that is more than 10 px or 20 degrees off."""
         error = self.error
         distance = np.hypot(error[:, 0], error[:, 1])
-        place, heading = FALSE_POSE_LIMITS
-        return np.asarray((distance > place) | (np.abs(error[:, 2]) > heading))
+        position, heading = FALSE_POSE_LIMITS
+        return np.asarray((distance > position) | (np.abs(error[:, 2]) > heading))
 
     def tracking(self) -> TrackingStatistics:
         """Return how well the measurement followed the truth."""
@@ -403,7 +234,7 @@ class Trace:
         """Unit of every single column; "" = a plain number."""
         units = {"k": "", "t": "s"}
         for name, values in self._groups.items():
-            units |= _fields(name, values.shape[1])
+            units |= fields_of(name, values.shape[1])
             if name == "pose_measured":
                 units["seen"] = ""
         return units
@@ -416,7 +247,7 @@ class Trace:
     def _columns(self) -> dict[str, NDArray[Any]]:
         columns: dict[str, NDArray[Any]] = {"k": self.k, "t": self.t}
         for name, values in self._groups.items():
-            fields = _fields(name, values.shape[1])
+            fields = fields_of(name, values.shape[1])
             columns |= {field: values[:, i] for i, field in enumerate(fields)}
             if name == "pose_measured":
                 columns["seen"] = self.seen
@@ -481,16 +312,7 @@ class Trace:
         path : path
             The file to write; by custom its name ends with ``.npz``.
         """
-        info = {
-            "format": FORMAT,
-            "groups": list(self._groups),
-            "first_step": self._first_step,
-            **asdict(self.info),
-        }
-        text = np.array(json.dumps(info))
-        content = io.BytesIO()
-        np.savez_compressed(content, allow_pickle=False, info=text, **self._groups)
-        write_whole(Path(path), content.getvalue())
+        write_trace(path, (self._groups, self.info, self._first_step))
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Trace:
@@ -508,59 +330,15 @@ class Trace:
         ValueError
             If it is damaged, or not a trace of robsim.
         """
-        with Path(path).open("rb") as file:
-            try:
-                if not zipfile.is_zipfile(file):
-                    raise ValueError("it is not an archive of arrays")
-                file.seek(0)
-                with np.load(file, allow_pickle=False) as archive:
-                    members = {name: archive[name] for name in archive.files}
-                return _from_members(members)
-            except _BROKEN as error:
-                raise ValueError(f"{path} is not a trace of robsim, or damaged: {error}") from error
+        return read_trace(path, lambda content: Trace(*content[:2], first_step=content[2]))
 
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td>{name}</td><td>{' x '.join(map(str, values.shape))}</td>"
-            f"<td>{', '.join(_fields(name, values.shape[1]))}</td></tr>"
+            f"<td>{', '.join(fields_of(name, values.shape[1]))}</td></tr>"
             for name, values in self._groups.items()
         )
         return (
             f"<p>Trace: {len(self)} steps of {self.info.dt} s</p>"
             f"<table><tr><th>group</th><th>shape</th><th>columns</th></tr>{rows}</table>"
         )
-
-
-# What reading a broken archive raises, beside the errors of our own checks.
-_BROKEN = (
-    ValueError,
-    KeyError,
-    TypeError,
-    AttributeError,
-    EOFError,
-    OSError,
-    MemoryError,
-    RuntimeError,
-    OverflowError,
-    zipfile.BadZipFile,
-    zlib.error,
-    SyntaxError,
-    tokenize.TokenError,
-)
-
-
-def _from_members(members: Mapping[str, NDArray[Any]]) -> Trace:
-    if "info" not in members:
-        raise ValueError("it has no info")
-    info = json.loads(str(members["info"]))
-    if info.pop("format") != FORMAT:
-        raise ValueError(f"its format is not {FORMAT!r}")
-    first_step = info.pop("first_step")
-    groups = {name: values for name, values in members.items() if name != "info"}
-    if sorted(info.pop("groups")) != sorted(groups):
-        raise ValueError(f"it has not the groups that it had, but {', '.join(groups)}")
-    for name, values in groups.items():
-        if values.dtype != np.float64 or values.ndim != 2:
-            raise ValueError(f"{name} is {values.dtype} of shape {values.shape}")
-    info["area"] = tuple(info["area"])
-    return Trace(groups, RunInfo(**info), first_step=first_step)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
-from robsim.trace._trace import PARAMETER_NAMES
+from robsim.trace import PARAMETER_NAMES
 
 # A parameter is given if its standard error is below this share of the axis's scale.
 _LARGEST_ERROR = 0.3

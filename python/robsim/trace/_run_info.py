@@ -1,0 +1,62 @@
+"""What concerns a recorded run as a whole: the trace carries it as `info`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim.trace._columns import as_numbers
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunInfo:
+    """What a trace knows of the run as a whole.
+
+    Parameters
+    ----------
+    dt : float
+        Sample time (s).
+    theta_true : array_like (3, 5)
+        True parameters of the robot model, rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
+        NaN = not known, for recorded frames.
+    seed : dict
+        ``entropy`` and ``spawn_key`` of the run's `numpy.random.SeedSequence`.
+    identify_from : str
+        The data that the online estimate is made from: truth, measurement or estimate.
+    area : tuple of int
+        Width and height of the work area (px).
+    boundary : str
+        ``"bounce"`` or ``"unlimited"``, or ``"recorded"``: the frames were not simulated.
+    robot : str
+        Name of the robot definition.
+    """
+
+    dt: float
+    theta_true: ArrayLike
+    seed: Mapping[str, Any] = field(default_factory=dict)
+    identify_from: str = "truth"
+    area: tuple[int, int] = (1200, 1200)
+    boundary: str = "bounce"
+    robot: str = ""
+
+    def __post_init__(self) -> None:
+        is_number = isinstance(self.dt, (int, float)) and not isinstance(self.dt, bool)
+        if not is_number or not 0 < self.dt < 1e9:
+            raise ValueError(f"dt must be a positive number (s), got {self.dt!r}")
+        theta = as_numbers("theta_true", self.theta_true)
+        is_unknown = self.boundary == "recorded" and bool(np.isnan(theta).all())
+        if theta.shape != (3, 5) or not (np.isfinite(theta).all() or is_unknown):
+            raise ValueError(f"theta_true must be 3 x 5 finite numbers, got {self.theta_true!r}")
+        object.__setattr__(self, "theta_true", tuple(map(tuple, theta.tolist())))
+        if not isinstance(self.seed, Mapping):
+            raise ValueError(f"seed must have entropy and spawn_key, got {self.seed!r}")
+        area = self.area if isinstance(self.area, tuple) else ()
+        if len(area) != 2 or not all(type(size) is int and size > 0 for size in area):
+            raise ValueError(f"area must be (width, height), two ints, got {self.area!r}")
+        for name in ("identify_from", "boundary", "robot"):
+            if not isinstance(getattr(self, name), str):
+                raise ValueError(f"{name} must be text, got {getattr(self, name)!r}")
