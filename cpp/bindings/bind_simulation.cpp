@@ -49,7 +49,7 @@ std::unique_ptr<SlottedSimulation> make_simulation(
     std::pair<int, int> area, const std::string& boundary, double robot_radius,
     const py::object& start, const VisualNoise& noise, const std::vector<ColorClass>& colors,
     const MarkerLayout& markers, std::optional<int> smoothing, const std::string& identify_from,
-    std::uint64_t controller_seed, std::uint64_t noise_seed, double dropout, int dropout_steps,
+    std::uint64_t controller_seed, std::uint64_t noise_seed, double dropout, int dropout_length,
     std::uint64_t dropout_seed) {
   SimulationOptions options;
   options.area = {
@@ -68,7 +68,7 @@ std::unique_ptr<SlottedSimulation> make_simulation(
                                                      {"estimate", IdentifyFrom::estimate}});
   options.controller_seed = controller_seed;
   options.noise_seed = noise_seed;
-  options.dropout = {dropout, dropout_steps, dropout_seed};
+  options.dropout = {dropout, dropout_length, dropout_seed};
   auto simulation = std::make_unique<SlottedSimulation>(options, Stages());
   for (const char* slot : {"define_model", "init_parameter_estimator", "control"}) {
     simulation->set_stage(slot, py::none());
@@ -348,7 +348,7 @@ void bind_simulation(py::module_& module) {
            py::arg("robot_radius"), py::arg("start"), py::arg("noise"), py::arg("colors"),
            py::arg("markers"), py::arg("smoothing"), py::arg("identify_from"),
            py::arg("controller_seed"), py::arg("noise_seed"), py::arg("dropout"),
-           py::arg("dropout_steps"), py::arg("dropout_seed"))
+           py::arg("dropout_length"), py::arg("dropout_seed"))
       .def("set_stage", &SlottedSimulation::set_stage, py::arg("slot"), py::arg("value"),
            "Put a callable or a native component into a slot; None = the default.")
       .def_property_readonly(

@@ -967,7 +967,7 @@ class Simulation:
     """
     The loop. Users take robsim.Simulation.
     """
-    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_steps: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_length: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
         """

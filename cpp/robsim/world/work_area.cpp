@@ -8,26 +8,26 @@ namespace robsim {
 namespace {
 
 // Mirrors a coordinate and its predecessor at the wall that it runs into, if any.
-bool mirror(double low, double high, double& now, double& last) {
+bool mirror(double low, double high, double& current, double& previous) {
   double wall = 0;
-  if (now < low && now < last) {
+  if (current < low && current < previous) {
     wall = low;
-  } else if (now > high && now > last) {
+  } else if (current > high && current > previous) {
     wall = high;
   } else {
     return false;
   }
-  now = 2 * wall - now;
-  last = 2 * wall - last;
+  current = 2 * wall - current;
+  previous = 2 * wall - previous;
   return true;
 }
 
 // Mirrors until the coordinate is inside and returns how often: in one step a fast robot may cross
 // the whole area.
-int mirror_all(double low, double high, double& now, double& last) {
+int mirror_all(double low, double high, double& current, double& previous) {
   constexpr int maximum = 1000;
   int count = 0;
-  while (count < maximum && mirror(low, high, now, last)) ++count;
+  while (count < maximum && mirror(low, high, current, previous)) ++count;
   return count;
 }
 
@@ -46,11 +46,11 @@ int panned(int pan, double pixel, int size, double margin) {
 
 }  // namespace
 
-bool bounce(const WorkArea& area, double radius, Pose& now, Pose& last) {
+bool bounce(const WorkArea& area, double radius, Pose& current, Pose& previous) {
   // The area extends half a pixel beyond the centres of its outermost pixels.
-  const int x = mirror_all(radius - 0.5, area.width - 0.5 - radius, now.x, last.x);
-  const int y = mirror_all(radius - 0.5, area.height - 0.5 - radius, now.y, last.y);
-  for (Pose* pose : {&now, &last}) {
+  const int x = mirror_all(radius - 0.5, area.width - 0.5 - radius, current.x, previous.x);
+  const int y = mirror_all(radius - 0.5, area.height - 0.5 - radius, current.y, previous.y);
+  for (Pose* pose : {&current, &previous}) {
     if (x % 2 == 1) pose->heading = wrap_angle(pi - pose->heading);
     if (y % 2 == 1) pose->heading = wrap_angle(-pose->heading);
   }

@@ -16,8 +16,8 @@ struct WorkArea {
 };
 
 /// Mirrors the last two poses at every wall that the robot, a disc of `radius` px, has hit between
-/// `last` and `now`. True if it hit any.
-bool bounce(const WorkArea& area, double radius, Pose& now, Pose& last);
+/// `previous` and `current`. True if it hit any.
+bool bounce(const WorkArea& area, double radius, Pose& current, Pose& previous);
 
 /// Displacement of the view over an unlimited area, in whole camera pixels.
 struct Pan {

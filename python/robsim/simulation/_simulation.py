@@ -237,7 +237,7 @@ class Simulation:
             controller_seed=stream_number(self._seed, "controller"),
             noise_seed=stream_number(self._seed, "noise"),
             dropout=hidden.probability,
-            dropout_steps=hidden.steps,
+            dropout_length=hidden.steps,
             dropout_seed=stream_number(self._seed, "dropout"),
         )
         self._core.set_stage("make_renderer", self._make_renderer)
