@@ -137,16 +137,8 @@ array (H, W, 3) of uint8
     Read-only; it stays what it is as long as you hold it.
 )");
 
-  py::class_<VisualNoise>(public_in(module, "robsim._core"), "VisualNoise", R"(
-Noise of the camera: independent per pixel and channel, added, rounded, clipped to 0..255.
-
-Parameters
-----------
-kind : str
-    ``"none"``, ``"uniform"`` (within +-2.55 p) or ``"gaussian"`` (sigma = 2.55 p).
-percent : float
-    The level p, at least 0.
-)")
+  py::class_<VisualNoise>(public_in(module, "robsim._core"), "VisualNoise",
+                          "Noise of the camera. Users take robsim.GaussianNoise or UniformNoise.")
       .def(py::init([](const std::string& kind, double percent) {
              return VisualNoise(choice_from<NoiseKind>("kind", kind,
                                                        {{"none", NoiseKind::none},
@@ -156,29 +148,5 @@ percent : float
            }),
            py::arg("kind"), py::arg("percent"))
       .def("add", &with_noise, py::arg("image"), py::arg("seed"), py::arg("index") = 0,
-           py::kw_only(), py::arg("out") = py::none(), R"(
-Return an image with noise added.
-
-Parameters
-----------
-image : array (H, W, 3) of uint8
-    RGB.
-seed : int
-    Stream of random numbers, 0 <= seed < 2**64.
-index : int
-    Number of the frame: each has noise of its own.
-out : array (H, W, 3) of uint8, optional
-    Where to write the result; it may be `image` itself. Default: a new array.
-
-Returns
--------
-array (H, W, 3) of uint8
-    The noisy image: `out`, if it was given.
-
-Raises
-------
-TypeError, ValueError
-    For an image of another kind, and an `out` of another size, read-only, or with a part of the
-    image's memory only.
-)");
+           py::kw_only(), py::arg("out") = py::none(), "See robsim.GaussianNoise.add.");
 }

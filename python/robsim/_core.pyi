@@ -331,42 +331,13 @@ class Renderer:
         """
 class VisualNoise:
     """
-    Noise of the camera: independent per pixel and channel, added, rounded, clipped to 0..255.
-    
-    Parameters
-    ----------
-    kind : str
-        ``"none"``, ``"uniform"`` (within +-2.55 p) or ``"gaussian"`` (sigma = 2.55 p).
-    percent : float
-        The level p, at least 0.
+    Noise of the camera. Users take robsim.GaussianNoise or UniformNoise.
     """
     def __init__(self, kind: str, percent: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     def add(self, image: typing.Any, seed: typing.SupportsInt | typing.SupportsIndex, index: typing.SupportsInt | typing.SupportsIndex = 0, *, out: typing.Any = None) -> numpy.ndarray:
         """
-        Return an image with noise added.
-        
-        Parameters
-        ----------
-        image : array (H, W, 3) of uint8
-            RGB.
-        seed : int
-            Stream of random numbers, 0 <= seed < 2**64.
-        index : int
-            Number of the frame: each has noise of its own.
-        out : array (H, W, 3) of uint8, optional
-            Where to write the result; it may be `image` itself. Default: a new array.
-        
-        Returns
-        -------
-        array (H, W, 3) of uint8
-            The noisy image: `out`, if it was given.
-        
-        Raises
-        ------
-        TypeError, ValueError
-            For an image of another kind, and an `out` of another size, read-only, or with a part of the
-            image's memory only.
+        See robsim.GaussianNoise.add.
         """
 class ColorClass:
     """
