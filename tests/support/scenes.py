@@ -21,6 +21,17 @@ def renderer(
     )
 
 
+def small_renderer(**changed):
+    """A renderer of a grey floor, 10 px x 8 px, with any of its arguments changed."""
+    image = np.full((8, 10, 3), 100, np.uint8)
+    options = {
+        **{"floor": (image, image), "home": (image, image), "shadow_left": 6},
+        **{"shadow_factor": 0.8, "sprite": np.full((4, 4, 4), 200, np.uint8)},
+        **{"centre": (1.5, 1.5), "unit": 1.0, "alignment": 0.0, "headings": 4, "area": (10, 8)},
+    }
+    return robsim.simulation.Renderer(**(options | changed))
+
+
 def poses_within(rng, count, margin=60):
     """Poses uniform in x, y and heading, the whole robot in view."""
     xy = rng.uniform(margin, AREA[0] - 1 - margin, (count, 2))

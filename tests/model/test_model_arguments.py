@@ -1,0 +1,62 @@
+"""What is no parameter of a robot, no model and no input is refused in its name."""
+
+import numpy as np
+
+from refusals import INF, NAN, NOT_FINITE, POSE, Refusal, options, refusals
+from robsim import RobotModel, RobotParameters
+
+MODEL = RobotModel()
+THETA = MODEL.theta
+
+
+def with_entry(row, column, value):
+    theta = np.array(THETA)
+    theta[row, column] = value
+    return theta
+
+
+def model_of(**parameters):
+    return RobotModel(RobotParameters(**parameters))
+
+
+NO_LENGTH = (0, -0.0, -1, None, "1", 1j, [1], 10**400)
+NO_MOTORS = (
+    *(None, 1, "12", "ab", (), (1,), (1, 2, 3), (NAN, 1), (1, INF), (1, None), (1, 1j)),
+    {1, 2},  # which is left, which right?
+)
+UNSTABLE = {
+    "linear_friction angular_friction": (0,),
+    "mass inertia dt": (1e308,),
+    **{"wheel_radius": (5e-324,), "motor_gain": ((1e308, 0),)},
+}
+NO_INPUT = (None, 5, "ab", (1,), (1, 2, 3), (NAN, 1), (1, INF), [[1, 2]], (None, 1), ["a", "b"])
+NO_THETA = {
+    "theta": (
+        *(None, 5, "abc", THETA.T, THETA[0], THETA * NAN, [], THETA[None], [["a"] * 5] * 3),
+        with_entry(1, 2, INF),
+    ),
+    "a1X": (with_entry(0, 0, 0), with_entry(0, 0, 2), with_entry(0, 0, -1)),
+    "a1Y": (with_entry(1, 0, 2),),
+    "a1P": (with_entry(2, 0, 2.5),),
+    "a2X": (with_entry(0, 1, 50),),
+}
+
+
+@refusals(
+    options(
+        RobotParameters,
+        {
+            "mass inertia wheel_radius wheel_base dt": (*NO_LENGTH, *NOT_FINITE),
+            "linear_friction angular_friction": (-1, -5e-324, NAN, INF, None, "1", [1]),
+            "motor_gain motor_offset": NO_MOTORS,
+            "mas": (3,),
+        },
+    ),
+    options(model_of, UNSTABLE),
+    Refusal(RobotModel, "parameters", (None, 5, "lab", MODEL, THETA)),
+    [Refusal(RobotModel.from_theta, name, bad) for name, bad in NO_THETA.items()],
+    options(RobotModel.from_theta, {"dt": (0, -1, NAN, INF, None, "0.2", [1])}, THETA),
+    Refusal(lambda value: MODEL.predict(POSE, POSE, value), "u", NO_INPUT),
+)
+def test_models(refusal):
+    refusal()
