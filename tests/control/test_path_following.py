@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import robsim
+from refusals import Refusal, options, refusals
 from robsim.control._path_following import FollowPath, GoToPoint
 from robsim.control._path_score import score_path
 
@@ -225,46 +226,40 @@ def test_the_options_are_fixed_and_the_waypoints_are_copied():
     assert repr(FollowPath([(1, 2)])).startswith("FollowPath(waypoints=array([[1., 2.]]), max_")
 
 
-def test_waypoints_are_within_reach():
-    with pytest.raises(ValueError, match=r"waypoints must be finite, within 1e\+06 px, got"):
-        FollowPath([(1e200, 0)])
+OPTIONS = "max_voltage max_speed distance_gain speed_gain heading_gain turn_gain min_voltage"
+MUST_BE = "^{name} must be"
 
 
-OPTIONS = [
-    "max_voltage", "max_speed", "distance_gain", "speed_gain", "heading_gain", "turn_gain",
-    "min_voltage",
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("name", OPTIONS)
-def test_wrong_options_are_named(name):
-    for wrong, error in [
-        (-0.1, ValueError),
-        (np.nan, ValueError),
-        (np.inf, ValueError),
-        ("1", TypeError),
-        (None, TypeError),
-        (True, TypeError),
-    ]:
-        with pytest.raises(error, match=f"^{name} must be"):
-            GoToPoint(1, 2, **{name: wrong})
-        with pytest.raises(error, match=f"^{name} must be"):
-            FollowPath([(1, 2)], **{name: wrong})
-
-
-def test_wrong_places_are_named():
-    with pytest.raises(ValueError, match=r"^x must be finite \(px\), got nan"):
-        GoToPoint(np.nan, 2)
-    with pytest.raises(TypeError, match=r"^y must be a number"):
-        GoToPoint(1, (2, 3))
-    with pytest.raises(ValueError, match=r"^waypoints must be an array"):
-        FollowPath([1, 2])
-    with pytest.raises(ValueError, match=r"^reach must be finite and at least 0"):
-        FollowPath([(1, 2)], reach=-1)
-    with pytest.raises(ValueError, match=r"^lookahead must be finite and at least 0"):
-        FollowPath([(1, 2)], lookahead=np.nan)
-    with pytest.raises(TypeError):
-        GoToPoint(1, 2, 3)
+@refusals(
+    options(GoToPoint, {OPTIONS: (-0.1, np.nan, np.inf)}, 1, 2, says=MUST_BE, raises=ValueError),
+    options(GoToPoint, {OPTIONS: ("1", None, True)}, 1, 2, says=MUST_BE, raises=TypeError),
+    options(
+        FollowPath, {OPTIONS: (-0.1, np.nan, np.inf)}, [(1, 2)], says=MUST_BE, raises=ValueError
+    ),
+    options(FollowPath, {OPTIONS: ("1", None, True)}, [(1, 2)], says=MUST_BE, raises=TypeError),
+    options(
+        FollowPath,
+        {"reach": (-1,), "lookahead": (np.nan,)},
+        [(1, 2)],
+        says="^{name} must be finite and at least 0",
+        raises=ValueError,
+    ),
+    Refusal(
+        FollowPath,
+        "waypoints",
+        ([(1e200, 0)],),
+        r"waypoints must be finite, within 1e\+06 px, got",
+        ValueError,
+    ),
+    Refusal(FollowPath, "waypoints", ([1, 2],), "^waypoints must be an array", ValueError),
+    Refusal(
+        lambda x: GoToPoint(x, 2), "x", (np.nan,), r"^x must be finite \(px\), got nan", ValueError
+    ),
+    Refusal(lambda y: GoToPoint(1, y), "y", ((2, 3),), "^y must be a number", TypeError),
+    Refusal(lambda value: GoToPoint(1, 2, value), "GoToPoint", (3,), "positional", TypeError),
+)
+def test_what_is_no_path(refusal):
+    refusal()
 
 
 # --- in the loop

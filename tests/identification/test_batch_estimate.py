@@ -223,11 +223,6 @@ def test_a_record_that_is_too_short_is_refused(steps, source, message):
         robsim.batch_estimate(robsim.Simulation().run(steps), identify_from=source)
 
 
-def test_the_source_must_be_known():
-    with pytest.raises(ValueError, match="'truth', 'measurement', 'estimate', got 'magic'"):
-        robsim.batch_estimate(driven(20), identify_from="magic")
-
-
 def test_the_report_reads_like_the_manuals():
     report = robsim.batch_estimate(driven())
     lines = str(report).splitlines()
@@ -239,11 +234,6 @@ def test_the_report_reads_like_the_manuals():
     assert float(row[3]) < 1e-12
     assert sum(set(line) == {"-"} for line in lines) == 5
     assert report._repr_html_().count("<tr>") == 16
-
-
-def test_another_name_for_the_samples_is_refused():
-    with pytest.raises(ValueError, match="'valid', 'longest', 'all', got 'some'"):
-        robsim.batch_estimate(driven(20), select="some")
 
 
 # --- other methods than least squares
@@ -308,13 +298,3 @@ def test_bounces_are_breaks_unless_all_samples_are_wanted():
     part = robsim.batch_estimate(trace, method="output_error", select="longest")
     assert part.stop - part.start < 800
     assert deviations(part.batch, part.theta_true)[0] < 1e-6
-
-
-def test_a_method_that_there_is_not(tracked_run):
-    with pytest.raises(ValueError, match="method must be one of 'least_squares', 'instrumental_v"):
-        robsim.batch_estimate(tracked_run, method="guess")
-
-
-def test_what_is_no_trace_is_refused():
-    with pytest.raises(TypeError, match="trace must be a Trace, got 'a run'"):
-        robsim.batch_estimate("a run")

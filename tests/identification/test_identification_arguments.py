@@ -56,6 +56,23 @@ def driven(steps, **options):
         Refusal(call, "trace", (None, 1, "x", np.random.default_rng(3).normal(size=(12, 3))), MUST)
         for call in TRACE_TAKERS
     ],
+    [
+        Refusal(
+            lambda value, name=name: robsim.batch_estimate(driven(20), **{name: value}),
+            name,
+            (bad,),
+            says,
+            ValueError,
+        )
+        for name, bad, says in (
+            ("identify_from", "magic", "'truth', 'measurement', 'estimate', got 'magic'"),
+            ("select", "some", "'valid', 'longest', 'all', got 'some'"),
+            ("method", "guess", "method must be one of 'least_squares', 'instrumental_v"),
+        )
+    ],
+    Refusal(
+        robsim.batch_estimate, "trace", ("a run",), "trace must be a Trace, got 'a run'", TypeError
+    ),
     options(
         lambda **values: robsim.batch_estimate(driven(12), **values),
         {"method select identify_from": (["x"], 3)},

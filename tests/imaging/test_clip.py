@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 import robsim
+from refusals import Refusal, options, refusals
 from robsim.imaging._clip import Clip
 
 
@@ -88,43 +89,40 @@ def test_one_frame():
         assert picture.n_frames == 1
 
 
-def test_no_frames():
-    with pytest.raises(ValueError, match="frames: a clip needs at least one, got none"):
-        Clip([], fps=5)
+FRAMES = list(frames())
+NARROW = np.zeros((40, 50, 3), np.uint8)
+SIZES = "frame 6 is 50 x 40 px large, the frames before it 60 x"
+RATES = r"fps must lie within 0\.1\.\.60 \(1/s\), got"
+WIDTHS = r"width must lie within 1\.\.16383, got"
 
 
-def test_a_change_of_size():
-    with pytest.raises(ValueError, match="frame 6 is 50 x 40 px large, the frames before it 60 x"):
-        Clip([*frames(), *frames(width=50)], fps=5)
+def clip_of(frames):
+    return Clip(frames, fps=5)
 
 
-@pytest.mark.parametrize("width", [0, -5, 20_000])
-def test_widths_that_do_not_fit(width):
-    with pytest.raises(ValueError, match=r"width must lie within 1\.\.16383, got"):
-        Clip(frames(), fps=5, width=width)
-
-
-@pytest.mark.parametrize("fps", [0, -1, 61, np.nan])
-def test_rates_that_do_not_fit(fps):
-    with pytest.raises(ValueError, match=r"fps must lie within 0\.1\.\.60 \(1/s\), got"):
-        Clip(frames(), fps=fps)
-
-
-def test_frames_of_another_kind():
-    with pytest.raises(TypeError, match="frames must be Frames or arrays, got 1"):
-        Clip([1, 2], fps=5)
+@refusals(
+    Refusal(clip_of, "frames", ([],), "a clip needs at least one, got none", ValueError),
+    Refusal(clip_of, "frames", ([1, 2],), "frames must be Frames or arrays, got 1", TypeError),
+    Refusal(clip_of, "frame", ([*FRAMES, NARROW],), SIZES, ValueError),
+    options(Clip, {"fps": (0, -1, 61, np.nan)}, FRAMES, says=RATES, raises=ValueError),
+    options(Clip, {"width": (0, -5, 20_000)}, FRAMES, fps=5, says=WIDTHS, raises=ValueError),
+    options(
+        Clip,
+        {"width": ("480", True, 480.0)},
+        FRAMES,
+        fps=5,
+        says="must be an int, got",
+        raises=TypeError,
+    ),
+)
+def test_what_is_no_clip(refusal):
+    refusal()
 
 
 @pytest.mark.parametrize("name", ["clip.mp4", "clip"])
 def test_other_endings(tmp_path, name):
     with pytest.raises(ValueError, match=r"must end in \.webp or \.gif"):
         Clip(frames(), fps=5).save(tmp_path / name)
-
-
-@pytest.mark.parametrize("width", ["480", True, 480.0])
-def test_a_width_of_another_kind(width):
-    with pytest.raises(TypeError, match="width must be an int, got "):
-        robsim.imaging.Clip([np.zeros((20, 20, 3), np.uint8)], fps=5, width=width)
 
 
 def test_a_gif_keeps_the_time_of_frames_that_come_twice(tmp_path):

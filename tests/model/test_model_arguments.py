@@ -24,6 +24,15 @@ NO_MOTORS = (
     *(None, 1, "12", "ab", (), (1,), (1, 2, 3), (NAN, 1), (1, INF), (1, None), (1, 1j)),
     {1, 2},  # which is left, which right?
 )
+NOT_PHYSICAL = {
+    "mass": (0.0, -1.0),
+    "inertia": (0.0, NAN),
+    "wheel_radius": (0.0,),
+    "linear_friction angular_friction wheel_base": (-0.1,),
+    "dt": (0.0, INF),
+    "motor_gain": ((NAN, 1.0),),
+    "motor_offset": ((0.0, INF),),
+}
 UNSTABLE = {
     "linear_friction angular_friction": (0,),
     "mass inertia dt": (1e308,),
@@ -53,6 +62,29 @@ NO_THETA = {
         },
     ),
     options(model_of, UNSTABLE),
+    options(
+        model_of,
+        {"linear_friction": (0.0,), "mass": (1e20,)},
+        says="a1X must lie between 0 and 2.*{name}",
+        raises=ValueError,
+    ),
+    options(
+        model_of,
+        {"angular_friction": (0.0,)},
+        says="a1P must lie between 0 and 2.*{name}",
+        raises=ValueError,
+    ),
+    [
+        Refusal(
+            RobotModel.from_theta,
+            f"a1{axis}",
+            [with_entry(row, 0, a1) for a1 in (0.0, 2.0, -0.5, 2.5)],
+            "{name} must lie between 0 and 2",
+            ValueError,
+        )
+        for row, axis in enumerate("XYP")
+    ],
+    options(RobotParameters, NOT_PHYSICAL, raises=ValueError),
     Refusal(RobotModel, "parameters", (None, 5, "lab", MODEL, THETA)),
     [Refusal(RobotModel.from_theta, name, bad) for name, bad in NO_THETA.items()],
     options(RobotModel.from_theta, {"dt": (0, -1, NAN, INF, None, "0.2", [1])}, THETA),

@@ -75,39 +75,3 @@ def test_spin_turns_by_105_hundredths_of_a_degree_a_step():
     trace = robsim.Simulation().run(200)
     turned = np.rad2deg(robsim.wrap_angle(np.diff(trace.pose_true[100:, 2])))
     np.testing.assert_allclose(turned, 1.05, atol=0.001)
-
-
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        ({"linear_friction": 0.0}, "a1X must lie between 0 and 2.*linear_friction"),
-        ({"angular_friction": 0.0}, "a1P must lie between 0 and 2.*angular_friction"),
-        ({"mass": 1e20}, "a1X must lie between 0 and 2.*mass"),
-    ],
-)
-def test_an_unstable_predictor_is_refused(parameters, message):
-    with pytest.raises(ValueError, match=message):
-        robsim.RobotModel(robsim.RobotParameters(**parameters))
-
-
-@pytest.mark.parametrize("axis", [0, 1, 2])
-@pytest.mark.parametrize("a1", [0.0, 2.0, -0.5, 2.5])
-def test_unstable_predictor_parameters_are_refused(axis, a1):
-    theta = robsim.RobotModel().theta.copy()
-    theta[axis, 0] = a1
-    with pytest.raises(ValueError, match=f"a1{'XYP'[axis]} must lie between 0 and 2"):
-        robsim.RobotModel.from_theta(theta)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("mass", 0.0), ("mass", -1.0), ("inertia", 0.0), ("inertia", np.nan),
-        ("linear_friction", -0.1), ("angular_friction", -0.1), ("wheel_radius", 0.0),
-        ("wheel_base", -0.1), ("dt", 0.0), ("dt", np.inf), ("motor_gain", (np.nan, 1.0)),
-        ("motor_offset", (0.0, np.inf)),
-    ],
-)  # fmt: skip
-def test_a_parameter_that_is_not_physical_is_refused(name, value):
-    with pytest.raises(ValueError, match=name):
-        robsim.RobotParameters(**{name: value})
