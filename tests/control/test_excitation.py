@@ -71,7 +71,7 @@ def crest_factor(signal):
 
 
 def test_the_sines_are_where_they_should_be_and_nowhere_else():
-    control = MultiSine(low=-1, high=1, lowest_frequency=0.0125, highest_frequency=0.4)
+    control = MultiSine(low=-1, high=1, minimum_frequency=0.0125, maximum_frequency=0.4)
     left, right = control.frequencies
     np.testing.assert_allclose(left, 0.0125 * np.arange(1, 33, 2))
     np.testing.assert_allclose(right, 0.0125 * np.arange(2, 33, 2))
@@ -89,7 +89,7 @@ def test_the_sines_are_where_they_should_be_and_nowhere_else():
 @pytest.mark.long
 @pytest.mark.parametrize("highest", [0.1, 0.3, 1.0])
 def test_the_peaks_are_low(highest):
-    control = MultiSine(low=-1, high=1, highest_frequency=highest, seed=3)
+    control = MultiSine(low=-1, high=1, maximum_frequency=highest, seed=3)
     fine = voltages(control, 20_000, dt=80 / 20_000)
     for motor, lines in zip(fine.T, control.frequencies, strict=True):
         zero_phases = np.cos(2 * np.pi * np.outer(np.arange(20_000) / 250, lines)).sum(axis=1)
@@ -109,7 +109,7 @@ def test_the_sines_repeat_after_a_period():
 
 @pytest.mark.long
 def test_the_frequency_of_a_chirp_is_what_it_says():
-    control = Chirp(low=-1, high=1, lowest_frequency=0.02, highest_frequency=0.5, duration=80)
+    control = Chirp(low=-1, high=1, minimum_frequency=0.02, maximum_frequency=0.5, duration=80)
     assert control.frequencies(0) == pytest.approx((0.02, 0.5))
     assert control.frequencies(40) == pytest.approx((0.1, 0.1))
     assert control.frequencies(80 - 1e-9) == pytest.approx((0.5, 0.02))
@@ -200,10 +200,26 @@ WRONG = [
     (PseudoRandomBinary, {"order": 2}, "order must lie within 3..12, got 2"),
     (PseudoRandomBinary, {"seed": -1}, "seed must lie within 0.."),
     (MultiSine, {"seed": -1}, "seed must lie within 0.."),
-    (MultiSine, {"lowest_frequency": 0}, "lowest_frequency must be finite and above 0 (Hz), got 0"),
-    (MultiSine, {"highest_frequency": 0.02}, "highest_frequency must be 2..1000 times lowest_freq"),
-    (MultiSine, {"lowest_frequency": 1e-5}, "highest_frequency must be 2..1000 times lowest_freq"),
-    (Chirp, {"lowest_frequency": 1}, "lowest_frequency must be below highest_frequency (Hz), got"),
+    (
+        MultiSine,
+        {"minimum_frequency": 0},
+        "minimum_frequency must be finite and above 0 (Hz), got 0",
+    ),
+    (
+        MultiSine,
+        {"maximum_frequency": 0.02},
+        "maximum_frequency must be 2..1000 times minimum_freq",
+    ),
+    (
+        MultiSine,
+        {"minimum_frequency": 1e-5},
+        "maximum_frequency must be 2..1000 times minimum_freq",
+    ),
+    (
+        Chirp,
+        {"minimum_frequency": 1},
+        "minimum_frequency must be below maximum_frequency (Hz), got",
+    ),
     (Chirp, {"duration": 0}, "duration must be finite and above 0 (s), got 0"),
 ]
 
@@ -230,7 +246,7 @@ def test_wrong_types_are_named(kind, options, name):
 
 @pytest.mark.parametrize("kind", [MultiSine, Chirp])
 def test_a_frequency_must_be_below_half_the_sampling_frequency(kind):
-    control = kind(highest_frequency=2.5)
+    control = kind(maximum_frequency=2.5)
     with pytest.raises(ValueError, match=r"below half the sampling frequency, 2.5 Hz for dt = 0.2"):
         robsim.Simulation(control=control).run(1)
     voltages(control, 3, dt=0.1)

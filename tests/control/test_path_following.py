@@ -136,35 +136,35 @@ def test_no_voltage_is_above_the_limit(max_voltage, rng):
 
 
 def test_a_path_heads_for_its_waypoints_one_after_the_other():
-    control = FollowPath([(100, 0), (100, 100), (0, 100)], reach=20)
+    control = FollowPath([(100, 0), (100, 100), (0, 100)], waypoint_radius=20)
     places = [((0, 0), 0), ((100, 90), 0), ((85, 0), 1), ((90, 90), 2)]
-    for k, (place, heading_for) in enumerate(places):
+    for k, (place, next_waypoint) in enumerate(places):
         control(seen(k, *place, 0.0))
-        assert control.heading_for == heading_for
+        assert control.next_waypoint == next_waypoint
     # the last one stays the last
     assert control(seen(30, 0, 100, 0.0)) == (0.0, 0.0)
-    assert control.heading_for == 2
+    assert control.next_waypoint == 2
 
 
 @pytest.mark.parametrize("first", [(), (0, 0, 0.0)])
 def test_a_path_starts_anew_with_a_new_run(first):
     control = FollowPath([(100, 0), (100, 100)])
     control(seen(5, 100, 0, 0.0))
-    assert control.heading_for == 1
+    assert control.next_waypoint == 1
     # the robot may not be seen at step 0; and a run may be entered later, as long as time goes back
     control(seen(0, *first))
     control(seen(3, 0, 0, 0.0))
-    assert control.heading_for == 0
+    assert control.next_waypoint == 0
     control(seen(9, 100, 0, 0.0))
     control(seen(8, 0, 0, 0.0))
-    assert control.heading_for == 0
+    assert control.next_waypoint == 0
 
 
 def test_a_long_dropout_does_not_start_a_path_anew():
     control = FollowPath([(100, 0), (100, 100)])
     control(seen(0, 100, 0, 0.0))
     control(seen(100, 60, 60, 0.0))
-    assert control.heading_for == 1
+    assert control.next_waypoint == 1
 
 
 def test_the_first_line_begins_where_the_robot_is_first_seen():
@@ -199,27 +199,27 @@ def test_it_slows_down_at_the_end_and_at_sharp_corners_only(corner):
 
 
 def test_off_the_line_it_comes_back_before_it_goes_round_a_corner():
-    control = FollowPath([(100, 0), (200, 50)], lookahead=60, reach=20)
+    control = FollowPath([(100, 0), (200, 50)], lookahead=60, waypoint_radius=20)
     control(seen(0, 0, 0, 0.0))
     # past the waypoint, without having reached it: backwards
     assert sum(control(seen(20, 150, 25, 0.0))) < 0
-    assert control.heading_for == 0
+    assert control.next_waypoint == 0
 
 
 def test_waypoints_may_lie_on_each_other():
-    control = FollowPath([(100, 0), (100, 0), (100, 0)], reach=0)
+    control = FollowPath([(100, 0), (100, 0), (100, 0)], waypoint_radius=0)
     for k, x in enumerate((0, 100, 100, 160)):
         assert np.isfinite(control(seen(k, x, 0, 0.0))).all()
-    assert control.heading_for == 2
+    assert control.next_waypoint == 2
 
 
 def test_the_options_are_fixed_and_the_waypoints_are_copied():
     mine = np.array([[1.0, 2.0], [3.0, 4.0]])
-    path = FollowPath(mine, reach=10)
+    path = FollowPath(mine, waypoint_radius=10)
     mine[:] = 0
     np.testing.assert_array_equal(path.waypoints, [[1, 2], [3, 4]])
     with pytest.raises(FrozenInstanceError):
-        path.reach = 30
+        path.waypoint_radius = 30
     with pytest.raises(FrozenInstanceError):
         GoToPoint(1, 2).max_voltage = 3
     assert repr(GoToPoint(1, 2)).startswith("GoToPoint(x=1, y=2, max_voltage=1.0, max_speed=40.0,")
@@ -239,7 +239,7 @@ MUST_BE = "^{name} must be"
     options(FollowPath, {OPTIONS: ("1", None, True)}, [(1, 2)], says=MUST_BE, raises=TypeError),
     options(
         FollowPath,
-        {"reach": (-1,), "lookahead": (np.nan,)},
+        {"waypoint_radius": (-1,), "lookahead": (np.nan,)},
         [(1, 2)],
         says="^{name} must be finite and at least 0",
         raises=ValueError,
@@ -311,7 +311,7 @@ def test_it_follows_a_path(path, steps, model):
     ).run(steps)
     score = score_path(trace, path)
     assert score.reached == score.waypoints == len(path)
-    assert score.rms_error < 9
+    assert score.rmse < 9
     assert score.max_error < 30
     assert score.final_distance < 20
     assert np.abs(trace.u).max() <= 1.0

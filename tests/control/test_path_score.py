@@ -40,7 +40,7 @@ def test_errors_are_distances_from_the_line():
         waypoints=1,
         reached=1,
         completed_step=3,
-        rms_error=2.5,  # sqrt((0 + 9 + 16 + 0)/4)
+        rmse=2.5,  # sqrt((0 + 9 + 16 + 0)/4)
         max_error=4.0,
         final_distance=0.0,
         effort=0.0,
@@ -86,22 +86,22 @@ def test_after_the_last_waypoint_the_robot_should_stay_there():
 def test_reach_decides_what_is_reached():
     trace = trace_of([(0, 0), (80, 0)])
     assert score_path(trace, [(100, 0)]).reached == 1
-    assert score_path(trace, [(100, 0)], reach=20).reached == 1
-    assert score_path(trace, [(100, 0)], reach=19).reached == 0
+    assert score_path(trace, [(100, 0)], waypoint_radius=20).reached == 1
+    assert score_path(trace, [(100, 0)], waypoint_radius=19).reached == 0
 
 
 def test_several_waypoints_may_be_reached_at_once():
     score = score_path(trace_of([(0, 0), (100, 0)]), [(0, 0), (5, 0), (5, 0), (90, 0), (100, 0)])
     assert (score.reached, score.completed_step) == (5, 1)
-    assert score.rms_error == 0.0
+    assert score.rmse == 0.0
 
 
 def test_waypoints_may_lie_closer_together_than_the_reach():
     x = np.arange(0.0, 100.0, 5.0)
     line = np.column_stack((x, 3 * np.ones_like(x)))
-    score = score_path(trace_of(line), np.column_stack((x, 0 * x)), reach=25)
+    score = score_path(trace_of(line), np.column_stack((x, 0 * x)), waypoint_radius=25)
     assert score.reached == 20
-    assert score.rms_error == pytest.approx(np.sqrt(9 * 19 / 20))  # 3 px, but at the start
+    assert score.rmse == pytest.approx(np.sqrt(9 * 19 / 20))  # 3 px, but at the start
 
 
 def test_a_part_of_a_run_keeps_its_step_numbers():
@@ -117,7 +117,7 @@ def test_without_truth_the_measured_path_is_scored():
     score = score_path(trace_of(nowhere, measured=measured, u=(NAN, NAN)), [(100, 0)])
     assert score.source == "measurement"
     assert score.completed_step == 3
-    assert score.rms_error == pytest.approx(np.sqrt(18))
+    assert score.rmse == pytest.approx(np.sqrt(18))
     assert np.isnan(score.effort)
     assert score.to_dict()["effort"] is None
     assert "measured path" in str(score)
@@ -137,7 +137,7 @@ def test_a_score_reads_as_a_report():
     score = score_path(trace_of([(0, 0), (50, 8), (100, 0)], u=(0.5, 0.5)), L_TURN)
     assert str(score).splitlines() == [
         "path: 1 of 2 waypoints reached",
-        "      true path beside the line: rms 4.6 px, at most 8.0 px",
+        "      cross-track error of the true path: rmse 4.6 px, maximum 8.0 px",
         "      at the end 100.0 px from the last waypoint; rms voltage 0.50 V",
     ]
     completed = score_path(trace_of([(0, 0), (100, 0)]), [(100, 0)])
@@ -147,7 +147,7 @@ def test_a_score_reads_as_a_report():
         "waypoints": 2,
         "reached": 1,
         "completed_step": None,
-        "rms_error": pytest.approx(8 / np.sqrt(3)),
+        "rmse": pytest.approx(8 / np.sqrt(3)),
         "max_error": 8.0,
         "final_distance": 100.0,
         "effort": 0.5,
@@ -185,8 +185,8 @@ def test_waypoints_are_a_copy_that_stays_what_it_is():
 def test_other_wrong_input_is_named():
     trace = trace_of([(0, 0)])
     for wrong, error in [(-1, ValueError), (NAN, ValueError), ("25", TypeError), (True, TypeError)]:
-        with pytest.raises(error, match="reach must be"):
-            score_path(trace, L_TURN, reach=wrong)
+        with pytest.raises(error, match="waypoint_radius must be"):
+            score_path(trace, L_TURN, waypoint_radius=wrong)
     with pytest.raises(TypeError, match="trace must be a Trace"):
         score_path(np.zeros((3, 3)), L_TURN)
     for empty in (trace[:0], trace_of(np.full((4, 2), NAN))):

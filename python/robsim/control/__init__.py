@@ -1,4 +1,7 @@
-"""Controllers: paths to follow, excitation for identification, and a score of the path."""
+"""Controllers for ``Simulation(control=...)``, and the score of a driven path.
+
+They follow a path, or excite the robot so that its parameters can be identified.
+"""
 
 from robsim._base.public import present as _present
 from robsim._core import Controller, DriveAround, Spin

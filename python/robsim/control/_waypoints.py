@@ -1,4 +1,4 @@
-"""Waypoints and lines between them."""
+"""Checked waypoints and the segments between them, for `FollowPath` and `score_path`."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
 
-FARTHEST = 1e6  # px
+MAXIMUM_COORDINATE = 1e6  # px
 
 
-def nearest_on_segment(place: Floats, start: Floats, end: Floats) -> Floats:
-    """Return the point (2,) of the segment start -> end that is nearest to a place (2,)."""
+def nearest_on_segment(position: Floats, start: Floats, end: Floats) -> Floats:
+    """Return the point (2,) of the segment start -> end that is nearest to a position (2,)."""
     along = end - start
     length = float(np.hypot(*along))
-    # share of the way: (place - start) . (end - start) / |end - start|^2, within 0..1
-    share = float((place - start) @ along) / length**2 if length else 0.0
-    return np.asarray(start + min(max(share, 0.0), 1.0) * along)
+    # fraction = (position - start) . (end - start) / |end - start|^2, within 0..1
+    fraction = float((position - start) @ along) / length**2 if length else 0.0
+    return np.asarray(start + min(max(fraction, 0.0), 1.0) * along)
 
 
 def as_waypoints(waypoints: ArrayLike) -> Floats:
-    """Return waypoints as an array (N, 2) of their own, read-only."""
-    expected = "waypoints must be an array (N, 2) of places x, y in px, N at least 1"
+    """Return waypoints as a read-only copy, an array (N, 2)."""
+    expected = "waypoints must be an array (N, 2) of positions x, y in px, N at least 1"
     try:
         points = np.array(waypoints)
     except ValueError:
@@ -30,8 +30,10 @@ def as_waypoints(waypoints: ArrayLike) -> Floats:
         raise TypeError(f"{expected}, got {waypoints!r}")
     if points.ndim != 2 or points.shape[1] != 2 or not len(points):
         raise ValueError(f"{expected}, got shape {points.shape}")
-    if not (np.abs(points) <= FARTHEST).all():  # NaN is not, either
-        raise ValueError(f"waypoints must be finite, within {FARTHEST:g} px, got {waypoints!r}")
+    if not (np.abs(points) <= MAXIMUM_COORDINATE).all():  # NaN fails, too
+        raise ValueError(
+            f"waypoints must be finite, within {MAXIMUM_COORDINATE:g} px, got {waypoints!r}"
+        )
     points = points.astype(np.float64)
     points.setflags(write=False)
     return points
