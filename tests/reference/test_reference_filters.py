@@ -22,8 +22,8 @@ DT = 0.2
 KALMAN = [ConstantVelocityKalmanFilter, ExtendedKalmanFilter, UnscentedKalmanFilter]
 ON_THE_MODEL = [ExtendedKalmanFilter, UnscentedKalmanFilter, ParticleFilter]
 ALL = [*KALMAN, ParticleFilter]
-CONTINUOUS = {"measurement_noise": (0.05, 0.05, 0.002), "process_noise": (0.02, 0.02, 0.001)}
-PRIOR = Prior(pose=(3, -2, 0.4), pose_deviation=(5, 4, 0.5), velocity_deviation=(2, 3, 0.2))
+CONTINUOUS = {"measurement_sigma": (0.05, 0.05, 0.002), "process_sigma": (0.02, 0.02, 0.001)}
+PRIOR = Prior(pose=(3, -2, 0.4), pose_sigma=(5, 4, 0.5), velocity_sigma=(2, 3, 0.2))
 
 # A robot that an input only turns: its model is linear in the state.
 LINEAR = robsim.RobotModel.from_theta(
@@ -83,7 +83,7 @@ def plain_kalman_filter(z, F, Q, P, x, R, push):
     return np.array(means), np.array(variances)
 
 
-NOISES = {"process_noise": (0.3, 0.2, 0.02), "measurement_noise": (0.5, 0.7, 0.03)}
+NOISES = {"process_sigma": (0.3, 0.2, 0.02), "measurement_sigma": (0.5, 0.7, 0.03)}
 
 
 def linear_problem(rng, steps=80):
@@ -92,28 +92,28 @@ def linear_problem(rng, steps=80):
     states = np.empty((steps, 6))
     states[0] = rng.multivariate_normal(PRIOR.mean, PRIOR.P)
     for k in range(1, steps):
-        noise = rng.normal(0, NOISES["process_noise"])
+        noise = rng.normal(0, NOISES["process_sigma"])
         states[k] = motion.move(states[k - 1], u[k]) + motion.G @ noise
-    z = states[:, :3] + rng.normal(0, NOISES["measurement_noise"], (steps, 3))
+    z = states[:, :3] + rng.normal(0, NOISES["measurement_sigma"], (steps, 3))
     assert np.abs(z[:, 2]).max() < 3
     z[1:][rng.random(steps - 1) < 0.2] = np.nan
     return z, u
 
 
-def model_axis(axis, z, u, process_noise, measurement_noise):
+def model_axis(axis, z, u, process_sigma, measurement_sigma):
     """The oracle for an axis of LINEAR; its states are the last two places."""
     a1, a2, b1, b2, d1 = LINEAR.theta[axis]
-    place = PRIOR.pose_deviation[axis] ** 2
-    before = place + (DT * PRIOR.velocity_deviation[axis]) ** 2
+    place = PRIOR.pose_sigma[axis] ** 2
+    before = place + (DT * PRIOR.velocity_sigma[axis]) ** 2
     push = np.zeros((len(z), 2))
     push[:, 0] = b1 * u[:, 0] + b2 * u[:, 1] + (d1 if axis == 2 else 0)
     return plain_kalman_filter(
         z[:, axis],
         F=np.array([[a1, a2], [1, 0]]),
-        Q=np.diag([process_noise[axis] ** 2, 0]),
+        Q=np.diag([process_sigma[axis] ** 2, 0]),
         P=np.array([[place, place], [place, before]]),
         x=np.full(2, float(PRIOR.pose[axis])),
-        R=measurement_noise[axis] ** 2,
+        R=measurement_sigma[axis] ** 2,
         push=push,
     )
 
@@ -137,23 +137,23 @@ def test_how_far_out_the_points_are_changes_nothing_there(kappa, rng):
 
 def test_the_constant_velocity_filter_is_the_plain_kalman_filter(rng):
     z, _ = linear_problem(rng)
-    acceleration, measurement_noise = (8, 6, 0.7), (0.5, 0.7, 0.03)
+    acceleration_sigma, measurement_sigma = (8, 6, 0.7), (0.5, 0.7, 0.03)
     poses, covariances, _ = filtered(
         ConstantVelocityKalmanFilter(
-            acceleration=acceleration, measurement_noise=measurement_noise, prior=PRIOR
+            acceleration_sigma=acceleration_sigma, measurement_sigma=measurement_sigma, prior=PRIOR
         ),
         z,
         dt=0.1,
     )
     for axis in range(3):
-        gain = np.array([0.1**2 / 2, 0.1]) * acceleration[axis]
+        gain = np.array([0.1**2 / 2, 0.1]) * acceleration_sigma[axis]
         mean, variance = plain_kalman_filter(
             z[:, axis],
             F=np.array([[1, 0.1], [0, 1]]),
             Q=np.outer(gain, gain),
-            P=np.diag([PRIOR.pose_deviation[axis] ** 2, PRIOR.velocity_deviation[axis] ** 2]),
+            P=np.diag([PRIOR.pose_sigma[axis] ** 2, PRIOR.velocity_sigma[axis] ** 2]),
             x=np.array([PRIOR.pose[axis], 0.0]),
-            R=measurement_noise[axis] ** 2,
+            R=measurement_sigma[axis] ** 2,
             push=np.zeros((len(z), 2)),
         )
         np.testing.assert_allclose(poses[:, axis], mean, rtol=0, atol=1e-10)
@@ -163,7 +163,7 @@ def test_the_constant_velocity_filter_is_the_plain_kalman_filter(rng):
 @pytest.mark.long
 def test_the_particle_filter_is_the_plain_kalman_filter_but_for_chance(rng):
     z, u = linear_problem(rng, steps=40)
-    particles = ParticleFilter(LINEAR, count=20_000, prior=PRIOR, **NOISES)
+    particles = ParticleFilter(LINEAR, n_particles=20_000, prior=PRIOR, **NOISES)
     poses, covariances, _ = filtered(particles, z, u)
     by_axis = [model_axis(axis, z, u, **NOISES) for axis in range(3)]
     mean, variance = np.moveaxis(np.array(by_axis), 0, -1)
@@ -211,7 +211,7 @@ def test_the_model_is_that_of_the_run():
     filtered(ExtendedKalmanFilter(quick), np.zeros((3, 3)), dt=0.1)
     with pytest.raises(ValueError, match=r"step.dt must be the model's dt, 0.2 s, .* got 0.1"):
         filtered(ExtendedKalmanFilter(), np.zeros((3, 3)), dt=0.1)
-    with pytest.raises(ValueError, match=r"some times that, got 0.27"):
+    with pytest.raises(ValueError, match=r"a multiple of the model.s dt, 0.2 s, got 0.27"):
         filtered(ParticleFilter(), np.zeros((3, 3)), dt=0.27)
 
 
@@ -232,20 +232,20 @@ def test_lost_frames_are_as_many_steps_unseen(kind):
 # --- statistics
 
 
-def simulated_run(rng, steps, process_noise, measurement_noise):
+def simulated_run(rng, steps, process_sigma, measurement_sigma):
     """True states, measured poses and inputs of a robot with noise in its equations."""
     motion = RobotMotion()
     states, u = np.empty((steps, 6)), random_inputs(rng, steps)
     states[0] = rng.normal((600, 600, 0, 0, 0, 0), (100, 100, 1.8, 15, 15, 0.3))
     for k in range(1, steps):
-        states[k] = motion.move(states[k - 1], u[k]) + motion.G @ rng.normal(0, process_noise)
-    return states, states[:, :3] + rng.normal(0, measurement_noise, (steps, 3)), u
+        states[k] = motion.move(states[k - 1], u[k]) + motion.G @ rng.normal(0, process_sigma)
+    return states, states[:, :3] + rng.normal(0, measurement_sigma, (steps, 3)), u
 
 
 RUNS = 20
 # 2.5 % and 97.5 % points of chi-square with 6 RUNS = 120 degrees of freedom, over RUNS
 BAND = np.array([91.573, 152.211]) / RUNS
-TRUE_NOISES = {"process_noise": (0.1, 0.1, 0.005), "measurement_noise": (0.4, 0.4, 0.05)}
+TRUE_NOISES = {"process_sigma": (0.1, 0.1, 0.005), "measurement_sigma": (0.4, 0.4, 0.05)}
 
 
 def share_in_band(kind, rng, steps=100, **assumed):
@@ -316,7 +316,7 @@ def test_unseen_the_robot_is_driven_on_by_its_inputs(kind, rng):
     truth = np.array(states)[:, :3]
     z = truth + rng.normal(0, (0.4, 0.4, 0.05), truth.shape)
     z[60:] = np.nan
-    poses, *_ = filtered(kind(process_noise=(0.02, 0.02, 0.001)), z, u)
+    poses, *_ = filtered(kind(process_sigma=(0.02, 0.02, 0.001)), z, u)
     # at the speed of step 59 it would have come 19 px far
     assert np.hypot(*(truth[-1] - truth[59])[:2]) > 60
     assert np.hypot(*(poses - truth)[-1, :2]) < 5
@@ -328,7 +328,7 @@ def test_before_it_sees_the_robot_it_says_what_the_prior_is(kind):
     for k in range(3):
         estimate = estimate_state(step_of(k, u=(1, 1)))
         np.testing.assert_allclose(estimate.pose, PRIOR.pose)
-        np.testing.assert_allclose(np.diag(estimate.covariance), np.square(PRIOR.pose_deviation))
+        np.testing.assert_allclose(np.diag(estimate.covariance), np.square(PRIOR.pose_sigma))
     estimate = kind()(step_of(0, (100, 1100, -3.0)))
     np.testing.assert_allclose(estimate.pose, (100, 1100, -3.0), atol=0.05)
     assert np.sqrt(np.diag(estimate.covariance)) == pytest.approx([0.4, 0.4, 0.05], rel=0.1)
@@ -395,16 +395,16 @@ def test_the_seed_makes_the_particles(rng):
 
 
 def test_resampling_takes_each_particle_as_often_as_its_weight_says():
-    particles = ParticleFilter(count=1000)
+    particles = ParticleFilter(n_particles=1000)
     particles.particles = np.arange(1000.0)[:, None] * np.ones(6)
     particles.weights = np.zeros(1000)
     particles.weights[[3, 10, 500]] = 0.5, 0.3004, 0.1996
-    assert particles.effective_count == pytest.approx(1 / (0.5**2 + 0.3004**2 + 0.1996**2))
+    assert particles.effective_sample_size == pytest.approx(1 / (0.5**2 + 0.3004**2 + 0.1996**2))
     particles.resample()
     values, counts = np.unique(particles.particles[:, 0], return_counts=True)
     np.testing.assert_array_equal(values, [3, 10, 500])
     assert (np.abs(counts - (500, 300.4, 199.6)) < 1).all()
-    assert particles.effective_count == pytest.approx(1000)
+    assert particles.effective_sample_size == pytest.approx(1000)
 
 
 def test_particles_that_are_all_elsewhere_find_the_robot_again():
@@ -423,7 +423,7 @@ def test_without_process_noise_it_still_runs(kind, rng):
     # in the end the error of a run hardly changes: it is one number
     for _ in range(1 if kind is ParticleFilter else 6):
         states, z, u = simulated_run(rng, 250, (0, 0, 0), (0.4, 0.4, 0.05))
-        poses, covariances, _ = filtered(kind(process_noise=(0, 0, 0)), z, u)
+        poses, covariances, _ = filtered(kind(process_sigma=(0, 0, 0)), z, u)
         assert np.isfinite(covariances).all()
         errors.append(error_of(poses, states[:, :3])[150:])
     if kind is not ParticleFilter:  # nothing keeps the particles apart
@@ -502,15 +502,19 @@ def test_it_gets_over_a_wall():
 @pytest.mark.parametrize(
     ("kind", "options", "words"),
     [
-        (ExtendedKalmanFilter, {"process_noise": 0.1}, "process_noise must be 3 numbers"),
-        (ExtendedKalmanFilter, {"process_noise": (0.1, 0.1, -1)}, "process_noise must be .* -1"),
+        (ExtendedKalmanFilter, {"process_sigma": 0.1}, "process_sigma must be 3 numbers"),
+        (ExtendedKalmanFilter, {"process_sigma": (0.1, 0.1, -1)}, "process_sigma must be .* -1"),
         (UnscentedKalmanFilter, {"kappa": -3}, "kappa must .* at least 0, got -3"),
-        (ParticleFilter, {"count": 5}, "count must lie within 1000"),
-        (ParticleFilter, {"measurement_noise": (1, 1)}, "measurement_noise must be 3 numbers"),
-        (ConstantVelocityKalmanFilter, {"acceleration": "abc"}, "acceleration must be a number"),
-        (ConstantVelocityKalmanFilter, {"measurement_noise": (0, 1, 1)}, "above 0, got 0"),
+        (ParticleFilter, {"n_particles": 5}, "n_particles must lie within 1000"),
+        (ParticleFilter, {"measurement_sigma": (1, 1)}, "measurement_sigma must be 3 numbers"),
+        (
+            ConstantVelocityKalmanFilter,
+            {"acceleration_sigma": "abc"},
+            "acceleration_sigma must be a number",
+        ),
+        (ConstantVelocityKalmanFilter, {"measurement_sigma": (0, 1, 1)}, "above 0, got 0"),
         (Prior, {"pose": (1, 2)}, "pose must be 3 numbers, for x, y and the heading"),
-        (Prior, {"velocity_deviation": (1, 2, np.nan)}, "velocity_deviation must be .* got nan"),
+        (Prior, {"velocity_sigma": (1, 2, np.nan)}, "velocity_sigma must be .* got nan"),
         (ExtendedKalmanFilter, {"model": LINEAR.theta}, "model must be a RobotModel, got array"),
         (ParticleFilter, {"seed": -1}, "seed must be at least 0, got -1"),
         (ExtendedKalmanFilter, {"prior": (600, 600, 0)}, "prior must be a Prior, got"),
@@ -557,12 +561,12 @@ def test_two_simulations_in_turn_cannot_share_a_filter():
     one.step()
     other.step()
     one.step()
-    with pytest.raises(RuntimeError, match=r"step 1 came twice: make a filter for each simulation"):
+    with pytest.raises(RuntimeError, match=r"step 1 came twice: create a filter for each simulation"):
         other.step()
 
 
 def test_a_collapsed_cloud_is_drawn_anew_all_the_same():
-    collapsed = ParticleFilter(count=1000)
+    collapsed = ParticleFilter(n_particles=1000)
     collapsed.particles[:] = collapsed.particles[0]
     collapsed.weights[:] = 0
     collapsed.weights[0] = 1
@@ -572,7 +576,7 @@ def test_a_collapsed_cloud_is_drawn_anew_all_the_same():
     collapsed.weights[:] = 0
     collapsed.weights[0] = 1
     collapsed.update(z)
-    assert collapsed.effective_count == pytest.approx(1000)
+    assert collapsed.effective_sample_size == pytest.approx(1000)
     spread = collapsed.particles.std(axis=0)
     assert (spread[:3] > 0.001).all()
     np.testing.assert_allclose(spread[3:], 0, atol=1e-9)

@@ -1,6 +1,6 @@
-"""State estimators to compare one's own with: each is a ready `estimate_state`.
+"""Reference state estimators to compare one's own with: each is a ready `estimate_state`.
 
-Nothing of robsim needs this package: a course in which the students write these filters
+No other part of robsim needs this package: a course in which the students write these filters
 themselves can delete its folder.
 """
 

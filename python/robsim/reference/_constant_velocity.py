@@ -1,4 +1,4 @@
-"""The constant-velocity Kalman filter."""
+"""The constant-velocity Kalman filter, which needs no model of the robot."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
-from robsim.reference._noise import MEASUREMENT_NOISE, covariance
+from robsim.reference._noise import MEASUREMENT_SIGMA, covariance
 
 
 class ConstantVelocityKalmanFilter(KalmanFilter):
-    """A Kalman filter that knows nothing of the robot but that it has a velocity.
+    """A Kalman filter with a constant-velocity model, without the inputs.
 
-    What the motors do to the velocity is noise to it: an acceleration, constant in each step.
+    What the motors do to the velocity is process noise: an acceleration, constant in each step.
 
     Parameters
     ----------
-    acceleration : sequence of 3 floats
+    acceleration_sigma : sequence of 3 floats
         Standard deviations of the acceleration of x, y and the heading (px/s^2, px/s^2, rad/s^2).
-    measurement_noise : sequence of 3 floats
-        Standard deviations of a measured pose (px, px, rad). The default is that of 36 drawn
-        headings in a frame of 1200 px; with ``headings=None`` it is about
+    measurement_sigma : sequence of 3 floats
+        Standard deviations of a measured pose (px, px, rad). The default is that of a simulation
+        with 36 drawn headings in a frame of 1200 px; with ``headings=None`` it is about
         (0.05, 0.05, 0.002), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
     prior : Prior, optional
-        What is known before the robot is seen.
+        What is known before the robot is first seen.
 
     Raises
     ------
     TypeError, ValueError
-        If a value is not a number, or negative.
+        If a value is not a number, or negative; if a measurement sigma is 0.
 
     Notes
     -----
@@ -49,18 +49,18 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
     def __init__(
         self,
         *,
-        acceleration: Sequence[float] = (10.0, 10.0, 1.0),
-        measurement_noise: Sequence[float] = MEASUREMENT_NOISE,
+        acceleration_sigma: Sequence[float] = (10.0, 10.0, 1.0),
+        measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
         prior: Prior | None = None,
     ) -> None:
-        self.Q = covariance("acceleration", acceleration, minimum=0)
-        super().__init__(measurement_noise=measurement_noise, prior=prior)
+        self.Q = covariance("acceleration_sigma", acceleration_sigma, minimum=0)
+        super().__init__(measurement_sigma=measurement_sigma, prior=prior)
 
     def predict(self, u: Floats, dt: float) -> None:
-        """Go on by one step of dt (s); the input u is not used."""
+        """Predict the state one step of dt (s) ahead; the input u is not used."""
         T, I, O = dt, np.eye(3), np.zeros((3, 3))  # noqa: E741
         # pose(k) = pose(k-1) + T v(k-1) + T^2/2 acceleration,  v(k) = v(k-1) + T acceleration
         F = np.block([[I, T * I], [O, I]])
         G = np.vstack((T**2 / 2 * I, T * I))
         # x = F x,  P = F P F' + G Q G'
-        self._predicted(F @ self.mean, F @ self.P @ F.T + G @ self.Q @ G.T)
+        self._set_prediction(F @ self.mean, F @ self.P @ F.T + G @ self.Q @ G.T)

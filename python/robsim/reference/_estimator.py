@@ -1,4 +1,4 @@
-"""What every filter shares."""
+"""The base class of all reference filters, and the prior that they start from."""
 
 from __future__ import annotations
 
@@ -15,28 +15,33 @@ from robsim.reference._noise import check_vector3
 
 @dataclass(frozen=True, kw_only=True)
 class Prior:
-    """What is known of the robot before it is seen for the first time.
+    """The prior distribution of the robot's state, before it is first seen.
 
-    The default: it is somewhere in the work area, faces anywhere, and is not fast.
+    Default: somewhere in the work area, with any heading and a low speed.
 
     Parameters
     ----------
     pose : sequence of 3 floats
-        The most likely pose: x, y (px), heading (rad).
-    pose_deviation : sequence of 3 floats
-        Its standard deviations (px, px, rad).
-    velocity_deviation : sequence of 3 floats
-        Those of the velocity, which is 0 on average (px/s, px/s, rad/s).
+        Mean of the pose: x, y (px), heading (rad).
+    pose_sigma : sequence of 3 floats
+        Standard deviations of the pose (px, px, rad).
+    velocity_sigma : sequence of 3 floats
+        Standard deviations of the velocity, whose mean is 0 (px/s, px/s, rad/s).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a value is not a finite number, or a standard deviation is not above 0.
     """
 
     pose: Sequence[float] = (600.0, 600.0, 0.0)
-    pose_deviation: Sequence[float] = (600.0, 600.0, 1.8)
-    velocity_deviation: Sequence[float] = (15.0, 15.0, 0.3)
+    pose_sigma: Sequence[float] = (600.0, 600.0, 1.8)
+    velocity_sigma: Sequence[float] = (15.0, 15.0, 0.3)
 
     def __post_init__(self) -> None:
         check_vector3("pose", self.pose)
-        check_vector3("pose_deviation", self.pose_deviation, exclusive_minimum=0)
-        check_vector3("velocity_deviation", self.velocity_deviation, exclusive_minimum=0)
+        check_vector3("pose_sigma", self.pose_sigma, exclusive_minimum=0)
+        check_vector3("velocity_sigma", self.velocity_sigma, exclusive_minimum=0)
 
     @property
     def mean(self) -> Floats:
@@ -46,17 +51,18 @@ class Prior:
     @property
     def P(self) -> Floats:
         """Covariance of the state, (6, 6)."""
-        return np.diag(np.square([*self.pose_deviation, *self.velocity_deviation]))
+        return np.diag(np.square([*self.pose_sigma, *self.velocity_sigma]))
 
 
 class StateEstimator(ABC):
-    """A filter as the loop calls it: ``estimate_state(step) -> Estimate``.
+    """A filter as the simulation calls it: ``estimate_state(step) -> Estimate``.
 
-    The state is (x, y, heading, and their velocities) in px, rad and s, its heading wrapped.
+    The state is the pose (x, y, heading) and its velocity, in px, rad and s; the heading is
+    wrapped.
 
-    A filter begins anew at step 0, and at any later step that does not follow the one before. It
-    remembers a run: make one for each simulation. A step that comes a second time is a
-    RuntimeError, as when two simulations share a filter.
+    A filter resets at step 0, and at any later step that does not follow the last one. It keeps
+    the state of one run: create one for each simulation. The same step twice is a RuntimeError,
+    as when two simulations share a filter.
 
     Attributes
     ----------
@@ -76,20 +82,20 @@ class StateEstimator(ABC):
         self.reset()
 
     def reset(self) -> None:
-        """Forget the run: what is known is the prior."""
+        """Return to the prior."""
         self.mean, self.P = self.prior.mean, self.prior.P
         self._has_seen = False
         self._last_step = -1
 
     def __call__(self, step: Step) -> Estimate:
-        """Return the pose of a step, its covariance, and as further state its velocity."""
+        """Return the pose of a step, its covariance, and the velocity as further state."""
         if step.k == self._last_step > 0:
             raise RuntimeError(
-                f"step {step.k} came twice: make a filter for each simulation, or reset() it"
+                f"step {step.k} came twice: create a filter for each simulation, or reset() it"
             )
         if step.k == 0 or step.k != self._last_step + 1:
             self.reset()
-        # The prior holds until the robot is seen: where it faces decides where an input drives it.
+        # No prediction before the robot is seen: with an unknown heading an input says nothing.
         if self._has_seen:
             self.predict(step.last_u, step.dt)
         if step.measurement is not None:
@@ -100,16 +106,16 @@ class StateEstimator(ABC):
 
     @abstractmethod
     def predict(self, u: Floats, dt: float) -> None:
-        """Go on by one step.
+        """Predict the state of the next step.
 
         Parameters
         ----------
         u : array (2,)
-            The input since the step before (V).
+            The input since the last step (V).
         dt : float
-            The time since then (s).
+            The time since the last step (s).
         """
 
     @abstractmethod
     def update(self, z: Floats) -> None:
-        """Take in a measured pose, (3,)."""
+        """Update the state with a measured pose z, (3,)."""

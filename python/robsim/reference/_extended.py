@@ -1,4 +1,4 @@
-"""The extended Kalman filter."""
+"""The extended Kalman filter on the robot model."""
 
 from __future__ import annotations
 
@@ -9,31 +9,32 @@ from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
 from robsim.reference._motion import RobotMotion
-from robsim.reference._noise import MEASUREMENT_NOISE, PROCESS_NOISE, covariance
+from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, covariance
 
 
 class ExtendedKalmanFilter(KalmanFilter):
-    """A Kalman filter on the robot model, made linear at each step where the estimate is.
+    """A Kalman filter on the robot model, linearised at each estimate.
 
     Parameters
     ----------
     model : RobotModel, optional
-        How the robot moves: ``sim.model``, or one from `RobotParameters`. Default: the default
-        robot's.
-    process_noise : sequence of 3 floats
-        Standard deviations of what the model does not say of the next pose (px, px, rad). It
-        knows no walls: without any, the filter would not get over the first bounce.
-    measurement_noise : sequence of 3 floats
-        Standard deviations of a measured pose (px, px, rad). The default is that of 36 drawn
-        headings in a frame of 1200 px; with ``headings=None`` it is about
+        The motion model: ``sim.model``, or one from `RobotParameters`. Default: that of the
+        default robot.
+    process_sigma : sequence of 3 floats
+        Standard deviations of the process noise of the pose in each step (px, px, rad). The model
+        knows no walls: with 0 the filter would not recover from the first bounce.
+    measurement_sigma : sequence of 3 floats
+        Standard deviations of a measured pose (px, px, rad). The default is that of a simulation
+        with 36 drawn headings in a frame of 1200 px; with ``headings=None`` it is about
         (0.05, 0.05, 0.002), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
     prior : Prior, optional
-        What is known before the robot is seen.
+        What is known before the robot is first seen.
 
     Raises
     ------
     TypeError, ValueError
-        If a value is not a number, or negative; in a run, if the steps are not those of the model.
+        If a value is not a number, or negative; if a measurement sigma is 0; in a run, if the time
+        between two steps is not a multiple of the model's dt.
 
     Notes
     -----
@@ -52,19 +53,21 @@ class ExtendedKalmanFilter(KalmanFilter):
         self,
         model: RobotModel | None = None,
         *,
-        process_noise: Sequence[float] = PROCESS_NOISE,
-        measurement_noise: Sequence[float] = MEASUREMENT_NOISE,
+        process_sigma: Sequence[float] = PROCESS_SIGMA,
+        measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
         prior: Prior | None = None,
     ) -> None:
         self.motion = RobotMotion(model)
-        self.Q = covariance("process_noise", process_noise, minimum=0)
-        super().__init__(measurement_noise=measurement_noise, prior=prior)
+        self.Q = covariance("process_sigma", process_sigma, minimum=0)
+        super().__init__(measurement_sigma=measurement_sigma, prior=prior)
 
     def predict(self, u: Floats, dt: float) -> None:
-        """Go on by dt (s), a step of the model or several, with the input u (V)."""
+        """Predict the state dt (s) ahead, one or more steps of the model, with the input u (V)."""
         G = self.motion.G
         for _ in range(self.motion.steps_in(dt)):
             # F = df/dx at the estimate
             F = self.motion.jacobian(self.mean, u)
             # x = f(x, u),  P = F P F' + G Q G'
-            self._predicted(self.motion.move(self.mean, u), F @ self.P @ F.T + G @ self.Q @ G.T)
+            self._set_prediction(
+                self.motion.move(self.mean, u), F @ self.P @ F.T + G @ self.Q @ G.T
+            )

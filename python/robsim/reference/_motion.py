@@ -1,4 +1,4 @@
-"""The robot model in state space."""
+"""The robot model in state-space form, which the filters predict with."""
 
 from __future__ import annotations
 
@@ -9,16 +9,21 @@ from robsim._core import RobotModel
 
 
 class RobotMotion:
-    """How the state (pose, velocity) moves on by one step of the robot model.
+    """The state transition of the robot model, for the state (pose, velocity).
 
-    The model wants the last two poses. The state has the last one and the velocity
+    The model needs the last two poses. The state has the last one and the velocity
     v(k) = (pose(k) - pose(k-1)) / T, so pose(k-2) = pose(k-1) - T v(k-1). Headings are not
-    wrapped: no regressor sees a jump.
+    wrapped, so that they do not jump.
 
     Parameters
     ----------
     model : RobotModel, optional
-        Default: that of the default robot.
+        The model. Default: that of the default robot.
+
+    Raises
+    ------
+    TypeError
+        If `model` is not a RobotModel.
     """
 
     def __init__(self, model: RobotModel | None = None) -> None:
@@ -29,7 +34,7 @@ class RobotMotion:
         self.a1, self.a2, *self._b1_b2_d1 = model.theta.T
 
     def drive(self, u: Floats) -> Floats:
-        """Return what the input adds to each axis ahead of the robot, (3,)."""
+        """Return the driving term of each axis along the heading, (3,), for an input u (V)."""
         b1, b2, d1 = self._b1_b2_d1
         # drive = b1 u1 + b2 u2 + d1
         return np.asarray(b1 * u[0] + b2 * u[1] + d1)
@@ -44,18 +49,18 @@ class RobotMotion:
         u : array (2,)
             Input of step k-1 (V).
         """
-        last, velocity = states[..., :3], states[..., 3:]
-        heading = last[..., 2]
-        ahead = np.stack((np.cos(heading), np.sin(heading), np.ones_like(heading)), axis=-1)
+        pose_1, velocity = states[..., :3], states[..., 3:]
+        heading = pose_1[..., 2]
+        direction = np.stack((np.cos(heading), np.sin(heading), np.ones_like(heading)), axis=-1)
         # pose(k-2) = pose(k-1) - T v(k-1)
-        before = last - self.T * velocity
+        pose_2 = pose_1 - self.T * velocity
         # pose(k) = a1 pose(k-1) + a2 pose(k-2) + drive (cos heading(k-1), sin heading(k-1), 1)
-        pose = self.a1 * last + self.a2 * before + self.drive(u) * ahead
+        pose = self.a1 * pose_1 + self.a2 * pose_2 + self.drive(u) * direction
         # v(k) = (pose(k) - pose(k-1)) / T
-        return np.concatenate((pose, (pose - last) / self.T), axis=-1)
+        return np.concatenate((pose, (pose - pose_1) / self.T), axis=-1)
 
     def jacobian(self, state: Floats, u: Floats) -> Floats:
-        """Return F, (6, 6): how the next state depends on a state, (6,)."""
+        """Return F, (6, 6): the derivative of the next state by a state, (6,)."""
         heading, drive = state[2], self.drive(u)
         # d pose(k) / d pose(k-1) = a1 + a2, and by the heading
         #   d x(k) = -drive sin heading,  d y(k) = drive cos heading
@@ -71,16 +76,16 @@ class RobotMotion:
 
     @property
     def G(self) -> Floats:
-        """How noise of the pose gets into the state, (6, 3): into pose and velocity."""
+        """The gain of the process noise, (6, 3): noise w of the pose also changes the velocity."""
         # pose(k) = ... + w,  v(k) = ... + w / T
         return np.vstack((np.eye(3), np.eye(3) / self.T))
 
     def steps_in(self, dt: float) -> int:
-        """Return the number of steps of the model in a time (s): several if frames were lost."""
-        count = round(dt / self.T)
-        if count < 1 or abs(dt - count * self.T) > self.T / 4:
+        """Return the number of model steps in a time (s): several if frames were lost."""
+        n_steps = round(dt / self.T)
+        if n_steps < 1 or abs(dt - n_steps * self.T) > self.T / 4:
             raise ValueError(
-                f"step.dt must be the model's dt, {self.T:g} s, or some times that, got {dt:g}: "
-                "give the filter the model of the run, sim.model"
+                f"step.dt must be a multiple of the model's dt, {self.T:g} s, got {dt:g}: give the "
+                "filter the model of the run, sim.model"
             )
-        return count
+        return n_steps

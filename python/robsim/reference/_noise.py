@@ -1,4 +1,4 @@
-"""How large the noises are."""
+"""Default standard deviations of the filters' noises, and the checks of a user's own."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 
 from robsim._base.checks import Floats, check_float
 
-#: Of the vision of a robot shown in 36 headings: px, px, rad.
-MEASUREMENT_NOISE = (0.4, 0.4, 0.05)
+#: Of a pose measured from frames with 36 drawn headings: px, px, rad.
+MEASUREMENT_SIGMA = (0.4, 0.4, 0.05)
 
-#: What the robot model does not say of the next pose: px, px, rad.
-PROCESS_NOISE = (0.1, 0.1, 0.005)
+#: Of the process noise of the pose in each step: px, px, rad.
+PROCESS_SIGMA = (0.1, 0.1, 0.005)
 
 
 def check_vector3(
@@ -23,7 +23,7 @@ def check_vector3(
     minimum: float = -math.inf,
     exclusive_minimum: float = -math.inf,
 ) -> Floats:
-    """Return a number for each of x, y and the heading; the error names what they are not."""
+    """Return checked numbers for x, y and the heading, an array (3,)."""
     try:
         entries = [*values]
     except TypeError:
@@ -40,12 +40,12 @@ def check_vector3(
 
 def covariance(
     name: str,
-    deviations: Sequence[float],
+    sigma: Sequence[float],
     *,
     minimum: float = -math.inf,
     exclusive_minimum: float = -math.inf,
 ) -> Floats:
-    """Return the covariance of three independent noises of these standard deviations."""
+    """Return the covariance (3, 3) of independent noises of these standard deviations."""
     return np.diag(
-        check_vector3(name, deviations, minimum=minimum, exclusive_minimum=exclusive_minimum) ** 2
+        check_vector3(name, sigma, minimum=minimum, exclusive_minimum=exclusive_minimum) ** 2
     )

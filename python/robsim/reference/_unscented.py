@@ -1,4 +1,4 @@
-"""The unscented Kalman filter."""
+"""The unscented Kalman filter on the robot model."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
 from robsim.reference._motion import RobotMotion
-from robsim.reference._noise import MEASUREMENT_NOISE, PROCESS_NOISE, covariance
+from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, covariance
 
 
 class UnscentedKalmanFilter(KalmanFilter):
-    """A Kalman filter that sends points through the robot model instead of a Jacobian.
+    """A Kalman filter that propagates sigma points through the robot model, without a Jacobian.
 
-    The points have the mean and the covariance of the belief; where they arrive has those of the
-    prediction. The measurement is linear in the state, so its update needs no points: they would
-    give the Kalman update exactly.
+    The sigma points have the mean and the covariance of the estimate; the propagated ones have
+    those of the prediction. The measurement is linear in the state, so its update needs no sigma
+    points: they would give the Kalman update exactly.
 
     Parameters
     ----------
-    model, process_noise, measurement_noise, prior
-        As of `ExtendedKalmanFilter`.
+    model, process_sigma, measurement_sigma, prior
+        As for `ExtendedKalmanFilter`.
     kappa : float
-        How far out the points are: sqrt(6 + kappa) standard deviations. Not negative, so that no
-        weight is.
+        Spread of the sigma points: sqrt(6 + kappa) standard deviations. At least 0, so that no
+        weight is negative.
 
     Raises
     ------
     TypeError, ValueError
-        As of `ExtendedKalmanFilter`.
+        As for `ExtendedKalmanFilter`.
 
     Notes
     -----
@@ -51,18 +51,18 @@ class UnscentedKalmanFilter(KalmanFilter):
         self,
         model: RobotModel | None = None,
         *,
-        process_noise: Sequence[float] = PROCESS_NOISE,
-        measurement_noise: Sequence[float] = MEASUREMENT_NOISE,
+        process_sigma: Sequence[float] = PROCESS_SIGMA,
+        measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
         kappa: float = 0.0,
         prior: Prior | None = None,
     ) -> None:
         self.motion = RobotMotion(model)
-        self.Q = covariance("process_noise", process_noise, minimum=0)
+        self.Q = covariance("process_sigma", process_sigma, minimum=0)
         self.kappa = check_float("kappa", kappa, minimum=0)
-        super().__init__(measurement_noise=measurement_noise, prior=prior)
+        super().__init__(measurement_sigma=measurement_sigma, prior=prior)
 
     def sigma_points(self) -> tuple[Floats, Floats]:
-        """Return the points, (13, 6), and their weights, (13,)."""
+        """Return the sigma points, (13, 6), and their weights, (13,)."""
         n, kappa = 6, self.kappa
         # columns of L with L L' = (n + kappa) P
         L = np.linalg.cholesky((n + kappa) * self.P)
@@ -73,14 +73,14 @@ class UnscentedKalmanFilter(KalmanFilter):
         return points, weights
 
     def predict(self, u: Floats, dt: float) -> None:
-        """Go on by dt (s), a step of the model or several, with the input u (V)."""
+        """Predict the state dt (s) ahead, one or more steps of the model, with the input u (V)."""
         G = self.motion.G
         for _ in range(self.motion.steps_in(dt)):
             points, weights = self.sigma_points()
-            # The headings of the points run on unwrapped around their mean: it is the plain one.
+            # The headings of the sigma points are unwrapped: their plain mean is correct.
             points = self.motion.move(points, u)
             # x = sum W_i x_i,  P = sum W_i (x_i - x)(x_i - x)' + G Q G'
             mean = weights @ points
             deviation = points - mean
             P = (weights * deviation.T) @ deviation + G @ self.Q @ G.T
-            self._predicted(mean, P)
+            self._set_prediction(mean, P)
