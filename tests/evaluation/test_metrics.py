@@ -72,7 +72,7 @@ def test_error_report_against_hand_computed_values():
     np.testing.assert_allclose(report.rmse, [np.sqrt(35 / 3), 0, np.sqrt(0.02)])
     np.testing.assert_allclose(report.bias, [1, 0, 0], atol=1e-15)
     np.testing.assert_allclose(report.sd, [np.sqrt(32 / 3), 0, np.sqrt(0.02)])
-    np.testing.assert_allclose(report.largest, [5, 0, 0.2])
+    np.testing.assert_allclose(report.max_error, [5, 0, 0.2])
     np.testing.assert_allclose(report.sd**2 + report.bias**2, report.rmse**2)
     assert np.isnan(report.reported_sd_median).all()
 
@@ -112,7 +112,7 @@ def test_error_report_reads_well_and_goes_into_json():
         "unit": "px",
         "known": 0,
         "total": 1,
-        **dict.fromkeys(("rmse", "bias", "sd", "largest", "reported_sd_median")),
+        **dict.fromkeys(("rmse", "bias", "sd", "max_error", "reported_sd_median")),
     }
     assert report._repr_html_().count("<tr>") == 4
 
@@ -245,10 +245,10 @@ def test_shares_and_mean_by_hand():
     report = nees_consistency(np.array([[0.0], [1.0], [2.0], [3.0], [NAN]]), [[1.0]])
     assert (report.below, report.inside, report.above) == (0.25, 0.5, 0.25)
     assert report.mean == pytest.approx(14 / 4)
-    assert np.isnan(report.mean_error)
+    assert np.isnan(report.mean_standard_error)
     runs = nees_consistency(np.array([[[1.0], [1.0]], [[2.0], [NAN]]]), [[1.0]])
     assert runs.mean == pytest.approx(2.0)  # of the three values that are known
-    assert runs.mean_error == pytest.approx(np.std([1, 4], ddof=1) / np.sqrt(2))
+    assert runs.mean_standard_error == pytest.approx(np.std([1, 4], ddof=1) / np.sqrt(2))
 
 
 def test_a_filter_that_runs_away_is_optimistic():
@@ -270,7 +270,7 @@ def test_what_is_infinite_is_refused_not_taken_for_unseen(call):
 def test_nothing_known_is_said():
     report = nees_consistency(np.full((5, 3), NAN), np.eye(3))
     assert report.verdict == "not known"
-    assert "nothing is known of the filter" in str(report)
+    assert "no value is known" in str(report)
     assert json.loads(json.dumps(report.to_dict()))["mean"] is None
 
 
@@ -279,7 +279,7 @@ def test_white_noise_lies_in_the_band_as_often_as_the_band_says():
     L = np.array([[2.0, 0.0], [0.7, 0.5]])
     innovation = rng.normal(size=(20_000, 2)) @ L.T
     report = nis_consistency(innovation, L @ L.T)
-    # 4 standard deviations of a share of 95 % in 20 000 trials
+    # 4 standard deviations of a fraction of 95 % in 20 000 trials
     assert abs(report.inside - 0.95) < 4 * np.sqrt(0.95 * 0.05 / 20_000)
     assert abs(report.above - 0.025) < 4 * np.sqrt(0.025 / 20_000)
     assert report.verdict == "consistent"
@@ -320,13 +320,13 @@ def filtered(trials, steps, *, q=1.0, r=1.0, seed=0):
 def test_the_nees_of_single_runs_of_a_right_filter_lies_in_the_band():
     errors, P, _, _ = filtered(400, 200, seed=1)
     (low, high), values = chi_square_band(2), nees(errors, P)
-    shares = np.mean((values >= low) & (values <= high), axis=1)
-    assert (shares >= 0.8).sum() >= 399
-    assert abs(shares.mean() - 0.95) < 0.005
-    for error, share in zip(errors[:20], shares, strict=False):
+    fractions = np.mean((values >= low) & (values <= high), axis=1)
+    assert (fractions >= 0.8).sum() >= 399
+    assert abs(fractions.mean() - 0.95) < 0.005
+    for error, fraction in zip(errors[:20], fractions, strict=False):
         report = nees_consistency(error, P)
-        assert report.inside == pytest.approx(share)
-        assert report.verdict == ("consistent" if share >= 0.8 else "optimistic")
+        assert report.inside == pytest.approx(fraction)
+        assert report.verdict == ("consistent" if fraction >= 0.8 else "optimistic")
 
 
 def test_the_mean_nees_in_time_would_fail_right_filters():
@@ -340,7 +340,7 @@ def test_the_mean_nis_fails_five_percent():
     _, _, innovations, S = filtered(400, 200, seed=3)
     (low, high), means = chi_square_band(1, runs=200), nis(innovations, S).mean(axis=1)
     is_right = (means >= low) & (means <= high)
-    # 3.2 standard deviations of a share of 5 % in 400 trials
+    # 3.2 standard deviations of a fraction of 5 % in 400 trials
     assert abs(np.mean(~is_right) - 0.05) < 0.035
     for one, expected in zip(innovations[:20], is_right, strict=False):
         assert (nis_consistency(one, S).verdict == "consistent") == expected
@@ -370,7 +370,7 @@ def test_one_run_cannot_show_a_cautious_filter_and_says_so():
     errors, P, innovations, S = filtered(1, 200, r=4, seed=5)
     report = nees_consistency(errors[0], P)
     assert report.verdict == "consistent"
-    assert "conservative shows only over 20 runs" in str(report)
+    assert "conservative filter shows only over 20 runs" in str(report)
     assert nis_consistency(innovations[0], S).verdict == "conservative"
 
 
@@ -413,9 +413,9 @@ def test_no_pair_is_made_with_a_step_that_was_not_seen():
 def test_white_innovations_pass_in_95_percent():
     rng = np.random.default_rng(8)
     results = [whiteness(rng.normal(size=(200, 2)), lags=10) for _ in range(400)]
-    # 4 standard deviations of a share of 5 % in 400 trials
+    # 4 standard deviations of a fraction of 5 % in 400 trials
     assert abs(np.mean([not result.is_white for result in results]) - 0.05) < 0.044
-    assert abs(np.mean([result.share_outside for result in results]) - 0.05) < 0.01
+    assert abs(np.mean([result.fraction_outside for result in results]) - 0.05) < 0.01
 
 
 def test_what_is_not_white_is_called():

@@ -3,7 +3,7 @@ import pytest
 
 import robsim
 from robsim import identifiability
-from robsim.identification._identifiability import ASSUMED_NOISE, judge
+from robsim.identification._identifiability import ASSUMED_SIGMA, judge
 
 pytestmark = pytest.mark.kernels
 
@@ -20,8 +20,8 @@ def run(steps, **options):
 def test_a_verdict_compares_the_standard_error_with_the_parameter():
     errors = np.full((3, 5), 1e-9)
     errors[0] = (0.94, 0.46, 0.101, 0.051, 0.009)
-    noise = (0.1, 1.0, 1.0)
-    found = judge(errors, THETA, noise=noise)
+    sigma = (0.1, 1.0, 1.0)
+    found = judge(errors, THETA, sigma=sigma)
     np.testing.assert_allclose(found.standard_errors[0], 0.1 * errors[0])
     # d1 is 0: it is compared with the larger one of b1 and b2.
     np.testing.assert_allclose(
@@ -38,7 +38,7 @@ def test_a_verdict_compares_the_standard_error_with_the_parameter():
 def test_what_is_not_known_is_not_excited(unknown):
     found = judge(np.full((3, 5), unknown), np.where(np.isnan(unknown), np.nan, THETA))
     assert (found.verdicts == "not excited").all()
-    np.testing.assert_array_equal(found.noise, ASSUMED_NOISE)
+    np.testing.assert_array_equal(found.sigma, ASSUMED_SIGMA)
     assert found.is_assumed
     assert "assumed" in str(found)
     assert "Y: not excited" in str(found).splitlines()
@@ -70,10 +70,10 @@ def test_from_measurements_the_noise_is_that_of_the_prediction_errors(rng):
     found = identifiability(trace)
     assert not found.is_assumed
     report = robsim.batch_estimate(trace)
-    np.testing.assert_allclose(found.noise, report.identifiability.noise, rtol=0.01)
+    np.testing.assert_allclose(found.sigma, report.identifiability.sigma, rtol=0.01)
     np.testing.assert_allclose(found.standard_errors, report.standard_errors, rtol=0.02)
     # Noise of three measurements meets in an equation.
-    assert (found.noise > (0.3, 0.3, 0.01)).all()
+    assert (found.sigma > (0.3, 0.3, 0.01)).all()
 
 
 def test_errors_name_what_is_wrong():
@@ -83,9 +83,9 @@ def test_errors_name_what_is_wrong():
     for k in (-1, 20):
         with pytest.raises(ValueError, match=r"0\.\.19, got"):
             identifiability(trace, k=k)
-    for noise in ((1, 2), (1, 2, -1), (1, 2, np.nan)):
-        with pytest.raises(ValueError, match="noise must be three numbers"):
-            identifiability(trace, noise=noise)
+    for sigma in ((1, 2), (1, 2, -1), (1, 2, np.nan)):
+        with pytest.raises(ValueError, match="sigma must be three numbers"):
+            identifiability(trace, sigma=sigma)
     with pytest.raises(ValueError, match="no standard errors"):
         identifiability(run(20, estimate_parameters=False))
 

@@ -1,4 +1,4 @@
-"""How good estimates are: errors, consistency, whiteness, bounds."""
+"""The quality of estimates: errors, consistency (NEES, NIS), whiteness and Cramér-Rao bounds."""
 
 from robsim._base.public import present as _present
 from robsim.evaluation._chi_square import chi_square_band

@@ -1,4 +1,4 @@
-"""Chi-square bands and tails."""
+"""Chi-square bands and tail probabilities, for the consistency and the whiteness reports."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from robsim._base.checks import Floats, check_float, check_int
 
 
 def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floats:
-    """Return the two-sided band of a sum of n squares, averaged over independent runs.
+    """Return the two-sided probability band of a sum of n squares, averaged over independent runs.
 
     Parameters
     ----------
     n : int
-        Degrees of freedom: 3 for the NEES of a pose, 2 for the NIS of a place.
+        Degrees of freedom: 3 for the NEES of a pose, 2 for the NIS of a position.
     runs : int or array (...) of int
-        How many independent values are averaged; 0 = none.
+        Number of independent values that are averaged; 0 = none.
     level : float
-        Share of the values that should lie in the band.
+        Probability that a value lies in the band.
 
     Returns
     -------
     array (..., 2)
-        Lower and upper end, NaN for 0 runs.
+        Lower and upper limit, NaN for 0 runs.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of this kind.
+        If an argument has the wrong type or is out of range.
 
     Notes
     -----
-    The sum of n squares of M runs has n M degrees of freedom, so with c = (1 - level)/2 the ends
+    The sum of n squares of M runs has n M degrees of freedom, so with c = (1 - level)/2 the limits
     are the quantiles c and 1 - c of chi2(n M), divided by M. Source: Bar-Shalom, Li and
     Kirubarajan, Estimation with Applications to Tracking and Navigation, 5.4.2, 2001.
     """
@@ -49,13 +49,13 @@ def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floa
         raise ValueError(f"runs must be whole numbers of at least 0, got {runs!r}")
     counts = np.where(counts == 0, np.nan, counts)[..., np.newaxis]
     outside = (1.0 - level) / 2.0
-    # chdtri(n, p) is exceeded with the probability p.
+    # chdtri(n, p) is exceeded with the probability p
     band: Floats = chdtri(n * counts, np.array((1.0 - outside, outside))) / counts
     return band
 
 
 def chi_square_tail(value: float, n: int) -> float:
-    """Return the probability that a sum of n squares is larger than a value.
+    """Return the probability that a chi-square variable with n degrees of freedom exceeds a value.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Consistency of a filter."""
+"""Consistency of a filter: whether its errors agree with the covariance that it reports."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from robsim.evaluation._errors import as_runs, mean_of_known, wrapped_error
 from robsim.evaluation._whiteness import WhitenessReport, whitened, whiteness
 from robsim.trace import Trace
 
-#: A filter with fewer of its steps in the band of the NEES is called inconsistent.
-SHARE_IN_BAND = 0.8
+#: A filter with a smaller fraction of its steps in the band of the NEES is inconsistent.
+FRACTION_IN_BAND = 0.8
 
-#: With fewer runs than this the NEES does not show a filter that is conservative.
-ENOUGH_RUNS = 20
+#: With fewer runs the NEES does not reveal a conservative filter.
+MINIMUM_RUNS = 20
 
-#: How far off the mean NEES of enough runs may be: relative, and in its standard errors.
+#: Tolerance of the mean NEES over enough runs: relative, and in its standard errors.
 MEAN_TOLERANCE = (0.1, 4.0)
 
-# How many lags of the innovation are tested for whiteness, in a record that is long enough.
+# Lags of the innovation that are tested for whiteness, in a run that is long enough.
 _LAGS = 20
 
 
@@ -36,12 +36,12 @@ def nees(error: ArrayLike, covariance: ArrayLike) -> Floats:
     error : array (..., n)
         Estimate minus truth, angles wrapped (`wrapped_error`); NaN = not known.
     covariance : array (..., n, n)
-        The covariance that the filter claims, or one (n, n) for all.
+        The covariance that the filter reports, or one (n, n) for all.
 
     Returns
     -------
     array (...)
-        chi2(n) distributed if the filter is right; NaN where error or covariance is.
+        chi2(n) distributed if the filter is consistent; NaN where error or covariance is NaN.
 
     Raises
     ------
@@ -59,12 +59,12 @@ def nis(innovation: ArrayLike, S: ArrayLike) -> Floats:
     innovation : array (..., n)
         Measurement minus its prediction, angles wrapped; NaN = not seen.
     S : array (..., n, n)
-        The covariance that the filter claims for it, or one (n, n) for all.
+        The innovation covariance that the filter reports, or one (n, n) for all.
 
     Returns
     -------
     array (...)
-        chi2(n) distributed if the filter is right, and white; NaN where not known.
+        chi2(n) distributed and white if the filter is consistent; NaN where not known.
 
     Raises
     ------
@@ -75,13 +75,13 @@ def nis(innovation: ArrayLike, S: ArrayLike) -> Floats:
 
 
 def _squares(white: Floats) -> Floats:
-    with np.errstate(over="ignore"):  # those of a filter that runs away may be infinite
+    with np.errstate(over="ignore"):  # a diverging filter may give inf
         return np.asarray(np.sum(np.square(white), axis=-1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ConsistencyReport:
-    """Whether a filter's errors are as large as it claims.
+    """Whether a filter's errors are as large as it reports.
 
     Attributes
     ----------
@@ -92,37 +92,38 @@ class ConsistencyReport:
     values : array (N,)
         Mean over the runs at each step, NaN where none is known.
     counts : array (N,) of int
-        How many runs are known at each step.
+        Number of runs with a value at each step.
     means : array (M,)
         Mean over the steps of each run, NaN where none is known.
     level : float
-        Share of the values that should lie in the band.
+        Fraction of the values that should lie in the band.
     band : array (N, 2)
-        Two-sided chi-square band of each step, wider where fewer runs are known.
+        Two-sided chi-square band of each step, wider where fewer runs have a value.
     whiteness : WhitenessReport or None
-        Of the innovation, if it is known.
+        Whiteness of the innovation, for a NIS.
     k : array (N,) of int
         Number of each step.
 
     Notes
     -----
-    The NIS of a right filter is white: its mean over all steps must lie in the chi-square band of
-    that mean, which by design 5 % of the right filters miss.
+    The NIS of a consistent filter is white: its mean over all steps must lie in the chi-square
+    band of that mean, which by design 5 % of the consistent filters miss.
 
-    The NEES is not white, since the errors of neighbouring steps are alike, so its mean over time
-    spreads more than chi-square says. For a right Kalman filter of position and velocity that mean
-    misses its band in 29 % of the trials (7 to 56 %, the more the slower the filter forgets), and
-    in 99 % some step lies outside its own band. Therefore at least 80 % of the steps must lie in
-    their bands; and from 20 runs on the mean must not be off by more than 10 % and 4 of its
-    standard errors. These are made from the spread of the runs, where correlation in time does no
-    harm.
+    The NEES is not white, since the errors of neighbouring steps are correlated, so the variance
+    of its mean over time is larger than that of chi-square. For a correctly tuned Kalman filter of
+    position and velocity that mean misses its band in 29 % of the trials (7 to 56 %, more for a
+    filter with a longer memory), and in 99 % some step lies outside its own band. Therefore at
+    least 80 % of the steps must lie in their bands; and from 20 runs on the mean must not be off
+    by more than 10 % and 4 of its standard errors. These come from the spread between the runs,
+    which correlation in time does not affect.
 
     In trials of that filter with four levels of process noise and 100 to 500 steps, over 20 runs
-    this called 1 of 1200 right filters, and 4799 of 4800 with Q or R wrong by a factor of 4 to
-    either side. On one run it called 3 of 4800 right ones, 42 to 75 % of those with a Q too small
-    by 4, 63 to 100 % of those with an R too small, and none with a Q or R too large: errors that
-    are smaller than reported lie in the wide band of a single run. The NIS of one run called each
-    wrong R there, and 8 to 100 % of the wrong Q, the more it matters beside R.
+    this test rejected 1 of 1200 correctly tuned filters, and 4799 of 4800 with Q or R wrong by a
+    factor of 4 either way. On a single run it rejected 3 of 4800 correctly tuned ones, 42 to 75 %
+    of those with a Q too small by 4, 63 to 100 % of those with an R too small, and none with a Q
+    or R too large: errors that are smaller than reported lie in the wide band of a single run. The
+    NIS of a single run rejected each wrong R there, and 8 to 100 % of the wrong Q, more where Q is
+    larger relative to R.
 
     Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation,
     5.4, 2001.
@@ -145,19 +146,19 @@ class ConsistencyReport:
 
     @property
     def unknown(self) -> int:
-        """Steps of all runs without a value; they are left out of all that follows."""
+        """Number of steps of all runs without a value; the statistics below omit them."""
         return self.runs * len(self.values) - int(self.counts.sum())
 
     @property
     def mean(self) -> float:
-        """Mean over all that is known; n is expected, NaN if nothing is."""
+        """Mean of all known values; n is expected, NaN = none is known."""
         known = self.counts > 0
         total = int(self.counts.sum())
         return float(np.sum(self.values[known] * self.counts[known])) / total if total else np.nan
 
     @property
-    def mean_error(self) -> float:
-        """Standard error of the mean, from the spread of the runs; NaN for less than two."""
+    def mean_standard_error(self) -> float:
+        """Standard error of the mean, from the spread between the runs; NaN for fewer than two."""
         means = self.means[~np.isnan(self.means)]
         if np.isinf(means).any():
             return np.inf
@@ -165,26 +166,26 @@ class ConsistencyReport:
 
     @property
     def mean_band(self) -> Floats:
-        """Chi-square band (2,) of the mean, for values that are white: of a NIS."""
+        """Chi-square band (2,) of the mean, valid for white values: for a NIS."""
         return chi_square_band(self.n, runs=int(self.counts.sum()), level=self.level)
 
-    def _share(self, where: NDArray[np.bool_]) -> float:
+    def _fraction(self, where: NDArray[np.bool_]) -> float:
         known = np.count_nonzero(self.counts)
         return np.count_nonzero(where) / known if known else np.nan
 
     @property
     def above(self) -> float:
-        """Share of the known steps above the band."""
-        return self._share(self.values > self.band[:, 1])
+        """Fraction of the known steps above the band."""
+        return self._fraction(self.values > self.band[:, 1])
 
     @property
     def below(self) -> float:
-        """Share of the known steps below the band."""
-        return self._share(self.values < self.band[:, 0])
+        """Fraction of the known steps below the band."""
+        return self._fraction(self.values < self.band[:, 0])
 
     @property
     def inside(self) -> float:
-        """Share of the known steps in the band."""
+        """Fraction of the known steps in the band."""
         return 1.0 - self.above - self.below
 
     @property
@@ -194,27 +195,28 @@ class ConsistencyReport:
             return "not known"
         if self.kind == "NIS":
             low, high = self.mean_band
-            is_right, is_large = low <= self.mean <= high, self.mean > high
-        elif self.inside < SHARE_IN_BAND:
-            is_right, is_large = False, self.above > self.below
+            is_consistent, is_large = low <= self.mean <= high, self.mean > high
+        elif self.inside < FRACTION_IN_BAND:
+            is_consistent, is_large = False, self.above > self.below
         else:
-            is_right, is_large = not self._mean_is_off, self.mean > self.n
-        if is_right:
+            is_consistent, is_large = not self._mean_is_off, self.mean > self.n
+        if is_consistent:
             return "consistent"
         return "optimistic" if is_large else "conservative"
 
     @property
     def _mean_is_off(self) -> bool:
-        share, errors = MEAN_TOLERANCE
+        relative, standard_errors = MEAN_TOLERANCE
         off = abs(self.mean - self.n)
-        is_enough = np.count_nonzero(~np.isnan(self.means)) >= ENOUGH_RUNS
-        return bool(is_enough and off > share * self.n and off > errors * self.mean_error)
+        is_enough = np.count_nonzero(~np.isnan(self.means)) >= MINIMUM_RUNS
+        limit = max(relative * self.n, standard_errors * self.mean_standard_error)
+        return bool(is_enough and off > limit)
 
     def to_dict(self) -> dict[str, Any]:
         """Return name -> value; None = not known."""
         numbers = {
             "mean": self.mean,
-            "mean_error": self.mean_error,
+            "mean_standard_error": self.mean_standard_error,
             "expected_mean": float(self.n),
             "inside": self.inside,
             "above": self.above,
@@ -232,33 +234,33 @@ class ConsistencyReport:
 
     @property
     def title(self) -> str:
-        """The verdict as a sentence, and how many values are not known."""
+        """The verdict as a sentence, and the number of unknown values."""
         is_known = bool(self.counts.any())
-        is_what = f"the filter is {self.verdict}" if is_known else "nothing is known of the filter"
+        verdict = f"the filter is {self.verdict}" if is_known else "no value is known"
         values = "value" if self.unknown == 1 else "values"
         missing = f"; {self.unknown} {values} not known" if self.unknown else ""
-        return f"{self.kind}: {is_what}{missing}"
+        return f"{self.kind}: {verdict}{missing}"
 
     def _lines(self) -> list[str]:
         runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
-        of_what = f"{runs} of {len(self.values)} steps, {self.n} degrees of freedom"
+        size = f"{runs} of {len(self.values)} steps, {self.n} degrees of freedom"
         if not self.counts.any():
-            return [self.title, of_what]
+            return [self.title, size]
         inside = f"{100 * self.inside:.1f} % of the steps in the {100 * self.level:g} % band"
         outside = f"{100 * self.above:.1f} % above, {100 * self.below:.1f} % below"
-        return [self.title, of_what, f"{inside}, {outside}", *self._reasons()]
+        return [self.title, size, f"{inside}, {outside}", *self._reasons()]
 
     def _reasons(self) -> list[str]:
         if self.kind == "NIS":
             low, high = self.mean_band
-            mean = f"mean {self.mean:.3g}; right is {low:.3g} to {high:.3g}"
+            mean = f"mean {self.mean:.3g}; expected {low:.3g} to {high:.3g}"
             return [mean, str(self.whiteness)] if self.whiteness else [mean]
-        enough = f"right is at least {100 * SHARE_IN_BAND:g} % in the band"
-        spread = "" if np.isnan(self.mean_error) else f" +- {self.mean_error:.2g}"
-        reasons = [f"{enough}; mean {self.mean:.3g}{spread}, about {self.n} if all is right"]
-        if self.runs < ENOUGH_RUNS and self.verdict == "consistent":
+        enough = f"expected at least {100 * FRACTION_IN_BAND:g} % in the band"
+        spread = "" if np.isnan(self.mean_standard_error) else f" +- {self.mean_standard_error:.2g}"
+        reasons = [f"{enough}; mean {self.mean:.3g}{spread}, expected about {self.n}"]
+        if self.runs < MINIMUM_RUNS and self.verdict == "consistent":
             reasons.append(
-                f"one that is conservative shows only over {ENOUGH_RUNS} runs, or by its NIS"
+                f"a conservative filter shows only over {MINIMUM_RUNS} runs, or by its NIS"
             )
         return reasons
 
@@ -273,16 +275,16 @@ class ConsistencyReport:
 def nees_consistency(
     error: ArrayLike, covariance: ArrayLike, *, level: float = 0.95
 ) -> ConsistencyReport:
-    """Judge a filter by its errors, which takes the truth.
+    """Return the consistency of a filter from its errors (NEES); this needs the truth.
 
     Parameters
     ----------
     error : array (N, n) or (M, N, n)
         Estimate minus truth of N steps, or of M independent runs of N steps; NaN = not known.
     covariance : array (..., N, n, n) or (n, n)
-        The covariance that the filter claims.
+        The covariance that the filter reports.
     level : float
-        Share of the values that should lie in the band.
+        Fraction of the values that should lie in the band.
 
     Returns
     -------
@@ -292,7 +294,8 @@ def nees_consistency(
     Raises
     ------
     TypeError, ValueError
-        If a covariance is not symmetric and positive definite, or an argument is not of this kind.
+        If a covariance is not symmetric positive definite, or an argument has the wrong type or
+        shape.
     """
     rows = _rows("error", error)
     return _report("NEES", nees(rows, covariance), rows.shape[-1], level)
@@ -301,16 +304,18 @@ def nees_consistency(
 def nis_consistency(
     innovation: ArrayLike, S: ArrayLike, *, level: float = 0.95
 ) -> ConsistencyReport:
-    """Judge a filter by its innovations, which takes no truth: it works on a real robot.
+    """Return the consistency of a filter from its innovations (NIS), without the truth.
+
+    So it works for a real robot, too.
 
     Parameters
     ----------
     innovation : array (N, n) or (M, N, n)
         Measurement minus its prediction in N steps, or in M independent runs; NaN = not seen.
     S : array (..., N, n, n) or (n, n)
-        The covariance that the filter claims for it.
+        The innovation covariance that the filter reports.
     level : float
-        Share of the values that should lie in the band.
+        Fraction of the values that should lie in the band.
 
     Returns
     -------
@@ -320,7 +325,7 @@ def nis_consistency(
     Raises
     ------
     TypeError, ValueError
-        If an S is not symmetric and positive definite, or an argument is not of this kind.
+        If an S is not symmetric positive definite, or an argument has the wrong type or shape.
     """
     rows = _rows("innovation", innovation)
     white = whitened(rows, S)
@@ -332,14 +337,14 @@ def nis_consistency(
 
 
 def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) -> ConsistencyReport:
-    """Judge the state estimator of a run by the errors of its poses.
+    """Return the consistency of a run's state estimator from the errors of its poses (NEES).
 
     Parameters
     ----------
     traces : Trace or sequence of Trace
-        One run, or several of the same steps, with other seeds.
+        One run, or several of the same steps with different seeds.
     level : float
-        Share of the values that should lie in the band.
+        Fraction of the values that should lie in the band.
 
     Returns
     -------
@@ -350,7 +355,7 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
     ------
     TypeError, ValueError
         If the runs do not have the same steps, have no estimate or no truth, or if a covariance is
-        not symmetric and positive definite.
+        not symmetric positive definite.
     """
     runs = as_runs(traces)
     error = np.array([wrapped_error(trace.pose_estimated, trace.pose_true) for trace in runs])

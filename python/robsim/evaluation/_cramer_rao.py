@@ -1,4 +1,4 @@
-"""Cramér-Rao bounds of estimates."""
+"""Cramér-Rao bounds of parameter and state estimates, to compare estimators with."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from robsim.trace._trace import check_trace
 
 
 def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:
-    """Return the least standard errors that an unbiased estimate from the samples so far can have.
+    """Return the minimum standard errors of an unbiased estimate from the samples up to each row.
 
     Parameters
     ----------
     phi : array (N, ..., n)
-        Regressors, a sample a row; a row with NaN is no sample.
+        Regressors, one sample per row; a row with NaN is skipped.
     sigma : float or array (...)
-        Standard deviation of the noise that is added to the output.
+        Standard deviation of the additive output noise.
 
     Returns
     -------
     array (N, ..., n)
-        In row k the bound from the samples 0..k; inf = they say nothing about the parameter.
+        Row k: the bound from the samples 0..k; inf = they do not determine the parameter.
 
     Raises
     ------
@@ -35,13 +35,13 @@ def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:
 
     Notes
     -----
-    For white Gaussian noise of the output the information is J = Phi' Phi/sigma^2, and the bound
+    For white Gaussian output noise the Fisher information is J = Phi' Phi/sigma^2, and the bound
 
         sqrt(diag(J^-1)) = sigma sqrt(diag((Phi' Phi)^-1))
 
-    Computed from the triangle R of a QR of Phi, R' R = Phi' Phi. Source: Kay, Fundamentals of
-    Statistical Signal Processing: Estimation Theory, 4.3, 1993. With noise in the regressors, too,
-    the true bound is larger.
+    It is computed from the triangular factor R of a QR decomposition of Phi, R' R = Phi' Phi.
+    Source: Kay, Fundamentals of Statistical Signal Processing: Estimation Theory, 4.3, 1993. With
+    noise in the regressors, too, the true bound is larger.
     """
     rows = as_float_array("phi", phi)
     noise = as_float_array("sigma", sigma)
@@ -67,8 +67,8 @@ def _triangle(rows: Floats) -> Floats:
 
 
 def _inverse_lengths(R: Floats) -> Floats:
-    """Return sqrt(diag((R' R)^-1)); inf where R' R does not determine the number."""
-    # In units of the columns' lengths: positions and inputs differ by orders of magnitude.
+    """Return sqrt(diag((R' R)^-1)); inf where R' R does not determine the parameter."""
+    # Columns scaled to length 1: positions and inputs differ by orders of magnitude.
     lengths = np.sqrt(np.sum(np.square(R), axis=-2))
     scale = np.where(lengths > 0, lengths, 1.0)
     # R = U diag(s) V', so (R' R)^-1 = V diag(1/s^2) V'
@@ -80,7 +80,7 @@ def _inverse_lengths(R: Floats) -> Floats:
     return np.where(undetermined, np.inf, np.sqrt(squares) / scale)
 
 
-# Relative to the largest singular value, smaller ones are rounding errors.
+# Singular values below this, relative to the maximum, are rounding errors.
 _RANK_TOLERANCE = 1e-10
 
 
@@ -90,21 +90,21 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
     Parameters
     ----------
     trace : Trace
-        The run: its true poses and inputs are the regressors. Samples across a bounce are left out.
+        The run: its true poses and inputs are the regressors. Samples across a bounce are omitted.
     sigma : array (3,)
-        Standard deviation of the noise in the equations for x, y (px) and heading (rad): what is
-        added to the pose in each step, or the one-step prediction errors of your data.
+        Standard deviation of the equation noise of x, y (px) and heading (rad): of the process
+        noise of each step, or of the one-step prediction errors of your data.
 
     Returns
     -------
     array (N, 3, 5)
-        In row k the bound from the samples up to step k; inf = not excited until then. Draw it with
+        Row k: the bound from the samples up to step k; inf = not excited until then. Draw it with
         ``robsim.plot_parameters(trace, standard_errors=...)``.
 
     Raises
     ------
     TypeError, ValueError
-        If the trace has no true poses, or sigma is not of this kind.
+        If the trace has no true poses, or sigma has the wrong type or shape.
     """
     _check_truth(trace)
     noise = as_float_array("sigma", sigma)
@@ -126,22 +126,22 @@ def posterior_cramer_rao_bound(
     P0: ArrayLike,
     seen: ArrayLike | None = None,
 ) -> Floats:
-    """Return the least covariance that any estimate of a state from the measurements can have.
+    """Return the minimum covariance of any estimate of a state from its measurements.
 
     Parameters
     ----------
     F : array (N - 1, n, n) or (n, n)
-        The model's derivative, from step k - 1 to step k, at the true trajectory.
+        Jacobian of the state transition from step k - 1 to step k, at the true trajectory.
     H : array (m, n) or (N, m, n)
-        The measurement's derivative.
+        Jacobian of the measurement.
     Q : array (n, n)
-        Covariance of the noise that is added to the state in each step; may be singular or 0.
+        Covariance of the process noise of each step; may be singular or 0.
     R : array (m, m)
-        Covariance of the noise of a measurement.
+        Covariance of the measurement noise.
     P0 : array (n, n)
         Covariance of the first state before its measurement.
     seen : array (N,) of bool, optional
-        In which steps there is a measurement. Default: in all. Needed if F is (n, n).
+        The steps with a measurement. Default: all. Needed if F is (n, n).
 
     Returns
     -------
@@ -156,13 +156,13 @@ def posterior_cramer_rao_bound(
     Notes
     -----
     The recursion for the information J of Tichavsky, Muravchik and Nehorai, Posterior Cramér-Rao
-    bounds for discrete-time nonlinear filtering, IEEE Trans. Signal Processing 46(5), 1998, with
-    Gaussian noise that is added, and the expectations replaced by the values at one trajectory:
+    bounds for discrete-time nonlinear filtering, IEEE Trans. Signal Processing 46(5), 1998, for
+    additive Gaussian noise, and with the expectations replaced by the values at one trajectory:
 
         J(k) = (Q + F J(k-1)^-1 F')^-1 + H' R^-1 H
 
-    Here for J^-1 = P, which allows a singular Q. For a linear system it is the covariance of the
-    Kalman filter. Average over runs where the trajectories differ much.
+    Here it is computed for P = J^-1, which allows a singular Q. For a linear system it is the
+    covariance of the Kalman filter. Average over runs if the trajectories differ much.
     """
     F, H, Q, R, P = map(as_float_array, ("F", "H", "Q", "R", "P0"), (F, H, Q, R, P0))
     has_measurement = _seen_steps(F, seen)
@@ -188,8 +188,8 @@ def posterior_cramer_rao_bound(
 def _with_measurement(P: Floats, H: Floats, R: Floats) -> Floats:
     # (P^-1 + H' R^-1 H)^-1 = (I - K H) P (I - K H)' + K R K' with K = P H' (H P H' + R)^-1
     K = np.linalg.solve(H @ P @ H.T + R, H @ P).T
-    rest = np.eye(len(P)) - K @ H
-    bound: Floats = rest @ P @ rest.T + K @ R @ K.T
+    I_KH = np.eye(len(P)) - K @ H
+    bound: Floats = I_KH @ P @ I_KH.T + K @ R @ K.T
     return bound
 
 
@@ -217,10 +217,10 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
     Parameters
     ----------
     trace : Trace
-        The run, without a bounce. If it was tracked, only the steps with a measurement count,
-        otherwise all.
+        The run, without a bounce. If it was tracked, only the steps with a measurement count as
+        measured, otherwise all.
     Q : array (3, 3)
-        Covariance of the noise that is added to the pose in each step; 0 for the model as it is.
+        Covariance of the process noise of the pose in each step; 0 for a run without any.
     R : array (3, 3)
         Covariance of the noise of a measured pose.
     P0 : array (3, 3) or (6, 6)
@@ -230,24 +230,24 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
     Returns
     -------
     array (N, 3, 3)
-        Least covariance of the pose in each step; ``sqrt`` of its diagonal is the least root mean
-        square error. Draw it with ``robsim.plot_errors(report, bound=...)``.
+        Minimum covariance of the pose in each step; ``sqrt`` of its diagonal is the minimum root
+        mean square error. Draw it with ``robsim.plot_errors(report, bound=...)``.
 
     Raises
     ------
     TypeError, ValueError
-        If the trace has no truth, or a bounce, or the shapes do not fit.
+        If the trace has no truth, or has a bounce, or the shapes do not fit.
 
     Notes
     -----
-    The state is (pose(k), pose(k-1)), the model that of `RobotModel` with the true parameters; see
-    `posterior_cramer_rao_bound`. For a nonlinear model it is the bound along this path.
+    The state is (pose(k), pose(k-1)), the model is `RobotModel` with the true parameters; see
+    `posterior_cramer_rao_bound`. Since the model is nonlinear, the bound is that along this path.
     """
     _check_truth(trace)
     if trace.bounced[1:].any():
         step = int(trace.k[1:][trace.bounced[1:]][0])
         raise ValueError(
-            f"trace must have no bounce, which the model does not know, got one at step {step}: "
+            f"trace must have no bounce, which the model does not cover, got one at step {step}: "
             'take a part, trace[a:b], or run with boundary="unlimited"'
         )
     start = as_float_array("P0", P0)
@@ -267,17 +267,17 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
 
 
 def _model_derivatives(trace: Trace) -> Floats:
-    """Return how (pose(k), pose(k-1)) changes with (pose(k-1), pose(k-2)), for k = 1..N-1."""
+    """Return the Jacobians of (pose(k), pose(k-1)) by (pose(k-1), pose(k-2)), k = 1..N-1."""
     theta = np.array(trace.info.theta_true)
     heading, u = trace.pose_true[:-1, 2], trace.u[:-1]
     # x(k) = a1 x(k-1) + a2 x(k-2) + (b1 u1 + b2 u2 + d1) cos heading(k-1), with sin for y
-    push = u @ theta[:, 2:4].T + theta[:, 4]
+    drive = u @ theta[:, 2:4].T + theta[:, 4]
     F = np.zeros((len(heading), 6, 6))
     F[:, :3, :3] = np.diag(theta[:, 0])
     F[:, :3, 3:] = np.diag(theta[:, 1])
     F[:, 3:, :3] = np.eye(3)
-    F[:, 0, 2] = -push[:, 0] * np.sin(heading)
-    F[:, 1, 2] = push[:, 1] * np.cos(heading)
+    F[:, 0, 2] = -drive[:, 0] * np.sin(heading)
+    F[:, 1, 2] = drive[:, 1] * np.cos(heading)
     return F
 
 

@@ -1,4 +1,4 @@
-"""Errors of poses and estimates."""
+"""Errors of measured and estimated poses, or of any estimates, against the truth."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _SOURCES = {"measurement": "pose_measured", "estimate": "pose_estimated"}
 
 
 def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int] = (2,)) -> Floats:
-    """Return estimate minus truth, the angles' within half a turn.
+    """Return estimate minus truth, with angular errors wrapped.
 
     Parameters
     ----------
     estimate, truth : array (..., n)
-        Numbers of the same kind; NaN = not known.
+        The n components of each estimate and of the truth; NaN = not known.
     angles : sequence of int
-        Which of the n numbers are angles (rad). Default: the heading of a pose.
+        Indices of the components that are angles (rad). Default: the heading of a pose.
 
     Returns
     -------
@@ -33,8 +33,8 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
 
     Raises
     ------
-    ValueError
-        If the shapes do not fit together, a value is infinite, or there is no such number.
+    TypeError, ValueError
+        If the shapes do not fit together, a value is infinite, or an index is out of range.
     """
     estimate, truth = as_float_array("estimate", estimate), as_float_array("truth", truth)
     for name, values in (("estimate", estimate), ("truth", truth)):
@@ -57,7 +57,7 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorReport:
-    """How far poses or estimates are from the truth.
+    """The errors of poses or other estimates against the truth.
 
     Attributes
     ----------
@@ -66,16 +66,16 @@ class ErrorReport:
     error : array (M, N, n)
         Estimate minus truth of M runs of N steps, NaN where one of them is not known.
     reported_sd : array (M, N, n) or None
-        The standard deviations that the estimator claims, if it does.
+        The standard deviations that the estimator reports, if any.
     names, units : tuple of n str
-        What the n numbers are. Angles are kept in rad; the text shows them in degrees.
+        Names and units of the n components. Angles are in rad; the printed table has degrees.
     k : array (N,) of int
         Number of each step.
 
     Notes
     -----
-    The root mean square error of a single run is a random number itself. For a Kalman filter it
-    spreads by about 10 %, the mean of 20 runs by 2.5 %: compare filters over many runs.
+    The root mean square error of a single run is random itself. For a Kalman filter its standard
+    deviation is about 10 %, that of the mean of 20 runs 2.5 %: compare filters over many runs.
     """
 
     source: str
@@ -98,7 +98,7 @@ class ErrorReport:
 
     @property
     def known(self) -> NDArray[np.int64]:
-        """In how many steps the error is known, (n,); only these count in all that follows."""
+        """Number of steps with a known error, (n,); the statistics below use only these."""
         return np.asarray(np.count_nonzero(~np.isnan(self.error), axis=(0, 1)))
 
     @property
@@ -117,11 +117,11 @@ class ErrorReport:
         return np.sqrt(mean_of_known(np.square(self.error - self.bias), axis=(0, 1)))
 
     @property
-    def largest(self) -> Floats:
-        """Largest absolute error (n,)."""
+    def max_error(self) -> Floats:
+        """Maximum absolute error (n,)."""
         sizes = np.where(np.isnan(self.error), -1.0, np.abs(self.error))
-        largest = sizes.max(axis=(0, 1), initial=-1.0)
-        return np.where(largest < 0, np.nan, largest)
+        maximum = sizes.max(axis=(0, 1), initial=-1.0)
+        return np.where(maximum < 0, np.nan, maximum)
 
     @property
     def reported_sd_median(self) -> Floats:
@@ -140,8 +140,8 @@ class ErrorReport:
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """Return name -> {"unit", "known", "total", "rmse", ...}; None = not known."""
-        columns = (self.rmse, self.bias, self.sd, self.largest, self.reported_sd_median)
-        keys = ("rmse", "bias", "sd", "largest", "reported_sd_median")
+        columns = (self.rmse, self.bias, self.sd, self.max_error, self.reported_sd_median)
+        keys = ("rmse", "bias", "sd", "max_error", "reported_sd_median")
         return {
             name: {"unit": self.units[i], "known": int(self.known[i]), "total": self.total}
             | {
@@ -153,7 +153,7 @@ class ErrorReport:
 
     def _rows(self) -> list[tuple[str, ...]]:
         shown = [("deg", np.rad2deg(1.0)) if u == "rad" else (u, 1.0) for u in self.units]
-        columns = np.array((self.rmse, self.bias, self.sd, self.largest, self.reported_sd_median))
+        columns = np.array((self.rmse, self.bias, self.sd, self.max_error, self.reported_sd_median))
         texts = [
             ["-" if np.isnan(value) else f"{value * factor:.4g}" for value in values]
             for (_, factor), values in zip(shown, columns.T, strict=True)
@@ -182,11 +182,11 @@ class ErrorReport:
         return f"<p>{self.title}</p><table><tr>{head}</tr>{body}</table>"
 
 
-_TITLES = ("error", "rmse", "bias", "sd", "largest", "reported sd", "steps known")
+_TITLES = ("error", "rmse", "bias", "sd", "maximum", "reported sd", "steps known")
 
 
 def mean_of_known(values: Floats, axis: int | tuple[int, ...]) -> Floats:
-    """Return the mean of what is not NaN; NaN if nothing is left."""
+    """Return the mean of the values that are not NaN; NaN if there are none."""
     known = ~np.isnan(values)
     count = np.count_nonzero(known, axis=axis)
     mean: Floats = np.sum(values, axis=axis, where=known) / np.where(count, count, np.nan)
@@ -202,28 +202,28 @@ def estimation_errors(
     units: Sequence[str] = ("px", "px", "rad"),
     source: str = "estimate",
 ) -> ErrorReport:
-    """Return how far an estimate is from the truth.
+    """Return the errors of an estimate against the truth.
 
     Parameters
     ----------
     estimate, truth : array (N, n) or (M, N, n)
-        N steps, or M runs of N steps; NaN = not known, which is counted.
+        N steps, or M runs of N steps; NaN = not known: the report counts these.
     covariance : array (N, n, n) or (M, N, n, n), optional
-        The covariance that the estimator claims.
+        The covariance that the estimator reports.
     names, units : sequence of n str
-        What the n numbers are; those of the unit ``"rad"`` are angles. Default: a pose.
+        Names and units of the n components; those in ``"rad"`` are angles. Default: a pose.
     source : str
-        What the report calls the estimate.
+        Name of the estimate in the report.
 
     Returns
     -------
     ErrorReport
-        Root mean square error, bias and more; print it.
+        Root mean square error, bias, standard deviation and maximum; print it.
 
     Raises
     ------
-    ValueError
-        If the shapes do not fit together.
+    TypeError, ValueError
+        If an argument has the wrong type, or the shapes do not fit together.
     """
     for name, texts in (("names", names), ("units", units)):
         if isinstance(texts, str) or not isinstance(texts, Iterable):
@@ -257,7 +257,7 @@ def estimation_errors(
 
 
 def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> ErrorReport:
-    """Return how far the estimated or measured poses of a run are from the truth.
+    """Return the errors of the estimated or measured poses of a run against the truth.
 
     Parameters
     ----------
@@ -269,7 +269,8 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
     Returns
     -------
     ErrorReport
-        Root mean square error, bias and more of x, y and the heading; print it.
+        Root mean square error, bias, standard deviation and maximum of x, y and the heading; print
+        it.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Whiteness of an innovation."""
+"""The Ljung-Box test of an innovation's whiteness, for users and for the NIS report."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from numpy.typing import ArrayLike, NDArray
 from robsim._base.checks import Floats, as_float_array, check_int
 from robsim.evaluation._chi_square import chi_square_tail
 
-# 95 % of a normal distribution lie within so many standard deviations.
+# 95 % of a normal distribution lie within this number of standard deviations.
 _LIMIT = 1.96
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WhitenessReport:
-    """Whether an innovation is white: what is new at a step must not be foreseen by the last ones.
+    """Whether an innovation is white: uncorrelated with the innovations of earlier steps.
 
     Attributes
     ----------
     autocorrelation : array (L, n)
-        Of the n numbers of the innovation, at the lags 1..L; NaN where there are no pairs.
+        Of the n components of the innovation, at the lags 1..L; NaN where there are no pairs.
     pairs : array (L, n) of int
-        From how many pairs of steps each is made.
+        Number of pairs of steps that each autocorrelation is computed from.
     ljung_box : float
-        The statistic of Ljung and Box, summed over the n numbers.
+        The Ljung-Box statistic, summed over the n components.
     p_value : float
-        Probability that a white innovation has a larger one.
+        Probability that a white innovation has a larger statistic.
     """
 
     autocorrelation: Floats
@@ -38,18 +38,18 @@ class WhitenessReport:
 
     @property
     def limits(self) -> Floats:
-        """Where 95 % of a white innovation's autocorrelations lie: +-1.96/sqrt(pairs), (L, n)."""
+        """The 95 % limits of a white innovation's autocorrelations: 1.96/sqrt(pairs), (L, n)."""
         return np.asarray(_LIMIT / np.sqrt(np.where(self.pairs, self.pairs, np.nan)))
 
     @property
-    def share_outside(self) -> float:
-        """Share of the autocorrelations outside their limits; 0.05 is expected."""
+    def fraction_outside(self) -> float:
+        """Fraction of the autocorrelations outside their limits; 0.05 is expected."""
         outside = np.count_nonzero(np.abs(self.autocorrelation) > self.limits)
         return float(outside / np.count_nonzero(self.pairs))
 
     @property
     def is_white(self) -> bool:
-        """Whether the p-value is at least 0.05; so 5 % of the right filters fail."""
+        """Whether the p-value is at least 0.05; 5 % of the consistent filters fail by design."""
         return self.p_value >= 0.05
 
     def to_dict(self) -> dict[str, Any]:
@@ -58,14 +58,14 @@ class WhitenessReport:
             "is_white": self.is_white,
             "p_value": self.p_value,
             "ljung_box": self.ljung_box,
-            "share_outside": self.share_outside,
+            "fraction_outside": self.fraction_outside,
             "lags": len(self.autocorrelation),
         }
 
     def __str__(self) -> str:
         return (
             f"the innovation is {'white' if self.is_white else 'not white'} "
-            f"(Ljung-Box p = {self.p_value:.3g}; {100 * self.share_outside:.0f} % of "
+            f"(Ljung-Box p = {self.p_value:.3g}; {100 * self.fraction_outside:.0f} % of "
             f"{np.count_nonzero(self.pairs)} autocorrelations outside +-1.96/sqrt(N), 5 % expected)"
         )
 
@@ -81,11 +81,11 @@ def whiteness(
     Parameters
     ----------
     innovation : array (N, n) or (M, N, n)
-        N steps, or M independent runs of N steps; NaN = not seen: no pair is made with it.
+        N steps, or M independent runs of N steps; NaN = not seen: such a step is in no pair.
     S : array (n, n) or (..., N, n, n), optional
-        Its covariance. With it the n numbers are made independent first.
+        The innovation covariance. With it the n components are decorrelated first.
     lags : int
-        Up to how many steps apart.
+        Maximum lag (steps).
 
     Returns
     -------
@@ -95,11 +95,11 @@ def whiteness(
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of this kind, or the record is too short for the lags.
+        If an argument has the wrong type or shape, or the run is too short for the lags.
 
     Notes
     -----
-    With w whitened, its mean taken as 0 (a bias is not white either), and m_k pairs at lag k of N:
+    With w whitened, its mean assumed 0 (a bias is not white), and m_k pairs at lag k of N values:
 
         r_k = mean of w(t) w(t+k) / mean of w(t)^2
         Q   = (N + 2)/N sum_k m_k r_k^2,  chi2(lags) distributed if w is white
@@ -121,7 +121,7 @@ def whiteness(
 
 
 def _autocorrelation(w: Floats, lags: int) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64]]:
-    """Return the autocorrelations, the pairs that they are made from, and the known values."""
+    """Return the autocorrelations, the numbers of pairs, and those of the known values."""
     known = ~np.isnan(w)
     count = np.asarray(np.count_nonzero(known, axis=(0, 1)))
     w = np.where(known, w, 0.0)
@@ -140,7 +140,7 @@ def _autocorrelation(w: Floats, lags: int) -> tuple[Floats, NDArray[np.int64], N
 
 
 def whitened(values: Floats, covariance: ArrayLike, *, name: str = "S") -> Floats:
-    """Return L^-1 values with L L' = covariance: independent, of variance 1, if that is right.
+    """Return L^-1 values with L L' = covariance: uncorrelated, of variance 1.
 
     Parameters
     ----------
@@ -149,19 +149,19 @@ def whitened(values: Floats, covariance: ArrayLike, *, name: str = "S") -> Float
     covariance : array (..., n, n)
         Their covariance, or one for all of them.
     name : str
-        What a message calls it.
+        Name of the covariance in a message.
 
     Raises
     ------
     ValueError
-        If a covariance is not symmetric and positive definite, a value is infinite, or the shapes
-        do not fit.
+        If a covariance is not symmetric positive definite, a value is infinite, or the shapes do
+        not fit.
     """
     matrices = as_float_array(name, covariance)
     if not values.ndim:
         raise ValueError(f"errors and innovations must be rows of n numbers, got {values}")
     shape = (*values.shape, values.shape[-1])
-    # Those of fewer steps or runs stand for all of them; see numpy's broadcasting.
+    # One matrix may stand for all steps or runs; see numpy's broadcasting.
     pairs = zip(matrices.shape[::-1], shape[::-1], strict=False)
     fits = all(size in (1, wanted) for size, wanted in pairs)
     if matrices.shape[-2:] != shape[-2:] or matrices.ndim > len(shape) or not fits:
@@ -175,13 +175,13 @@ def whitened(values: Floats, covariance: ArrayLike, *, name: str = "S") -> Float
 
 
 def _whitened_rows(
-    values: Floats, matrices: Floats, places: NDArray[np.int64], name: str
+    values: Floats, matrices: Floats, indices: NDArray[np.int64], name: str
 ) -> Floats:
-    def check(is_right: Any, what: str) -> None:
-        if not is_right.all():
-            i = int(np.argmin(is_right))
-            at = ", ".join(map(str, places[i]))
-            raise ValueError(f"{name}[{at}] must be {what}, got {matrices[i].tolist()}")
+    def check(is_valid: Any, expected: str) -> None:
+        if not is_valid.all():
+            i = int(np.argmin(is_valid))
+            index = ", ".join(map(str, indices[i]))
+            raise ValueError(f"{name}[{index}] must be {expected}, got {matrices[i].tolist()}")
 
     if np.isinf(values).any():
         raise ValueError("errors and innovations must be finite, or NaN where not known, got inf")

@@ -14,7 +14,7 @@ from robsim.trace._trace import check_trace
 
 #: Standard deviation of the noise in the equations of x, y (px) and heading (rad) that true poses,
 #: which have none, are taken to have.
-ASSUMED_NOISE = (0.1, 0.1, 0.005)
+ASSUMED_SIGMA = (0.1, 0.1, 0.005)
 
 #: Up to this share of the parameter its standard error is that of one known well, or poorly.
 WELL, POORLY = 0.05, 0.5
@@ -37,7 +37,7 @@ class Identifiability:
     noise : array (3,)
         Standard deviation of the noise in the equations of x, y (px) and heading (rad).
     is_assumed : bool
-        The noise is `ASSUMED_NOISE`, since true poses have none; otherwise it was given, or comes
+        The noise is `ASSUMED_SIGMA`, since true poses have none; otherwise it was given, or comes
         from the prediction errors.
     """
 
@@ -98,14 +98,14 @@ def judge(
         The estimates.
     noise : array (3,), optional
         Standard deviation of the noise in the equations of x, y (px) and heading (rad). Default:
-        `ASSUMED_NOISE`.
+        `ASSUMED_SIGMA`.
 
     Raises
     ------
     ValueError
         If the noise is not three numbers of at least 0.
     """
-    values = np.array(as_float_array("noise", ASSUMED_NOISE if noise is None else noise))
+    values = np.array(as_float_array("noise", ASSUMED_SIGMA if noise is None else noise))
     if values.shape != (3,) or not (np.isfinite(values) & (values >= 0)).all():
         raise ValueError(f"noise must be three numbers of at least 0 (px, px, rad), got {noise!r}")
     size = np.abs(np.asarray(theta, dtype=np.float64))
@@ -131,7 +131,7 @@ def identifiability(
         The step. Default: the last one.
     noise : array (3,), optional
         Standard deviation of the noise in the equations of x, y (px) and heading (rad). Default:
-        `ASSUMED_NOISE` for an estimate from the truth, which has none; otherwise that of the
+        `ASSUMED_SIGMA` for an estimate from the truth, which has none; otherwise that of the
         prediction errors of the estimate, from the samples up to the step.
 
     Raises

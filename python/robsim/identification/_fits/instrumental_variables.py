@@ -17,12 +17,12 @@ from robsim.identification._fits.segments import Segment, as_record, split
 
 _ITERATIONS = 30
 # An axis has converged when no parameter moves by more than this share of its standard error.
-_ENOUGH = 1e-3
+_TOLERANCE = 1e-3
 _ROUNDING = 1e-10
-_LARGEST_POLE = 0.999
+_MAXIMUM_POLE = 0.999
 # Poses in a row: the first two and the last two of them give no sample of their own.
-_LEAST_POSES = 5
-_LEAST_SAMPLES = 8
+_MINIMUM_POSES = 5
+_MINIMUM_SAMPLES = 8
 
 
 def instrumental_variables(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
@@ -60,11 +60,11 @@ def instrumental_variables(poses: Any, u: Any, *, breaks: Any = None) -> ModelFi
     analysis, part I, Int. J. Control 29(1), 1979. What the noise of the first two poses of a run
     leaves behind does not die out in the filter 1/A, which has a pole at 1; it is projected out.
     """
-    runs = split(as_record(poses, u, breaks), longest_gap=0, minimum=_LEAST_POSES)
+    runs = split(as_record(poses, u, breaks), maximum_gap=0, minimum=_MINIMUM_POSES)
     samples = sum(len(run.u) - 4 for run in runs)
-    if samples < _LEAST_SAMPLES:
+    if samples < _MINIMUM_SAMPLES:
         raise ValueError(
-            f"instrumental variables need at least {_LEAST_SAMPLES} samples from runs of poses "
+            f"instrumental variables need at least {_MINIMUM_SAMPLES} samples from runs of poses "
             f"without a gap, got {samples}: a run of n poses gives n - 4"
         )
     fits = _fit_axes(runs)
@@ -143,11 +143,11 @@ def _iterate(runs: list[Segment], axis: int, theta: Floats, heading_noise: float
     samples = [_run_samples(run, axis) for run in runs]
     for iteration in range(1, _ITERATIONS + 1):
         # In every robot one pole is 1 and the other one is -a2.
-        pole = min(max(-theta[1], 0.0), _LARGEST_POLE)
+        pole = min(max(-theta[1], 0.0), _MAXIMUM_POLE)
         simulated, _ = axis_with_pole(runs, axis, pole)
         fit = _refine(samples, simulated, heading_noise)
         # NaN, the error of what the samples do not determine, moves nothing.
-        moved = np.abs(fit.theta - theta) > _ENOUGH * fit.errors + _ROUNDING
+        moved = np.abs(fit.theta - theta) > _TOLERANCE * fit.errors + _ROUNDING
         theta = fit.theta
         if not moved.any():
             return replace(fit, iterations=iteration, converged=True)

@@ -11,7 +11,7 @@ from robsim._base.checks import Floats
 from robsim.trace import PARAMETER_NAMES
 
 # A parameter is given if its standard error is below this share of the axis's scale.
-_LARGEST_ERROR = 0.3
+_MAXIMUM_ERROR = 0.3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,7 +66,7 @@ def given(theta: Floats, standard_errors: Floats) -> tuple[Floats, Floats]:
     gain = np.abs(theta[:, 2:4]).max(axis=1)
     scale = np.column_stack([np.ones((3, 2)), gain, gain, gain])
     # NaN is not enough either.
-    enough = standard_errors < _LARGEST_ERROR * scale
+    enough = standard_errors < _MAXIMUM_ERROR * scale
     # Without a force that shows, or with an a1 that no robot has, noise has been fitted.
     a1 = theta[:, 0]
     enough &= (enough[:, 2:].any(axis=1) & (a1 > 0) & (a1 < 2))[:, None]

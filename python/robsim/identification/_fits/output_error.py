@@ -14,18 +14,18 @@ from robsim.identification._fits.paths import simulated_path
 from robsim.identification._fits.segments import Record, Segment, as_record, split
 
 _ITERATIONS = 30
-_LEAST_POSES = 3
+_MINIMUM_POSES = 3
 # The first guess bridges no longer gap: the robot might turn by more than half a turn in it.
-_LONGEST_GAP = 5
-_LEAST_SAMPLES = 8
+_MAXIMUM_GAP = 5
+_MINIMUM_SAMPLES = 8
 # It has converged when the next step is shorter than this, all unknowns together (standard errors),
-_ENOUGH = 1e-2
+_TOLERANCE = 1e-2
 # or at least those of the parameters that are given, one by one.
 _SETTLED = 0.1
-_EXPLODED = 1e100
-_FIRST_DAMPING = 1e-8
+_DIVERGED = 1e100
+_INITIAL_DAMPING = 1e-8
 _DAMPING_FACTOR = 100.0
-_LARGEST_DAMPING = 1e8
+_MAXIMUM_DAMPING = 1e8
 
 
 def output_error(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
@@ -62,7 +62,7 @@ def output_error(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
     Source: Ljung, System Identification, 2nd edition 1999, 4.3 (output error models), 10.2.
     """
     record = as_record(poses, u, breaks)
-    segments = split(record, minimum=_LEAST_POSES)
+    segments = split(record, minimum=_MINIMUM_POSES)
     start = _start(record, segments)
     fit, residuals, iterations, converged = _minimise(start, segments)
     linear = Linearisation.at(fit, segments, residuals)
@@ -82,11 +82,11 @@ def output_error(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
 
 def _start(record: Record, segments: list[Segment]) -> Unknowns:
     """Return the first guess, and the first poses as measured."""
-    pieces = split(record, longest_gap=_LONGEST_GAP, minimum=_LEAST_POSES)
+    pieces = split(record, maximum_gap=_MAXIMUM_GAP, minimum=_MINIMUM_POSES)
     samples = sum(int(piece.seen.sum()) - 2 for piece in pieces)
-    if samples < _LEAST_SAMPLES:
+    if samples < _MINIMUM_SAMPLES:
         raise ValueError(
-            f"output error needs at least {_LEAST_SAMPLES} poses more than two for each segment "
+            f"output error needs at least {_MINIMUM_SAMPLES} poses more than two for each segment "
             f"between breaks, got {samples} in {len(segments)} segments"
         )
     first = np.array([segment.interpolated()[:2] for segment in segments])
@@ -100,7 +100,7 @@ def _residuals(unknowns: Unknowns, segments: list[Segment]) -> Floats | None:
         with np.errstate(over="ignore", invalid="ignore"):
             path = simulated_path(unknowns.theta, first, segment.u)
             left = (segment.poses - path)[segment.seen]
-        if not (np.abs(left) < _EXPLODED).all():
+        if not (np.abs(left) < _DIVERGED).all():
             return None
         # In a gap the robot may turn by more than half a turn; the simulated heading knows.
         left[:, 2] = np.unwrap(left[:, 2])
@@ -113,12 +113,12 @@ def _minimise(unknowns: Unknowns, segments: list[Segment]) -> tuple[Unknowns, Fl
     residuals = _residuals(unknowns, segments)
     # The first guess has no unstable pole: its path does not explode.
     assert residuals is not None
-    damping = _FIRST_DAMPING
+    damping = _INITIAL_DAMPING
     for iteration in range(_ITERATIONS):
         linear = Linearisation.at(unknowns, segments, residuals)
-        if linear.is_rounding or linear.expected_gain() < _ENOUGH**2:
+        if linear.is_rounding or linear.expected_gain() < _TOLERANCE**2:
             return unknowns, residuals, iteration, True
-        while damping <= _LARGEST_DAMPING:
+        while damping <= _MAXIMUM_DAMPING:
             trial = linear.step(unknowns, damping)
             left = _residuals(trial, segments)
             if left is not None and linear.is_better(left):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robsim._base.checks import Floats
 
 HEADING = 2
-_LARGEST = 1e9  # beyond any area and any checks
+_MAXIMUM_VALUE = 1e9  # beyond any area and any checks
 Bools = NDArray[np.bool_]
 
 
@@ -80,9 +80,9 @@ def as_record(poses: Any, u: Any, breaks: Any) -> Record:
         )
     poses[~np.isfinite(poses).all(axis=1)] = np.nan
     for name, values in (("poses", poses), ("u", u)):
-        if (np.abs(values) > _LARGEST).any():
+        if (np.abs(values) > _MAXIMUM_VALUE).any():
             largest = np.nanmax(np.abs(values))
-            raise ValueError(f"{name} must lie within +-{_LARGEST:g}, got {largest:g}")
+            raise ValueError(f"{name} must lie within +-{_MAXIMUM_VALUE:g}, got {largest:g}")
     return Record(poses, u, breaks)
 
 
@@ -96,14 +96,14 @@ def _rows(name: str, values: Any, width: int) -> Floats:
     return rows
 
 
-def split(record: Record, *, longest_gap: int | None = None, minimum: int) -> list[Segment]:
+def split(record: Record, *, maximum_gap: int | None = None, minimum: int) -> list[Segment]:
     """Return the segments between the breaks.
 
     Parameters
     ----------
     record : Record
         What to split.
-    longest_gap : int, optional
+    maximum_gap : int, optional
         Also split where the robot was not seen for more steps than that.
     minimum : int
         Stretches with fewer poses than that are left out.
@@ -111,16 +111,16 @@ def split(record: Record, *, longest_gap: int | None = None, minimum: int) -> li
     at = np.flatnonzero(record.seen)
     number = np.cumsum(record.breaks)[at]
     new = np.diff(number) > 0
-    if longest_gap is not None:
-        new |= np.diff(at) > longest_gap + 1
+    if maximum_gap is not None:
+        new |= np.diff(at) > maximum_gap + 1
     return [
-        _stretch(record, slice(steps[0], steps[-1] + 1))
+        _segment(record, slice(steps[0], steps[-1] + 1))
         for steps in np.split(at, np.flatnonzero(new) + 1)
         if len(steps) >= minimum
     ]
 
 
-def _stretch(record: Record, part: slice) -> Segment:
+def _segment(record: Record, part: slice) -> Segment:
     poses, seen = record.poses[part].copy(), record.seen[part]
     poses[seen, HEADING] = np.unwrap(poses[seen, HEADING])
     return Segment(poses, record.u[part], seen)
