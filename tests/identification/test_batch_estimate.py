@@ -62,7 +62,7 @@ def test_a_bounce_ends_the_longest_record_and_does_not_spoil_the_online_estimate
     gaps = np.diff(np.concatenate(([0], np.flatnonzero(trace.bounced), [2000])))
     assert report.stop - report.start == gaps.max()
     assert report.n_samples == gaps.max() - 2
-    assert report.title.endswith(f"({gaps.max() - 2} samples, the longest record)")
+    assert report.title.endswith(f"({gaps.max() - 2} samples, the longest segment)")
     for estimate, limit in ((report.batch, 1e-6), (report.online, 1e-4)):
         assert deviations(estimate, report.theta_true)[0] < limit
 
@@ -73,7 +73,7 @@ def test_valid_samples_are_all_but_those_that_span_a_bounce():
     spoilt = trace.bounced[2:] | trace.bounced[1:-1]
     assert report.n_samples == np.count_nonzero(~spoilt)
     assert report.left_out == np.count_nonzero(spoilt)
-    assert f"{report.left_out} samples with a bounce or a missing pose are left out" in str(report)
+    assert f"{report.left_out} samples with a bounce or a missing pose are omitted" in str(report)
     assert deviations(report.batch, report.theta_true)[0] < 1e-6
 
 
@@ -123,12 +123,12 @@ def test_what_a_record_without_motion_does_not_determine_is_said():
     report = robsim.batch_estimate(trace)
     assert (report.rank < 5).all()
     assert np.isnan(report.batch).any()
-    assert "X: the record cannot give a1X, a2X, b1X, b2X, d1X; excite" in str(report)
+    assert "X: the run does not determine a1X, a2X, b1X, b2X, d1X; excite" in str(report)
     assert "no online estimate" in str(report)
     assert report.to_dict()["b1X"]["batch"] is None
     assert report.to_dict()["b1X"]["standard_error"] is None
     assert np.isinf(report.standard_errors[0]).all()
-    assert "cannot give" in report._repr_html_()
+    assert "does not determine" in report._repr_html_()
 
 
 def noise_in_the_equation(random):
@@ -283,7 +283,7 @@ def test_what_a_spin_cannot_give_by_output_error():
     report = robsim.batch_estimate(trace, identify_from="measurement", method="output_error")
     assert np.isnan(report.batch[:2]).all()
     assert (report.identifiability.verdicts[:2] == "not excited").all()
-    assert "X: the record cannot give a1X, a2X, b1X, b2X, d1X" in str(report)
+    assert "X: the run does not determine a1X, a2X, b1X, b2X, d1X" in str(report)
     robsim.plot_batch(report)
 
 

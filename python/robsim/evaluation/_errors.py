@@ -125,9 +125,9 @@ class ErrorReport:
 
     @property
     def reported_sd_median(self) -> Floats:
-        """Median of the reported_sd standard deviations (n,); NaN without.
+        """Median of the reported standard deviations (n,); NaN without.
 
-        Not their root mean square: that is the one of the steps before the robot was first seen.
+        The steps before the robot is first seen would dominate their root mean square.
         """
         if self.reported_sd is None or np.isnan(self.reported_sd).all():
             return np.full(len(self.names), np.nan)

@@ -1,4 +1,4 @@
-"""Parameters from records: batch estimates, what a record determines, convergence."""
+"""Parameter estimation: recursive and batch estimates, identifiability and convergence."""
 
 from robsim._base.public import present as _present
 from robsim._core import LeastSquaresFit, RecursiveLeastSquares, Sample, least_squares, regression

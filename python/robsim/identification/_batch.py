@@ -1,4 +1,4 @@
-"""Batch identification and its report."""
+"""Batch identification of the robot model from a recorded run, and its report."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _METHODS = ("least_squares", *METHODS)
 
 
 class _Fit(TypedDict):
-    """What a method finds: fields of `BatchEstimate`."""
+    """The fields of `BatchEstimate` that the method determines."""
 
     batch: Floats
     rank: NDArray[np.int64]
@@ -43,43 +43,43 @@ def _unknown() -> Floats:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BatchEstimate:
-    """The parameters of the robot model from a whole record.
+    """The parameters of the robot model, estimated from a whole run.
 
     Attributes
     ----------
     theta_true, batch, online : array (3, 5)
         The model's own values, batch estimate, last online estimate; rows X, Y, P (heading),
-        columns a1, a2, b1, b2, d1. NaN = not determined by the record, or no online estimate.
+        columns a1, a2, b1, b2, d1. NaN = not determined by the run, or no online estimate.
     identify_from, online_from : str
         The data of the batch and of the online estimate: truth, measurement or estimate.
     start, stop : int
-        The record: steps start..stop - 1.
+        The steps start..stop - 1 were used.
     rank : array (3,) of int
-        Independent regressors of each axis; 5 = all parameters are determined.
+        Rank of the regressors of each axis; 5 = all parameters are determined.
     condition : array (3,)
-        Condition number of the regressors of each axis, scaled to length 1; NaN with another
-        method than least squares.
+        Condition number of the regressors of each axis, scaled to length 1; NaN for a method other
+        than least squares.
     residual_rms : array (3,)
-        Root mean square of the one-step prediction error (px, px, rad); with another method than
-        least squares, of what its fit leaves over of the poses.
+        Root mean square of the one-step prediction error (px, px, rad); for a method other than
+        least squares, of the residuals of its fit.
     standard_errors : array (3, 5)
-        Standard errors of `batch`, with the noise estimated from the residuals. They hold for noise
-        in the equations; noise of measurements makes least squares biased, too.
+        Standard errors of `batch`, with the noise estimated from the residuals. They are valid for
+        equation noise; measurement noise also biases least squares.
     standard_errors_unscaled : array (3, 5)
-        The same for noise of standard deviation 1 (px, px, rad).
+        Standard errors for noise of standard deviation 1 (px, px, rad).
     n_samples : int, optional
-        Number of samples. Default: all that a record without interruption has.
+        Number of samples. Default: that of the steps start..stop - 1 without interruption.
     left_out : int
-        Samples of the record that were left out for a bounce or a missing pose in them.
+        Number of samples omitted because they span a bounce or a missing pose.
     select : str
-        Which samples were taken: valid, longest or all.
+        Which samples were used: valid, longest or all.
     method : str
-        How: least_squares, instrumental_variables or output_error.
+        The method: least_squares, instrumental_variables or output_error.
     converged : bool
-        Whether the method came to an end; if not, `batch` is only as far as it got.
+        Whether the method converged; if not, `batch` is the result of its last iteration.
     model_error : array (3,)
-        Root mean square of what `theta_true` leaves over of the true path in a step (px, px, rad).
-        Not 0, if something else than the model moved the robot: then `theta_true` is not the truth.
+        Root mean square one-step prediction error of `theta_true` on the true path (px, px, rad).
+        If it is not 0, the robot does not move as its model says: `theta_true` is not the truth.
     """
 
     theta_true: Floats
@@ -107,8 +107,8 @@ class BatchEstimate:
 
     @property
     def title(self) -> str:
-        """Which data the estimate is made from."""
-        kind = {"longest": ", the longest record", "all": ", bounces included"}
+        """The data and the method of the estimate, in one line."""
+        kind = {"longest": ", the longest segment", "all": ", bounces included"}
         method = "" if self.method == "least_squares" else f" by {self.method.replace('_', ' ')}"
         return (
             f"Batch estimate from {self.identify_from}{method}, steps "
@@ -122,24 +122,24 @@ class BatchEstimate:
 
     @property
     def identifiability(self) -> Identifiability:
-        """How well the record determines each parameter.
+        """How well the run determines each parameter.
 
-        For poses of the truth, which have no noise, the noise is assumed; else it is that of the
+        For true poses, which have no noise, sigma is assumed; otherwise it is that of the
         residuals.
         """
         if self.identify_from == "truth":
             return judge(self.standard_errors_unscaled, self.batch)
         if self.method != "least_squares":
-            return judge(self.standard_errors_unscaled, self.batch, noise=self.residual_rms)
+            return judge(self.standard_errors_unscaled, self.batch, sigma=self.residual_rms)
         n_samples = self._samples
         freedom = np.maximum(n_samples - self.rank, 1)
-        noise = self.residual_rms * np.sqrt(n_samples / freedom)
-        return judge(self.standard_errors_unscaled, self.batch, noise=noise)
+        sigma = self.residual_rms * np.sqrt(n_samples / freedom)
+        return judge(self.standard_errors_unscaled, self.batch, sigma=sigma)
 
     def to_dict(self) -> dict[str, dict[str, float | None]]:
         """Return name -> {"true", "batch", "standard_error", "online"} of all 15 parameters.
 
-        None = not there.
+        None = not known.
         """
         columns = (self.theta_true, self.batch, self.standard_errors, self.online)
         keys = ("true", "batch", "standard_error", "online")
@@ -152,7 +152,7 @@ class BatchEstimate:
         }
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return a data frame: a row for each parameter, with the verdict on its excitation.
+        """Return a data frame with one row per parameter and the verdict on its excitation.
 
         Raises
         ------
@@ -195,19 +195,19 @@ class BatchEstimate:
 
     def _remarks(self) -> list[str]:
         remarks = [
-            f"{axis}: the record cannot give {', '.join(missing)}; excite the robot more"
+            f"{axis}: the run does not determine {', '.join(missing)}; excite the robot more"
             for axis, missing in zip(_AXES, self._missing(), strict=True)
             if missing
         ]
         if not self.converged:
             remarks.append("the fit did not converge: do not trust it")
         if self.left_out:
-            remarks.append(f"{self.left_out} samples with a bounce or a missing pose are left out")
+            remarks.append(f"{self.left_out} samples with a bounce or a missing pose are omitted")
         if not self.is_model_exact:
             x, y, heading = self.model_error
             remarks.append(
-                f"the robot does not move as its model says (rms {x:.2g} px, {y:.2g} px, "
-                f"{heading:.2g} rad a step): the model's values need not be true"
+                f"the robot does not move as its model says (rmse {x:.2g} px, {y:.2g} px, "
+                f"{heading:.2g} rad per step): the model's values need not be true"
             )
         if not np.isfinite(self.online).any():
             remarks.append("no online estimate: run with estimate_parameters=True")
@@ -216,7 +216,7 @@ class BatchEstimate:
         return remarks
 
     def _missing(self) -> list[list[str]]:
-        """Return the names of the parameters that the record does not determine, by axis."""
+        """Return the names of the parameters that the run does not determine, by axis."""
         names = np.reshape(PARAMETER_NAMES, (3, 5))
         return [list(names[axis][np.isnan(self.batch[axis])]) for axis in range(3)]
 
@@ -237,10 +237,10 @@ def batch_estimate(
     select: str = "valid",
     method: str = "least_squares",
 ) -> BatchEstimate:
-    """Estimate the parameters of the robot model from a whole record.
+    """Estimate the parameters of the robot model from a whole run.
 
-    From measured poses least squares is biased, as there is noise in its regressors, too; the other
-    methods are not.
+    From measured poses least squares is biased, since the noise is in its regressors, too; the
+    other methods are not.
 
     Parameters
     ----------
@@ -250,9 +250,9 @@ def batch_estimate(
         ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
         estimate.
     select : str
-        ``"valid"``: all samples but those that span a bounce or a step without a pose.
-        ``"longest"``: those of the longest record without an interruption. ``"all"``: also those
-        that span a bounce, to see what harm they do.
+        ``"valid"``: all samples except those that span a bounce or a step without a pose.
+        ``"longest"``: those of the longest segment without an interruption. ``"all"``: also those
+        that span a bounce, to see their effect.
     method : str
         ``"least_squares"``, ``"instrumental_variables"`` or ``"output_error"``; see the functions
         of these names.
@@ -260,12 +260,12 @@ def batch_estimate(
     Returns
     -------
     BatchEstimate
-        The report; print it, or leave it at the end of a notebook's cell.
+        The report; print it, or put it at the end of a notebook cell.
 
     Raises
     ------
     TypeError, ValueError
-        If it is no trace, there are too few samples, or a name is none of these.
+        If `trace` is not a Trace, it has too few samples, or a name is unknown.
     """
     if not isinstance(trace, Trace):
         raise TypeError(f"trace must be a Trace, got {trace!r}")
@@ -277,7 +277,7 @@ def batch_estimate(
         where = "the longest of" if select == "longest" else "all"
         raise ValueError(
             f"a batch estimate from {found.identify_from} needs at least {_MINIMUM_SAMPLES} "
-            f"samples, each of three steps in a row, got {len(found.k)} in {where} {len(trace)} "
+            f"samples, each of three consecutive steps, got {len(found.k)} in {where} {len(trace)} "
             "steps"
         )
     start, stop = int(found.k[0]) - 2, int(found.k[-1]) + 1
@@ -323,23 +323,23 @@ def _fitted(
     poses = getattr(record, SOURCES[found.identify_from])
     breaks = None if select == "all" else record.bounced
     fit = METHODS[method](poses, record.u, breaks=breaks)
-    noise = np.maximum(fit.residual_rms, np.finfo(float).tiny)
+    sigma = np.maximum(fit.residual_rms, np.finfo(float).tiny)
     return {
         "batch": fit.theta,
         "rank": fit.determined.sum(axis=1),
         "condition": np.full(3, np.nan),
         "residual_rms": fit.residual_rms,
         "standard_errors": np.where(fit.determined, fit.standard_errors, np.nan),
-        "standard_errors_unscaled": fit.standard_errors / noise[:, np.newaxis],
+        "standard_errors_unscaled": fit.standard_errors / sigma[:, np.newaxis],
         "converged": fit.converged,
     }
 
 
 def _model_error(trace: Trace) -> Floats:
-    """Return the root mean squares of what the model leaves over of the true path, (3,)."""
+    """Return the root mean square one-step prediction errors of the model, (3,)."""
     found = regression_of(trace, identify_from="truth")
     if not len(found.k):
         return np.zeros(3)
-    left_over = found.y - np.sum(found.phi * np.array(trace.info.theta_true), axis=2)
-    error: Floats = np.sqrt(np.mean(np.square(left_over), axis=0))
-    return error
+    residuals = found.y - np.sum(found.phi * np.array(trace.info.theta_true), axis=2)
+    rmse: Floats = np.sqrt(np.mean(np.square(residuals), axis=0))
+    return rmse

@@ -1,4 +1,4 @@
-"""Convergence of parameter estimates."""
+"""Convergence times of online parameter estimates against the true parameters."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from robsim.trace._trace import check_trace
 def convergence_time(
     estimate: ArrayLike, truth: ArrayLike, tolerance: ArrayLike, *, t: ArrayLike | None = None
 ) -> Floats:
-    """Return when an estimate enters a band around the truth in which it then stays.
+    """Return the time at which an estimate enters a band around the truth and stays there.
 
     Parameters
     ----------
     estimate : array (N, ...)
-        Estimates of N steps; NaN = none, which lies in no band.
+        Estimates of N steps; NaN = none, which is outside the band.
     truth, tolerance : array (...) or float
-        The true value and how far from it the band reaches.
+        The true value and the half width of the band.
     t : array (N,), optional
-        Time of each step (s). Default: the number of the row.
+        Time of each step (s). Default: the row index.
 
     Returns
     -------
     array (...)
-        The time; NaN if the last estimate does not lie in the band.
+        The time; NaN if the last estimate is outside the band.
 
     Raises
     ------
@@ -57,17 +57,18 @@ def convergence_time(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ConvergenceReport:
-    """When the online estimates of the parameters came to stay near their true values.
+    """The convergence times of the online parameter estimates.
 
     Attributes
     ----------
     theta_true, last, tolerance : array (3, 5)
-        True values, last online estimate, what counts as near; rows X, Y, P (heading), columns
-        a1, a2, b1, b2, d1.
+        True values, last online estimate, half width of the band around the true value; rows X, Y,
+        P (heading), columns a1, a2, b1, b2, d1.
     time : array (3, 5)
-        Time since the first step of the record (s); NaN = not near at the end.
+        Time from the first step of the trace until the estimate stays in the band (s); NaN = not
+        in the band at the end.
     title : str
-        Which data the estimate is made from.
+        The first line of the report.
     """
 
     theta_true: Floats
@@ -77,7 +78,7 @@ class ConvergenceReport:
     title: str
 
     def to_dict(self) -> dict[str, dict[str, float | None]]:
-        """Return name -> {"true", "last", "tolerance", "time"}; None = not there."""
+        """Return name -> {"true", "last", "tolerance", "time"}; None = not known."""
         keys = ("true", "last", "tolerance", "time")
         columns = (self.theta_true, self.last, self.tolerance, self.time)
         return {
@@ -124,16 +125,16 @@ _TITLES = ("", "True value", "Last estimate", "Tolerance", "Stays near from (s)"
 def parameter_convergence(
     trace: Trace, *, tolerance: float = 0.01, offset_tolerance: float = 1e-3
 ) -> ConvergenceReport:
-    """Return when the online parameter estimates came to stay near their true values.
+    """Return the times from which on the online parameter estimates stay near the true values.
 
     Parameters
     ----------
     trace : Trace
         A run with ``estimate_parameters=True``.
     tolerance : float
-        What counts as near, relative to the true value, of a1, a2, b1 and b2.
+        Half width of the band of a1, a2, b1 and b2, relative to the true value.
     offset_tolerance : float
-        What counts as near of d1, whose true value may be 0 (px, px, rad).
+        Half width of the band of d1, whose true value may be 0 (px, px, rad).
 
     Returns
     -------
@@ -143,8 +144,8 @@ def parameter_convergence(
     Raises
     ------
     TypeError, ValueError
-        If the trace has no parameter estimates or no true parameters, or an argument is not of
-        this kind.
+        If the trace has no parameter estimates or no true parameters, or an argument has the wrong
+        type or is out of range.
     """
     check_trace(trace)
     relative = check_float("tolerance", tolerance, exclusive_minimum=0.0)
@@ -155,12 +156,12 @@ def parameter_convergence(
             "the trace must have parameter estimates and true parameters: run the simulation with "
             "estimate_parameters=True"
         )
-    near = relative * np.abs(theta_true)
-    near[:, 4] = offset
+    half_width = relative * np.abs(theta_true)
+    half_width[:, 4] = offset
     return ConvergenceReport(
         theta_true=theta_true,
         last=np.array(trace.parameters[-1]),
-        tolerance=near,
-        time=convergence_time(trace.parameters, theta_true, near, t=trace.t - trace.t[0]),
+        tolerance=half_width,
+        time=convergence_time(trace.parameters, theta_true, half_width, t=trace.t - trace.t[0]),
         title=f"Online estimate from {trace.info.identify_from}: when it stays near the truth",
     )

@@ -1,4 +1,4 @@
-"""How well each parameter is known."""
+"""How well a run determines each parameter: standard errors relative to the parameter."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from robsim.identification._regression import regression_of
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace._trace import check_trace
 
-#: Standard deviation of the noise in the equations of x, y (px) and heading (rad) that true poses,
-#: which have none, are taken to have.
+#: Standard deviations of the equation noise of x, y (px) and heading (rad) that are assumed for
+#: true poses, which have none.
 ASSUMED_SIGMA = (0.1, 0.1, 0.005)
 
-#: Up to this share of the parameter its standard error is that of one known well, or poorly.
+#: Maximum standard error of a well and of a poorly determined parameter, relative to it.
 WELL, POORLY = 0.05, 0.5
 
 _AXES = ("X", "Y", "P")
@@ -32,18 +32,18 @@ class Identifiability:
         Standard errors of the parameters, rows X, Y, P (heading), columns a1, a2, b1, b2, d1: the
         Cramér-Rao bound for this noise. inf = not determined at all, NaN = no samples yet.
     relative : array (3, 5)
-        The same as a share of the size of the parameter; of d1, which may be 0, as a share of the
-        larger one of b1 and b2, what 1 V does.
-    noise : array (3,)
-        Standard deviation of the noise in the equations of x, y (px) and heading (rad).
+        Standard errors as a fraction of the parameter's magnitude; for d1, which may be 0, as a
+        fraction of the larger of b1 and b2, the effect of 1 V.
+    sigma : array (3,)
+        Standard deviations of the equation noise of x, y (px) and heading (rad).
     is_assumed : bool
-        The noise is `ASSUMED_SIGMA`, since true poses have none; otherwise it was given, or comes
-        from the prediction errors.
+        Whether sigma is `ASSUMED_SIGMA`, since true poses have no noise; otherwise it was given,
+        or comes from the prediction errors.
     """
 
     standard_errors: Floats
     relative: Floats
-    noise: Floats
+    sigma: Floats
     is_assumed: bool
 
     @property
@@ -52,7 +52,7 @@ class Identifiability:
 
         Well: the standard error is at most 5 % of the parameter. Poorly: at most 50 %.
         """
-        # Not a comparison the other way round: NaN is not excited.
+        # These comparisons are False for NaN, which is thus not excited.
         return np.select(
             [self.relative <= WELL, self.relative <= POORLY], ["well", "poorly"], "not excited"
         )
@@ -66,9 +66,9 @@ class Identifiability:
         ]
 
     def __str__(self) -> str:
-        x, y, heading = self.noise
+        x, y, heading = self.sigma
         source = ", assumed" if self.is_assumed else ""
-        title = f"Excitation (noise {x:.3g} px, {y:.3g} px, {heading:.3g} rad{source}):"
+        title = f"Excitation (sigma {x:.3g} px, {y:.3g} px, {heading:.3g} rad{source}):"
         return "\n".join([title, *(f"{axis}: {self._line(i)}" for i, axis in enumerate(_AXES))])
 
     def _line(self, axis: int) -> str:
@@ -85,43 +85,43 @@ class Identifiability:
 
 
 def judge(
-    standard_errors_unscaled: ArrayLike, theta: ArrayLike, *, noise: ArrayLike | None = None
+    standard_errors_unscaled: ArrayLike, theta: ArrayLike, *, sigma: ArrayLike | None = None
 ) -> Identifiability:
-    """Return how well parameters are known.
+    """Return how well parameters are determined, from their unscaled standard errors.
 
     Parameters
     ----------
     standard_errors_unscaled : array (3, 5)
-        Their standard errors in units of the standard deviation of the noise: the square roots of
-        the diagonal of the inverse of phi' phi.
+        Their standard errors for noise of standard deviation 1: the square roots of the diagonal
+        of (phi' phi)^-1.
     theta : array (3, 5)
         The estimates.
-    noise : array (3,), optional
-        Standard deviation of the noise in the equations of x, y (px) and heading (rad). Default:
+    sigma : array (3,), optional
+        Standard deviations of the equation noise of x, y (px) and heading (rad). Default:
         `ASSUMED_SIGMA`.
 
     Raises
     ------
     ValueError
-        If the noise is not three numbers of at least 0.
+        If sigma is not three numbers of at least 0.
     """
-    values = np.array(as_float_array("noise", ASSUMED_SIGMA if noise is None else noise))
+    values = np.array(as_float_array("sigma", ASSUMED_SIGMA if sigma is None else sigma))
     if values.shape != (3,) or not (np.isfinite(values) & (values >= 0)).all():
-        raise ValueError(f"noise must be three numbers of at least 0 (px, px, rad), got {noise!r}")
+        raise ValueError(f"sigma must be three numbers of at least 0 (px, px, rad), got {sigma!r}")
     size = np.abs(np.asarray(theta, dtype=np.float64))
     size[:, 4] = size[:, 2:4].max(axis=1)
     errors = values[:, np.newaxis] * np.asarray(standard_errors_unscaled, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = errors / size
     return Identifiability(
-        standard_errors=errors, relative=relative, noise=values, is_assumed=noise is None
+        standard_errors=errors, relative=relative, sigma=values, is_assumed=sigma is None
     )
 
 
 def identifiability(
-    trace: Trace, *, k: int | None = None, noise: ArrayLike | None = None
+    trace: Trace, *, k: int | None = None, sigma: ArrayLike | None = None
 ) -> Identifiability:
-    """Return how well the online estimate knew each parameter at a step.
+    """Return how well the samples up to a step determine each parameter of the online estimate.
 
     Parameters
     ----------
@@ -129,15 +129,20 @@ def identifiability(
         A run with ``estimate_parameters=True``.
     k : int, optional
         The step. Default: the last one.
-    noise : array (3,), optional
-        Standard deviation of the noise in the equations of x, y (px) and heading (rad). Default:
-        `ASSUMED_SIGMA` for an estimate from the truth, which has none; otherwise that of the
-        prediction errors of the estimate, from the samples up to the step.
+    sigma : array (3,), optional
+        Standard deviations of the equation noise of x, y (px) and heading (rad). Default:
+        (0.1, 0.1, 0.005) for an estimate from the truth, which has no noise; otherwise those of the
+        one-step prediction errors of the estimate, from the samples up to the step.
+
+    Returns
+    -------
+    Identifiability
+        Standard errors and verdicts; print it.
 
     Raises
     ------
     TypeError, ValueError
-        If it is no trace, or has no standard errors: an estimator of your own gives none.
+        If `trace` is not a Trace, or has no standard errors: your own estimator gives none.
     """
     check_trace(trace)
     if not np.isfinite(trace.standard_errors_unscaled).any():
@@ -148,15 +153,15 @@ def identifiability(
     step = last if k is None else check_int("k", k, minimum=int(trace.k[0]), maximum=last)
     until = trace[: step - int(trace.k[0]) + 1]
     theta = until.parameters[-1]
-    if noise is None and trace.info.identify_from != "truth":
-        noise = _prediction_noise(until, theta)
-    return judge(until.standard_errors_unscaled[-1], theta, noise=noise)
+    if sigma is None and trace.info.identify_from != "truth":
+        sigma = _prediction_sigma(until, theta)
+    return judge(until.standard_errors_unscaled[-1], theta, sigma=sigma)
 
 
-def _prediction_noise(trace: Trace, theta: Floats) -> Floats:
+def _prediction_sigma(trace: Trace, theta: Floats) -> Floats:
     """Return the standard deviations of the one-step prediction errors, (3,)."""
     found = regression_of(trace)
     errors = found.y - np.sum(found.phi * theta, axis=2)
     freedom = max(len(errors) - 5, 1)
-    deviations: Floats = np.sqrt(np.sum(np.square(errors), axis=0) / freedom)
-    return np.nan_to_num(deviations)
+    sigma: Floats = np.sqrt(np.sum(np.square(errors), axis=0) / freedom)
+    return np.nan_to_num(sigma)

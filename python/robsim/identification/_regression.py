@@ -1,4 +1,4 @@
-"""The samples of a record."""
+"""The regression samples of a recorded run, which the batch estimates are computed from."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ class Regression:
     k : array (N,) of int
         The step whose output y is; its regressors are from the two steps before.
     identify_from : str
-        The poses that they are made of: truth, measurement or estimate.
+        The poses of the samples: truth, measurement or estimate.
     left_out : int
-        Samples that were left out for a bounce or a missing pose in them.
+        Number of samples omitted because they span a bounce or a missing pose.
     """
 
     phi: Floats
@@ -44,7 +44,7 @@ class Regression:
 def regression_of(
     trace: Trace, *, identify_from: str | None = None, select: str = "valid"
 ) -> Regression:
-    """Return the samples of a trace.
+    """Return the regression samples of a trace.
 
     Parameters
     ----------
@@ -54,14 +54,19 @@ def regression_of(
         ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
         estimate.
     select : str
-        ``"valid"``: all but those that span a bounce or a step without a pose. ``"longest"``: those
-        of the longest record without an interruption. ``"all"``: also those that span a bounce,
-        which the model knows nothing of.
+        ``"valid"``: all except those that span a bounce or a step without a pose. ``"longest"``:
+        those of the longest segment without an interruption. ``"all"``: also those that span a
+        bounce, which the model does not cover.
+
+    Returns
+    -------
+    Regression
+        Regressors, outputs and their steps.
 
     Raises
     ------
-    ValueError
-        For another name.
+    TypeError, ValueError
+        If `trace` is not a Trace, or a name is unknown.
     """
     check_trace(trace)
     source = trace.info.identify_from if identify_from is None else identify_from
@@ -70,9 +75,9 @@ def regression_of(
     poses = getattr(trace, SOURCES[source])
     follows = _follows(trace, poses, over_bounces=select == "all")
     if select == "longest":
-        record = longest_run(follows)
-        follows = np.isin(np.arange(len(follows)), np.arange(record.start, record.stop))
-    # The sample of step k takes the poses of three steps in a row.
+        longest = longest_run(follows)
+        follows = np.isin(np.arange(len(follows)), np.arange(longest.start, longest.stop))
+    # The sample of step k needs the poses of three consecutive steps.
     is_whole = follows[1:] & follows[:-1]
     phi, y = np.empty((0, 3, 5)), np.empty((0, 3))
     if is_whole.any():
@@ -93,7 +98,7 @@ def _check(name: str, value: str, known: tuple[str, ...]) -> None:
 
 
 def _follows(trace: Trace, poses: Floats, *, over_bounces: bool) -> Bools:
-    """Return at which of the steps 1.. the pose follows from the one before."""
+    """Return for each of the steps 1.. whether its pose follows from the previous one."""
     seen = np.asarray(np.isfinite(poses).all(axis=1))
     # Step k follows from step k-1 unless a bounce mirrored the robot in it.
     return np.asarray(seen[1:] & seen[:-1] & (over_bounces | ~trace.bounced[1:]))

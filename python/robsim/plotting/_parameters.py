@@ -32,7 +32,7 @@ def plot_parameters(
         A run with ``estimate_parameters=True``.
     standard_errors : array (N, 3, 5), optional
         Of the estimates in each step, such as ``trace.standard_errors_unscaled`` times
-        ``identifiability(trace).noise[:, np.newaxis]``: a band of two of them to both sides
+        ``identifiability(trace).sigma[:, np.newaxis]``: a band of two of them to both sides
         of the true value, where 95 % of the estimates should lie; inf = no band.
     axes : array_like (5, 3) of matplotlib.axes.Axes, optional
         Where to draw: rows a1, a2, b1, b2, d1, columns X, Y, P (heading). Default: a new figure.

@@ -1,4 +1,4 @@
-"""Fits without the bias of least squares."""
+"""Parameter fits without the bias of least squares, which `batch_estimate` calls by name."""
 
 from collections.abc import Callable
 

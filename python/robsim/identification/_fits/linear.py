@@ -1,4 +1,4 @@
-"""Linear least squares."""
+"""Linear least squares and blockwise QR, for the iterative fits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from robsim._base.checks import Floats
 
-# Singular values below this share of the largest, of columns of length 1, are rounding.
+# Singular values below this fraction of the maximum, for columns of length 1, are rounding errors.
 _ROUNDING = 1e-9
 _BLOCK = 128
 
@@ -17,36 +17,36 @@ def solve(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
     Parameters
     ----------
     matrix : array (N, n)
-        One column for each unknown.
+        One column per unknown.
     right : array (N,)
         Right-hand side.
 
     Returns
     -------
     x : array (n,)
-        The shortest solution, in columns of length 1.
+        The minimum-norm solution, for columns scaled to length 1.
     covariance : array (n, n)
-        (matrix' matrix)^-1; NaN on the diagonal of what the rows do not determine.
+        (matrix' matrix)^-1; NaN on the diagonal for unknowns that the rows do not determine.
     """
     length = np.linalg.norm(matrix, axis=0)
     length[length == 0] = 1
     left, values, directions = np.linalg.svd(matrix / length, full_matrices=False)
-    there = values > _ROUNDING * values.max(initial=0.0)
-    inverse = directions[there].T / values[there]
+    is_nonzero = values > _ROUNDING * values.max(initial=0.0)
+    inverse = directions[is_nonzero].T / values[is_nonzero]
     covariance = inverse @ inverse.T
-    # A parameter that takes part in a direction without effect can be anything.
-    open_share = 1 - np.square(directions[there]).sum(axis=0)
-    loose = open_share > 1e-6
-    covariance[loose, loose] = np.nan
-    x = inverse @ (left[:, there].T @ right)
+    # An unknown with a component in the null space is not determined.
+    null_fraction = 1 - np.square(directions[is_nonzero]).sum(axis=0)
+    is_undetermined = null_fraction > 1e-6
+    covariance[is_undetermined, is_undetermined] = np.nan
+    x = inverse @ (left[:, is_nonzero].T @ right)
     return x / length, covariance / np.outer(length, length)
 
 
 def triangle(matrix: Floats) -> Floats:
     """Return the triangular factor R of matrix = Q R, or of each of a stack of matrices.
 
-    Many rows are taken block by block: the rows of the blocks' factors stand for all of them, and
-    small blocks keep the linear algebra in one thread, which is faster.
+    Many rows are factored block by block: R follows from the blocks' factors alone, and small
+    blocks keep the linear algebra in one thread, which is faster.
     """
     while matrix.ndim == 2 and len(matrix) > 2 * _BLOCK:
         blocks = -(-len(matrix) // _BLOCK)

@@ -1,4 +1,4 @@
-"""Steps of output error."""
+"""The linearised residuals of `output_error`, and its damped Gauss-Newton steps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robsim.identification._fits.linear import solve, triangle
 from robsim.identification._fits.paths import FIRST, UNKNOWNS, sensitivities, simulated_path
 from robsim.identification._fits.segments import Segment
 
-# Residuals smaller than this share of the largest coordinate are rounding.
+# Residuals smaller than this fraction of the maximum coordinate are rounding errors.
 _ROUNDING = 1e-9
 
 
@@ -25,17 +25,17 @@ class Unknowns:
 
 @dataclass(frozen=True, eq=False)
 class Linearisation:
-    """The weighted residuals as linear functions of a step of the unknowns.
+    """The weighted residuals, linearised in a step of the unknowns.
 
     Attributes
     ----------
     sigma : array (3,)
-        Noise of x, y and heading, which the residuals are divided by.
+        Standard deviations of x, y and heading, which the residuals are divided by.
     cost : float
-        Sum of their squares.
+        Sum of squares of the weighted residuals.
     blocks : array (S, 22, 22)
         For each segment the triangular factor of [derivatives | residuals], whose columns are
-        the step of the 6 first values, that of the 15 parameters, and the residuals.
+        those of the 6 initial values, of the 15 parameters, and the residuals.
     """
 
     sigma: Floats
@@ -44,7 +44,7 @@ class Linearisation:
 
     @staticmethod
     def at(unknowns: Unknowns, segments: list[Segment], residuals: Floats) -> Linearisation:
-        """Linearise about the unknowns that left these residuals."""
+        """Linearise about the unknowns, which have these residuals."""
         freedom = max(len(residuals) - 2 * len(segments) - 5, 1)
         sigma = np.sqrt(np.square(residuals).sum(axis=0) / freedom)
         sizes = [np.nanmax(np.abs(segment.poses), axis=0) for segment in segments]
@@ -61,35 +61,35 @@ class Linearisation:
 
     @property
     def is_rounding(self) -> bool:
-        """Whether the residuals are far below the least noise that is told from rounding."""
+        """Whether the residuals are far below the minimum noise, and so only rounding errors."""
         return self.cost < 1
 
     def is_better(self, residuals: Floats) -> bool:
-        """Return whether these residuals cost less."""
+        """Return whether these residuals have a lower cost."""
         return bool(np.square(residuals / self.sigma).sum() < self.cost)
 
     def eliminated(self, damping: float = 0.0) -> tuple[Floats, Floats, Floats]:
-        """Return derivatives and residuals by the 15 parameters alone, and the factors used."""
+        """Eliminate the initial values: return the parameters' derivatives, residuals, factors."""
         lengths = np.linalg.norm(self.blocks[:, :, :FIRST], axis=1)
         damper = np.zeros((len(self.blocks), FIRST, UNKNOWNS + 1))
         damper[:, range(FIRST), range(FIRST)] = np.sqrt(damping) * lengths
         factors = triangle(np.concatenate([self.blocks, damper], axis=1))
-        rest = factors[:, FIRST:, FIRST:].reshape(-1, UNKNOWNS - FIRST + 1)
-        return rest[:, :-1], rest[:, -1], factors
+        reduced = factors[:, FIRST:, FIRST:].reshape(-1, UNKNOWNS - FIRST + 1)
+        return reduced[:, :-1], reduced[:, -1], factors
 
     def standard_errors(self) -> Floats:
-        """Return those of the parameters (3, 5), NaN where nothing depends on them."""
+        """Return the standard errors of the parameters (3, 5), NaN where not determined."""
         slopes, residuals, _ = self.eliminated()
         # sigma^2 (J' J)^-1; the slopes are divided by sigma
         _, covariance = solve(slopes, residuals)
         return np.sqrt(np.diag(covariance)).reshape(3, 5)
 
-    def expected_gain(self) -> float:
-        """Return what an undamped step would take off the cost, were all of it linear."""
+    def expected_decrease(self) -> float:
+        """Return the decrease of the cost by an undamped step, in the linear approximation."""
         slopes, residuals, factors = self.eliminated()
-        left = residuals - slopes @ solve(slopes, residuals)[0]
-        of_first = np.square(factors[:, :FIRST, -1]).sum()
-        return float(of_first + np.square(residuals).sum() - np.square(left).sum())
+        remaining = residuals - slopes @ solve(slopes, residuals)[0]
+        by_first = np.square(factors[:, :FIRST, -1]).sum()
+        return float(by_first + np.square(residuals).sum() - np.square(remaining).sum())
 
     def step(self, unknowns: Unknowns, damping: float) -> Unknowns:
         """Return the unknowns after a damped step."""

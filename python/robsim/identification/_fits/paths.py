@@ -1,4 +1,4 @@
-"""Simulated paths, their sensitivities."""
+"""Simulated paths of the robot model and their sensitivities, which the fits are built on."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from robsim._base.checks import Floats
 
 X, Y, HEADING = 0, 1, 2
 FIRST = 6
-"""Unknown first poses of a segment: x, y and heading of its first two steps."""
+"""Number of unknown initial values of a segment: x, y and heading of its first two steps."""
 UNKNOWNS = FIRST + 15
 
 
@@ -20,23 +20,24 @@ def recursion(a1: float, a2: float, force: Floats) -> Floats:
     a1, a2 : float
         The parameters.
     force : array (n,) or (n, m)
-        What drives it.
+        The driving term.
 
     Notes
     -----
-    In log2(n) passes over whole arrays, by Graeffe's root squaring of the delay polynomial:
-    1/A(z) = A(-z) / (A(z) A(-z)), whose denominator has even powers of the delay z only.
+    Computed in log2(n) passes over whole arrays, by Graeffe's root squaring of the delay
+    polynomial: 1/A(z) = A(-z) / (A(z) A(-z)), whose denominator has only even powers of the delay
+    z.
     """
     result = force
     lag = 1
     while lag < len(force):
         # A(-z) = 1 + a1 z - a2 z^2
-        passed = result.copy()
-        passed[lag:] += a1 * result[:-lag]
-        passed[2 * lag :] -= a2 * result[: -2 * lag]
+        filtered = result.copy()
+        filtered[lag:] += a1 * result[:-lag]
+        filtered[2 * lag :] -= a2 * result[: -2 * lag]
         # A(z) A(-z) = 1 - (a1^2 + 2 a2) z^2 + a2^2 z^4
         a1, a2 = a1 * a1 + 2 * a2, -a2 * a2
-        result = passed
+        result = filtered
         lag *= 2
     return result
 
@@ -78,14 +79,14 @@ def sensitivities(theta: Floats, path: Floats, u: Floats) -> Floats:
     theta : array (3, 5)
         The parameters.
     path : array (n, 3)
-        Their path.
+        The path simulated with them.
     u : array (n, 2)
         Inputs (V).
 
     Returns
     -------
     array (n, 3, 21)
-        By the first two values of x, of y and of the heading, and by the 15 parameters.
+        Derivatives by the first two values of x, of y and of the heading, and by the 15 parameters.
     """
     heading = path[:, HEADING]
     cos, sin = np.cos(heading), np.sin(heading)
@@ -99,16 +100,16 @@ def sensitivities(theta: Floats, path: Floats, u: Floats) -> Floats:
     result[:, HEADING, own[HEADING]] = turn
     for axis, direction, slope in ((X, cos, -sin), (Y, sin, cos)):
         a1, a2, b1, b2, d1 = theta[axis]
-        # A turn of the heading turns the force: d force/d heading = (b1 u1 + b2 u2 + d1) slope
-        turned = np.zeros_like(turn)
-        turned[2:] = (((u @ (b1, b2) + d1) * slope)[:, None] * turn)[1:-1]
-        forces = np.hstack([_own_forces(theta[axis], path[:, axis], u, direction), turned])
+        # The force depends on the heading: d force/d heading = (b1 u1 + b2 u2 + d1) slope
+        by_heading = np.zeros_like(turn)
+        by_heading[2:] = (((u @ (b1, b2) + d1) * slope)[:, None] * turn)[1:-1]
+        forces = np.hstack([_own_forces(theta[axis], path[:, axis], u, direction), by_heading])
         result[:, axis, np.hstack([own[axis], own[HEADING]])] = recursion(a1, a2, forces)
     return result
 
 
 def _own_forces(theta: Floats, path: Floats, u: Floats, direction: Floats) -> Floats:
-    """Return what drives the derivatives of an axis by its first two values and parameters."""
+    """Return the driving terms of an axis's derivatives by its first two values and parameters."""
     forces = np.zeros((len(u), 7))
     forces[0, 0], forces[1, 0], forces[1, 1] = 1, -theta[0], 1
     forces[2:, 2] = path[1:-1]

@@ -1,4 +1,4 @@
-"""Stretches of a record."""
+"""Recorded poses and inputs, checked and split into segments for the fits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robsim._base.checks import Floats
 
 HEADING = 2
-_MAXIMUM_VALUE = 1e9  # beyond any area and any checks
+_MAXIMUM_VALUE = 1e9  # px, rad or V: beyond any real value
 Bools = NDArray[np.bool_]
 
 
@@ -22,11 +22,11 @@ class Record:
     Attributes
     ----------
     poses : array (N, 3)
-        NaN in the whole row = not seen.
+        A row of NaN = not seen.
     u : array (N, 2)
         Inputs (V).
     breaks : array (N,) of bool
-        The step does not follow from the one before.
+        The step does not follow from the previous one.
     """
 
     poses: Floats
@@ -41,12 +41,12 @@ class Record:
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """Steps in a row that follow from each other; the first and the last one are seen.
+    """Consecutive steps without a break; the robot is seen in the first and in the last one.
 
     Attributes
     ----------
     poses : array (n, 3)
-        NaN = not seen. The heading has no jumps of full turns.
+        NaN = not seen. The heading is unwrapped.
     u : array (n, 2)
         Inputs (V).
     seen : array (n,) of bool
@@ -58,14 +58,14 @@ class Segment:
     seen: Bools
 
     def interpolated(self) -> Floats:
-        """Return the poses (n, 3), straight lines where it was not seen."""
+        """Return the poses (n, 3), linearly interpolated where the robot was not seen."""
         steps = np.arange(len(self.poses))
         at = steps[self.seen]
         return np.column_stack([np.interp(steps, at, axis[self.seen]) for axis in self.poses.T])
 
 
 def as_record(poses: Any, u: Any, breaks: Any) -> Record:
-    """Return checked copies; a TypeError or ValueError names what does not fit."""
+    """Return checked copies; raise TypeError or ValueError for a wrong type, shape or value."""
     poses = _rows("poses", poses, 3)
     u = _rows("u", u, 2)
     if len(u) != len(poses):
@@ -81,8 +81,8 @@ def as_record(poses: Any, u: Any, breaks: Any) -> Record:
     poses[~np.isfinite(poses).all(axis=1)] = np.nan
     for name, values in (("poses", poses), ("u", u)):
         if (np.abs(values) > _MAXIMUM_VALUE).any():
-            largest = np.nanmax(np.abs(values))
-            raise ValueError(f"{name} must lie within +-{_MAXIMUM_VALUE:g}, got {largest:g}")
+            maximum = np.nanmax(np.abs(values))
+            raise ValueError(f"{name} must lie within +-{_MAXIMUM_VALUE:g}, got {maximum:g}")
     return Record(poses, u, breaks)
 
 
@@ -104,9 +104,9 @@ def split(record: Record, *, maximum_gap: int | None = None, minimum: int) -> li
     record : Record
         What to split.
     maximum_gap : int, optional
-        Also split where the robot was not seen for more steps than that.
+        Also split where the robot was not seen for more than this number of steps.
     minimum : int
-        Stretches with fewer poses than that are left out.
+        Segments with fewer poses than this are omitted.
     """
     at = np.flatnonzero(record.seen)
     number = np.cumsum(record.breaks)[at]

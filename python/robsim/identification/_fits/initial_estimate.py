@@ -1,4 +1,4 @@
-"""A first guess of the parameters."""
+"""An initial estimate of the parameters, from which the iterative fits start."""
 
 from __future__ import annotations
 
@@ -9,33 +9,33 @@ from robsim.identification._fits.linear import solve, triangle
 from robsim.identification._fits.paths import HEADING, X, Y, recursion
 from robsim.identification._fits.segments import Segment
 
-# One pole of each axis is 1; the other one is tried from quick to slow.
+# One pole of each axis is 1; these are the candidates for the other one, from fast to slow.
 _POLES = 1 - np.geomspace(1.0, 0.01, 14)
 
 
-def first_guess(segments: list[Segment]) -> Floats:
-    """Return theta (3, 5): for each axis the best of some poles, and the forces that fit it.
+def initial_estimate(segments: list[Segment]) -> Floats:
+    """Return theta (3, 5): for each axis the best candidate pole, with b1, b2 and d1 fitted to it.
 
-    Nothing has to be started, and noise in the poses does not bias it.
+    It needs no starting value, and noise in the poses does not bias it.
 
     Parameters
     ----------
     segments : list of Segment
-        With short gaps at most: headings are interpolated.
+        Segments with short gaps only: headings are interpolated.
     """
     return np.array([_best_axis(segments, axis) for axis in (X, Y, HEADING)])
 
 
 def _best_axis(segments: list[Segment], axis: int) -> Floats:
-    guesses = [axis_with_pole(segments, axis, float(pole)) for pole in _POLES]
-    return min(guesses, key=lambda guess: guess[1])[0]
+    candidates = [axis_with_pole(segments, axis, float(pole)) for pole in _POLES]
+    return min(candidates, key=lambda candidate: candidate[1])[0]
 
 
 def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Floats, float]:
     """Return the parameters (5,) of an axis with the poles 1 and `pole` whose path fits best.
 
-    With the poles given the path is linear in b1, b2, d1 and the first two values of each segment.
-    The second result is the sum of squares left over.
+    For given poles the path is linear in b1, b2, d1 and the first two values of each segment.
+    The second result is the sum of squared residuals.
     """
     a1, a2 = 1 + pole, -pole
     parts = []
@@ -50,12 +50,12 @@ def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Flo
         parts.append(triangle(columns)[2:, 2:])
     columns = np.vstack(parts)
     gains, _ = solve(columns[:, :3], columns[:, 3])
-    left = columns[:, 3] - columns[:, :3] @ gains
-    return np.hstack([a1, a2, gains]), float(np.square(left).sum())
+    residuals = columns[:, 3] - columns[:, :3] @ gains
+    return np.hstack([a1, a2, gains]), float(np.square(residuals).sum())
 
 
 def _direction(segment: Segment, axis: int) -> Floats:
-    """Return what turns the forces into those of an axis: cos, sin of the heading, or 1."""
+    """Return the factor that projects the forces onto an axis: cos, sin of the heading, or 1."""
     heading = segment.interpolated()[:, HEADING]
     if axis == HEADING:
         return np.ones(len(heading))
