@@ -17,7 +17,7 @@ from robsim.doctor import (
     check_estimator,
     check_parameter_estimator,
 )
-from robsim.doctor import _stages as stages
+from robsim.doctor import _slots as slots
 from robsim.doctor import _trial as trial
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long]
@@ -337,21 +337,21 @@ BROKEN = [
     (AveragesAngles, "heading not wrapped", "average no angles", "def __call__"),
     (ExpectsTheRobot, "missing measurement", "AttributeError", "step.measurement.pose"),
     (MakesNan, "missing measurement", "not finite", "return robsim.Estimate"),
-    (StartsWhenSeen, "never seen yet", "it returns None", "def __call__"),
+    (StartsWhenSeen, "not seen yet", "it returns None", "def __call__"),
     (FixedStep, "ignores dt", "0.2 or 0.1 s", "def __call__"),
     (WritesIntoStep, "writes into step", "work on a copy", "v -= self.x[:3]"),
-    (ClassMemory, "earlier run", "remembers the run before", "def __call__"),
+    (ClassMemory, "remembers earlier run", "remembers the run before", "def __call__"),
     (resets_at_the_start, "shared memory", "influence each other", "def estimate(step):"),
     (keeps_the_last_pose_outside, "shared memory", "global variable", "def estimate(step):"),
-    (Unseeded, "random", "fixed seed", "def __call__"),
-    (LooksAhead, "future", "comes later", "def __call__"),
+    (Unseeded, "not reproducible", "fixed seed", "def __call__"),
+    (LooksAhead, "depends on future", "comes later", "def __call__"),
     (Prints, "prints", "'step of 0.2 s'", 'print("step of", dt, "s")'),
     (Raises, "exception", "raises KeyError: 'x'", 'raise KeyError("x")'),
     (Exits, "exception", "raises SystemExit: enough", 'sys.exit("enough")'),
     (Sleeps, "too slow", "budget of 20 ms", "def __call__"),
     (Grows, "state length", "3 numbers after 2", "def __call__"),
     (Deaf, "ignores measurement", "wherever the robot is seen", "def __call__"),
-    (Degrees, "does not follow", "heading in rad", "def __call__"),
+    (Degrees, "diverges from truth", "heading in rad", "def __call__"),
     (NeverDoubts, "covariance does not grow", "20 steps without", "def __call__"),
 ]  # fmt: skip
 
@@ -378,7 +378,7 @@ def test_an_estimator_that_never_comes_back_is_stopped(monkeypatch):
 
         return estimate
 
-    monkeypatch.setattr(stages, "TIME_LIMIT", 0.3)
+    monkeypatch.setattr(slots, "TIME_LIMIT", 0.3)
     problem = only(check_estimator(make))
     assert (problem.kind, problem.step) == ("too slow", 3)
     assert "never ends" in problem.sentence
@@ -405,10 +405,10 @@ class NeedsAModel(ConstantVelocity):
 
 @pytest.mark.parametrize(
     ("make", "kind", "words"),
-    [(lambda: 3, "not callable", "make() returns 3, which cannot be called like estimate(step)"),
+    [(lambda: 3, "not callable", "make() returns 3, which cannot be called as estimate(step)"),
      (lambda: None, "not callable", "make() returns None, which"),
-     (lambda: 1 / 0, "make fails", "make() gives no estimator: it raises ZeroDivisionError"),
-     (ConstantVelocity(), "make fails", "make takes none and returns a fresh estimator"),
+     (lambda: 1 / 0, "make fails", "make() returns no estimator: it raises ZeroDivisionError"),
+     (ConstantVelocity(), "make fails", "make takes no argument and returns a fresh estimator"),
      (NeedsAModel, "make fails", "missing 1 required positional argument: 'model'"),
      (lambda: lambda: 3, "exception", "takes 0 positional arguments but 1 was given")],
 )  # fmt: skip
@@ -642,19 +642,19 @@ BROKEN_PARAMETERS = [
     (Diverges, "diverges", "P = (P + P.T) / 2", "def update"),
     (OneRow, "output shape", "array of shape (5,)", "def update"),
     (Words, "output shape", "it returns 'done', not the parameters", "def update"),
-    (Forgets, "never learns", "None at every step", "def update"),
-    (Constant, "never learns", "never change", "def update"),
-    (Negative, "learns wrong", "the signs", "def update"),
+    (Forgets, "no adaptation", "None at every step", "def update"),
+    (Constant, "no adaptation", "never change", "def update"),
+    (Negative, "wrong parameters", "the signs", "def update"),
     (Divides, "not finite", "NaN or inf", "def update"),
     (Subtracts, "writes into step", "work on a copy", "y -= y.mean()"),
-    (OneForAll, "earlier run", "not in a global variable", "def update"),
+    (OneForAll, "remembers earlier run", "not in a global variable", "def update"),
     (ResetsOneForAll, "shared memory", "global variable", "def update"),
     (Chatty, "prints", "'theta'", 'print("theta")'),
     (Unlucky, "exception", "raises KeyError: 'theta'", '{}["theta"]'),
     (FullMemory, "exception", "no room for more samples", "raise MemoryError"),
     (Slow, "too slow", "budget of 20 ms", "def update"),
-    (StopsLearning, "freezes", "1000 steps of constant input", "def update"),
-    (WindsUp, "blows up", "must not grow without bound", "def update"),
+    (StopsLearning, "adaptation stops", "1000 steps of constant input", "def update"),
+    (WindsUp, "windup", "must not grow without bound", "def update"),
     (hasty_callback, "missing sample", "step.sample is None", "lambda step"),
 ]  # fmt: skip
 
@@ -731,7 +731,7 @@ def test_a_grader_sees_the_sentences(tmp_path):
         capture_output=True, text=True, check=False, cwd=tmp_path,
     )  # fmt: skip
     plain, thorough = run.stdout.split("_ test_thorough _")
-    assert "assert <its covariance has the variance 0 for x: a variance is above 0" in plain
+    assert "assert <its covariance has the variance 0 for x: a variance must be above 0" in plain
     assert "1. its covariance has the variance 0 for x" in thorough
     assert "2. step.measurement is None where the robot is not seen: then it raises" in thorough
     assert "> return robsim.Estimate(step.measurement.pose, np.zeros((3, 3)))" in thorough

@@ -1,4 +1,4 @@
-"""The estimator doctor: what is wrong with a student's estimator, and where."""
+"""The estimator doctor: checks that say what is wrong with an estimator, and in which line."""
 
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.public import present as _present

@@ -1,4 +1,4 @@
-"""Recorded situations to try estimators in."""
+"""Simulated drives, with inputs and measurements, that the doctor tries estimators in."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ from robsim._base.checks import Floats
 from robsim._core import Measurement, RobotModel, RobotParameters
 
 DT = 0.2
-START = (300.0, 700.0)  # x and y far apart: who takes one for the other is seen
-MEASUREMENT_NOISE = (0.5, 0.5, 0.01)  # px, px, rad
-PROCESS_NOISE = (0.1, 0.1, 0.005)  # px, px, rad
-UNSEEN = range(100, 120)
-STANDS = range(400, 1400)
+START = (300.0, 700.0)  # px; x and y differ by far, so that swapping them shows
+MEASUREMENT_SIGMA = (0.5, 0.5, 0.01)  # px, px, rad
+PROCESS_SIGMA = (0.1, 0.1, 0.005)  # px, px, rad
+UNSEEN = range(100, 120)  # steps
+STANDS = range(400, 1400)  # steps
 
-_ELSEWHERE = np.array((40.0, -60.0, 0.3))  # px, px, rad
+_OFFSET = np.array((40.0, -60.0, 0.3))  # px, px, rad
 _STEPS = 160
-_SPEED = 3.0  # px a step
+_SPEED = 3.0  # px per step
 _SEED = 5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Situation:
-    """What happens to a robot, and what is seen of it.
+    """A drive of the robot: its true poses, inputs and measurements.
 
     Attributes
     ----------
     name : str
-        What the robot does, in words.
+        What the robot does, as the report says it.
     dt : float
         Time between two steps (s).
     poses : array (N, 3)
-        The truth: x, y (px), heading (rad). No estimator gets it.
+        The true poses: x, y (px), heading (rad). The estimators do not get them.
     u : array (N, 2)
         Inputs (V).
     measurements : tuple of N Measurements; None = not seen
-        Empty: the robot is not looked for.
+        Empty = the robot is not tracked.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Situation:
     measurements: tuple[Measurement | None, ...] = ()
 
     def first(self, steps: int) -> Situation:
-        """Return the beginning."""
+        """Return the first steps of the situation."""
         return replace(
             self,
             poses=self.poses[:steps],
@@ -58,14 +58,14 @@ class Situation:
         )
 
     def unseen(self, name: str, steps: Collection[int]) -> Situation:
-        """Return it with steps at which the robot is not seen."""
+        """Return the situation with steps at which the robot is not seen."""
         seen = (None if k in steps else m for k, m in enumerate(self.measurements))
         return replace(self, name=name, measurements=tuple(seen))
 
-    def seen_elsewhere(self) -> Situation:
-        """Return it with all that is seen somewhere else."""
-        moved = (m and Measurement(m.pose + _ELSEWHERE) for m in self.measurements)
-        return replace(self, measurements=tuple(moved))
+    def with_measurement_offset(self) -> Situation:
+        """Return the situation with a constant offset of all measurements."""
+        shifted = (m and Measurement(m.pose + _OFFSET) for m in self.measurements)
+        return replace(self, measurements=tuple(shifted))
 
 
 @cache
@@ -76,7 +76,7 @@ def weaving(dt: float) -> Situation:
 
 
 def blinking(dt: float) -> Situation:
-    """Return the drive in gentle curves, out of sight for three steps again and again."""
+    """Return the drive in gentle curves, out of sight for three of every 20 steps."""
     hidden = [k for k in range(10, _STEPS) if k % 20 in (10, 11, 12)]
     return weaving(dt).unseen("robot weaves and is hidden now and then", hidden)
 
@@ -98,11 +98,11 @@ def _measured(name: str, heading: Floats, dt: float) -> Situation:
     turn = np.zeros(len(heading))
     turn[1:-1] = (heading[2:] - a1 * heading[1:-1] - a2 * heading[:-2] - d1) / (b1 - b2)
     a1, _, b1, b2, _ = model.theta[0]
-    # speed = (a1 - 1) speed + (b1 + b2) forward, when it is steady
+    # in steady state: speed = (a1 - 1) speed + (b1 + b2) forward
     forward = _SPEED * (2 - a1) / (b1 + b2)
     u = np.column_stack((forward + turn, forward - turn))
     poses = _driven(model, u, heading[:2], np.zeros((len(u), 3)))
-    noise = np.random.default_rng(_SEED).normal(0.0, MEASUREMENT_NOISE, poses.shape)
+    noise = np.random.default_rng(_SEED).normal(0.0, MEASUREMENT_SIGMA, poses.shape)
     seen = tuple(Measurement(pose) for pose in poses + noise)
     return Situation(name=name, dt=dt, poses=poses, u=u, measurements=seen)
 
@@ -115,7 +115,7 @@ def excited(dt: float, steps: int) -> Situation:
 
 @cache
 def resting(dt: float) -> Situation:
-    """Return a drive in which the robot stands for a long time, then drives on."""
+    """Return a drive in which the robot stands still for 1000 steps, then drives on."""
     u = _held_voltages(STANDS.stop + 400)
     u[STANDS.start : STANDS.stop] = 0.0
     return _disturbed("robot stands, then drives on", u, dt)
@@ -127,14 +127,14 @@ def _held_voltages(steps: int) -> Floats:
 
 
 def _disturbed(name: str, u: Floats, dt: float) -> Situation:
-    noise = np.random.default_rng(_SEED + 1).normal(0.0, PROCESS_NOISE, (len(u), 3))
-    noise[~u.any(axis=1)] = 0.0  # where the robot stands
+    noise = np.random.default_rng(_SEED + 1).normal(0.0, PROCESS_SIGMA, (len(u), 3))
+    noise[~u.any(axis=1)] = 0.0  # while the robot stands still
     poses = _driven(RobotModel(RobotParameters(dt=dt)), u, np.zeros(2), noise)
     return Situation(name=name, dt=dt, poses=poses, u=u)
 
 
 def _driven(model: RobotModel, u: Floats, heading: Floats, noise: Floats) -> Floats:
-    """Return the path from two headings on."""
+    """Return the poses (N, 3) that the model drives from two initial headings."""
     poses = np.empty((len(u), 3))
     poses[:2, :2], poses[:2, 2] = START, heading
     for k in range(2, len(u)):

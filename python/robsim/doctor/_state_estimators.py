@@ -1,4 +1,4 @@
-"""The check of state estimators."""
+"""`check_estimator`: the checks of a state estimator in recorded situations."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from robsim._base.checks import Floats, check_float
 from robsim._core import Estimate, Step, wrap_angle
 from robsim.doctor._covariance import covariance_problem
 from robsim.doctor._errors import problem_of
-from robsim.doctor._examination import BUDGET, examine
-from robsim.doctor._memory import replay_problem, together_problem
+from robsim.doctor._reproducibility import replay_problem, together_problem
+from robsim.doctor._run_checks import BUDGET, run_checks
 from robsim.doctor._situations import DT, UNSEEN, Situation, blinking, turning, weaving
-from robsim.doctor._stages import STATE
+from robsim.doctor._slots import STATE
 from robsim.doctor._trial import EstimatorUnderTest, Trial
 
-_SETTLED = 60  # steps after which an estimate has found the robot
-_FAR = (100.0, 1.2)  # px, rad: who is that far off does not follow the robot
-_VARIANCES = [3, 7, 11]  # where they are in an output: pose, covariance, state
+_SETTLING_STEPS = 60  # after which the estimate has to be near the truth
+_MAXIMUM_ERROR = (100.0, 1.2)  # px, rad: beyond it the estimate has diverged
+_VARIANCES = [3, 7, 11]  # their indices in an output: pose, covariance, state
 
 _NO_INPUT = (
-    "it never uses step.last_u, the inputs: right for a constant-velocity filter, but they say "
-    "where the robot goes"
+    "it never uses step.last_u, the inputs: correct for a constant-velocity filter, but a model "
+    "with inputs predicts better"
 )
-_DT_OF_A_MODEL = (
-    "it never uses step.dt: right only if its model is made for the dt of the run; if it is, say "
-    "so with dt=..."
+_NO_DT = (
+    "it never uses step.dt: correct only if its model is made for the dt of the run; then pass "
+    "dt=... to this check"
 )
 
 
@@ -39,27 +39,27 @@ def check_estimator(
     dt: float | None = None,
     budget: float = BUDGET,
 ) -> CheckReport:
-    """Run a state estimator through a checks of situations and say what is wrong with it.
+    """Check a state estimator in several situations and report what is wrong with it.
 
-    It gets what `Simulation` gives to ``estimate_state``, with measurements and empty frames. What
-    follows from another problem is left out: mend that, and check again.
+    It gets the same steps as ``estimate_state`` of `Simulation`, with measurements and empty
+    frames. Consequences of another problem are not reported: fix that one, and check again.
 
     Parameters
     ----------
     make : callable
-        ``make() -> estimate``: returns a fresh estimator, ``estimate(step) -> Estimate``. A class
-        with ``__call__``, for example, or a function that defines and returns another.
+        ``make() -> estimate``: returns a fresh estimator, ``estimate(step) -> Estimate``. For
+        example a class with ``__call__``, or a function that defines and returns another.
     dt : float, optional
-        The only time between two steps (s) that it is made for. Default: it has to go by
+        The only time between two steps (s) that it is made for. Default: it has to use
         ``step.dt``.
     budget : float
-        Time that a call may take, in the median (s).
+        Maximum of the median time per call (s).
 
     Returns
     -------
     CheckReport
-        True if nothing is wrong. In a test, call its ``raise_for_problems()``: that shows every
-        sentence.
+        True if all checks pass. In a test, call its ``raise_for_problems()``: that shows every
+        problem.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def check_estimator(
     """
     if dt is not None:
         dt = check_float("dt", dt, "s", minimum=1e-3, maximum=10)
-    return examine(make, STATE, budget, partial(_checks, dt=dt))
+    return run_checks(make, STATE, budget, partial(_checks, dt=dt))
 
 
 def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem | str]:
@@ -81,15 +81,15 @@ def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem
     if alone.error is not None:
         yield problem_of(estimator, alone)
         return
-    # With one of these, nothing below would mean anything.
-    root = replay_problem(estimator, alone) or _ignores_measurements(estimator, alone)
-    if root is not None:
-        yield root
+    # If one of these fails, the others are meaningless.
+    cause = replay_problem(estimator, alone) or _ignores_measurements(estimator, alone)
+    if cause is not None:
+        yield cause
         return
-    ill = covariance_problem(estimator, alone) or _divergence(estimator, alone)
-    if ill is not None:
-        yield ill
-    unseen = _unseen(estimator, weaves, is_honest=ill is None)
+    wrong = covariance_problem(estimator, alone) or _diverges_from_truth(estimator, alone)
+    if wrong is not None:
+        yield wrong
+    unseen = _unseen_problem(estimator, weaves, is_plausible=wrong is None)
     if unseen is not None:
         yield unseen
         return
@@ -100,18 +100,18 @@ def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem
     shared = together_problem(estimator, hidden, turns)
     if shared is not None:
         yield shared
-    if ill is None:
-        yield from _round(estimator, hidden, turns)
-    yield from _ignored_inputs(estimator, hidden, is_dt_free=dt is None)
+    if wrong is None:
+        yield from _wrapping_problems(estimator, hidden, turns)
+    yield from _ignores_inputs(estimator, hidden, is_dt_free=dt is None)
 
 
 def _ignores(estimator: EstimatorUnderTest, alone: Trial, changed: Situation) -> bool:
-    """Return whether the estimates are the same, to the last digit, in a changed situation."""
+    """Return whether the estimates are exactly the same in a changed situation."""
     return np.array_equal(alone.outputs, estimator.try_in(changed).outputs)
 
 
 def _ignores_measurements(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
-    if not _ignores(estimator, alone, alone.situation.seen_elsewhere()):
+    if not _ignores(estimator, alone, alone.situation.with_measurement_offset()):
         return None
     return Problem(
         kind="ignores measurement",
@@ -128,17 +128,17 @@ def _errors(trial: Trial) -> tuple[Floats, Floats]:
     return np.hypot(error[:, 0], error[:, 1]), abs(wrap_angle(error[:, 2]))
 
 
-def _divergence(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
+def _diverges_from_truth(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
     distance, angle = _errors(alone)
-    is_far = (distance > _FAR[0]) | (angle > _FAR[1])
-    is_far[:_SETTLED] = False
-    if not is_far.any():
+    is_off = (distance > _MAXIMUM_ERROR[0]) | (angle > _MAXIMUM_ERROR[1])
+    is_off[:_SETTLING_STEPS] = False
+    if not is_off.any():
         return None
-    k = int(is_far.argmax())
+    k = int(is_off.argmax())
     return Problem(
-        kind="does not follow",
+        kind="diverges from truth",
         sentence=f"its estimate is {distance[k]:.3g} px and {np.degrees(angle[k]):.0f} degrees "
-        "off, though the robot is seen at every step: look at the gain, signs, units (heading in "
+        "off, though the robot is seen at every step: check the gain, signs, units (heading in "
         "rad) and the order x, y, heading",
         situation=alone.situation.name,
         step=k,
@@ -146,8 +146,10 @@ def _divergence(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
     )
 
 
-def _unseen(estimator: EstimatorUnderTest, weaves: Situation, *, is_honest: bool) -> Problem | None:
-    """Return what goes wrong when the robot is not seen, for a while or from the start."""
+def _unseen_problem(
+    estimator: EstimatorUnderTest, weaves: Situation, *, is_plausible: bool
+) -> Problem | None:
+    """Return the problem when the robot is not seen, for a while or from the start."""
     gap = estimator.try_in(weaves.unseen("robot out of sight", UNSEEN))
     if gap.error is not None:
         return problem_of(estimator, gap)
@@ -155,27 +157,29 @@ def _unseen(estimator: EstimatorUnderTest, weaves: Situation, *, is_honest: bool
     if late.error is not None:
         return problem_of(estimator, late)
     has_grown = gap.outputs[UNSEEN[-1]] > gap.outputs[UNSEEN[0] - 1]
-    if not is_honest or has_grown[_VARIANCES].any():
+    if not is_plausible or has_grown[_VARIANCES].any():
         return None
     return Problem(
         kind="covariance does not grow",
-        sentence=f"after {len(UNSEEN)} steps without a measurement it is as sure as before them: "
-        "its covariance has to grow while nothing is seen",
+        sentence=f"after {len(UNSEEN)} steps without a measurement no variance is larger than "
+        "before them: the covariance has to grow while the robot is not seen",
         situation=gap.situation.name,
         step=UNSEEN[-1],
         line=estimator.line,
     )
 
 
-def _round(estimator: EstimatorUnderTest, usual: Trial, turns: Situation) -> Iterator[Problem]:
-    """Yield what goes wrong when the heading crosses +-pi."""
+def _wrapping_problems(
+    estimator: EstimatorUnderTest, usual: Trial, turns: Situation
+) -> Iterator[Problem]:
+    """Yield the problems when the heading crosses +-pi."""
     trial = estimator.try_in(turns)
     if trial.error is not None:
         yield problem_of(estimator, trial)
         return
-    # A filter that lags does so in every curve; one that does not wrap swings round at +-pi.
+    # A filter that lags does so in every curve; one that does not wrap turns the wrong way at +-pi.
     angle = _errors(trial)[1]
-    is_off = angle > 3 * _errors(usual)[1][_SETTLED:].max() + 0.3
+    is_off = angle > 3 * _errors(usual)[1][_SETTLING_STEPS:].max() + 0.3
     is_off[: int(np.argmax(turns.poses[:, 2] < 0))] = False
     if is_off.any():
         k = int(is_off.argmax())
@@ -190,21 +194,21 @@ def _round(estimator: EstimatorUnderTest, usual: Trial, turns: Situation) -> Ite
         )
 
 
-def _ignored_inputs(
+def _ignores_inputs(
     estimator: EstimatorUnderTest, alone: Trial, *, is_dt_free: bool
 ) -> Iterator[Problem | str]:
-    """Yield what an estimator makes no use of: the time between steps, the inputs."""
+    """Yield a problem or a remark if the time between steps or the inputs have no effect."""
     situation = alone.situation
     needs_no_dt = is_dt_free and _ignores(estimator, alone, replace(situation, dt=situation.dt / 2))
     needs_no_input = _ignores(estimator, alone, replace(situation, u=situation.u + 0.1))
     if needs_no_dt and not needs_no_input:
-        yield _DT_OF_A_MODEL
+        yield _NO_DT
     elif needs_no_dt:
         yield Problem(
             kind="ignores dt",
             sentence="its estimate is the same whether step.dt is "
-            f"{situation.dt:g} or {situation.dt / 2:g} s: use step.dt, not a number of your own; "
-            "if it is for one dt only, say so with dt=...",
+            f"{situation.dt:g} or {situation.dt / 2:g} s: use step.dt, not a constant; if it is "
+            "for one dt only, pass dt=... to this check",
             line=estimator.line,
         )
     if needs_no_input:

@@ -1,4 +1,4 @@
-"""A student's estimator in a situation."""
+"""Trials of an estimator under test in a situation, with its output, errors and timing."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from robsim.doctor._situations import Situation
 from robsim.simulation._simulation import Simulation
 from robsim.simulation._time_limit import TimeLimit
 
-TIME_LIMIT = 5.0  # s a call; who takes longer never comes back
-_TIMED = 20  # calls
-_HEARD = 200  # characters
+TIME_LIMIT = 5.0  # s per call; after that it counts as an endless loop
+_TIMED_CALLS = 20
+_KEPT_CHARACTERS = 200  # of stdout
 
 
 class BadResult(Exception):
@@ -34,7 +34,7 @@ class BadResult(Exception):
 
 
 class NoEstimator(Exception):
-    """There is none to try: `reason` says why."""
+    """make() returned no estimator; `reason` is the error."""
 
     def __init__(self, reason: BaseException) -> None:
         super().__init__(str(reason))
@@ -43,18 +43,20 @@ class NoEstimator(Exception):
 
 @dataclass(frozen=True, kw_only=True)
 class Slot:
-    """What a kind of estimators has in common.
+    """The interface of one kind of estimator.
 
     Attributes
     ----------
     entry : callable
-        What `make` returned -> its function that is called; raises BadResult if it has none.
+        ``entry(estimator) -> function``: its function that is called; raises BadResult if it has
+        none.
     callback : callable
-        What `make` returned -> the callback ``(step) -> result``.
+        ``callback(estimator) -> (step) -> result``: the callback for the simulation.
     read : callable
-        A result, and the numbers before or None -> its numbers; raises BadResult.
+        ``read(result, previous) -> array``: a result as numbers, given those of the last step or
+        None; raises BadResult.
     simulate : callable
-        A situation and the callback -> the simulation.
+        ``simulate(situation, callback) -> Simulation``.
     """
 
     entry: Callable[[Any], Callable[..., Any]]
@@ -65,14 +67,16 @@ class Slot:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trial:
-    """What an estimator did in a situation.
+    """The outcome of an estimator in a situation.
 
     Attributes
     ----------
+    situation : Situation
+        The situation.
     outputs : array (n, width)
-        What it returned at each step that it got through.
+        The results of the steps before the error, or of all steps.
     error : BaseException or None
-        What ended it at the step after those.
+        The error that ended the trial, at step n.
     """
 
     situation: Situation
@@ -86,7 +90,7 @@ class Trial:
 
 
 class StdoutCapture(io.TextIOBase):
-    """A stdout that keeps the first line printed, and what printed it."""
+    """A stdout that keeps the first line printed and the source line that printed it."""
 
     def __init__(self) -> None:
         self._text = ""
@@ -98,25 +102,25 @@ class StdoutCapture(io.TextIOBase):
         return self._text.lstrip().partition("\n")[0]
 
     def write(self, text: str) -> int:
-        """Hear what is printed; Python calls it."""
+        """Keep the first characters that are printed."""
         if self.line is None:
             self.line = line_of_frame(sys._getframe(1))
-        if len(self._text) < _HEARD:
+        if len(self._text) < _KEPT_CHARACTERS:
             self._text += text
         return len(text)
 
 
 class EstimatorUnderTest:
-    """The estimator to be checked.
+    """The estimator to be checked: makes fresh ones and runs trials with them.
 
     Parameters
     ----------
     make : callable
-        Returns a fresh one.
+        Returns a fresh estimator.
     slot : Slot
         The slot of the simulation that it is for.
     budget : float
-        Time that a call may take, in the median (s).
+        Maximum of the median time per call (s).
     """
 
     def __init__(self, make: Callable[[], Any], slot: Slot, budget: float) -> None:
@@ -141,14 +145,14 @@ class EstimatorUnderTest:
         return self.slot.callback(estimator)
 
     def try_in(self, situation: Situation) -> Trial:
-        """Try a fresh estimator in a situation, alone."""
-        rehearsal = _Rehearsal(self, situation)
+        """Run a fresh estimator in a situation, alone."""
+        trial_run = _TrialRun(self, situation)
         with self._observed():
-            return rehearsal.run()
+            return trial_run.run()
 
     def try_together(self, situation: Situation, other: Situation) -> Trial:
-        """Try one in a situation while a second one, turn by turn, is in another."""
-        first, second = _Rehearsal(self, situation), _Rehearsal(self, other)
+        """Run one in a situation, alternating step by step with a second one in another."""
+        first, second = _TrialRun(self, situation), _TrialRun(self, other)
         with self._observed():
             for _ in range(min(len(situation.u), len(other.u))):
                 if first.step() or second.step():
@@ -158,18 +162,18 @@ class EstimatorUnderTest:
     @contextmanager
     def _observed(self) -> Iterator[None]:
         with redirect_stdout(self.stdout), warnings.catch_warnings():
-            # Those of numpy come before an error that says more, or mean nothing.
+            # Numpy's warnings precede an error that says more, or are harmless.
             warnings.simplefilter("ignore")
             yield
 
 
-class _Rehearsal:
-    """A fresh estimator and the simulation around it."""
+class _TrialRun:
+    """A running trial: a fresh estimator and the simulation that calls it."""
 
     def __init__(self, estimator: EstimatorUnderTest, situation: Situation) -> None:
         self._situation = situation
         self._callback = estimator.fresh()
-        self._patient = estimator
+        self._estimator = estimator
         self._outputs: list[Floats] = []
         self._seconds: list[float] = []
         self._error: BaseException | None = None
@@ -180,23 +184,23 @@ class _Rehearsal:
         result = self._callback(step)
         self._seconds.append(time.perf_counter() - start)
         before = self._outputs[-1] if self._outputs else None
-        self._outputs.append(self._patient.slot.read(result, before))
+        self._outputs.append(self._estimator.slot.read(result, before))
         self._check_speed()
         return result
 
     def _check_speed(self) -> None:
-        if len(self._seconds) != _TIMED:
+        if len(self._seconds) != _TIMED_CALLS:
             return
         seconds = float(np.median(self._seconds))
-        if seconds > self._patient.budget:
+        if seconds > self._estimator.budget:
             raise BadResult(
                 "too slow",
-                f"a call takes {1000 * seconds:.3g} ms in the median of {_TIMED}, more than the "
-                f"budget of {1000 * self._patient.budget:.3g} ms",
+                f"a call takes {1000 * seconds:.3g} ms, the median of {_TIMED_CALLS}, more than "
+                f"the budget of {1000 * self._estimator.budget:.3g} ms",
             )
 
     def run(self) -> Trial:
-        """Do all steps."""
+        """Run all steps."""
         try:
             self._simulation.run(len(self._situation.u))
         except (Exception, SystemExit) as error:
@@ -204,7 +208,7 @@ class _Rehearsal:
         return self.trial()
 
     def step(self) -> bool:
-        """Do one; return whether it failed."""
+        """Run one step; return whether it failed."""
         try:
             self._simulation.step()
         except (Exception, SystemExit) as error:
@@ -212,7 +216,7 @@ class _Rehearsal:
         return self._error is not None
 
     def trial(self) -> Trial:
-        """Return what came of it."""
+        """Return the outcome."""
         return Trial(
             situation=self._situation,
             outputs=np.array(self._outputs),

@@ -1,4 +1,4 @@
-"""One checkup, whatever the estimator."""
+"""The run of an estimator's checks and their report, for both kinds of estimators."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from robsim._base.checks import check_float
 from robsim.doctor._errors import problem_of_make
 from robsim.doctor._trial import EstimatorUnderTest, NoEstimator, Slot
 
-BUDGET = 0.02  # s a call: a tenth of the default dt
+BUDGET = 0.02  # s per call: a tenth of the default dt
 
 Checks = Callable[[EstimatorUnderTest], Iterable[Problem | str]]
 
 
-def examine(make: Callable[[], Any], slot: Slot, budget: float, checks: Checks) -> CheckReport:
-    """Return what a checks finds in an estimator: problems, and remarks as strings.
+def run_checks(make: Callable[[], Any], slot: Slot, budget: float, checks: Checks) -> CheckReport:
+    """Run the checks of an estimator and return their report.
 
     Parameters
     ----------
     make : callable
         Returns a fresh estimator.
     slot : Slot
-        What it is for.
+        The slot of the simulation that the estimator is for.
     budget : float
-        Time that a call may take, in the median (s).
+        Maximum of the median time per call (s).
     checks : callable
-        ``checks(estimator)``: what is found, one after the other, the cause first.
+        ``checks(estimator)``: yields problems, the cause first, and remarks as strings.
     """
     if not callable(make):
         raise TypeError(
@@ -58,5 +58,5 @@ def _printed(estimator: EstimatorUnderTest) -> list[Problem]:
     if not text:
         return []
     text = text if len(text) <= 40 else f"{text[:40]} ..."
-    sentence = f"it prints, {text!r} at first: in a run of 800 steps nobody can read that"
+    sentence = f"it prints, first {text!r}: remove the print"
     return [Problem(kind="prints", sentence=sentence, line=estimator.stdout.line or estimator.line)]

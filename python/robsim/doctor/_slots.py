@@ -1,4 +1,4 @@
-"""How the loop calls estimators."""
+"""The two kinds of estimators: how the simulation calls them and what they have to return."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from robsim.robots import RobotDefinition, load_robot
 from robsim.simulation._simulation import Simulation
 
 _AREA = (64, 64)
-_POSE_AND_COVARIANCE = 12  # numbers of an Estimate before its state
+_POSE_AND_COVARIANCE = 12  # entries of an output before the state
 
 
 @cache
 def _robot() -> RobotDefinition:
-    # Reading it takes as long as a short trial.
+    # Loading takes as long as a short trial.
     return load_robot("lab")
 
 
@@ -29,7 +29,7 @@ def _state_entry(estimator: Any) -> Callable[..., Any]:
     if not callable(estimator):
         raise BadResult(
             "not callable",
-            f"make() returns {_described(estimator)}, which cannot be called like "
+            f"make() returns {_described(estimator)}, which cannot be called as "
             "estimate(step): give its class a method __call__(self, step)",
         )
     entry: Callable[..., Any] = estimator
@@ -45,17 +45,17 @@ def _read_state(result: Any, before: Floats | None) -> Floats:
         )
     output = np.concatenate((result.pose, result.covariance.ravel(), result.state))
     if before is not None and len(output) != len(before):
-        now, then = (len(numbers) - _POSE_AND_COVARIANCE for numbers in (output, before))
+        new, old = (len(values) - _POSE_AND_COVARIANCE for values in (output, before))
         raise BadResult(
             "state length",
-            f"the state in its Estimate has {now} numbers after {then} at the step before: it "
-            "needs the same length at every step",
+            f"the state in its Estimate has {new} numbers after {old} at the previous step: it "
+            "must have the same length at every step",
         )
     return output
 
 
 def _simulate_state(situation: Situation, callback: Callable[[Step], Any]) -> Simulation:
-    """Return a simulation with the measurements of a situation and without its truth."""
+    """Return a simulation that replays the measurements of a situation, without its truth."""
     frame = Frame(np.zeros((1, 1, 3), np.uint8))
     return Simulation(
         robot=_robot(),
@@ -85,14 +85,14 @@ def _parameter_callback(estimator: Any) -> Callable[[Step], Any]:
         return callback
 
     def update(step: Step) -> Any:
-        # As the loop does it: no sample, no update.
+        # As in the simulation: no sample, no update.
         return step.sample and estimator.update(step.sample.phi, step.sample.y)
 
     return update
 
 
 def _read_parameters(result: Any, before: Floats | None) -> Floats:
-    if result is None:  # nothing new
+    if result is None:  # no update
         return np.full(15, np.nan) if before is None else before
     try:
         theta = np.array(result, dtype=float)
@@ -123,7 +123,7 @@ def _simulate_parameters(situation: Situation, callback: Callable[[Step], Any]) 
 
 
 def _described(result: Any) -> str:
-    """Return a result in a few words."""
+    """Return a short description of a result."""
     if isinstance(result, np.ndarray):
         return f"an array of shape {result.shape} of {result.dtype}"
     text = repr(result)
