@@ -16,7 +16,7 @@ def test_both_draw_the_same_moving_robot():
     theirs = [calls["opencv"]().astype(int).copy() for _ in range(3)]
     for mine, other in zip(ours, theirs, strict=True):
         assert mine.shape == (480, 480, 3)
-        assert np.abs(mine - other).max() <= render.MOST_LEVELS
+        assert np.abs(mine - other).max() <= render.MAXIMUM_DIFFERENCE
     assert np.abs(ours[0] - ours[1]).max() > 50
     assert np.abs(ours[1] - ours[2]).max() > 50
 

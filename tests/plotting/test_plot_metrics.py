@@ -93,7 +93,7 @@ def test_errors_stand_beside_their_histograms():
 def test_the_claim_and_the_bound_are_drawn_at_two_standard_deviations():
     bound = np.broadcast_to(np.diag([0.25, 0.25, 1e-6]), (50, 3, 3))
     panel = plot_errors(pose_errors(make_trace()), bound=bound).axes[0]
-    assert labels(panel) == ["reported_sd (2 sd)", "error", "Cramér-Rao bound (2 sd)"]
+    assert labels(panel) == ["reported (2 sd)", "error", "Cramér-Rao bound (2 sd)"]
     assert set(top_of(panel.collections[0]).values()) == {4.0}
     np.testing.assert_allclose(line(panel, "Cramér-Rao bound (2 sd)").get_ydata(), 1.0)
     with pytest.raises(ValueError, match=r"bound must be of shape \(50, 3, 3\), got \(3, 3\)"):
@@ -152,7 +152,7 @@ def test_the_values_stand_with_their_band():
     np.testing.assert_allclose(line(axes, "25.0 % below").get_xydata(), [[1, 1e-6]])
     assert axes.get_title(loc="left").endswith("1 value not known")
     assert axes.get_yscale() == "log"
-    assert axes.get_ylabel() == "NEES (1 is right)"
+    assert axes.get_ylabel() == "NEES (1 expected)"
     render(axes.figure)
     assert axes._repr_png_().startswith(b"\x89PNG")
 
@@ -161,7 +161,7 @@ def test_the_verdict_is_the_title():
     rng = np.random.default_rng(2)
     axes = plot_consistency(nis_consistency(3 * rng.normal(size=(20, 80, 2)), np.eye(2)))
     assert axes.get_title(loc="left") == "NIS: the filter is optimistic"
-    assert axes.get_ylabel() == "NIS, mean of 20 runs (2 is right)"
+    assert axes.get_ylabel() == "NIS, mean of 20 runs (2 expected)"
     render(axes.figure)
 
 
@@ -172,7 +172,7 @@ def test_consistency_takes_axes():
 
 def test_nothing_known_draws_nothing():
     axes = plot_consistency(nees_consistency(np.full((5, 2), NAN), np.eye(2)))
-    assert "nothing is known" in axes.get_title(loc="left")
+    assert "no value is known" in axes.get_title(loc="left")
     render(axes.figure)
 
 
@@ -203,7 +203,7 @@ def test_ellipses_lie_on_the_path_as_the_camera_sees_it():
     # sqrt(5.99) times the standard deviations 2 and 1
     size = 2 * np.sqrt(5.9915) * np.array([2, 1])
     np.testing.assert_allclose(np.ptp(drawn, axis=1)[0], size, rtol=1e-4)
-    true = line(axes, "true place").get_xydata()
+    true = line(axes, "true position").get_xydata()
     np.testing.assert_allclose(true, make_trace().pose_true[::10, :2])
     assert axes.yaxis_inverted()
     assert axes.get_aspect() == 1
@@ -214,7 +214,7 @@ def test_ellipses_lie_on_the_path_as_the_camera_sees_it():
 def test_errors_are_magnified_with_the_ellipses():
     axes = plot_ellipses(make_trace(), every=10, magnify=5)
     np.testing.assert_allclose(
-        line(axes, "true place").get_xydata(), make_trace().pose_true[::10, :2] - [4, 0]
+        line(axes, "true position").get_xydata(), make_trace().pose_true[::10, :2] - [4, 0]
     )
     assert "5 times as large" in axes.get_title(loc="left")
     small = make_trace(covariance=np.broadcast_to(1e-6 * np.eye(3), (50, 3, 3)))

@@ -213,7 +213,7 @@ def test_histograms_are_made_from_the_longest_valid_record():
     trace = make_trace(300, seen=seen, first_step=1000)
     figure = plot_traces(trace)
     record = longest_run(trace.seen)
-    assert histograms(figure)[0].get_title() == "longest record: 1051..1249, n = 199"
+    assert histograms(figure)[0].get_title() == "longest segment: 1051..1249, n = 199"
     for axis, axes in enumerate(histograms(figure)):
         bars = [bar for bar in axes.patches if bar.get_width() > 0]
         assert sum(bar.get_width() for bar in bars) == 199
@@ -300,7 +300,7 @@ def test_one_valid_step_and_none():
     seen[4] = True
     trace = make_trace(20, seen=seen)
     first = histograms(plot_traces(trace))[0]
-    assert first.get_title() == "longest record: 4..4, n = 1"
+    assert first.get_title() == "longest segment: 4..4, n = 1"
     assert not lines(first, style.FITTED)
     figure = render(plot_traces(trace[5:]), layout=False)  # held, but not seen
     assert histograms(figure)[0].get_title() == "no measurement"
@@ -600,7 +600,7 @@ def test_not_seen_is_said_when_blobs_are_shown_without_a_pose():
 
 def test_path_up_to_a_step():
     trace = make_trace(60)[10:]
-    axes = plot_frame(make_frame(), trace=trace, step=30)
+    axes = plot_frame(make_frame(), trace=trace, k=30)
     render(axes.figure)
     (path,) = lines(axes, style.TRUE)
     np.testing.assert_array_equal(path.get_xydata(), trace.pose_true[:21, :2])
@@ -608,10 +608,10 @@ def test_path_up_to_a_step():
     assert len(path.get_xydata()) == 50
     assert axes.get_xlim() == (-0.5, 1199.5)
     for step in (9, 60):
-        with pytest.raises(ValueError, match=f"step: expected a step of .*10..59.* got {step}"):
-            plot_frame(make_frame(), trace=trace, step=step)
-    with pytest.raises(ValueError, match="step: expected a trace with it, got step = 3"):
-        plot_frame(make_frame(), step=3)
+        with pytest.raises(ValueError, match=f"k must be a step of .*10..59.* got {step}"):
+            plot_frame(make_frame(), trace=trace, k=step)
+    with pytest.raises(ValueError, match="k needs a trace, got k = 3"):
+        plot_frame(make_frame(), k=3)
 
 
 def test_a_camera_at_an_angle_is_shown_in_its_own_pixels():

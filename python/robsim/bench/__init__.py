@@ -1,4 +1,4 @@
-"""Speed against what else there is."""
+"""Benchmarks of robsim against OpenCV and numpy, which ``robsim bench`` runs."""
 
 from robsim._base.public import present as _present
 from robsim.bench._cases import BenchResult, Case

@@ -1,4 +1,4 @@
-"""What was timed, and its table."""
+"""The timing of calls side by side, and the table of the results."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 Call = Callable[[], Any]
 
-_UNITS = {"ms": 1e3, "us": 1e6, "ns": 1e9}  # of a second
+_UNITS = {"ms": 1e3, "us": 1e6, "ns": 1e9}  # per second
 _COLUMNS = {
     "opencv": "OpenCV",
     "components": "OpenCV components",
@@ -21,18 +21,18 @@ _COLUMNS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """What was timed: medians of one run, side by side.
+    """The median times of one task, by robsim and by others.
 
     Attributes
     ----------
     name : str
-        What was done, with the size of the frame.
+        The task, with the size of the frame.
     ours : float
-        Time that robsim needs.
+        Time of robsim.
     others : dict of str to float
-        Time that others need for the same.
+        Times of the others for the same task.
     unit : str
-        Of the times: ``"ms"``, ``"us"`` or ``"ns"``.
+        Unit of the times: ``"ms"``, ``"us"`` or ``"ns"``.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Case:
     unit: str = "ms"
 
     def to_dict(self) -> dict[str, float]:
-        """Return the times, and for each other one how many times as long it takes."""
+        """Return the times, and the ratio of each other time to ours."""
         numbers = {f"ours_{self.unit}": self.ours}
         for other, value in self.others.items():
             numbers[f"{other}_{self.unit}"] = value
@@ -62,16 +62,16 @@ class Case:
 
 @dataclass(frozen=True, kw_only=True)
 class BenchResult:
-    """All that was timed.
+    """The results of a benchmark run.
 
     Attributes
     ----------
     cpu_path : str
-        The instructions that the hot loops used.
+        The instruction set that the inner loops used.
     cases : tuple of Case
-        The cases.
+        The timed cases.
     rates : dict of str to float
-        Steps per second of `Simulation.run`.
+        Steps per second of `Simulation.run`, by the kind of loop.
     """
 
     cpu_path: str
@@ -103,20 +103,20 @@ class BenchResult:
 def timed(
     name: str, calls: Mapping[str, Call], rounds: int, *, unit: str = "ms", repeats: int = 1
 ) -> Case:
-    """Time calls in turns, ``"ours"`` and those of others; the median counts.
+    """Time ``"ours"`` and the calls of the others alternately, and return the medians.
 
     Parameters
     ----------
     name : str
         Name of the case.
     calls : dict of str to callable
-        What is timed.
+        The calls to be timed.
     rounds : int
-        How often.
+        Number of timed rounds.
     unit : str
-        Unit of the times.
+        Unit of the times: ``"ms"``, ``"us"`` or ``"ns"``.
     repeats : int
-        How often each call does what is timed.
+        Number of repetitions of the task within each call.
     """
     times: dict[str, list[float]] = {who: [] for who in calls}
     for round_ in range(rounds + 2):  # two to warm up

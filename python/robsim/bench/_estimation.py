@@ -1,4 +1,4 @@
-"""Estimation against plain numpy."""
+"""The benchmark of the estimators against numpy, and of the simulation loop."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ Call = Callable[[], Any]
 
 
 class TextbookRecursiveLeastSquares:
-    """Recursive least squares in numpy, as a textbook writes it.
+    """Recursive least squares in numpy, in its textbook form.
 
     Parameters
     ----------
-    parameters : int
+    n_parameters : int
         Number of parameters.
     forgetting : float
         Forgetting factor, 0 < forgetting <= 1.
     initial_covariance : float
-        P at the start is this times the unit matrix; theta is 0.
+        The initial P is this times the identity matrix; the initial theta is 0.
 
     Notes
     -----
@@ -40,14 +40,14 @@ class TextbookRecursiveLeastSquares:
     """
 
     def __init__(
-        self, parameters: int, *, forgetting: float = 1.0, initial_covariance: float = 1e6
+        self, n_parameters: int, *, forgetting: float = 1.0, initial_covariance: float = 1e6
     ) -> None:
         self.forgetting = forgetting
-        self.theta: Floats = np.zeros(parameters)
-        self.P: Floats = initial_covariance * np.eye(parameters)
+        self.theta: Floats = np.zeros(n_parameters)
+        self.P: Floats = initial_covariance * np.eye(n_parameters)
 
     def update(self, phi: Floats, y: float) -> Floats:
-        """Take in a sample and return the estimate now: array (parameters,)."""
+        """Update with a sample and return theta, an array (n_parameters,)."""
         # K = P phi/(lambda + phi' P phi)
         P_phi = self.P @ phi
         K = P_phi / (self.forgetting + phi @ P_phi)
@@ -59,28 +59,28 @@ class TextbookRecursiveLeastSquares:
         return self.theta
 
 
-def recursive_calls(samples: int = RECURSIVE_SAMPLES) -> dict[str, Call]:
-    """Return what is to be timed of recursive least squares, after a check that both agree.
+def recursive_calls(n_samples: int = RECURSIVE_SAMPLES) -> dict[str, Call]:
+    """Return the recursive least-squares calls to be timed, after a check that both agree.
 
     Parameters
     ----------
-    samples : int
-        Samples that each call takes in.
+    n_samples : int
+        Number of samples per call.
 
     Returns
     -------
     dict of str to callable
-        ``"ours"``: the three axes of a robot, all samples in one call. ``"numpy"``: one axis, a
-        call a sample.
+        ``"ours"``: the three axes of a robot, all samples in one call. ``"numpy"``: one axis, one
+        call per sample.
 
     Raises
     ------
     RuntimeError
-        If they do not estimate the same.
+        If the two estimates differ.
     """
     random = np.random.default_rng(1)
-    phi = random.normal(size=(samples, AXES, PARAMETERS))
-    y = phi.sum(axis=2) + 0.1 * random.normal(size=(samples, AXES))
+    phi = random.normal(size=(n_samples, AXES, PARAMETERS))
+    y = phi.sum(axis=2) + 0.1 * random.normal(size=(n_samples, AXES))
     options = {"forgetting": 0.999, "initial_covariance": 1e6}
 
     def ours() -> Floats:
@@ -98,13 +98,13 @@ def recursive_calls(samples: int = RECURSIVE_SAMPLES) -> dict[str, Call]:
     return {"ours": ours, "numpy": numpy}
 
 
-def batch_calls(samples: int = BATCH_SAMPLES) -> dict[str, Call]:
-    """Return what is to be timed of batch least squares, after a check that both agree.
+def batch_calls(n_samples: int = BATCH_SAMPLES) -> dict[str, Call]:
+    """Return the batch least-squares calls to be timed, after a check that both agree.
 
     Parameters
     ----------
-    samples : int
-        Regression, of five parameters.
+    n_samples : int
+        Number of samples, each of five regressors.
 
     Returns
     -------
@@ -114,11 +114,11 @@ def batch_calls(samples: int = BATCH_SAMPLES) -> dict[str, Call]:
     Raises
     ------
     RuntimeError
-        If they do not find the same.
+        If the two solutions differ.
     """
     random = np.random.default_rng(1)
-    phi = random.normal(size=(samples, PARAMETERS))
-    y = phi.sum(axis=1) + 0.1 * random.normal(size=samples)
+    phi = random.normal(size=(n_samples, PARAMETERS))
+    y = phi.sum(axis=1) + 0.1 * random.normal(size=n_samples)
     _check_same(least_squares(phi, y).theta, np.linalg.lstsq(phi, y, rcond=None)[0])
     return {
         "ours": lambda: least_squares(phi, y),
@@ -126,9 +126,9 @@ def batch_calls(samples: int = BATCH_SAMPLES) -> dict[str, Call]:
     }
 
 
-def _check_same(ours: Floats, numpys: Floats) -> None:
-    if not np.allclose(ours, numpys, rtol=1e-9, atol=1e-12):
-        raise RuntimeError(f"robsim and numpy must find the same theta, got {ours} and {numpys}")
+def _check_same(ours: Floats, theirs: Floats) -> None:
+    if not np.allclose(ours, theirs, rtol=1e-9, atol=1e-12):
+        raise RuntimeError(f"robsim and numpy must find the same theta, got {ours} and {theirs}")
 
 
 def _small_controller(step: Step) -> tuple[float, float]:
@@ -136,14 +136,14 @@ def _small_controller(step: Step) -> tuple[float, float]:
 
 
 def loops() -> dict[str, Simulation]:
-    """Return the simulations whose steps are to be timed, none of which looks at a frame.
+    """Return the simulations whose steps are to be timed, without rendering and tracking.
 
     Returns
     -------
     dict of str to Simulation
         ``"native"``: drives around, with recursive least squares, no Python. ``"controller"``: the
         same with one small controller in Python. ``"five_callbacks"``: each of the five stages of
-        a step is a Python function that does nothing.
+        a step is a trivial Python function.
     """
     estimate = Estimate((600, 600, 0), np.eye(3))
     options: dict[str, Any] = {"robot": "lab", "boundary": "unlimited", "seed": 1}
@@ -162,18 +162,19 @@ def loops() -> dict[str, Simulation]:
 
 
 def steps_per_second(simulation: Simulation, *, steps: int = LOOP_STEPS, rounds: int = 5) -> float:
-    """Return how fast a simulation runs from its second run on, the memory of the trace reused.
+    """Return the median rate of a simulation from its second run on (steps/s).
 
-    The first step of a run, with all that comes once, is not timed.
+    The first run allocates the trace's memory, the first step of a run includes its set-up:
+    neither is timed.
 
     Parameters
     ----------
     simulation : Simulation
-        It is reset, then run, over and over.
+        The simulation; it is reset before each run.
     steps : int
-        Steps of a run.
+        Number of steps of a run.
     rounds : int
-        Runs after the first; their median counts.
+        Number of timed runs.
     """
     times = []
     for _ in range(1 + rounds):

@@ -1,4 +1,4 @@
-"""Noise, against OpenCV and numpy."""
+"""The benchmark of image noise against OpenCV and numpy."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from robsim.bench._vision import NOISE_PERCENT
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import GaussianNoise, UniformNoise
 
-SIGMA = 2.55 * NOISE_PERCENT  # levels
+SIGMA = 2.55 * NOISE_PERCENT  # grey levels
 
 
 def gaussian_calls(cv2: Any, clean: Pixels) -> dict[str, Call]:
-    """Return what adds Gaussian noise to an image: ``"ours"``, ``"opencv"``, ``"numpy"``."""
+    """Return the calls that add Gaussian noise to an image: ours, opencv and numpy."""
     ours, noisy = GaussianNoise(NOISE_PERCENT), np.empty_like(clean)
     values, theirs = np.empty(clean.shape, np.int16), np.empty_like(clean)
     random = np.random.default_rng(1)
@@ -34,17 +34,19 @@ def gaussian_calls(cv2: Any, clean: Pixels) -> dict[str, Call]:
 
 
 def uniform_calls(cv2: Any, clean: Pixels) -> dict[str, Call]:
-    """Return what adds uniform noise to an image: ``"ours"``, ``"opencv"``, ``"numpy"``."""
+    """Return the calls that add uniform noise to an image: ours, opencv and numpy."""
     ours, noisy = UniformNoise(NOISE_PERCENT), np.empty_like(clean)
     values, theirs = np.empty(clean.shape, np.int16), np.empty_like(clean)
-    random, reach = np.random.default_rng(1), round(SIGMA)
+    random, half_width = np.random.default_rng(1), round(SIGMA)
 
     def opencv() -> None:
-        cv2.randu(values, -reach, reach + 1)
+        cv2.randu(values, -half_width, half_width + 1)
         cv2.add(clean, values, theirs, dtype=cv2.CV_8U)
 
     def numpy() -> Pixels:
-        values = random.integers(-reach, reach, clean.shape, dtype=np.int16, endpoint=True)
+        values = random.integers(
+            -half_width, half_width, clean.shape, dtype=np.int16, endpoint=True
+        )
         values += clean
         return np.clip(values, 0, 255, out=values).astype(np.uint8)
 

@@ -1,4 +1,4 @@
-"""A whole noisy step, against OpenCV's parts."""
+"""The benchmark of a whole noisy step (render, noise, detection) against OpenCV's functions."""
 
 from __future__ import annotations
 
@@ -16,14 +16,19 @@ from robsim.imaging._noise import GaussianNoise
 
 
 def step_calls(cv2: Any, shown: Scene) -> dict[str, Call]:
-    """Return what draws the robot in its next place, adds Gaussian noise and finds its markers.
+    """Return the calls that draw the robot at its next pose, add noise and find its markers.
 
     Parameters
     ----------
     cv2 : module
         OpenCV.
     shown : Scene
-        The options with which the markers are found; its size is that of the frames.
+        The options of the marker detection; its frame has the size to be drawn.
+
+    Returns
+    -------
+    dict of str to callable
+        ``"ours"`` and ``"opencv"``.
     """
     size = shown.frame.image.shape[0]
     draw = render_calls(cv2, size)

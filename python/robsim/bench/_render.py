@@ -1,4 +1,4 @@
-"""Rendering, against OpenCV's parts."""
+"""The benchmark of the renderer against OpenCV's functions."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition, load_robot
 from robsim.simulation._scene import make_renderer, robot_sprite
 
-AREA = (1200, 1200)
+AREA = (1200, 1200)  # px
 
-# Between the two pictures of a robot: OpenCV 4 samples at 32nds of a pixel.
-MOST_LEVELS = 16
-MOST_LEVELS_ON_AVERAGE = 3.0  # of the pixels that differ
+# Grey levels between the two images of a robot: OpenCV 4 samples at multiples of 1/32 px.
+MAXIMUM_DIFFERENCE = 16
+MAXIMUM_MEAN_DIFFERENCE = 3.0  # over the pixels that differ
 
-# The robot moves on from frame to frame, in the light: OpenCV's parts know no shadow.
+# The robot moves from frame to frame, without a shadow, which OpenCV's functions do not draw.
 _POSES = [(300 + 2.3 * k, 700 - 1.7 * k, 0.5 + 0.11 * k) for k in range(100)]
 
 Pose = tuple[float, float, float]
 
 
 def render_calls(cv2: Any, size: int) -> dict[str, Callable[[], Pixels]]:
-    """Return what draws the robot in its next place: robsim's renderer and OpenCV's parts.
+    """Return the calls that draw the robot at its next pose, by robsim and by OpenCV.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def render_calls(cv2: Any, size: int) -> dict[str, Callable[[], Pixels]]:
     Returns
     -------
     dict of str to callable
-        ``"ours"`` and ``"opencv"``. Each call returns a frame; the buffer is used again.
+        ``"ours"`` and ``"opencv"``. Each call returns a frame; the buffer is reused.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def render_calls(cv2: Any, size: int) -> dict[str, Callable[[], Pixels]]:
 def _opencv_renderer(
     cv2: Any, robot: RobotDefinition, renderer: Renderer, size: int
 ) -> Callable[[Pose], Pixels]:
-    """Return what copies the background, turns the robot's picture and blends it in."""
+    """Return a function that copies the background, rotates the robot's image and blends it in."""
     scale = size / AREA[0]
     background = renderer.render((-1e4, -1e4, 0.0)).copy()
     frame = np.empty_like(background)
@@ -78,43 +78,46 @@ def _opencv_renderer(
     premultiplied = np.rint(np.dstack((sprite[:, :, :3] * alpha, sprite[:, :, 3:]))).astype(
         np.uint8
     )
-    reach = math.ceil(math.hypot(*sprite.shape[:2]) / 2) + 1
-    side = (2 * reach + 1, 2 * reach + 1)
+    half_width = math.ceil(math.hypot(*sprite.shape[:2]) / 2) + 1
+    side = (2 * half_width + 1, 2 * half_width + 1)
 
     def render(pose: Pose) -> Pixels:
         cv2.copyTo(background, None, frame)
         u, v = (pose[0] + 0.5) * scale - 0.5, (pose[1] + 0.5) * scale - 0.5
-        left, top = round(u) - reach, round(v) - reach
-        turn = _turn(pose[2] + math.radians(robot.alignment), centre, (u - left, v - top))
-        turned = cv2.warpAffine(premultiplied, turn, side, flags=cv2.INTER_LINEAR)
-        rest = cv2.bitwise_not(cv2.extractChannel(turned, 3))
+        left, top = round(u) - half_width, round(v) - half_width
+        rotation = _rotation_matrix(
+            pose[2] + math.radians(robot.alignment), centre, (u - left, v - top)
+        )
+        rotated = cv2.warpAffine(premultiplied, rotation, side, flags=cv2.INTER_LINEAR)
+        background_weight = cv2.bitwise_not(cv2.extractChannel(rotated, 3))
+        weights = cv2.cvtColor(background_weight, cv2.COLOR_GRAY2RGB)
         part = frame[top : top + side[1], left : left + side[0]]
-        cv2.multiply(part, cv2.cvtColor(rest, cv2.COLOR_GRAY2RGB), part, scale=1 / 255)
-        cv2.add(part, cv2.cvtColor(turned, cv2.COLOR_RGBA2RGB), part)
+        cv2.multiply(part, weights, part, scale=1 / 255)
+        cv2.add(part, cv2.cvtColor(rotated, cv2.COLOR_RGBA2RGB), part)
         return frame
 
     return render
 
 
-def _turn(
-    angle: float, centre: tuple[float, float], place: tuple[float, float]
+def _rotation_matrix(
+    angle: float, centre: tuple[float, float], position: tuple[float, float]
 ) -> npt.NDArray[np.float64]:
-    """Return the matrix (2, 3) that turns clockwise around `centre` and moves that to `place`."""
+    """Return the matrix (2, 3) that rotates clockwise about `centre` and moves it to `position`."""
     cos, sin = math.cos(angle), math.sin(angle)
     return np.array(
         [
-            [cos, -sin, place[0] - cos * centre[0] + sin * centre[1]],
-            [sin, cos, place[1] - sin * centre[0] - cos * centre[1]],
+            [cos, -sin, position[0] - cos * centre[0] + sin * centre[1]],
+            [sin, cos, position[1] - sin * centre[0] - cos * centre[1]],
         ]
     )
 
 
 def _check_same(ours: Pixels, theirs: Pixels, pose: Pose) -> None:
     differences = np.abs(ours.astype(int) - theirs)
-    touched = differences.any(axis=2).sum()
-    mean = differences.sum() / max(1, 3 * touched)
-    if differences.max() > MOST_LEVELS or mean > MOST_LEVELS_ON_AVERAGE:
+    n_different = differences.any(axis=2).sum()
+    mean = differences.sum() / max(1, 3 * n_different)
+    if differences.max() > MAXIMUM_DIFFERENCE or mean > MAXIMUM_MEAN_DIFFERENCE:
         raise RuntimeError(
             f"robsim and OpenCV must draw the same robot at {pose}, "
-            f"got up to {differences.max()} grey levels between them, {mean:.1f} on average"
+            f"got differences of up to {differences.max()} grey levels, {mean:.1f} on average"
         )

@@ -1,4 +1,4 @@
-"""The cases, one after the other."""
+"""`run_bench`: all benchmark cases in one run."""
 
 from __future__ import annotations
 
@@ -32,28 +32,28 @@ LOOP_ROUNDS = 5
 def run_bench(
     *, rounds: int = 25, sizes: tuple[int, ...] = SIZES, frames: int = FRAMES, steps: int = STEPS
 ) -> BenchResult:
-    """Time robsim and what a user would take instead, on the same frames.
+    """Time robsim and the alternatives, OpenCV and numpy, on the same frames and data.
 
     Parameters
     ----------
     rounds : int
-        How often each is timed; the median counts.
+        Number of timed rounds of each case; the result is the median.
     sizes : tuple of int
         Widths and heights of the frames (px).
     frames, steps : int
-        Length of the runs with and without tracking.
+        Number of steps of the runs with and without tracking.
 
     Returns
     -------
     BenchResult
-        The times.
+        The times and rates; print it.
 
     Raises
     ------
     ImportError
         If OpenCV is not installed.
     RuntimeError
-        If both sides do not find the same blobs, draw the same robot, estimate the same.
+        If the blobs, the images or the estimates of both sides differ.
     """
     cv2 = load_opencv("the comparison")
     threads = cv2.getNumThreads()
@@ -92,7 +92,7 @@ def _estimation_cases(rounds: int) -> list[Case]:
 
 
 def _tracking_rates(frames: int) -> dict[str, float]:
-    """Return the rates with tracking, without noise, in 36 phases."""
+    """Return the rates with tracking, without noise, with 36 drawn headings."""
     options: dict[str, Any] = {"robot": "lab", "measure": True, "seed": 1}
     simulations = {
         "tracking_smoothing_off": Simulation(smoothing=1, **options),

@@ -1,4 +1,4 @@
-"""Problem blobs, against OpenCV's parts."""
+"""The benchmark of the blob detection against OpenCV's functions."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NOISES = {
     "gaussian": GaussianNoise(NOISE_PERCENT),
 }
 MINIMUM_AREA = 12  # px, of a blob
-_FEWEST_POINTS = 5  # of the outline of so large a blob
+_MINIMUM_POINTS = 5  # of the outline of a blob of that area
 
 # Per colour the blobs: area, u, v of the centroid (N, 3).
 Found = dict[str, npt.NDArray[np.float64]]
@@ -30,14 +30,14 @@ Found = dict[str, npt.NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class Scene:
-    """A frame with the robot in it, and what finds its markers.
+    """A frame with the robot in it, and the options of its marker detection.
 
     Attributes
     ----------
     frame : Frame
         The frame.
     colors : tuple of ColorClass
-        The colours.
+        The colour classes of the markers.
     minimum_area, smoothing : int
         The options of `find_blobs` for it (px).
     """
@@ -49,7 +49,7 @@ class Scene:
 
 
 def scene(kind: str, size: int, smoothing: int | None = None) -> Scene:
-    """Return a clean or a noisy frame, and the options that the loop finds its markers with."""
+    """Return a clean or a noisy frame, with the detection options of the simulation."""
     simulation = Simulation(
         robot="lab",
         resolution=(size, size),
@@ -66,7 +66,7 @@ def scene(kind: str, size: int, smoothing: int | None = None) -> Scene:
 
 
 def detect_calls(cv2: Any, shown: Scene) -> dict[str, Call]:
-    """Return what finds the blobs of a scene, after a check that all find the same.
+    """Return the calls that find the blobs of a scene, after a check that all find the same.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def detect_calls(cv2: Any, shown: Scene) -> dict[str, Call]:
     Raises
     ------
     RuntimeError
-        If they do not find the same.
+        If they find different blobs.
     """
     pixels = shown.frame.image.copy()
     limits = {color.name: opencv_limits(color) for color in shown.colors}
@@ -98,12 +98,12 @@ def detect_calls(cv2: Any, shown: Scene) -> dict[str, Call]:
         name: opencv_finder(cv2, pixels, limits, shown.smoothing, parts)
         for name, parts in (("opencv", contours), ("components", components))
     }
-    mine = {
+    ours_found = {
         name: np.array([(blob.area, *blob.centroid) for blob in blobs]).reshape(-1, 3)
         for name, blobs in ours().items()
     }
     for name, call in calls.items():
-        _check_same(mine, call(), name, 5 * shown.minimum_area)
+        _check_same(ours_found, call(), name, 5 * shown.minimum_area)
     return {"ours": ours, **calls}
 
 
@@ -120,7 +120,7 @@ def opencv_finder(
     window: int,
     parts: Callable[[Any, Any], npt.NDArray[np.float64]],
 ) -> Callable[[], Found]:
-    """Return what finds the blobs of an image with OpenCV."""
+    """Return a function that finds the blobs of an image with OpenCV."""
 
     def find() -> Found:
         smooth = pixels if window == 1 else cv2.blur(pixels, (window, window))
@@ -131,9 +131,9 @@ def opencv_finder(
 
 
 def contours(cv2: Any, mask: Any) -> npt.NDArray[np.float64]:
-    """Return area and centroid of the blobs of a mask, by their outlines."""
+    """Return area and centroid of the blobs of a mask, from their outlines."""
     outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    moments = [cv2.moments(outline) for outline in outlines if len(outline) >= _FEWEST_POINTS]
+    moments = [cv2.moments(outline) for outline in outlines if len(outline) >= _MINIMUM_POINTS]
     rows = [
         (m["m00"], m["m10"] / m["m00"], m["m01"] / m["m00"])
         for m in moments
@@ -143,21 +143,21 @@ def contours(cv2: Any, mask: Any) -> npt.NDArray[np.float64]:
 
 
 def components(cv2: Any, mask: Any) -> npt.NDArray[np.float64]:
-    """Return area and centroid of the blobs of a mask, by their labels."""
+    """Return area and centroid of the blobs of a mask, from their labels."""
     _, _, stats, centroids = cv2.connectedComponentsWithStats(mask, connectivity=8)
     area = stats[1:, cv2.CC_STAT_AREA]
     is_kept = area >= MINIMUM_AREA
     return np.column_stack((area[is_kept], centroids[1:][is_kept]))
 
 
-def _check_same(ours: Found, theirs: Found, name: str, least: float) -> None:
-    """Refuse to compare unless each finds the large blobs of the other."""
+def _check_same(ours: Found, theirs: Found, name: str, minimum_area: float) -> None:
+    """Raise RuntimeError unless each finds the large blobs of the other."""
     for color in ours:
         for mine, others in ((ours[color], theirs[color]), (theirs[color], ours[color])):
-            for area, *place in mine:
-                away = np.hypot(*(others[:, 1:] - place).T) if len(others) else np.array([np.inf])
-                if area >= least and away.min() > 2:
+            for area, *position in mine:
+                distances = np.hypot(*(others[:, 1:] - position).T)
+                if area >= minimum_area and distances.min(initial=np.inf) > 2:
                     raise RuntimeError(
                         f"robsim and OpenCV ({name}) must find the same {color} blobs: only one "
-                        f"of them has that of {area:.0f} px at ({place[0]:.1f}, {place[1]:.1f})"
+                        f"finds that of {area:.0f} px at ({position[0]:.1f}, {position[1]:.1f})"
                     )

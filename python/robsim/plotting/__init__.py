@@ -1,7 +1,7 @@
-"""Figures of a run: traces, parameters, errors, consistency, a frame; a robot; colours; clips.
+"""Figures of a run, of its reports, of frames, robots and colours; and clips for notebooks.
 
-The colours mean the same in all of them, see `robsim.plotting.style`. Places are in work-area
-pixels with the y axis downwards, as the camera sees the area; angles are in degrees.
+A colour has the same meaning in all figures. Positions are in work-area pixels with the y axis
+downwards, as the camera sees the area; angles are in degrees.
 """
 
 from robsim._base.public import present as _present

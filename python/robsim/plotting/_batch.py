@@ -1,4 +1,4 @@
-"""The figure of the batch estimate."""
+"""`plot_batch`: the errors of a batch estimate of the 15 parameters."""
 
 from __future__ import annotations
 
@@ -28,30 +28,29 @@ _IS_D1 = np.arange(15) % 5 == 4
 
 @style.applied
 def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
-    """Draw how far the batch and the online estimates of the 15 parameters are from the truth.
+    """Draw the errors of the batch and the online estimates of the 15 parameters.
 
-    The axis is logarithmic, so that 1e-12 and 1e6 are both readable. The deviation is relative to
-    the true value, but that of d1, which may be 0, absolute: its markers are hollow. A marker
-    that points to the left edge is an exact value. The values stand to the right. A pale bar ends
-    at two standard errors of the batch estimate: 95 % of such estimates lie in theirs, if the noise
-    is in the equations.
+    The axis is logarithmic, so that 1e-12 and 1e6 are both readable. The error is relative to the
+    true value; that of d1, which may be 0, is absolute, with hollow markers. A triangle at the
+    left edge is an error of exactly 0. The values are listed on the right. A pale bar ends at two
+    standard errors of the batch estimate: for equation noise 95 % of the errors lie within it.
 
     Parameters
     ----------
     report : BatchEstimate
-        From `robsim.batch_estimate`. Without an online estimate (all NaN) there is no such column.
+        From `robsim.batch_estimate`. Without an online estimate (all NaN) its column is omitted.
     ax : matplotlib.axes.Axes, optional
         Where to draw. Default: a new figure of 9 x 7 inches.
 
     Returns
     -------
     matplotlib.axes.Axes
-        The axes; in a notebook they show themselves.
+        The axes; a notebook displays them.
 
     Raises
     ------
     TypeError
-        If the report is none.
+        If `report` is not a BatchEstimate.
     """
     if not isinstance(report, BatchEstimate):
         raise TypeError(f"report must be what batch_estimate returns, got {report!r}")
@@ -62,11 +61,11 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     if np.isfinite(report.online).any():
         estimates["online"] = report.online.ravel()
     deviations = {name: _relative(np.abs(theta - true), true) for name, theta in estimates.items()}
-    reach = 2 * _relative(report.standard_errors.ravel(), true)
-    low, high = _decades(np.concatenate([*deviations.values(), reach]))
+    bars = 2 * _relative(report.standard_errors.ravel(), true)
+    low, high = _decades(np.concatenate([*deviations.values(), bars]))
     is_true = report.is_model_exact
     _finish_axes(ax, low, high, "true value" if is_true else "model's value")
-    _draw_reach(ax, reach, low)
+    _draw_standard_errors(ax, bars, low)
     for name, values in deviations.items():
         _draw_deviations(ax, values, low, name)
     for i, (name, values) in enumerate({"true" if is_true else "model": true, **estimates}.items()):
@@ -77,14 +76,14 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
 
 
 def _relative(size: Floats, theta_true: Floats) -> Floats:
-    """Return sizes relative to the true values, but those of d1 and of a true 0."""
+    """Return sizes relative to the true values; those of d1 and of a true 0 stay absolute."""
     scale = np.abs(theta_true)
     scale[_IS_D1 | (scale == 0)] = 1.0
     return size / scale
 
 
 def _decades(deviations: Floats) -> tuple[float, float]:
-    """Return limits in whole decades; the lower one stands for an exact value, too."""
+    """Return axis limits in whole decades; the lower one also marks an error of 0."""
     seen = deviations[np.isfinite(deviations) & (deviations > 0)]
     low, high = seen.min(initial=1e-3), seen.max(initial=1.0)
     return 10.0 ** (math.floor(math.log10(low)) - 1), 10.0 ** (math.ceil(math.log10(high)) + 0.5)
@@ -96,20 +95,20 @@ def _finish_axes(axes: Axes, low: float, high: float, origin: str) -> None:
     axes.minorticks_off()
     axes.set_yticks(_ROWS, style.PARAMETER_LABELS)
     axes.tick_params(axis="y", length=0)
-    for share, text in ((0.01, "1 %"), (1.0, "100 %")):
-        axes.axvline(share, color=style.GUIDE, linewidth=0.9, linestyle="--")
+    for fraction, text in ((0.01, "1 %"), (1.0, "100 %")):
+        axes.axvline(fraction, color=style.GUIDE, linewidth=0.9, linestyle="--")
         transform = axes.get_xaxis_transform()
-        axes.text(share, 1.01, text, transform=transform, ha="center", color="#606060")
+        axes.text(fraction, 1.01, text, transform=transform, ha="center", color="#606060")
     axes.set_xlabel(f"deviation from the {origin}: relative; of d1 (hollow) absolute")
 
 
-def _draw_reach(axes: Axes, reach: Floats, low: float) -> None:
-    """Draw bars from the left edge to where two standard errors reach."""
-    is_known = np.isfinite(reach) & (reach > low)
+def _draw_standard_errors(axes: Axes, bars: Floats, low: float) -> None:
+    """Draw bars from the left edge to two standard errors."""
+    is_known = np.isfinite(bars) & (bars > low)
     if is_known.any():
         axes.barh(
             _ROWS[is_known],
-            reach[is_known] - low,
+            bars[is_known] - low,
             left=low,
             height=0.62,
             color=style.BATCH,

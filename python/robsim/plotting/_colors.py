@@ -1,4 +1,4 @@
-"""The figure of a colour's histograms."""
+"""`plot_color_histograms`: the YUV histograms of a colour class."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ def plot_color_histograms(
     Parameters
     ----------
     histograms : array_like (3, 256)
-        Of the pixels that have the colour, as from `color_histograms`.
+        Histograms of the pixels of the colour, as from `robsim.vision.color_histograms`.
     color : ColorClass
         The class; its ranges are shaded.
     others : array_like (3, 256), optional
-        Histograms to tell it from, such as those of the whole image.
+        Histograms to compare with, such as those of the whole image.
     axes : array_like (3,) of matplotlib.axes.Axes, optional
         Where to draw: Y, U, V. Default: a new figure.
 
@@ -47,8 +47,8 @@ def plot_color_histograms(
     ValueError
         If the histograms are not of shape (3, 256), or `axes` is not of shape (3,).
     """
-    shares = _shares("histograms", histograms)
-    other_shares = None if others is None else _shares("others", others)
+    heights = _normalised("histograms", histograms)
+    other_heights = None if others is None else _normalised("others", others)
     if axes is None:
         figure = style.NotebookFigure(figsize=(9, 2.8))
         axes = figure.subplots(1, 3, sharey=True)
@@ -56,31 +56,31 @@ def plot_color_histograms(
     if axes.shape != (3,):
         raise ValueError(f"axes: expected an array of 3 axes, got the shape {axes.shape}")
     for i, (panel, limits) in enumerate(zip(axes, (color.y, color.u, color.v), strict=True)):
-        if other_shares is not None:
-            _draw_shares(panel, other_shares[i], style.GUIDE, "the whole image")
-        _draw_shares(panel, shares[i], style.drawn_color(color.name), f"pixels of {color.name}")
+        if other_heights is not None:
+            _draw_histogram(panel, other_heights[i], style.GUIDE, "the whole image")
+        _draw_histogram(panel, heights[i], style.drawn_color(color.name), f"pixels of {color.name}")
         _draw_range(panel, limits, _NAMES[i])
-    axes[0].set_ylabel("pixels (most = 1)")
+    axes[0].set_ylabel("pixels (maximum = 1)")
     first: Axes = axes[0]
     first.legend(loc="upper left", fontsize=7.5)
     return first.figure.figure
 
 
-def _shares(name: str, histograms: ArrayLike) -> Floats:
-    """Return the histograms with their highest counts made 1."""
+def _normalised(name: str, histograms: ArrayLike) -> Floats:
+    """Return the histograms scaled to a maximum of 1."""
     counts = np.asarray(histograms, dtype=float)
     if counts.shape != (3, 256):
         raise ValueError(f"{name} must be of shape (3, 256), got {counts.shape}")
-    shares: Floats = counts / np.maximum(counts.max(axis=1, keepdims=True), 1)
-    return shares
+    heights: Floats = counts / np.maximum(counts.max(axis=1, keepdims=True), 1)
+    return heights
 
 
-def _draw_shares(axes: Axes, shares: Floats, color: str, label: str) -> None:
-    axes.stairs(shares, np.arange(257) - 0.5, fill=True, color=color, alpha=0.75, label=label)
+def _draw_histogram(axes: Axes, heights: Floats, color: str, label: str) -> None:
+    axes.stairs(heights, np.arange(257) - 0.5, fill=True, color=color, alpha=0.75, label=label)
 
 
 def _draw_range(axes: Axes, limits: tuple[int, int], name: str) -> None:
-    """Shade the range of a channel, and say what it is."""
+    """Shade the range of a channel, and label it."""
     lower, upper = limits
     is_open = (lower, upper) == (0, 255)
     if not is_open:

@@ -1,4 +1,4 @@
-"""The figure of NEES or NIS."""
+"""`plot_consistency`: the NEES or NIS of a filter with its chi-square band."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from robsim.plotting import _style as style
 def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Axes:
     """Draw the NEES or the NIS over the steps with its chi-square band.
 
-    The axis is logarithmic, since the values of a wrong filter may be off by orders of magnitude.
-    Above the band the filter is optimistic, below it conservative.
+    The axis is logarithmic, since the values of an inconsistent filter may be off by orders of
+    magnitude. Above the band the filter is optimistic, below it conservative.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     Raises
     ------
     TypeError
-        If the report is none.
+        If `report` is not a ConsistencyReport.
     """
     if not isinstance(report, ConsistencyReport):
         raise TypeError(
@@ -44,16 +44,16 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     k, values, (low, high) = report.k, report.values, report.band.T
     is_inside = (values >= low) & (values <= high)
     band = f"{100 * report.level:g} % band"
-    ax.fill_between(k, low, high, color=style.CLAIMED, linewidth=0, label=band)
+    ax.fill_between(k, low, high, color=style.REPORTED, linewidth=0, label=band)
     ax.axhline(report.n, color=style.GUIDE, linewidth=0.8)
     ax.plot(k, values, color=style.GUIDE, linewidth=0.5)
     size = 1.6 * style.dot_size(len(k))
-    for where, color, share, name in (
+    for where, color, fraction, name in (
         (is_inside, style.ESTIMATED, report.inside, "in"),
         (values > high, style.WRONG, report.above, "above"),
         (values < low, style.BATCH, report.below, "below"),
     ):
-        label = f"{100 * share:.1f} % {name}"
+        label = f"{100 * fraction:.1f} % {name}"
         ax.plot(k[where], values[where], ".", color=color, markersize=size, label=label)
     ax.set_yscale("log")
     ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
@@ -62,7 +62,7 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     ax.set_xlim(k[0] - 0.5, k[-1] + 0.5)
     ax.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
     mean = f", mean of {report.runs} runs" if report.runs > 1 else ""
-    ax.set(xlabel="step k", ylabel=f"{report.kind}{mean} ({report.n} is right)")
+    ax.set(xlabel="step k", ylabel=f"{report.kind}{mean} ({report.n} expected)")
     ax.set_title(report.title, loc="left")
     ax.legend(loc="upper left", bbox_to_anchor=(1, 1), markerscale=1.5)
     return ax

@@ -1,4 +1,4 @@
-"""The figure of covariance ellipses."""
+"""`plot_ellipses`: the covariance ellipses of the estimated positions along the path."""
 
 from __future__ import annotations
 
@@ -27,24 +27,24 @@ def plot_ellipses(
     magnify: float | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the covariance of the estimated place as ellipses along the path.
+    """Draw the covariance of the estimated position as ellipses along the path.
 
-    The true place should lie in its ellipse in 95 % of the steps. Since ellipses are often too
-    small to be seen beside a path, they can be magnified, and then the distance from the estimate
-    to the true place is magnified alike: whether it lies within stays as it is. An ellipse much
-    larger than path and others, such as that of a robot not seen yet, would hide them: it is left
-    out.
+    The true position should lie in its ellipse in 95 % of the steps. Since ellipses are often too
+    small to be seen beside a path, they can be magnified; the error of the estimate is then
+    magnified by the same factor, so that the true position stays inside or outside of the ellipse.
+    An ellipse much larger than the path and the others, such as that of a robot not seen yet, is
+    omitted.
 
     Parameters
     ----------
     trace : Trace
         A run with a state estimator.
     every : int, optional
-        Draw the ellipse of every so many steps. Default: about 25 of them.
+        Draw every n-th ellipse. Default: about 25 of them.
     level : float
-        Probability that the true place lies in its ellipse.
+        Probability that the true position lies in its ellipse.
     magnify : float, optional
-        How many times as large to draw ellipses and errors. Default: so that one sees them.
+        Factor by which ellipses and errors are magnified. Default: one that makes them visible.
     ax : matplotlib.axes.Axes, optional
         Where to draw. Default: a new figure of 7 x 7 inches.
 
@@ -56,7 +56,8 @@ def plot_ellipses(
     Raises
     ------
     TypeError, ValueError
-        If the trace has no estimates with a covariance, or an argument is not of this kind.
+        If the trace has no estimates with a covariance, or an argument has the wrong type or is
+        out of range.
     """
     if not isinstance(trace, Trace):
         raise TypeError(f"trace must be a Trace, got {trace!r}")
@@ -64,10 +65,10 @@ def plot_ellipses(
     if level >= 1.0:
         raise ValueError(f"level must lie between 0 and 1, got {level!r}")
     rows = _drawn_rows(trace, every)
-    places, covariances = trace.pose_estimated[rows, :2], trace.covariance[rows, :2, :2]
+    positions, covariances = trace.pose_estimated[rows, :2], trace.covariance[rows, :2, :2]
     shapes = ellipses(covariances, level)
-    usual = _magnification(trace, shapes)
-    times = usual if magnify is None else check_float("magnify", magnify, exclusive_minimum=0.0)
+    default = _magnification(trace, shapes)
+    times = default if magnify is None else check_float("magnify", magnify, exclusive_minimum=0.0)
     if ax is None:
         figure = style.NotebookFigure(figsize=(7, 7))
         ax = figure.add_subplot(axes_class=style.NotebookAxes)
@@ -75,22 +76,22 @@ def plot_ellipses(
         *trace.pose_estimated[:, :2].T, color=style.ESTIMATED, linewidth=1.0, label="estimated path"
     )
     label = f"{100 * level:g} % ellipse"
-    corners = (places[:, np.newaxis] + times * shapes)[_fits(trace, times * shapes)]
+    corners = (positions[:, np.newaxis] + times * shapes)[_fits(trace, times * shapes)]
     ax.add_collection(_polygons(corners, label), autolim=True)
-    _draw_truth(ax, places, times * (trace.pose_true[rows, :2] - places))
+    _draw_truth(ax, positions, times * (trace.pose_true[rows, :2] - positions))
     _finish(ax, times)
     return ax
 
 
 def ellipses(covariances: Floats, level: float) -> Floats:
-    """Return the corners of ellipses around 0 that hold a share of a normal distribution.
+    """Return the corners of ellipses around 0 that contain a fraction of a normal distribution.
 
     Parameters
     ----------
     covariances : array (N, 2, 2)
-        Covariances of places.
+        Covariances of positions.
     level : float
-        The share.
+        The fraction.
 
     Returns
     -------
@@ -104,13 +105,13 @@ def ellipses(covariances: Floats, level: float) -> Floats:
     """
     eigenvalues, axes = np.linalg.eigh(covariances)
     if (eigenvalues[:, 0] < -1e-9 * eigenvalues[:, 1]).any():
-        smallest = eigenvalues[:, 0].min()
-        raise ValueError(f"covariance must be positive definite, got the eigenvalue {smallest:g}")
+        minimum = eigenvalues[:, 0].min()
+        raise ValueError(f"covariance must be positive definite, got the eigenvalue {minimum:g}")
     # With 2 degrees of freedom the chi-square quantile has a closed form: -2 ln(1 - level).
-    reach = math.sqrt(-2.0 * math.log1p(-level))
+    radius = math.sqrt(-2.0 * math.log1p(-level))
     angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
-    circle = reach * np.column_stack((np.cos(angle), np.sin(angle)))
-    # c sqrt(eigenvalues) along the axes
+    circle = radius * np.column_stack((np.cos(angle), np.sin(angle)))
+    # semi-axes: radius sqrt(eigenvalues)
     scaled = axes * np.sqrt(np.maximum(eigenvalues, 0.0))[:, np.newaxis, :]
     corners: Floats = circle @ np.swapaxes(scaled, 1, 2)
     return corners
@@ -132,21 +133,21 @@ def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
 
 
 def _extent(trace: Trace) -> float:
-    """Return how long the estimated path is along x or y (px)."""
+    """Return the extent of the estimated path, the larger of x and y (px)."""
     return float(
         np.ptp(trace.pose_estimated[np.isfinite(trace.pose_estimated[:, 0]), :2], axis=0).max()
     )
 
 
 def _fits(trace: Trace, shapes: Floats) -> NDArray[np.bool_]:
-    """Return which ellipses do not dwarf the path and the other ellipses."""
+    """Return which ellipses are not much larger than the path and the other ellipses."""
     sizes = np.abs(shapes).max(axis=(1, 2))
     fits: NDArray[np.bool_] = sizes <= max(_extent(trace), 10.0 * float(np.median(sizes)))
     return fits
 
 
 def _magnification(trace: Trace, shapes: Floats) -> float:
-    """Return 1, 2, 5, 10, ..., so that a usual ellipse is about 1/20 of the path long."""
+    """Return 1, 2, 5, 10, ..., so that the median ellipse is about 1/20 of the path's extent."""
     extent = _extent(trace)
     length = 2.0 * np.median(np.abs(shapes).max(axis=(1, 2)))
     if not (extent > 0.0 and length > 0.0):
@@ -166,13 +167,13 @@ def _polygons(corners: Floats, label: str) -> PolyCollection:
     )
 
 
-def _draw_truth(ax: Axes, places: Floats, errors: Floats) -> None:
-    true = places + errors
-    ax.plot(*places.T, ".", color=style.ESTIMATED, markersize=3)
+def _draw_truth(ax: Axes, positions: Floats, errors: Floats) -> None:
+    true = positions + errors
+    ax.plot(*positions.T, ".", color=style.ESTIMATED, markersize=3)
     if np.isfinite(true).any():
-        ends = np.stack((places, true, np.full_like(true, np.nan)), axis=1).reshape(-1, 2)
+        ends = np.stack((positions, true, np.full_like(true, np.nan)), axis=1).reshape(-1, 2)
         ax.plot(*ends.T, color=style.TRUE, linewidth=0.7)
-        ax.plot(*true.T, ".", color=style.TRUE, markersize=5, label="true place")
+        ax.plot(*true.T, ".", color=style.TRUE, markersize=5, label="true position")
 
 
 def _finish(ax: Axes, times: float) -> None:

@@ -1,4 +1,4 @@
-"""Panels of errors, histograms."""
+"""Panels of errors and their histograms, which `plot_traces` and `plot_errors` share."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from robsim.plotting import _style as style
 
 
 def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats) -> None:
-    """Set limits that hold the usual errors, and mark the others as triangles at the edge.
+    """Set limits that contain all errors but outliers, which become triangles at the edge.
 
     Parameters
     ----------
     panel : matplotlib.axes.Axes
         Errors over the steps.
     k, errors : array (N,)
-        What is drawn there; NaN = no error.
+        The steps and errors drawn there; NaN = not known.
     """
     low, high = _usual_limits(errors[np.isfinite(errors)])
     above, below = errors > high, errors < low
@@ -37,47 +37,47 @@ def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats) -> None:
 
 
 def _usual_limits(values: Floats) -> tuple[float, float]:
-    """Return limits that hold all values but those far outside the middle 90 %."""
+    """Return limits that contain all values except those far outside the middle 90 %."""
     if not len(values):
         return -1.0, 1.0
     low, high = np.quantile(values, (0.05, 0.95))
-    reach = 3.0 * (high - low)
-    usual = values[(values >= low - reach) & (values <= high + reach)]
+    tolerance = 3.0 * (high - low)
+    usual = values[(values >= low - tolerance) & (values <= high + tolerance)]
     low, high = float(usual.min()), float(usual.max())
-    # Not so close that rounding errors would look like errors of the measurement.
+    # A minimum range: rounding errors must not look like measurement errors.
     margin = max(0.3 * (high - low), 1e-3 * abs(low), 1e-3)
     return low - margin, high + margin
 
 
 def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.MEASURED) -> None:
-    """Draw a histogram, with the bell curve that fits the errors.
+    """Draw a histogram, with the normal distribution of the same mean and standard deviation.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Beside the panel of the errors, whose y axis it shares.
+        The axes beside the panel of the errors, whose y axis they share.
     errors : array (n,)
         The known errors.
     unit : str
         Their unit.
     color : str
-        Of the bars.
+        Colour of the bars.
     """
     axes.tick_params(labelleft=False)
     axes.xaxis.set_major_locator(MaxNLocator(4, integer=True, min_n_ticks=1))
     if not len(errors):
         return
     low, high = axes.get_ylim()
-    # Rice's rule, 2 n^(1/3), over the 5/8 of the panel's height where the errors are. An odd
-    # number, so that errors around the middle share a bin.
+    # Rice's rule, 2 n^(1/3), over the 5/8 of the panel's height with errors. An odd number, so
+    # that one bin is centred in the middle.
     bins = 2 * int(np.clip(1.6 * len(errors) ** (1 / 3), 5, 32)) + 1
     axes.hist(errors, bins, range=(low, high), orientation="horizontal", color=color, alpha=0.55)
     mean, sd, width = float(errors.mean()), float(errors.std()), (high - low) / bins
     # A curve much narrower than a bin would only be a spike.
     if sd > 0.1 * width:
-        places = np.linspace(low, high, 400)
-        density = np.exp(-0.5 * ((places - mean) / sd) ** 2) / (sd * math.sqrt(2.0 * math.pi))
-        axes.plot(len(errors) * width * density, places, color=style.FITTED, linewidth=1.0)
+        values = np.linspace(low, high, 400)
+        density = np.exp(-0.5 * ((values - mean) / sd) ** 2) / (sd * math.sqrt(2.0 * math.pi))
+        axes.plot(len(errors) * width * density, values, color=style.FITTED, linewidth=1.0)
     axes.margins(x=0.12)
     text = f"mean {mean:.3f}, sd {sd:.3f} {unit}"
     axes.text(0.99, 0.98, text, transform=axes.transAxes, ha="right", va="top")

@@ -1,4 +1,4 @@
-"""The figure of errors and bounds."""
+"""`plot_errors`: estimation errors with the reported standard deviations and a bound."""
 
 from __future__ import annotations
 
@@ -18,20 +18,21 @@ from robsim.plotting._error_panels import draw_histogram, limit_panel
 
 @style.applied
 def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: Any = None) -> Figure:
-    """Draw errors over the steps, what the estimator claims of them, and their histograms.
+    """Draw errors over the steps, the reported standard deviations, and histograms of the errors.
 
-    The band reaches two of the reported standard deviations to both sides: 95 % of the errors of an
-    honest estimator lie in it. The dashed lines are two standard deviations of the bound away: no
-    estimator does better. The bell curve is the normal distribution of the errors' mean and
-    standard deviation. Errors far outside the others stand as triangles at the edge.
+    The band is +- two reported standard deviations: 95 % of the errors of a consistent estimator
+    lie in it. The dashed lines are +- two standard deviations of the bound: no estimator has
+    smaller errors on average. The bell curve is the normal distribution with the errors' mean and
+    standard deviation. Outliers are drawn as triangles at the edge.
 
     Parameters
     ----------
     report : ErrorReport
-        From `pose_errors` or `estimation_errors`; of several runs all errors are drawn.
+        From `robsim.pose_errors` or `robsim.evaluation.estimation_errors`; of several runs all
+        errors are drawn.
     bound : array (N, n, n), optional
-        Smallest possible covariance in each step, from `robsim.evaluation.pose_bounds`; of several
-        runs their mean.
+        Minimum covariance in each step, from `robsim.evaluation.pose_bounds`; for several runs
+        their mean.
     axes : array_like (n, 2) of matplotlib.axes.Axes, optional
         Where to draw: errors on the left, histograms on the right. Default: a new figure.
 
@@ -43,14 +44,14 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
     Raises
     ------
     TypeError, ValueError
-        If the report is none, or if `bound` or `axes` is of another shape.
+        If `report` is not an ErrorReport, or if `bound` or `axes` has the wrong shape.
     """
     if not isinstance(report, ErrorReport):
         raise TypeError(
             f"report must be what pose_errors or estimation_errors returns, got {report!r}"
         )
     size = len(report.names)
-    least = _least_deviations(bound, (len(report.k), size))
+    minimum_sd = _minimum_sd(bound, (len(report.k), size))
     is_new = axes is None
     axes = _new_axes(report, size) if is_new else np.asarray(axes, dtype=object)
     if axes.shape != (size, 2):
@@ -59,10 +60,10 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
     for i, (panel, histogram) in enumerate(axes):
         factor, unit = style.shown_unit(report.units[i])
         errors = report.error[:, :, i] * factor
-        _draw_claims(panel, report, i, factor)
+        _draw_reported_sd(panel, report, i, factor)
         _draw_errors(panel, report, errors, color)
-        if least is not None:
-            _draw_bound(panel, report, 2.0 * factor * least[:, i])
+        if minimum_sd is not None:
+            _draw_bound(panel, report, 2.0 * factor * minimum_sd[:, i])
         panel.set_ylabel(f"{report.names[i]} ({unit})" if unit else report.names[i])
         histogram.sharey(panel)
         draw_histogram(histogram, errors[~np.isnan(errors)], unit, color=color)
@@ -83,16 +84,16 @@ def _new_axes(report: ErrorReport, size: int) -> Any:
     return axes
 
 
-def _draw_claims(panel: Axes, report: ErrorReport, i: int, factor: float) -> None:
+def _draw_reported_sd(panel: Axes, report: ErrorReport, i: int, factor: float) -> None:
     if report.reported_sd is None or np.isnan(report.reported_sd[:, :, i]).all():
         return
-    reach = 2.0 * factor * np.sqrt(mean_of_known(np.square(report.reported_sd[:, :, i]), axis=0))
-    panel.fill_between(
-        report.k, -reach, reach, color=style.CLAIMED, linewidth=0, label="reported_sd (2 sd)"
-    )
+    variance = mean_of_known(np.square(report.reported_sd[:, :, i]), axis=0)
+    half_width = 2.0 * factor * np.sqrt(variance)
+    look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0}
+    panel.fill_between(report.k, -half_width, half_width, label="reported (2 sd)", **look)
 
 
-def _least_deviations(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | None:
+def _minimum_sd(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | None:
     if bound is None:
         return None
     covariances = np.asarray(bound, dtype=np.float64)
@@ -117,10 +118,10 @@ def _draw_errors(panel: Axes, report: ErrorReport, errors: Floats, color: str) -
     panel.set_xlim(report.k[0] - 0.5, report.k[-1] + 0.5)
 
 
-def _draw_bound(panel: Axes, report: ErrorReport, reach: Floats) -> None:
+def _draw_bound(panel: Axes, report: ErrorReport, half_width: Floats) -> None:
     look: dict[str, Any] = {"color": style.BOUND, "linewidth": 1.2, "linestyle": "--"}
-    panel.plot(report.k, reach, label="Cramér-Rao bound (2 sd)", **look)
-    panel.plot(report.k, -reach, **look)
+    panel.plot(report.k, half_width, label="Cramér-Rao bound (2 sd)", **look)
+    panel.plot(report.k, -half_width, **look)
 
 
 def _finish(axes: Any, *, is_new: bool) -> None:
@@ -129,11 +130,11 @@ def _finish(axes: Any, *, is_new: bool) -> None:
     axes[-1, 1].set_xlabel("steps per bin")
     axes[-1, 0].xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
     style.rasterize_long_lines(axes[:, 0])
-    place: Any = figure if is_new else axes[0, 0]
+    parent: Any = figure if is_new else axes[0, 0]
     handles, labels = axes[0, 0].get_legend_handles_labels()
     look: dict[str, Any] = {"loc": "outside lower center"}
     if not is_new:
         look = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
-    legend = place.legend(handles, labels, ncols=4, **look)
+    legend = parent.legend(handles, labels, ncols=4, **look)
     for handle in legend.legend_handles:
         handle.set_alpha(1.0)

@@ -1,4 +1,4 @@
-"""The picture of a frame."""
+"""`plot_frame`: a camera frame with the detected blobs, the measured pose and the path."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robsim.plotting import _style as style
 from robsim.plotting._shapes import box_corners, heading_line, placed_outline
 from robsim.trace import Trace
 
-_Map = Callable[[ArrayLike], Floats]  # places (N, 2) to places (N, 2)
+_Map = Callable[[ArrayLike], Floats]  # positions (N, 2) to positions (N, 2)
 
 
 @style.applied
@@ -27,12 +27,12 @@ def plot_frame(
     measurement: Measurement | None = None,
     outline: ArrayLike | None = None,
     trace: Trace | None = None,
-    step: int | None = None,
+    k: int | None = None,
 ) -> Axes:
-    """Draw what the camera sees, and on it what the vision made of it.
+    """Draw a camera frame with the results of the vision on it.
 
-    The axes are in work-area pixels. Only if the camera looks at the plane at an angle, the frame
-    is no rectangle there: then they are in pixels of the frame.
+    The axes are in work-area pixels; if the camera looks at the plane at an angle, so that the
+    frame is not a rectangle there, they are in pixels of the frame.
 
     Parameters
     ----------
@@ -41,7 +41,8 @@ def plot_frame(
     ax : matplotlib.axes.Axes, optional
         Where to draw. Default: a new figure of 7 x 7 inches.
     blobs : dict of str to sequence of Blob, optional
-        Per colour the blobs, as from `find_blobs`: each gets its bounding box and a cross.
+        The blobs of each colour, as from `robsim.find_blobs`: each gets its bounding box and a
+        cross.
     measurement : Measurement, optional
         The measured pose: a line from the centre along the heading. With `blobs`, but without it,
         the figure says "not seen".
@@ -50,7 +51,7 @@ def plot_frame(
         the measured pose.
     trace : Trace, optional
         The run whose path is drawn.
-    step : int, optional
+    k : int, optional
         The last step of `trace` to draw. Default: the whole path.
 
     Returns
@@ -61,13 +62,13 @@ def plot_frame(
     Raises
     ------
     ValueError
-        If `outline` is not of shape (N, 2), or `step` is not a step of `trace`.
+        If `outline` is not of shape (N, 2), or `k` is not a step of `trace`.
     """
     if ax is None:
         ax = style.NotebookFigure(figsize=(7, 7)).add_subplot(axes_class=style.NotebookAxes)
     from_pixel, from_world = _show_image(ax, frame)
-    if trace is not None or step is not None:
-        _draw_path_until(ax, trace, step, from_world)
+    if trace is not None or k is not None:
+        _draw_path_until(ax, trace, k, from_world)
     for color, found in (blobs or {}).items():
         for blob in found:
             _draw_blob(ax, blob, style.drawn_color(color), from_pixel)
@@ -80,7 +81,7 @@ def plot_frame(
 
 
 def _show_image(axes: Axes, frame: Frame) -> tuple[_Map, _Map]:
-    """Show the image; return what maps pixels, and places of the work area, to the axes."""
+    """Show the image; return the maps from pixels and from work-area positions to the axes."""
     height, width = frame.image.shape[:2]
     right, bottom = width - 0.5, height - 0.5
     corners = [(-0.5, -0.5), (right, -0.5), (right, bottom), (-0.5, bottom)]
@@ -98,13 +99,13 @@ def _show_image(axes: Axes, frame: Frame) -> tuple[_Map, _Map]:
     return maps
 
 
-def _draw_path_until(axes: Axes, trace: Trace | None, step: int | None, from_world: _Map) -> None:
+def _draw_path_until(axes: Axes, trace: Trace | None, k: int | None, from_world: _Map) -> None:
     if trace is None:
-        raise ValueError(f"step: expected a trace with it, got step = {step} and no trace")
-    if step is not None:
-        if step not in trace.k:
-            raise ValueError(f"step: expected a step of {trace!r}, got {step}")
-        trace = trace[: step - int(trace.k[0]) + 1]
+        raise ValueError(f"k needs a trace, got k = {k} and no trace")
+    if k is not None:
+        if k not in trace.k:
+            raise ValueError(f"k must be a step of {trace!r}, got {k}")
+        trace = trace[: k - int(trace.k[0]) + 1]
     measured = trace.pose_measured[trace.seen, :2]
     style.draw_path(axes, from_world(trace.pose_true[:, :2]), from_world(measured))
     style.rasterize_long_lines([axes])

@@ -1,4 +1,4 @@
-"""The picture of a frame, as pixels."""
+"""`draw_overlay`: vision and estimation results drawn onto a frame's pixels, for videos."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from robsim.imaging._images import Pixels
 from robsim.plotting import _style as style
 from robsim.plotting._shapes import box_corners, heading_line, placed_outline
 
-SHADE = 0.35  # brightness of the picture under the text
-FINENESS = 3  # lines are drawn so many times larger, then reduced: their edges become smooth
+SHADE = 0.35  # brightness of the image under the text
+SUPERSAMPLING = 3  # lines are drawn larger by this factor, then reduced, against jagged edges
 
 
 def draw_overlay(
@@ -33,7 +33,7 @@ def draw_overlay(
     estimate: Estimate | None = None,
     text: str | None = None,
 ) -> Pixels:
-    """Draw onto the pixels of a frame what the robot's software made of it, as for a video.
+    """Draw the results of vision and estimation onto a copy of a frame's pixels, for a video.
 
     Parameters
     ----------
@@ -41,14 +41,14 @@ def draw_overlay(
         The image with its plane map.
     measurement : Measurement, optional
         The measured pose, green: a line from the centre along the heading. With `blobs`, but
-        without it, the picture says "not seen".
+        without it, the image says "not seen".
     blobs : dict of str to sequence of Blob, optional
-        Per colour the blobs, as from `find_blobs`: each gets its bounding box.
+        The blobs of each colour, as from `robsim.find_blobs`: each gets its bounding box.
     outline : array_like (N, 2), optional
         Outline of the robot in its own axes, x forward and y to the right (work-area px), drawn at
         the measured and at the estimated pose.
     path : array_like (N, 2), optional
-        The places measured up to now (work-area px), drawn as a green line. NaN breaks it.
+        The positions measured up to now (work-area px), drawn as a green line. NaN breaks it.
     estimate : Estimate, optional
         The estimated pose, blue: a cross and a line along the heading.
     text : str, optional
@@ -83,18 +83,18 @@ def draw_overlay(
 
 
 class _Canvas:
-    """The picture in the making. Widths are those in a frame of 1200 px."""
+    """The image that is drawn on. Line widths are for a frame of 1200 px."""
 
     def __init__(self, frame: Frame) -> None:
-        # Whole pictures are slow to take from Pillow: it draws masks, which are painted here.
+        # Whole images are slow to convert from Pillow: it draws masks, which are painted here.
         self.image = frame.image.copy()
         self._size = frame_size(self.image)
         self._map = frame.plane_map
         self._unit = min(self._size) / 1200
 
-    def trail(self, places: Floats, color: str) -> None:
-        # It may have thousands of points: no smooth edges.
-        pixels = self._pixels(places)
+    def trail(self, positions: Floats, color: str) -> None:
+        # It may have thousands of points: drawn without supersampling.
+        pixels = self._pixels(positions)
         mask = Image.new("L", self._size)
         for segment in np.split(pixels, np.flatnonzero(np.isnan(pixels[:, 0]))):
             known = segment[~np.isnan(segment[:, 0])].ravel().tolist()
@@ -139,48 +139,50 @@ class _Canvas:
         self._paint(mask, corner, "white")
 
     def _font(self, text: str) -> FreeTypeFont:
-        """Return a font that can be read in this picture, smaller if the text does not fit."""
+        """Return a font that is legible in this image, smaller if the text does not fit."""
         size = max(round(24 * self._unit), 11)
-        share = (self._size[0] - size) / _font(size).getlength(text)
-        return _font(max(int(min(share, 1) * size), 8))
+        scale = (self._size[0] - size) / _font(size).getlength(text)
+        return _font(max(int(min(scale, 1) * size), 8))
 
-    def _pixels(self, places: Floats) -> Floats:
-        """Return the pixels of places, NaN where there are none near the picture."""
-        pixels = np.full(places.shape, np.nan)
-        known = np.isfinite(places).all(axis=1)
-        pixels[known] = self._map.to_pixel(places[known])
+    def _pixels(self, positions: Floats) -> Floats:
+        """Return the pixels of positions, NaN where there are none near the image."""
+        pixels = np.full(positions.shape, np.nan)
+        known = np.isfinite(positions).all(axis=1)
+        pixels[known] = self._map.to_pixel(positions[known])
         is_near = (np.abs(pixels) < 4 * max(self._size)).all(axis=1)
         return np.where(is_near[:, None], pixels, np.nan)
 
     def _stroke(self, pixels: Floats, color: str, width: float) -> None:
-        """Draw a line through pixels (N, 2); a white edge shows it on any floor."""
+        """Draw a line through pixels (N, 2); a white edge keeps it visible on any floor."""
         if len(pixels) < 2 or np.isnan(pixels).any():
             return
         line, edge = max(width * self._unit, 1.5), max(self._unit, 0.5)
-        box = self._around(pixels, reach=line / 2 + edge)
+        box = self._around(pixels, margin=line / 2 + edge)
         if box[0] >= box[2] or box[1] >= box[3]:
             return
-        # Integers are the centres of pixels, here and in the finer picture.
-        fine = ((pixels - box[:2] + 0.5) * FINENESS - 0.5).ravel().tolist()
+        # Integers are the centres of pixels, here and in the supersampled mask.
+        fine = ((pixels - box[:2] + 0.5) * SUPERSAMPLING - 0.5).ravel().tolist()
         for ink, thickness in (("white", line + 2 * edge), (color, line)):
-            mask = Image.new("L", (FINENESS * (box[2] - box[0]), FINENESS * (box[3] - box[1])))
-            ImageDraw.Draw(mask).line(fine, 255, round(FINENESS * thickness), joint="curve")
-            self._paint(mask.reduce(FINENESS), box[:2], ink)
+            mask = Image.new(
+                "L", (SUPERSAMPLING * (box[2] - box[0]), SUPERSAMPLING * (box[3] - box[1]))
+            )
+            ImageDraw.Draw(mask).line(fine, 255, round(SUPERSAMPLING * thickness), joint="curve")
+            self._paint(mask.reduce(SUPERSAMPLING), box[:2], ink)
 
     def _paint(self, mask: Image.Image, corner: tuple[int, int], color: str) -> None:
-        """Colour the picture where the mask, whose upper left corner is given, is not 0."""
+        """Blend a colour into the image by a mask whose upper left corner is given."""
         part = self.image[corner[1] :, corner[0] :][: mask.height, : mask.width]
         cover = np.asarray(mask)[: part.shape[0], : part.shape[1]]
         covered = np.divmod(np.flatnonzero(cover > 0), cover.shape[1])  # faster than nonzero
-        share = cover[covered][:, None] / 255
+        alpha = cover[covered][:, None] / 255
         ink = 255 * np.array(to_rgb(color))
-        part[covered] = np.rint((1 - share) * part[covered] + share * ink)
+        part[covered] = np.rint((1 - alpha) * part[covered] + alpha * ink)
 
-    def _around(self, pixels: Floats, reach: float) -> tuple[int, int, int, int]:
-        """Return the part of the picture that these pixels and what is near them lie in."""
-        left, top = np.floor(np.maximum(pixels.min(axis=0) - reach, 0)).astype(int).tolist()
-        farthest = np.minimum(pixels.max(axis=0) + reach + 1, self._size)
-        right, bottom = np.ceil(farthest).astype(int).tolist()
+    def _around(self, pixels: Floats, margin: float) -> tuple[int, int, int, int]:
+        """Return the bounding box of these pixels with a margin, clipped to the image."""
+        left, top = np.floor(np.maximum(pixels.min(axis=0) - margin, 0)).astype(int).tolist()
+        maximum = np.minimum(pixels.max(axis=0) + margin + 1, self._size)
+        right, bottom = np.ceil(maximum).astype(int).tolist()
         return left, top, right, bottom
 
 
@@ -188,17 +190,17 @@ class _Canvas:
 def _font(size: int) -> FreeTypeFont:
     font = ImageFont.load_default(size)
     if not isinstance(font, FreeTypeFont):
-        raise ImportError("text on pictures needs a Pillow with FreeType")
+        raise ImportError("text on images needs a Pillow with FreeType")
     return font
 
 
 def _closed(corners: Floats) -> Floats:
-    """Return the corners of a ring; the line goes on over the first, to make it a joint."""
+    """Return the corners of a closed line; it continues past the first, to join the ends."""
     return np.vstack((corners, corners[:2]))
 
 
 def _places(path: ArrayLike) -> Floats:
-    places = np.asarray(path, dtype=np.float64)
-    if places.ndim != 2 or places.shape[1] != 2:
-        raise ValueError(f"path: expected the shape (N, 2), got {places.shape}")
-    return places
+    positions = np.asarray(path, dtype=np.float64)
+    if positions.ndim != 2 or positions.shape[1] != 2:
+        raise ValueError(f"path: expected the shape (N, 2), got {positions.shape}")
+    return positions

@@ -1,4 +1,4 @@
-"""The figure of the online estimate."""
+"""`plot_parameters`: the history of the online parameter estimates."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ def plot_parameters(
 ) -> Figure:
     """Draw the history of the 15 online parameter estimates beside their true values.
 
-    The true value is a dotted line that ends in a cross. The limits of each panel hold it and
-    the later half of the run; what the estimate did before may lie outside. In it stands how
-    well the run has excited the parameter, as `robsim.identifiability` says: how far noise may
-    scatter the estimate, not whether it is biased.
+    The true value is a dotted line that ends in a cross. The limits of each panel contain it and
+    the estimates of the second half of the run; earlier ones may lie outside. A note says how well
+    the run excites the parameter, from `robsim.identifiability`: this is about the spread of the
+    estimate by noise, not about its bias.
 
     Parameters
     ----------
     trace : Trace
         A run with ``estimate_parameters=True``.
     standard_errors : array (N, 3, 5), optional
-        Of the estimates in each step, such as ``trace.standard_errors_unscaled`` times
-        ``identifiability(trace).sigma[:, np.newaxis]``: a band of two of them to both sides
-        of the true value, where 95 % of the estimates should lie; inf = no band.
+        Standard errors of the estimates in each step, such as ``trace.standard_errors_unscaled``
+        times ``robsim.identifiability(trace).sigma[:, np.newaxis]``: drawn as a band of +- two of
+        them around the true value, in which 95 % of the estimates should lie; inf = no band.
     axes : array_like (5, 3) of matplotlib.axes.Axes, optional
         Where to draw: rows a1, a2, b1, b2, d1, columns X, Y, P (heading). Default: a new figure.
 
@@ -45,7 +45,7 @@ def plot_parameters(
     Raises
     ------
     ValueError
-        If the trace has no parameter estimates, or an array is not of its shape.
+        If the trace has no parameter estimates, or an array has the wrong shape.
     """
     if not np.isfinite(trace.parameters).any():
         raise ValueError(
@@ -95,10 +95,10 @@ def _draw_parameter(axes: Axes, k: NDArray[np.int64], history: Floats, true: flo
 
 def _add_verdict(axes: Axes, verdict: str) -> None:
     color = style.GUIDE if verdict == "well" else style.BOUND
-    place: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "center"}
+    look: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "center"}
     text = verdict if verdict in ("", "not excited") else f"{verdict} excited"
     box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
-    axes.text(0.97, 0.33, text, fontsize=7.5, color=color, bbox=box, **place)
+    axes.text(0.97, 0.33, text, fontsize=7.5, color=color, bbox=box, **look)
 
 
 def _bands(standard_errors: ArrayLike, shape: tuple[int, ...]) -> Floats:
@@ -108,18 +108,18 @@ def _bands(standard_errors: ArrayLike, shape: tuple[int, ...]) -> Floats:
     return 2.0 * errors
 
 
-def _draw_band(axes: Axes, k: NDArray[np.int64], true: float, reach: Floats) -> None:
-    reach = np.where(np.isfinite(reach), reach, np.nan)
-    look: dict[str, Any] = {"color": style.CLAIMED, "linewidth": 0, "zorder": 0.5}
-    axes.fill_between(k, true - reach, true + reach, **look)
+def _draw_band(axes: Axes, k: NDArray[np.int64], true: float, half_width: Floats) -> None:
+    half_width = np.where(np.isfinite(half_width), half_width, np.nan)
+    look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0, "zorder": 0.5}
+    axes.fill_between(k, true - half_width, true + half_width, **look)
 
 
 def _limits(history: Floats, true: float) -> tuple[float, float]:
-    """Return limits that hold the true value and the later half of the history."""
+    """Return limits that contain the true value and the second half of the history."""
     later = history[len(history) // 2 :]
     later = later[np.isfinite(later)]
     low, high = np.quantile(later, (0.02, 0.98)) if len(later) else (true, true)
     low, high = min(float(low), true), max(float(high), true)
-    # Not so close that rounding errors would look like an estimate that wanders.
+    # A minimum range: rounding errors must not look like a drift of the estimate.
     margin = max(0.25 * (high - low), 0.02 * abs(true), 1e-6)
     return low - margin, high + margin

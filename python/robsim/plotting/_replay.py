@@ -1,4 +1,4 @@
-"""A run as annotated frames."""
+"""`play` and `annotated_frames`: a run as a clip in a notebook, or as frames for a video."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def annotated_frames(
     *,
     simulation: Simulation,
 ) -> Iterator[Pixels]:
-    """Draw onto the frames of a run what was measured in them.
+    """Yield the frames of a run with the measured and estimated poses drawn onto them.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def annotated_frames(
     trace : Trace
         The run.
     simulation : Simulation
-        The simulation that ran: its robot's outline is drawn, and the blobs that it finds.
+        The simulation of the run: its robot's outline is drawn, and the blobs that it finds.
 
     Yields
     ------
@@ -69,25 +69,31 @@ def play(
     overlay: bool = True,
     width: int = 480,
 ) -> Clip:
-    """Return a run as a clip that plays in a notebook, in the time that the robot takes.
+    """Return a run as a clip that plays in a notebook, in real time.
 
-    With a `dt` below 1/60 s or above 10 s it plays slower or faster.
+    The frame rate is limited to 0.1..60 frames per second: with a `dt` below 1/60 s the clip plays
+    slower, with a `dt` above 10 s faster.
 
     Parameters
     ----------
     simulation : Simulation
-        A simulation that has run; its frames are drawn anew.
+        A simulation that has run; its frames are rendered again.
     start, stop : int, optional
         The steps start..stop - 1. Default: all of them.
     overlay : bool
-        Draw what was measured.
+        Draw the measured and estimated poses.
     width : int
         Width of the clip (px).
+
+    Returns
+    -------
+    robsim.imaging.Clip
+        The clip.
 
     Raises
     ------
     ValueError
-        If there are no such steps.
+        If the run has no such steps.
     """
     trace = simulation.trace[start:stop]
     frames: Iterable[Frame | Pixels] = (simulation.render_step(int(k)) for k in trace.k)

@@ -1,4 +1,4 @@
-"""The picture of a robot definition."""
+"""`plot_robot`: a robot definition with its outline, markers, centre and heading."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _DARK = "#202020"
 
 @style.applied
 def plot_robot(definition: RobotDefinition, *, ax: Axes | None = None) -> Axes:
-    """Draw the picture of a robot, and on it what robsim knows of it.
+    """Draw the image of a robot with the geometry of its definition on it.
 
-    That is the outline, both marker polygons with the distance of their centroids, the centre,
-    and an arrow to where the robot drives when both wheels turn alike. The axes are in pixels of
-    the picture, lengths on the drawing in px of the work area.
+    The geometry is the outline, both marker polygons with the distance of their centroids, the
+    centre, and an arrow in the driving direction at equal wheel speeds. The axes are in pixels of
+    the image, the lengths on it in work-area px.
 
     Parameters
     ----------
@@ -35,14 +35,19 @@ def plot_robot(definition: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     Returns
     -------
     matplotlib.axes.Axes
-        The axes drawn in.
+        The axes.
+
+    Raises
+    ------
+    TypeError
+        If `definition` is not a RobotDefinition.
     """
     if not isinstance(definition, RobotDefinition):
         raise TypeError(f"definition must be a RobotDefinition, got {definition!r}")
     if ax is None:
         size = _figure_size(definition)
         ax = style.NotebookFigure(figsize=size).add_subplot(axes_class=style.NotebookAxes)
-    _show_picture(ax, definition)
+    _show_image(ax, definition)
     _draw_polygon(ax, definition.outline, _OUTLINE, "outline")
     _draw_polygon(ax, definition.red, "red", "red marker")
     _draw_polygon(ax, definition.blue, "blue", "blue marker")
@@ -69,19 +74,19 @@ def plot_robot(definition: RobotDefinition, *, ax: Axes | None = None) -> Axes:
 
 
 def _figure_size(definition: RobotDefinition) -> tuple[float, float]:
-    """Return a size (inches) with room for the picture and what stands around it."""
+    """Return a size (inches) with room for the image and its labels."""
     height, width = definition.image.shape[:2]
     return 7.0, 1.3 + 6.1 * float(np.clip(height / width, 0.3, 1.5))
 
 
-def _show_picture(axes: Axes, definition: RobotDefinition) -> None:
+def _show_image(axes: Axes, definition: RobotDefinition) -> None:
     height, width = definition.image.shape[:2]
     axes.set_facecolor(_FLOOR)
     axes.imshow(definition.image)
-    # The outline may reach a little beyond the picture.
+    # The outline may extend a little beyond the image.
     axes.set(xlim=(-0.02 * width - 0.5, 1.02 * width - 0.5))
     axes.set(ylim=(1.02 * height - 0.5, -0.02 * height - 0.5))
-    axes.set(xlabel="right (px of the picture)", ylabel="down (px of the picture)")
+    axes.set(xlabel="right (px of the image)", ylabel="down (px of the image)")
     axes.set_autoscale_on(False)
     axes.grid(False)
 
@@ -98,9 +103,9 @@ def _draw_polygon(axes: Axes, corners: Floats, color: str, label: str) -> None:
 
 def _draw_distance(axes: Axes, definition: RobotDefinition) -> None:
     """Draw the line between the markers' centroids, with its length."""
-    places = np.array([area_and_centroid(p)[1] for p in (definition.blue, definition.red)])
+    centroids = np.array([area_and_centroid(p)[1] for p in (definition.blue, definition.red)])
     axes.plot(
-        *places.T,
+        *centroids.T,
         color=_DARK,
         linewidth=1.2,
         marker="+",
@@ -111,14 +116,19 @@ def _draw_distance(axes: Axes, definition: RobotDefinition) -> None:
     )
     text = f"{definition.marker_layout().distance:.1f} px"
     axes.annotate(
-        text, places.mean(axis=0), (0, 9), textcoords="offset points", ha="center", bbox=style.BOX
+        text,
+        centroids.mean(axis=0),
+        (0, 9),
+        textcoords="offset points",
+        ha="center",
+        bbox=style.BOX,
     )
 
 
 def _draw_heading(axes: Axes, definition: RobotDefinition) -> None:
-    """Draw the centre, and the arrow to what faces right after the alignment."""
+    """Draw the centre, and the arrow to the side that faces right after the alignment."""
     assert definition.centre is not None
-    # The picture is turned clockwise by the alignment, so its front lies as far anticlockwise.
+    # The alignment rotates the image clockwise, so its front lies anticlockwise by that angle.
     angle = -np.deg2rad(definition.alignment)
     length = 0.8 * definition.radius / definition.unit
     tip = definition.centre + length * np.array((np.cos(angle), np.sin(angle)))
@@ -151,7 +161,7 @@ def _draw_heading(axes: Axes, definition: RobotDefinition) -> None:
 
 
 def _draw_scale(axes: Axes, definition: RobotDefinition) -> None:
-    """Draw a bar of a round number of work-area px, about a sixth of the picture."""
+    """Draw a bar of a round number of work-area px, about a sixth of the image."""
     height = definition.image.shape[0]
     step = 10.0 ** np.floor(np.log10(definition.size / 6))
     length = step * max(n for n in (1, 2, 5) if n * step <= definition.size / 6)

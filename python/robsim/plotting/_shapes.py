@@ -1,4 +1,4 @@
-"""Shapes in pictures: outline, heading, box."""
+"""The outline, heading line and bounding box that `plot_frame` and `draw_overlay` draw."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ HEADING_LINE = 80.0  # length of a heading's line (work-area px)
 
 
 def heading_line(pose: Floats) -> Floats:
-    """Return both ends (2, 2) of the line from a pose's place along its heading."""
+    """Return both ends (2, 2) of the line from a pose's position along its heading."""
     return np.array((pose[:2], pose[:2] + HEADING_LINE * _forward(pose)))
 
 
@@ -29,12 +29,12 @@ def placed_outline(outline: ArrayLike, pose: Floats) -> Floats:
     Raises
     ------
     ValueError
-        If `outline` is of another shape.
+        If `outline` is not of shape (N, 2).
     """
     points = np.asarray(outline, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2:
         raise ValueError(f"outline: expected the shape (N, 2), got {points.shape}")
-    # y to the right of the robot: forward turned by +90 degrees, clockwise on the picture.
+    # y to the right of the robot: forward rotated by +90 degrees, clockwise in the image.
     forward = _forward(pose)
     right = np.array((-forward[1], forward[0]))
     placed: Floats = pose[:2] + points[:, :1] * forward + points[:, 1:] * right
@@ -42,7 +42,7 @@ def placed_outline(outline: ArrayLike, pose: Floats) -> Floats:
 
 
 def box_corners(blob: Blob) -> Floats:
-    """Return the corners (4, 2) of the box around a blob (pixels): outside of its pixels."""
+    """Return the corners (4, 2) of the box around a blob (pixels), at its pixels' outer edges."""
     left, top, right, bottom = np.add(blob.bounding_box, (-0.5, -0.5, 0.5, 0.5))
     return np.array([(left, top), (right, top), (right, bottom), (left, bottom)])
 

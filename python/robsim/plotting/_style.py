@@ -1,4 +1,4 @@
-"""What the figures share: colours, labels, steps, dots."""
+"""The colours, labels and matplotlib settings that all figures share."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ HELD = "#000000"  # not seen: the last valid pose, repeated
 ESTIMATED = "#1f5fe0"  # the state estimate, the online parameter estimate
 BATCH = "#e07b00"  # the batch parameter estimate
 FITTED = "#333333"  # the bell curve
-CLAIMED = "#d5e1f8"  # where 95 % should lie: the claim of an estimator, the band of a test
+REPORTED = "#d5e1f8"  # 95 % should lie in it: reported standard deviations, the band of a test
 BOUND = "#b3541e"  # the Cramér-Rao bound
 WRONG = "#c62828"  # not seen; above the band
-RECORD = "#eef1f5"  # background of the steps that the histograms are made from
-GUIDE = "#9aa0a6"  # lines and notes that are no data
+SEGMENT = "#eef1f5"  # background of the steps that the histograms are made from
+GUIDE = "#9aa0a6"  # guide lines and notes, no data
 
-#: The background of a note on a drawing.
+#: The background of a note in a figure.
 BOX: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 2}
 
 _UNITS = [
@@ -66,12 +66,12 @@ _STYLE: dict[Any, Any] = {
     "legend.frameon": False,
 }
 
-#: Decorates a function that draws: the user's own settings of matplotlib stay as they are.
+#: Decorates a function that draws: the user's own matplotlib settings do not change.
 applied = matplotlib.rc_context(_STYLE)
 
 
 class NotebookFigure(Figure):
-    """A figure that a notebook shows without pyplot."""
+    """A figure that a notebook displays without pyplot."""
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()
@@ -80,7 +80,7 @@ class NotebookFigure(Figure):
 
 
 class NotebookAxes(Axes):
-    """The only axes of such a figure: a notebook shows the figure in their place."""
+    """The only axes of such a figure: a notebook displays the figure for them."""
 
     def _repr_png_(self) -> Any:
         figure: Any = self.figure
@@ -96,12 +96,12 @@ def show_steps(axes: Axes, trace: Trace) -> None:
 
 
 def dot_size(steps: int) -> float:
-    """Return the size of a dot (points): smaller where there are more of them."""
+    """Return the marker size of a dot (points): smaller for more steps."""
     return float(np.clip(3.0 * math.sqrt(800 / max(steps, 1)), 2.0, 5.0))
 
 
 def draw_path(axes: Axes, true: Floats, measured: Floats) -> None:
-    """Draw the true path (N, 2) as a line and the measured places on it as dots."""
+    """Draw the true path (N, 2) as a line and the measured positions on it as dots."""
     if np.isfinite(true).any():
         axes.plot(*true.T, color=TRUE, linewidth=3.0, label="true path")
     size = dot_size(len(true))
@@ -109,12 +109,12 @@ def draw_path(axes: Axes, true: Floats, measured: Floats) -> None:
 
 
 def shown_unit(unit: str) -> tuple[float, str]:
-    """Return the factor and the unit that numbers are drawn in: degrees for rad."""
+    """Return the factor to and the name of the displayed unit: degrees for rad."""
     return (math.degrees(1.0), "deg") if unit == "rad" else (1.0, unit)
 
 
 def drawn_color(name: str) -> str:
-    """Return the colour to draw a colour class in: its own if its name is one."""
+    """Return the drawing colour of a colour class: that of its name, if it is a colour name."""
     return name if is_color_like(name) else GUIDE
 
 
@@ -124,7 +124,7 @@ def haloed(width: float) -> list[Any]:
 
 
 def rasterize_long_lines(panels: Iterable[Axes]) -> None:
-    """Make lines of very many points images within a PDF or SVG file."""
+    """Rasterise lines of many points within a PDF or SVG file, which keeps the file small."""
     for axes in panels:
         for line in axes.get_lines():
             line.set_rasterized(np.size(line.get_xdata()) > 5000)

@@ -1,4 +1,4 @@
-"""The figure of the poses and their errors."""
+"""`plot_traces`: the poses of a run, the measurement errors and the path."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def plot_traces(
 ) -> Figure:
     """Draw poses, measurement errors with their histograms, and the path.
 
-    The histograms are made from the longest unbroken record of measurements, whose steps
-    have a shaded background. The bell curve is the normal distribution of the record's mean and
-    standard deviation. Errors far outside the others stand as triangles at the edge.
+    The histograms are those of the longest unbroken segment of measurements, whose steps have a
+    shaded background. The bell curve is the normal distribution with the mean and the standard
+    deviation of the segment. Outliers are drawn as triangles at the edge.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def plot_traces(
         The recorded run. If it was not tracked, or the truth is not known, only the poses and the
         path are drawn.
     show_blobs : bool
-        Draw the centroids of the two biggest blobs per colour, too.
+        Also draw the centroids of the two largest blobs of each colour.
     axes : dict of str to matplotlib.axes.Axes, optional
         Where to draw, as `Figure.subplot_mosaic` returns it: x, y, heading, path; for the errors
         dx, dy, dheading and their histograms dx bins, dy bins, dheading bins. Default: a new
@@ -105,7 +105,7 @@ def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> N
         panel.ticklabel_format(axis="y", useOffset=False)
     for panel in panels[:2]:
         low, high = panel.get_ylim()
-        if high - low < 2:  # a robot that stands still: a line, not the noise of its last digits
+        if high - low < 2:  # a robot that stands still: a line, not its rounding errors
             panel.set_ylim((low + high) / 2 - 1, (low + high) / 2 + 1)
     panels[2].set(ylim=(-8, 368), yticks=(0, 90, 180, 270, 360))
 
@@ -124,10 +124,10 @@ def _draw_poses(
     panels[0].plot(k, poses[:, 0], **look)
     panels[1].plot(k, poses[:, 1], **look)
     degrees = np.rad2deg(poses[:, 2]) % 360.0
-    if near is not None:  # a measurement of 359.9 degrees beside a truth of 0 stands at -0.1
+    if near is not None:  # a measurement of 359.9 degrees near a truth of 0 is drawn at -0.1
         truth = np.rad2deg(near) % 360.0
-        close = truth + (degrees - truth + 180.0) % 360.0 - 180.0
-        degrees = np.where(np.isfinite(truth), close, degrees)
+        unwrapped = truth + (degrees - truth + 180.0) % 360.0 - 180.0
+        degrees = np.where(np.isfinite(truth), unwrapped, degrees)
     # No line from 360 down to 0 degrees.
     wraps = np.flatnonzero(np.abs(np.diff(degrees)) > 180.0) + 1
     panels[2].plot(
@@ -173,22 +173,22 @@ def _draw_plan(axes: Axes, trace: Trace) -> None:
 
 def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trace) -> None:
     errors = trace.error * (1.0, 1.0, np.rad2deg(1.0))
-    record = longest_run(trace.seen)
+    segment = longest_run(trace.seen)
     for axis, (name, unit) in enumerate((("dx", "px"), ("dy", "px"), ("d heading", "deg"))):
-        _draw_error(panels[axis], trace.k, errors[:, axis], record)
+        _draw_error(panels[axis], trace.k, errors[:, axis], segment)
         panels[axis].set_ylabel(f"{name} ({unit})")
         histograms[axis].sharey(panels[axis])
-        draw_histogram(histograms[axis], errors[record, axis], unit)
-    k = trace.k[record]
+        draw_histogram(histograms[axis], errors[segment, axis], unit)
+    k = trace.k[segment]
     histograms[0].set_title(
-        f"longest record: {k[0]}..{k[-1]}, n = {len(k)}" if len(k) else "no measurement"
+        f"longest segment: {k[0]}..{k[-1]}, n = {len(k)}" if len(k) else "no measurement"
     )
     histograms[-1].set_xlabel("steps per bin")
 
 
-def _draw_error(panel: Axes, k: NDArray[np.int64], errors: Floats, record: slice) -> None:
-    first, last = k[0] + record.start - 0.5, k[0] + record.stop - 0.5
-    panel.axvspan(first, last, color=style.RECORD, linewidth=0, zorder=0)
+def _draw_error(panel: Axes, k: NDArray[np.int64], errors: Floats, segment: slice) -> None:
+    first, last = k[0] + segment.start - 0.5, k[0] + segment.stop - 0.5
+    panel.axvspan(first, last, color=style.SEGMENT, linewidth=0, zorder=0)
     panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
     size = 0.8 * style.dot_size(len(k))
     panel.plot(k, errors, color=style.MEASURED, linewidth=0.6, marker=".", markersize=size)
