@@ -96,7 +96,7 @@ def test_frame_of_a_robot_whose_markers_are_not_plain():
     left, top, right, bottom = map(int, lines[1].split()[-1].split(","))
     red = robsim.vision.classify(load_image("frame.png"), load_colors())["red"]
     assert red[top : bottom + 1, left : right + 1].mean() > 0.8
-    assert lines[2] == "  blue marker: see the picture"
+    assert lines[2] == "  blue marker: see the image"
 
 
 @pytest.mark.parametrize(

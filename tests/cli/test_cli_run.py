@@ -171,7 +171,7 @@ def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
         )
     run = command("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
     assert run.exit_code == 2
-    assert "frame10.png is 400 x 300 px large, the frames before it 400 x 400" in run.stderr
+    assert "frame10.png is 400 x 300 px, the frames before it 400 x 400" in run.stderr
     assert "the 10 frames before the error are tracked" in run.stderr
     trace = robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")
     assert len(trace) == 10

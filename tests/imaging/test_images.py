@@ -45,14 +45,14 @@ def test_transparency_is_kept_for_those_who_ask(pixels, tmp_path):
 
 def test_every_wrong_file_gets_a_sentence_with_its_name(pixels, tmp_path):
     (tmp_path / "text.png").write_text("hello")
-    with pytest.raises(ValueError, match=r"text\.png is not a picture of a kind"):
+    with pytest.raises(ValueError, match=r"text\.png is not in an image format"):
         load_image(tmp_path / "text.png")
     Image.fromarray(pixels).save(tmp_path / "cut.png")
     (tmp_path / "cut.png").write_bytes((tmp_path / "cut.png").read_bytes()[:-60])
-    with pytest.raises(ValueError, match=r"cut\.png cannot be read as a picture: "):
+    with pytest.raises(ValueError, match=r"cut\.png cannot be read as an image: "):
         load_image(tmp_path / "cut.png")
     Image.fromarray(np.zeros((2, 2), np.float32)).save(tmp_path / "f.tiff")
-    with pytest.raises(ValueError, match=r"f\.tiff cannot be read as a picture: its"):
+    with pytest.raises(ValueError, match=r"f\.tiff cannot be read as an image: its"):
         load_image(tmp_path / "f.tiff")
     with pytest.raises(FileNotFoundError):
         load_image(tmp_path / "none.png")

@@ -102,7 +102,7 @@ class TestFolder:
         damaged = folder / "frame3.png"
         damaged.write_bytes(damaged.read_bytes()[:60])
         got = []
-        with pytest.raises(ValueError, match=r"frame3\.png cannot be read as a picture"):
+        with pytest.raises(ValueError, match=r"frame3\.png cannot be read as an image"):
             collect(Recording(folder), into=got)
         assert brightness(got) == [1, 2]
 
@@ -110,7 +110,7 @@ class TestFolder:
         robsim.imaging.save_image(folder / "frame10.png", picture(10, width=30))
         got = []
         with pytest.raises(
-            ValueError, match=r"frame10\.png is 30 x 24 px large, the frames before it 32 x 24 px"
+            ValueError, match=r"frame10\.png is 30 x 24 px, the frames before it 32 x 24 px"
         ):
             collect(Recording(folder), into=got)
         assert brightness(got) == [1, 2, 3]
@@ -213,7 +213,7 @@ class TestVideo:
         for share in (0.5, 0.9):
             half.write_bytes(whole.read_bytes()[: int(share * whole.stat().st_size)])
             if ending == ".mp4":  # its table of contents comes last
-                with pytest.raises(ValueError, match=r"half\.mp4 is not a video, or .* cut off"):
+                with pytest.raises(ValueError, match=r"half\.mp4 is not a video, or .* truncated"):
                     Recording(half)
             else:
                 with warnings.catch_warnings(record=True) as caught:
@@ -222,7 +222,7 @@ class TestVideo:
                 assert 0 < count <= 10
                 told = [str(warning.message) for warning in caught]
                 assert told == [
-                    f"{half} ends after {count} of 10 frames: it is cut off or damaged"
+                    f"{half} ends after {count} of 10 frames: it is truncated or damaged"
                 ] * (count < 10)
         assert capfd.readouterr().err == ""
 

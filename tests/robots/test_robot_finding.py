@@ -7,7 +7,7 @@ from PIL import Image, ImageFilter
 from drawn_robots import COLORS, box, painted, star
 from robsim import ColorClass
 from robsim.robots import _polygons as polygons
-from robsim.robots import check_colors, robot_from_picture
+from robsim.robots import check_colors, robot_from_image
 
 pytestmark = pytest.mark.kernels
 
@@ -31,7 +31,7 @@ def is_color(image, name):
 
 
 def test_what_is_not_given_has_the_documented_default():
-    robot = robot_from_picture("toy", painted(RED, BLUE))
+    robot = robot_from_image("toy", painted(RED, BLUE))
     assert (robot.name, robot.size, robot.alignment) == ("toy", 120, 0)
     np.testing.assert_allclose(robot.centre, [199.5, 199.5], atol=0.01)
     assert check_colors(robot).ok
@@ -42,7 +42,7 @@ def test_what_is_not_given_has_the_documented_default():
 def test_a_marker_has_the_area_and_the_centroid_of_its_blob(name, rng):
     for _ in range(5):
         image = painted(star(rng, np.array((280, 200)), 70), star(rng, np.array((110, 190)), 70))
-        robot = robot_from_picture("toy", image)
+        robot = robot_from_image("toy", image)
         area, centroid = area_and_centroid(is_color(image, name))
         found = polygons.area_and_centroid(getattr(robot, name))
         assert found[0] == pytest.approx(area)
@@ -61,7 +61,7 @@ def test_a_marker_has_the_area_and_the_centroid_of_its_blob(name, rng):
 )
 def test_a_marker_has_the_shape_of_its_blob(shape, share):
     image = painted(np.array(shape, float), box(60, 240, 119, 299))
-    robot = robot_from_picture("toy", image)
+    robot = robot_from_image("toy", image)
     assert len(robot.red) <= 40
     height, width = image.shape[:2]
     drawn, found = is_color(image, "red"), polygons.mask(robot.red, width, height)
@@ -75,7 +75,7 @@ def test_a_blob_among_others_of_its_colour_and_in_its_box():
     image[250:290, 245:285] = COLORS["red"]  # within the box of the L
     image[240, 245:285] = COLORS["red"]  # in its top row, too
     area, centroid = area_and_centroid(is_color(image, "red") & _of_the_l(image.shape))
-    robot = robot_from_picture("toy", image)
+    robot = robot_from_image("toy", image)
     found = polygons.area_and_centroid(robot.red)
     assert found[0] == pytest.approx(area)
     np.testing.assert_allclose(found[1], centroid, atol=1e-6)
@@ -90,13 +90,13 @@ def _of_the_l(shape):
 def test_a_ring_gives_a_polygon_that_does_not_cross_itself():
     image = painted(RED, BLUE)
     image[262:298, 262:298] = (70, 70, 70, 255)
-    robot = robot_from_picture("toy", image)
+    robot = robot_from_image("toy", image)
     assert polygons.crossing(robot.red) is None
 
 
 def test_the_outline_lies_close_around_what_is_opaque():
     image = painted(RED, BLUE)
-    robot = robot_from_picture("toy", image)
+    robot = robot_from_image("toy", image)
     opaque = image[..., 3] > 127
     covered = polygons.mask(robot.outline, 400, 400)
     assert not (opaque & ~covered).any()
@@ -107,7 +107,7 @@ def test_the_outline_lies_close_around_what_is_opaque():
 def test_the_outline_of_an_opaque_picture_is_its_edge():
     image = painted(RED, BLUE)[:360]
     image[..., 3] = 255
-    outline = robot_from_picture("toy", image).outline
+    outline = robot_from_image("toy", image).outline
     assert {tuple(point) for point in outline} == {
         (-0.5, -0.5),
         (399.5, -0.5),
@@ -117,7 +117,7 @@ def test_the_outline_of_an_opaque_picture_is_its_edge():
 
 
 def test_what_is_given_is_taken():
-    robot = robot_from_picture(
+    robot = robot_from_image(
         "toy",
         painted(RED, BLUE),
         size=90,
@@ -137,7 +137,7 @@ def test_what_is_given_is_taken():
 @pytest.mark.long
 def test_a_large_picture_is_scaled_down_with_its_points():
     large = np.array(Image.fromarray(painted(RED, BLUE)).resize((2000, 2000)))
-    robot = robot_from_picture("toy", large, red=5 * (RED + 0.5) - 0.5, centre=(999.5, 1249.5))
+    robot = robot_from_image("toy", large, red=5 * (RED + 0.5) - 0.5, centre=(999.5, 1249.5))
     assert robot.image.shape == (1000, 1000, 4)
     np.testing.assert_allclose(robot.centre, (499.5, 624.5))
     np.testing.assert_allclose(robot.red, 2.5 * (RED + 0.5) - 0.5)
@@ -151,7 +151,7 @@ def test_a_photo_with_noise_and_blur(seed):
     image = Image.fromarray(painted(RED, BLUE)).convert("RGB").filter(ImageFilter.GaussianBlur(2))
     noisy = np.clip(np.array(image) + rng.normal(0, 12, (400, 400, 3)), 0, 255).astype(np.uint8)
     noisy = np.dstack((noisy, np.full((400, 400), 255, np.uint8)))
-    robot = robot_from_picture("toy", noisy)
+    robot = robot_from_image("toy", noisy)
     assert check_colors(robot).ok
     assert robot.marker_layout().distance == pytest.approx(160 * 120 / 400, abs=0.3)
 
@@ -160,22 +160,22 @@ def test_a_photo_with_noise_and_blur(seed):
 def test_a_picture_without_a_marker(name):
     image = painted(RED, BLUE)
     image[is_color(image, name)] = (70, 70, 70, 255)
-    with pytest.raises(ValueError, match=f"{name} marker: nothing in the picture has the colour"):
-        robot_from_picture("toy", image)
+    with pytest.raises(ValueError, match=f"{name} marker: nothing in the image has the colour"):
+        robot_from_image("toy", image)
     given = {name: {"red": RED, "blue": BLUE}[name]}
-    assert robot_from_picture("toy", image, **given).name == "toy"
+    assert robot_from_image("toy", image, **given).name == "toy"
 
 
 def test_colours_without_a_marker():
     with pytest.raises(ValueError, match="blue marker: the colours have no blue"):
-        robot_from_picture("toy", painted(RED, BLUE), colors=[ColorClass("red", v=(164, 255))])
+        robot_from_image("toy", painted(RED, BLUE), colors=[ColorClass("red", v=(164, 255))])
 
 
 def test_a_transparent_picture():
     image = painted(RED, BLUE)
     image[..., 3] = 0
-    with pytest.raises(ValueError, match="outline: the picture is transparent everywhere"):
-        robot_from_picture("toy", image)
+    with pytest.raises(ValueError, match="outline: the image is transparent everywhere"):
+        robot_from_image("toy", image)
 
 
 @pytest.mark.long
@@ -188,4 +188,4 @@ def test_a_transparent_picture():
 )
 def test_wrong_values_are_named(name, value):
     with pytest.raises((TypeError, ValueError), match=f"^{name} must"):
-        robot_from_picture("toy", painted(RED, BLUE), **{name: value})
+        robot_from_image("toy", painted(RED, BLUE), **{name: value})

@@ -216,7 +216,7 @@ def test_colours_that_are_not_seen(user_folder, photo, tmp_path):
     with pytest.raises(ValueError, match=r"red marker: 0.0 % .* ignore_colors=True") as caught:
         add_robot("mine", "lab", colors=colors)
     assert "V 250..255" in str(caught.value)
-    with pytest.raises(ValueError, match="red marker: nothing in the picture has the colour red"):
+    with pytest.raises(ValueError, match="red marker: nothing in the image has the colour red"):
         add_robot("mine", photo, colors=colors)
     assert not user_folder.exists()
     assert add_robot("mine", "lab", colors=colors, ignore_colors=True).name == "mine"

@@ -310,5 +310,5 @@ def test_rows_may_lie_anywhere(rng):
 def test_a_picture_is_no_colour_file(tmp_path):
     file = tmp_path / "red.png"
     file.write_bytes(b"\x89PNG")
-    with pytest.raises(ValueError, match=r"red\.png is not a TOML file: it is no text$"):
+    with pytest.raises(ValueError, match=r"red\.png is not a TOML file: it is not UTF-8 text$"):
         load_colors(file)

@@ -1,1 +1,1 @@
-"""What every room stands on: checks of arguments, files, seeds, what ships."""
+"""Foundations that every other room imports: argument checks, files, seeds, shipped data."""

@@ -1,4 +1,4 @@
-"""The report of a check: what is wrong, where, and what to do about it. All `check_*` return it."""
+"""The report of a check: what is wrong, where, and how to fix it; all public `check_*` return it."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ class Problem:
     Attributes
     ----------
     kind : str
-        What is wrong, in a word or two, such as ``"asymmetric covariance"``: for programs.
+        Short identifier for programs, such as ``"asymmetric covariance"``.
     sentence : str
-        What is wrong and what to do about it: for people.
+        What is wrong and how to fix it, for people.
     situation : str
         What the robot was doing; empty if it does not matter.
     step : int or None
-        The first step at which it showed; None = no step of its own.
+        The first step at which it occurred; None = not tied to a step.
     line : SourceLine or None
-        The line that failed, or the function that misbehaves; None = not known.
+        The line that failed, or the definition of the faulty function; None = unknown.
     """
 
     kind: str
@@ -45,16 +45,16 @@ class Problem:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckReport:
-    """What a check found. It is true, as `ok` is, if nothing is wrong.
+    """The result of a check. ``bool(report)`` is `ok`.
 
     Attributes
     ----------
     name : str
         What was checked.
     problems : tuple of Problem
-        What is wrong, the cause first; what follows from it is left out.
+        What is wrong, the cause first; mere consequences of it are left out.
     remarks : tuple of str
-        What is not wrong, but worth a thought.
+        Observations that are not problems.
     """
 
     name: str
@@ -71,24 +71,24 @@ class CheckReport:
 
     @property
     def sentences(self) -> list[str]:
-        """What is wrong, a sentence for each problem."""
+        """One sentence for each problem."""
         return [problem.sentence for problem in self.problems]
 
     @property
     def title(self) -> str:
-        """The verdict in a line."""
+        """The verdict in one line."""
         if not self.problems:
             return f"{self.name} passed all checks"
         count = len(self.problems)
         return f"{self.name} failed {count} check{'s' if count > 1 else ''}"
 
     def raise_for_problems(self) -> CheckReport:
-        """Return the report if nothing is wrong.
+        """Return the report if there are no problems; for use in tests.
 
         Raises
         ------
         AssertionError
-            If something is: with all the sentences.
+            If there are problems; the message lists all of them.
         """
         if self.problems:
             raise AssertionError(str(self))
@@ -103,7 +103,7 @@ class CheckReport:
         return "\n".join([*lines, *(f"  Remark: {remark}" for remark in self.remarks)])
 
     def __repr__(self) -> str:
-        # pytest shows this where `assert report` fails, of long ones only the two ends.
+        # pytest shows this where `assert report` fails, and elides the middle of a long one.
         return f"<{'; '.join(map(str, self.problems)) or self.title}>"
 
     def _repr_html_(self) -> str:

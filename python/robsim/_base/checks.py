@@ -1,4 +1,4 @@
-"""Checks of single numbers."""
+"""Checks of single arguments, used by every public function: numbers, arrays, choices, sizes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def check_float(
     exclusive_minimum: float = -math.inf,
     maximum: float = math.inf,
 ) -> float:
-    """Return a finite number within limits; a TypeError or ValueError names what it is not."""
+    """Return `value` as a finite float within limits; else raise TypeError or ValueError."""
     unit = f" ({unit})" if unit else ""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise TypeError(f"{name} must be a number{unit}, got {value!r}")
@@ -44,12 +44,12 @@ def _limits(minimum: float, exclusive_minimum: float, maximum: float) -> str:
 
 
 def is_int(value: Any) -> bool:
-    """Return whether it is an int, and no bool."""
+    """Return whether `value` is an int and not a bool."""
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
 def check_int(name: str, value: Any, *, minimum: int, maximum: int) -> int:
-    """Return an int within limits."""
+    """Return `value` as an int within limits; else raise TypeError or ValueError."""
     if not is_int(value):
         raise TypeError(f"{name} must be an int, got {value!r}")
     if not minimum <= value <= maximum:
@@ -58,7 +58,7 @@ def check_int(name: str, value: Any, *, minimum: int, maximum: int) -> int:
 
 
 def as_float_array(name: str, values: Any) -> Floats:
-    """Return an array of numbers, of any shape; NaN and infinity are among them."""
+    """Return `values` as a float array of any shape; NaN and infinity are allowed."""
     try:
         given = np.asarray(values)
         # No text, dates or complex numbers.
@@ -71,7 +71,7 @@ def as_float_array(name: str, values: Any) -> Floats:
 
 
 def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
-    """Return the value if it is one of the choices."""
+    """Return `value` if it is one of `choices`; else raise TypeError or ValueError."""
     expected = f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}"
     if not isinstance(value, str):
         raise TypeError(expected)

@@ -1,4 +1,4 @@
-"""Files read and written safely."""
+"""Reading TOML and writing files so that nothing is overwritten or left half written."""
 
 import os
 import tomllib
@@ -10,14 +10,14 @@ from uuid import uuid4
 
 
 def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]:
-    """Copy files into a folder, all of them or, if one is there already, none."""
+    """Copy files into a folder: all of them, or none if one of them exists there."""
     folder = as_folder(folder)
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"{folder} is a file, not a folder: give another name")
     copies = {folder / file.name: file for file in files}
-    there = [copy.name for copy in copies if os.path.lexists(copy)]
-    if there:
-        raise FileExistsError(f"{folder} has {', '.join(there)} already: nothing was written")
+    existing = [copy.name for copy in copies if os.path.lexists(copy)]
+    if existing:
+        raise FileExistsError(f"{folder} has {', '.join(existing)} already: nothing was written")
     folder.mkdir(parents=True, exist_ok=True)
     for copy, file in copies.items():
         with open(copy, "xb") as output:
@@ -26,7 +26,7 @@ def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]
 
 
 def as_folder(folder: str | PathLike[str]) -> Path:
-    """Return a folder's path; a TypeError for what is none."""
+    """Return `folder` as a Path; raise TypeError if it is not path-like."""
     if not isinstance(folder, (str, PathLike)):
         raise TypeError(f"folder must be a path, got {folder!r}")
     return Path(folder)
@@ -45,27 +45,27 @@ def read_toml(path: str | PathLike[str]) -> dict[str, Any]:
     FileNotFoundError
         If there is no such file.
     ValueError
-        If it is not TOML; the message names it.
+        If it is not TOML; the message names the file.
     """
     content = Path(path).read_bytes()
     try:
         return tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
-        raise ValueError(f"{path} is not a TOML file: it is no text") from error
+        raise ValueError(f"{path} is not a TOML file: it is not UTF-8 text") from error
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path} is not a TOML file: {error}") from error
 
 
 def write_whole(file: Path, content: bytes) -> None:
-    """Write a file so that whoever reads it gets the old or the new content, never a part."""
-    aside = aside_of(file)
+    """Write a file atomically: a concurrent reader gets the old or the new content, never a part."""
+    temporary = temporary_path(file)
     try:
-        aside.write_bytes(content)
-        aside.replace(file)
+        temporary.write_bytes(content)
+        temporary.replace(file)
     finally:
-        aside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
-def aside_of(file: Path) -> Path:
-    """Return a name beside a file that nobody has, for what is to take its place; same ending."""
+def temporary_path(file: Path) -> Path:
+    """Return an unused hidden path beside a file, with the same suffix: renamed to it later."""
     return file.with_name(f".{file.stem}.{uuid4().hex}{file.suffix}")

@@ -1,4 +1,4 @@
-"""What is public, and the name that it is known by. The face of each room calls it."""
+"""Sets the public module path of exported names; the `__init__` of each room calls it."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import Any
 
 
 def present(namespace: dict[str, Any]) -> None:
-    """Let what a module offers in ``__all__`` say that it is of this module.
+    """Set ``__module__`` of the names in a module's ``__all__`` to that module.
 
-    So `help`, reprs, tracebacks and pickles name the public place, such as ``robsim.Trace``, and
-    not the file that it happens to be written in.
+    So `help`, reprs, tracebacks and pickles show the public path, such as ``robsim.Trace``, and
+    not the private file that defines it.
 
     Parameters
     ----------

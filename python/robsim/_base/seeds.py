@@ -1,4 +1,4 @@
-"""One seed per run, independent named streams."""
+"""Random seeds: one per run, split into independent named streams for `Simulation`."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ def seed_sequence(seed: Seed) -> np.random.SeedSequence:
     Parameters
     ----------
     seed : int, SeedSequence, Generator or None
-        From a Generator a new seed is drawn; None = unpredictable.
+        A Generator is asked for a new seed; None = entropy of the operating system.
 
     Raises
     ------
     TypeError, ValueError
-        For anything else, and for negative numbers.
+        If `seed` has another type, or is negative.
     """
     if isinstance(seed, np.random.SeedSequence):
         return seed
@@ -39,18 +39,18 @@ def seed_sequence(seed: Seed) -> np.random.SeedSequence:
 
 
 def stream(seed: np.random.SeedSequence, name: str) -> np.random.SeedSequence:
-    """Return the seed of a named stream; asking twice gives the same."""
+    """Return the seed of a named stream, always the same for the same `seed` and `name`."""
     key = (*seed.spawn_key, STREAMS.index(name))
     return np.random.SeedSequence(seed.entropy, spawn_key=key)
 
 
 def stream_number(seed: np.random.SeedSequence, name: str) -> int:
-    """Return a named stream as the number that seeds the core."""
+    """Return a named stream as the 64-bit number that seeds the C++ core."""
     return int(stream(seed, name).generate_state(1, np.uint64)[0])
 
 
 def seed_record(seed: np.random.SeedSequence) -> dict[str, Any]:
-    """Return what a trace stores of the seed: ``SeedSequence(**record)`` gives it back."""
+    """Return the seed as a trace stores it; ``SeedSequence(**record)`` restores it."""
     entropy = seed.entropy
     if isinstance(entropy, (int, np.integer)):
         return {"entropy": int(entropy), "spawn_key": list(map(int, seed.spawn_key))}

@@ -1,11 +1,11 @@
-"""Files that ship with robsim."""
+"""Paths of the data files that ship with robsim: assets and notebooks."""
 
 from os import PathLike
 from pathlib import Path
 
 from robsim._base.files import copy_files
 
-#: Folder of the shipped pictures, robot definitions and colours.
+#: Folder of the shipped images, robot definitions and colours.
 ASSETS = Path(__file__).parents[1] / "assets"
 
 #: Folder of the shipped notebooks.
@@ -18,7 +18,7 @@ def copy_notebooks(folder: str | PathLike[str]) -> list[Path]:
     Parameters
     ----------
     folder : path
-        The folder; it is made if needed.
+        The folder; it is created if needed.
 
     Returns
     -------
@@ -28,7 +28,7 @@ def copy_notebooks(folder: str | PathLike[str]) -> list[Path]:
     Raises
     ------
     FileExistsError
-        If one of them is there already; then nothing is written.
+        If one of them exists there; then nothing is written.
     NotADirectoryError
         If `folder` is a file.
     """

@@ -1,4 +1,4 @@
-"""A line of the user's own code: file, number, text. The doctor points to it."""
+"""A line of the user's own code (file, number, text), which check reports point to."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from types import FrameType
 from typing import Any
 
 _PACKAGE = str(Path(__file__).parent.parent)
-# Standard library and site-packages: nobody's exercise.
+# Standard library and site-packages: not the code under test.
 _INSTALLED = tuple({sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib")})
 
 
 @dataclass(frozen=True)
 class SourceLine:
-    """A line of the code that is checked.
+    """A line of the code under test.
 
     Attributes
     ----------
     file : str
-        Path of the file, as Python calls it.
+        Path of the file, as in a traceback.
     number : int
         Number of the line, from 1.
     function : str
-        Name of the function that it is in.
+        Name of the function that contains it.
     """
 
     file: str
@@ -47,14 +47,14 @@ class SourceLine:
 
 
 def line_of_error(error: BaseException) -> SourceLine | None:
-    """Return the innermost line of the user's code in a traceback, if there is one."""
+    """Return the innermost line of the user's code in a traceback, or None."""
     frames = traceback.walk_tb(error.__traceback__)
     lines = [SourceLine(f.f_code.co_filename, n, f.f_code.co_name) for f, n in frames]
     return next((line for line in reversed(lines) if _is_users(line.file)), None)
 
 
 def line_of_frame(frame: FrameType | None) -> SourceLine | None:
-    """Return the user's line that a call came from, if there is one."""
+    """Return the innermost line of the user's code on the stack of a frame, or None."""
     while frame is not None:
         code = frame.f_code
         if _is_users(code.co_filename):
@@ -64,7 +64,7 @@ def line_of_frame(frame: FrameType | None) -> SourceLine | None:
 
 
 def line_of_callable(function: Any) -> SourceLine | None:
-    """Return where a function, a method or a callable object is defined, if Python knows."""
+    """Return where a function, method or callable object is defined; None if it is compiled."""
     while isinstance(function, functools.partial):
         function = function.func
     if isinstance(function, type):

@@ -34,16 +34,16 @@ _INSIDE = 0.8  # least share of a region that lies in the marker
 
 _SMOOTHING = "Window against noise in px: 3, 5, ... 15; 1 = off."
 
-Images = Annotated[list[Path], typer.Argument(help="Pictures.", show_default=False)]
+Images = Annotated[list[Path], typer.Argument(help="Images.", show_default=False)]
 
 
 @app.command(
-    help="Write a picture of the simulated robot, to train and test colours on.\n\n"
+    help="Write an image of the simulated robot, to train and test colours on.\n\n"
     "Says where its markers are.",
     epilog="Example: robsim colors frame frame.png",
 )
 def frame(
-    file: Annotated[Path, typer.Argument(help="The picture.")] = Path("frame.png"),
+    file: Annotated[Path, typer.Argument(help="The image.")] = Path("frame.png"),
     robot: Robot = None,
     at: Annotated[
         str | None,
@@ -55,7 +55,7 @@ def frame(
     noise: Noise = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of the noise.")] = None,
 ) -> None:
-    """Write a picture of the simulated robot."""
+    """Write an image of the simulated robot."""
     with errors.report_errors():
         x, y = parse_point("--at", at) or (600.0, 600.0)
         start = x, y, float(np.deg2rad(heading))
@@ -67,7 +67,7 @@ def frame(
             adjust_background=lambda background: background,  # no red square beside the marker
             seed=seed,
         )
-        _write_picture(file, simulation.frame.image)
+        _write_image(file, simulation.frame.image)
     print(f"drawn in {file}: the robot {simulation.robot.name}")
     for name in ("red", "blue"):
         print(f"  {name:<4} marker: {_marker_region(simulation, name, start)}")
@@ -90,9 +90,9 @@ def show(
 
 
 @app.command(
-    help="Find the ranges of a colour in pictures of it.\n\n"
+    help="Find the ranges of a colour in images of it.\n\n"
     "Prints them as the lines of a colour file; --to writes them into one, beside its other "
-    "colours. Of several pictures, each needs a region. Image viewers show where pixels are.",
+    "colours. Of several images, each needs a region. Image viewers show where pixels are.",
     epilog="Example: robsim colors train frame.png --region 578,613,594,630 --name red "
     "--to colors.toml",
 )
@@ -120,7 +120,7 @@ def train(
         Path | None, typer.Option("--figure", help="File for the histograms, such as red.png.")
     ] = None,
 ) -> None:
-    """Find the ranges of a colour in pictures of it."""
+    """Find the ranges of a colour in images of it."""
     with errors.report_errors():
         boxes = [parse_region("--region", text) for text in regions]
         histograms, others = _histograms(images, boxes)
@@ -137,8 +137,8 @@ def train(
 
 @app.command(
     "test",
-    help="Look for colours in pictures.\n\n"
-    "With --region, how robustly a colour is found in one picture in other light and in noise, "
+    help="Look for colours in images.\n\n"
+    "With --region, how robustly a colour is found in one image in other light and in noise, "
     "and by how much wider ranges would do better.",
     epilog="Example: robsim colors test frame.png --colors colors.toml --out seen.png "
     "--region red=578,613,594,630",
@@ -159,13 +159,13 @@ def try_colors(
         Path | None,
         typer.Option(
             "--out",
-            help="Picture that paints which pixel belongs to which colour; a folder for those of "
+            help="Image that paints which pixel belongs to which colour; a folder for those of "
             "several.",
         ),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Look for colours in pictures."""
+    """Look for colours in images."""
     with errors.report_errors():
         classes = load_colors(colors)
         places = _places(images, classes, regions or [])
@@ -194,21 +194,21 @@ def _marker_region(simulation: Simulation, name: str, start: tuple[float, float,
     height, width = simulation.frame.image.shape[:2]
     is_inside = mask(polygon, width, height)[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
     if not is_inside.size or is_inside.mean() < _INSIDE:
-        return "see the picture"
+        return "see the image"
     return f"--region {left},{top},{right},{bottom}"
 
 
 def _histograms(images: list[Path], regions: list[Region]) -> tuple[Any, Any]:
-    """Return the sum of the regions' histograms, and that of the whole pictures."""
+    """Return the sum of the regions' histograms, and that of the whole images."""
     if len(images) > 1 and len(images) != len(regions):
         raise ValueError(
-            f"--region must be given once for each of the {len(images)} pictures, in their "
+            f"--region must be given once for each of the {len(images)} images, in their "
             f"order, got {len(regions)}"
         )
-    pictures = [load_image(image) for image in images]
-    shown = pictures if len(pictures) > 1 else pictures * len(regions)
+    loaded = [load_image(image) for image in images]
+    shown = loaded if len(loaded) > 1 else loaded * len(regions)
     inside = sum(color_histograms(p, r) for p, r in zip(shown, regions, strict=True))
-    whole = sum(color_histograms(p, (0, 0, p.shape[1] - 1, p.shape[0] - 1)) for p in pictures)
+    whole = sum(color_histograms(p, (0, 0, p.shape[1] - 1, p.shape[0] - 1)) for p in loaded)
     return inside, whole
 
 
@@ -234,12 +234,12 @@ def _places(
             )
         places.setdefault(name, []).append(parse_region("--region", box))
     if places and len(images) > 1:
-        raise ValueError(f"--region goes with one picture, got {len(images)}")
+        raise ValueError(f"--region goes with one image, got {len(images)}")
     return places
 
 
 def _painted_files(images: list[Path], out: Path | None) -> dict[Path, Path]:
-    """Return the picture to paint for each image."""
+    """Return the image to paint for each image."""
     if out is None:
         return {}
     if len(images) == 1:
@@ -247,7 +247,7 @@ def _painted_files(images: list[Path], out: Path | None) -> dict[Path, Path]:
     else:
         files = {image: out / f"{image.stem}.png" for image in images}
     if len(set(files.values())) < len(images):
-        raise ValueError("--out: the pictures must have different names")
+        raise ValueError("--out: the images must have different names")
     for image in images:
         if image.resolve() in [file.resolve() for file in files.values()]:
             raise ValueError(f"--out {out} would overwrite {image}: give another name")
@@ -257,12 +257,12 @@ def _painted_files(images: list[Path], out: Path | None) -> dict[Path, Path]:
 def _found(
     image: Path, classes: tuple[ColorClass, ...], smoothing: int, painted: Path | None
 ) -> dict[str, Any]:
-    """Return the blobs of each colour in a picture, and how many pixels have the colour."""
+    """Return the blobs of each colour in an image, and how many pixels have the colour."""
     pixels = load_image(image)
     blobs = find_blobs(pixels, classes, smoothing=smoothing)
     masks = classify(pixels, classes, smoothing=smoothing)
     if painted:
-        _write_picture(painted, paint_classes(pixels, masks))
+        _write_image(painted, paint_classes(pixels, masks))
     return {
         name: {
             "pixels": int(masks[name].sum()),
@@ -299,7 +299,7 @@ def _print_test(
         for image, colors in found.items()
         for name, seen in colors.items()
     ]
-    _print_table(("picture", "colour", "pixels", "blobs", "largest", "at"), rows)
+    _print_table(("image", "colour", "pixels", "blobs", "largest", "at"), rows)
     for score in scores:
         print(score)
         if score.margin:
@@ -331,6 +331,6 @@ def _print_table(titles: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> No
     Console().print(table)
 
 
-def _write_picture(file: Path, pixels: Pixels) -> None:
+def _write_image(file: Path, pixels: Pixels) -> None:
     file.parent.mkdir(parents=True, exist_ok=True)
     save_image(file, pixels)

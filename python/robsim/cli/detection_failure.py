@@ -28,7 +28,7 @@ def explain_no_detection(trace: Trace, markers: MarkerLayout) -> str | None:
     red, blue = trace.blobs["red"], trace.blobs["blue"]
     for name, places in (("red", red), ("blue", blue)):
         if not np.isfinite(places).any():
-            return f"no {name} blob was seen: look at the picture, and at the colours"
+            return f"no {name} blob was seen: look at the image, and at the colours"
     # distance of every red blob from every blue one, (N, 2, 2)
     apart = np.linalg.norm(red[:, :, np.newaxis] - blue[:, np.newaxis], axis=-1)
     if not np.isfinite(apart).any():

@@ -20,7 +20,7 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
     help=HELP
-    + "\n\nA robot is a picture from above, its outline, a red and a blue marker, a size and "
+    + "\n\nA robot is an image from above, its outline, a red and a blue marker, a size and "
     "an alignment. Some ship with robsim; your own live in your user folder, or in $ROBSIM_DATA.",
     epilog="Start with: robsim robots list",
 )
@@ -98,7 +98,7 @@ def show(
 
 @app.command(
     help="Add a robot to your own ones.\n\n"
-    "From a picture, what is not given is found in it. From another robot, all that is not given "
+    "From an image, what is not given is found in it. From another robot, all that is not given "
     "is taken over. Look at it with [bold]robsim robots show[/], turn it with "
     "[bold]robsim robots rotate[/].",
     epilog="Example: robsim robots add mine photo.png --size 120",
@@ -107,11 +107,11 @@ def add(
     name: Name,
     source: Annotated[
         str,
-        typer.Argument(help="A picture, a robot, or a folder with one.", show_default=False),
+        typer.Argument(help="An image, a robot, or a folder with one.", show_default=False),
     ],
     size: Annotated[
         float | None,
-        typer.Option(help="Work-area px that the picture's width stands for.", show_default="120"),
+        typer.Option(help="Work-area px that the image's width stands for.", show_default="120"),
     ] = None,
     alignment: Annotated[
         float | None,
@@ -120,7 +120,7 @@ def add(
     centre: Annotated[
         str | None,
         typer.Option(
-            help="Centre in the picture, as '240,250': px right,down.",
+            help="Centre in the image, as '240,250': px right,down.",
             show_default="that of the outline",
         ),
     ] = None,
@@ -176,7 +176,7 @@ def rotate(
     name: Name,
     degrees: Annotated[float, typer.Argument(help="How far, clockwise; negative: anticlockwise.")],
 ) -> None:
-    """Turn the picture of one of your robots until it faces right."""
+    """Turn the image of one of your robots until it faces right."""
     from robsim.robots import rotate_robot
 
     with errors.report_errors():
@@ -239,9 +239,9 @@ def _described(robot: RobotDefinition) -> str:
     side = "behind" if markers.offset >= 0 else "ahead of"
     offset = f"{abs(markers.offset):.1f} px {side} the centre"
     return (
-        f"{robot.name}: picture of {width} x {height} px, {robot.size:g} px wide on the work area\n"
+        f"{robot.name}: image of {width} x {height} px, {robot.size:g} px wide on the work area\n"
         f"  alignment  {_alignment(robot)}\n"
-        f"  centre     at ({right:.1f}, {down:.1f}) of the picture\n"
+        f"  centre     at ({right:.1f}, {down:.1f}) of the image\n"
         f"  outline    reaches {robot.radius:.1f} px from the centre\n"
         f"  markers    {markers.distance:.1f} px apart, {offset}\n"
         f"  areas      red {markers.red_area:.0f}, blue {markers.blue_area:.0f} px of the work area"

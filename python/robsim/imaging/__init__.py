@@ -1,4 +1,4 @@
-"""Images and frames: files, videos, recordings, clips."""
+"""Images and frames: image files, camera noise, plane maps, videos, recordings, clips."""
 
 from robsim._base.public import present as _present
 from robsim._core import Frame, PlaneMap

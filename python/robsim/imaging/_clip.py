@@ -1,4 +1,4 @@
-"""A clip for a notebook."""
+"""Short animations of frames for notebooks; `robsim.play` returns one."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from robsim._core import Frame
 from robsim.imaging._frames import check_same_size, frame_pixels, frame_size
 from robsim.imaging._images import Pixels, resized
 
-WIDEST = 16383  # what WebP can hold (px)
-QUALITY = 75  # of WebP, 0..100: 100 noisy frames of 480 px take 1 MB
-EFFORT = 2  # of WebP, 0..6: more takes seconds and saves little
+MAXIMUM_WIDTH = 16383  # px, a limit of WebP
+QUALITY = 75  # of WebP, 0..100: 100 noisy frames, 480 px wide, take 1 MB
+EFFORT = 2  # of WebP, 0..6: more takes seconds longer and saves little
 
 
 class Clip:
-    """Frames that play in a notebook, also in a saved one.
+    """Frames as an animation that plays in a notebook, also in a saved one.
 
     Parameters
     ----------
@@ -31,12 +31,13 @@ class Clip:
     fps : float
         Frames per second, within 0.1..60.
     width : int
-        Width of the clip (px), within 1..16383. Narrower frames stay as they are.
+        Width of the clip (px), within 1..16383. Narrower frames are not enlarged.
 
     Raises
     ------
     TypeError, ValueError
-        If there are no frames, one is of another kind or size, or `fps` or `width` does not fit.
+        If there are no frames, one has the wrong type or shape or another size than the first, or
+        `fps` or `width` is out of range.
 
     Examples
     --------
@@ -45,13 +46,13 @@ class Clip:
 
     def __init__(self, frames: Iterable[Frame | Pixels], *, fps: float, width: int = 480) -> None:
         milliseconds = round(1000 / check_float("fps", fps, "1/s", minimum=0.1, maximum=60))
-        width = check_int("width", width, minimum=1, maximum=WIDEST)
-        pictures = list(_reduced(frames, width))
-        if not pictures:
+        width = check_int("width", width, minimum=1, maximum=MAXIMUM_WIDTH)
+        images = list(_reduced(frames, width))
+        if not images:
             raise ValueError("frames: a clip needs at least one, got none")
-        self._count = len(pictures)
-        self._size = pictures[0].size
-        self._webp = _animation("WEBP", pictures, milliseconds)
+        self._count = len(images)
+        self._size = images[0].size
+        self._webp = _animation("WEBP", images, milliseconds)
         self._milliseconds = milliseconds
 
     def save(self, path: str | PathLike[str]) -> None:
@@ -60,25 +61,25 @@ class Clip:
         Parameters
         ----------
         path : path
-            A name that ends in ``.webp`` or ``.gif``; a GIF is larger and has fewer colours.
+            File name that ends in ``.webp`` or ``.gif``; a GIF is larger and has fewer colours.
 
         Raises
         ------
         ValueError
-            For another ending.
+            If `path` has another suffix.
         """
-        ending = Path(path).suffix.lower()
-        if ending not in (".webp", ".gif"):
+        suffix = Path(path).suffix.lower()
+        if suffix not in (".webp", ".gif"):
             raise ValueError(f"{path}: the name of a clip must end in .webp or .gif")
-        data = self._webp if ending == ".webp" else self._gif()
+        data = self._webp if suffix == ".webp" else self._gif()
         Path(path).write_bytes(data)
 
     def _gif(self) -> bytes:
         with Image.open(io.BytesIO(self._webp)) as clip:
             shown = [(p.convert("RGB"), p.info["duration"]) for p in ImageSequence.Iterator(clip)]
-        # What comes twice is one frame of WebP, of twice the time.
-        pictures, times = zip(*shown, strict=True)
-        return _animation("GIF", list(pictures), list(times))
+        # WebP merges equal consecutive frames into one of the total duration.
+        images, durations = zip(*shown, strict=True)
+        return _animation("GIF", list(images), list(durations))
 
     def _repr_html_(self) -> str:
         width, height = self._size
@@ -104,19 +105,19 @@ def _reduced(frames: Iterable[Frame | Pixels], width: int) -> Iterator[Image.Ima
         size = frame_size(pixels)
         first = first or size
         check_same_size(f"frame {index}", size, first)
-        share = min(1.0, width / size[0])
+        scale = min(1.0, width / size[0])
         yield Image.fromarray(
-            resized(pixels, round(share * size[0]), max(1, round(share * size[1])))
+            resized(pixels, round(scale * size[0]), max(1, round(scale * size[1])))
         )
 
 
-def _animation(kind: str, pictures: list[Image.Image], milliseconds: int | list[int]) -> bytes:
+def _animation(kind: str, images: list[Image.Image], milliseconds: int | list[int]) -> bytes:
     buffer = io.BytesIO()
-    pictures[0].save(
+    images[0].save(
         buffer,
         format=kind,
         save_all=True,
-        append_images=pictures[1:],
+        append_images=images[1:],
         duration=milliseconds,
         loop=0,
         quality=QUALITY,

@@ -1,4 +1,4 @@
-"""Checks of frames and their rate."""
+"""Type, shape and size checks of frames, for videos, clips and recordings."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from robsim.imaging._images import Pixels
 
 
 def frame_pixels(frame: Frame | Pixels) -> Pixels:
-    """Return the pixels of a frame, or an array after a look at its kind."""
+    """Return the pixels of a Frame, or an image array after a check of its type and shape."""
     pixels = frame.image if isinstance(frame, Frame) else frame
     if not isinstance(pixels, np.ndarray):
         raise TypeError(f"frames must be Frames or arrays, got {frame!r}")
@@ -26,9 +26,8 @@ def frame_size(pixels: Pixels) -> tuple[int, int]:
 
 
 def check_same_size(name: str, size: tuple[int, int], first: tuple[int, int]) -> None:
-    """Refuse a frame that has another size than the first one."""
+    """Raise ValueError if a frame has another size than the first one."""
     if size != first:
         raise ValueError(
-            f"{name} is {size[0]} x {size[1]} px large, the frames before it "
-            f"{first[0]} x {first[1]} px"
+            f"{name} is {size[0]} x {size[1]} px, the frames before it {first[0]} x {first[1]} px"
         )

@@ -1,4 +1,4 @@
-"""Pictures in and out: files, PNG bytes, sizes."""
+"""Reading, writing and resizing RGB and RGBA images with Pillow."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from PIL import Image, ImageOps, UnidentifiedImageError
 
 Pixels = NDArray[np.uint8]
 
-_WHITE = 65535  # of a picture with 16 bits a pixel
+_WHITE = 65535  # of an image with 16 bits per pixel
 
-# What Pillow says of a small file that claims to be a huge picture.
+# Raised by Pillow for a file that would decompress to a huge image.
 _BOMBS = (Image.DecompressionBombError, Image.DecompressionBombWarning)
 
 
 def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
-    """Read an image file, turned as its camera says.
+    """Read an image file, rotated as its EXIF orientation says.
 
     Parameters
     ----------
@@ -39,34 +39,36 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     FileNotFoundError
         If there is no such file.
     ValueError
-        If the file is not a picture, or a damaged or a huge one.
+        If the file is not an image, is damaged, or is too large.
     """
     with Path(path).open("rb") as file, warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
         try:
-            with Image.open(file) as picture:
-                upright = ImageOps.exif_transpose(picture)
+            with Image.open(file) as image:
+                upright = ImageOps.exif_transpose(image)
                 return np.array(_eight_bits(upright).convert(mode))
         except UnidentifiedImageError as error:
-            raise ValueError(f"{path} is not a picture of a kind that Pillow reads") from error
+            raise ValueError(f"{path} is not in an image format that Pillow reads") from error
         except _BOMBS as error:
             raise ValueError(f"{path} has too many pixels: {error}") from error
-        except Exception as error:  # Pillow's readers raise what they like
-            raise ValueError(f"{path} cannot be read as a picture: {error}") from error
+        except Exception as error:  # Pillow's decoders raise many types
+            raise ValueError(f"{path} cannot be read as an image: {error}") from error
 
 
-def _eight_bits(picture: Image.Image) -> Image.Image:
-    """Return a picture with 8 bits a channel; Pillow would cut off what is over 255."""
-    if picture.mode == "F":
-        raise ValueError("its pixels are fractions, save it with 8 or 16 bits")
-    if not picture.mode.startswith("I"):
-        return picture
-    pixels = np.clip(np.asarray(picture, dtype=np.int64), 0, _WHITE)
+def _eight_bits(image: Image.Image) -> Image.Image:
+    """Return an image with 8 bits per channel; Pillow itself would clip 16-bit values at 255."""
+    if image.mode == "F":
+        raise ValueError(
+            "its pixels are floating-point numbers, save it with 8 or 16 bits per channel"
+        )
+    if not image.mode.startswith("I"):
+        return image
+    pixels = np.clip(np.asarray(image, dtype=np.int64), 0, _WHITE)
     return Image.fromarray((pixels * 255 // _WHITE).astype(np.uint8))
 
 
 def save_image(path: str | PathLike[str], pixels: Pixels) -> None:
-    """Write an image file; the ending of the name says which kind.
+    """Write an image file in the format that its suffix names.
 
     Parameters
     ----------
@@ -74,19 +76,26 @@ def save_image(path: str | PathLike[str], pixels: Pixels) -> None:
         The file to write, such as ``frame.png``.
     pixels : array (H, W, 3) of uint8
         RGB.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    ValueError
+        If the suffix names no known format.
     """
     Image.fromarray(pixels).save(path)
 
 
 def png_bytes(pixels: Pixels) -> bytes:
-    """Return the pixels (H, W, 3) as the bytes of a PNG file."""
+    """Return an image (H, W, 3) encoded as PNG."""
     buffer = io.BytesIO()
     Image.fromarray(pixels).save(buffer, format="PNG", compress_level=1)
     return buffer.getvalue()
 
 
 def resized(pixels: Pixels, width: int, height: int) -> Pixels:
-    """Return a picture in another size: averaged when smaller, interpolated when larger.
+    """Return an image in another size: box-averaged when smaller, bicubic when larger.
 
     Parameters
     ----------

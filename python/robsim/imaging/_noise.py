@@ -1,4 +1,4 @@
-"""Noise of a camera, as a value: for `Simulation(noise=...)`, or to be added to any image."""
+"""Camera noise as a value, for `Simulation(noise=...)` or to be added to any image."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robsim.imaging._images import Pixels
 
 @dataclass(frozen=True)
 class _Noise:
-    """What both kinds of noise have in common."""
+    """Base of both noise types: level, kind, and the addition to an image."""
 
     percent: float
 
@@ -24,7 +24,7 @@ class _Noise:
 
     @property
     def _native(self) -> VisualNoise:
-        """The core's own noise of this kind and level."""
+        """The C++ core's noise of this kind and level."""
         return native_noise(self._kind, float(self.percent))
 
     def add(self, image: Pixels, seed: int, index: int = 0, *, out: Pixels | None = None) -> Pixels:
@@ -35,9 +35,9 @@ class _Noise:
         image : array (H, W, 3) of uint8
             RGB.
         seed : int
-            Stream of random numbers, 0 <= seed < 2**64.
+            Seed of the random numbers, 0 <= seed < 2**64.
         index : int
-            Number of the frame: each has noise of its own.
+            Number of the frame: each frame has independent noise.
         out : array (H, W, 3) of uint8, optional
             Where to write the result; it may be `image` itself. Default: a new array.
 
@@ -49,8 +49,8 @@ class _Noise:
         Raises
         ------
         TypeError, ValueError
-            If an image has the wrong type or shape, or `out` is read-only or shares only a part
-            of the memory of `image`.
+            If an image has the wrong type or shape, or `out` is read-only or overlaps the memory
+            of `image` only in part.
         """
         return self._native.add(image, seed, index, out=out)
 
@@ -62,7 +62,7 @@ class GaussianNoise(_Noise):
     Parameters
     ----------
     percent : float
-        Level p in % of the range: the standard deviation is 2.55 p.
+        Level p in % of the range 0..255: the standard deviation is 2.55 p grey levels.
 
     Raises
     ------
@@ -84,7 +84,7 @@ class UniformNoise(_Noise):
     Parameters
     ----------
     percent : float
-        Level p in % of the range: the noise lies within +-2.55 p.
+        Level p in % of the range 0..255: the noise lies within +-2.55 p grey levels.
 
     Raises
     ------
@@ -103,17 +103,17 @@ Noise = GaussianNoise | UniformNoise
 
 
 def as_native_noise(noise: Noise | None) -> VisualNoise:
-    """Return the core's noise for a value; None = no noise.
+    """Return the C++ core's noise for a noise option; None = no noise.
 
     Parameters
     ----------
     noise : GaussianNoise, UniformNoise or None
-        The value of an option ``noise``.
+        The value of the option ``noise``.
 
     Raises
     ------
     TypeError
-        If it is something else.
+        If `noise` has another type.
     """
     if noise is None:
         return native_noise("none", 0.0)
@@ -127,5 +127,5 @@ def as_native_noise(noise: Noise | None) -> VisualNoise:
 
 @functools.lru_cache(maxsize=16)
 def native_noise(kind: str, percent: float) -> VisualNoise:
-    """Return the core's noise, whose tables are made once."""
+    """Return the C++ core's noise; its tables are computed once per kind and level."""
     return VisualNoise(kind, percent)

@@ -1,4 +1,4 @@
-"""OpenCV, if installed, without chatter."""
+"""Optional import of OpenCV, with its console output silenced."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ def load_opencv(purpose: str) -> Any:
     Parameters
     ----------
     purpose : str
-        What needs it, as the start of a sentence: ``"reading a video"``.
+        What needs it, as the start of the error message: ``"reading a video"``.
 
     Raises
     ------
     ImportError
-        If it is not installed; the sentence says how to install it.
+        If it is not installed; the message says how to install it.
     """
     try:
         return importlib.import_module("cv2")
@@ -33,23 +33,23 @@ def load_opencv(purpose: str) -> Any:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Drop what OpenCV and FFmpeg print meanwhile.
+    """Discard what OpenCV and FFmpeg print inside the context.
 
     They write to the stderr of the process. Their log levels do not cover everything, and would
     stay changed for other code that uses OpenCV.
     """
-    with _lock:  # two threads at once would restore each other's silence
-        kept = _stderr_copy()
-        if kept is None:
+    with _lock:  # two threads at once would restore each other's redirection
+        saved = _stderr_copy()
+        if saved is None:
             yield
             return
         try:
-            with open(os.devnull, "wb") as nowhere:
-                os.dup2(nowhere.fileno(), 2)
+            with open(os.devnull, "wb") as sink:
+                os.dup2(sink.fileno(), 2)
             yield
         finally:
-            os.dup2(kept, 2)
-            os.close(kept)
+            os.dup2(saved, 2)
+            os.close(saved)
 
 
 def _stderr_copy() -> int | None:

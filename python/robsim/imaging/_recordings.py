@@ -1,4 +1,4 @@
-"""Frames from a recording."""
+"""Recorded frames from a video file or a folder of images, for `Simulation(frames=...)`."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ from robsim.imaging._frames import check_same_size, frame_size
 from robsim.imaging._images import Pixels, load_image
 from robsim.imaging._opencv import load_opencv, quiet
 
-_WHOLE = 0.95  # share of the frames; some files only estimate their number
-HIGHEST_RATE = 1000.0  # files that do not know their rate often say this one, or more (1/s)
+_COMPLETE = 0.95  # fraction of the frames; some files only estimate their number
+MAXIMUM_RATE = 1000.0  # 1/s; files with an unknown frame rate often claim this or more
 
-# Pillow knows these by name, but reads no picture from them.
-_NO_PICTURES = {"BUFR", "GRIB", "HDF5", "MPEG"}
+# Formats that Pillow registers but cannot decode.
+_UNREADABLE_FORMATS = {"BUFR", "GRIB", "HDF5", "MPEG"}
 
 
 class Recording:
-    """A video file or a folder of images, as frames; it can be gone through again and again.
+    """A video file or a folder of images, as an iterable of frames; each iteration restarts.
 
     Parameters
     ----------
     source : path
-        A video file, or a folder of images of any kind that Pillow reads: in the order of their
-        names, frame2 before frame10. Other files in it are ignored.
+        A video file, or a folder of images in any format that Pillow reads, taken in natural order
+        of their names (frame2 before frame10). Other files in the folder are ignored.
     plane_map : PlaneMap, optional
-        Pixels of the frames to work area. Default: the frames show the whole area, and nothing
-        else, from straight above.
+        Map from frame pixels to the work area. Default: the frames show exactly the whole area,
+        seen vertically from above.
     area : tuple of int, optional
-        Width and height of the work area (px). Default: what the frames show; without a plane map
-        this is their size.
+        Width and height of the work area (px). Default: the extent that the frames show; without a
+        plane map, the size of the frames.
     dt : float, optional
         Time between two frames (s). Default: that of the video file, 0.2 s for a folder.
 
@@ -49,15 +49,15 @@ class Recording:
     source : pathlib.Path
         The file or folder.
     plane_map : PlaneMap
-        Pixels of the frames to work area.
+        Map from frame pixels to the work area.
     area : tuple of int
         Width and height of the work area (px).
     dt : float
-        Time between two frames (s): frame k is of the time k dt.
+        Time between two frames (s): frame k has the time k dt.
     size : tuple of int
         Width and height of the frames (px).
     count : int or None
-        Number of frames. A video file may be wrong about it, or not know it.
+        Number of frames, as the file claims; None = unknown.
 
     Raises
     ------
@@ -67,13 +67,13 @@ class Recording:
         If it is a video, and OpenCV is not installed.
     ValueError
         If the file is not a video, has no frames or no plausible frame rate, if the folder has no
-        images, if `dt` or `area` is not positive. While going through the frames: if one is
-        damaged, or of another size than the first.
+        images, if `dt` or `area` is not positive. During iteration: if a frame is damaged, or its
+        size differs from that of the first.
 
     Warns
     -----
     UserWarning
-        If a video ends early, cut off or damaged.
+        If a video ends early because it is truncated or damaged.
 
     Examples
     --------
@@ -123,14 +123,14 @@ class Recording:
 
 
 class _Folder:
-    """The images of a folder."""
+    """Frame reader for the images of a folder."""
 
     def __init__(self, folder: Path) -> None:
-        endings = _picture_endings()
+        suffixes = _image_suffixes()
         files = [
             file
             for file in folder.iterdir()
-            if file.suffix.lower() in endings and file.is_file() and not file.name.startswith(".")
+            if file.suffix.lower() in suffixes and file.is_file() and not file.name.startswith(".")
         ]
         if not files:
             raise ValueError(f"there are no images in the folder {folder}")
@@ -147,9 +147,13 @@ class _Folder:
             yield str(file), load_image(file)
 
 
-def _picture_endings() -> set[str]:
+def _image_suffixes() -> set[str]:
     readable = Image.registered_extensions().items()
-    return {ending for ending, kind in readable if kind in Image.OPEN and kind not in _NO_PICTURES}
+    return {
+        suffix
+        for suffix, kind in readable
+        if kind in Image.OPEN and kind not in _UNREADABLE_FORMATS
+    }
 
 
 def _natural_order(file: Path) -> tuple[list[str | int], str]:
@@ -158,7 +162,7 @@ def _natural_order(file: Path) -> tuple[list[str | int], str]:
 
 
 class _Video:
-    """A video file."""
+    """Frame reader for a video file, by OpenCV."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
@@ -170,9 +174,9 @@ class _Video:
             capture.release()
 
     def dt(self) -> float:
-        if not 0 < self.rate < HIGHEST_RATE:  # NaN is neither
+        if not 0 < self.rate < MAXIMUM_RATE:  # False for NaN, too
             raise ValueError(
-                f"{self.file} has the frame rate {self.rate:g} per second, which can't be: "
+                f"{self.file} has the frame rate {self.rate:g} per second, which is implausible: "
                 "give dt, the time between two frames in s"
             )
         return 1 / self.rate
@@ -193,18 +197,18 @@ class _Video:
             with quiet():
                 capture.release()
         known = self.count()
-        if known is not None and index < _WHOLE * known:
+        if known is not None and index < _COMPLETE * known:
             warnings.warn(
-                f"{self.file} ends after {index} of {known} frames: it is cut off or damaged",
+                f"{self.file} ends after {index} of {known} frames: it is truncated or damaged",
                 stacklevel=4,
             )
 
     def _open(self) -> Any:
-        # More threads are no faster, and print what they have against a file at any time.
+        # More threads are no faster, and print their warnings at any time.
         one_thread = [self.cv2.CAP_PROP_N_THREADS, 1]
         capture = self.cv2.VideoCapture(str(self.file), self.cv2.CAP_FFMPEG, one_thread)
         if not capture.isOpened():
-            raise ValueError(f"{self.file} is not a video, or it is damaged or cut off")
+            raise ValueError(f"{self.file} is not a video, or it is damaged or truncated")
         return capture
 
     def _next(self, capture: Any) -> Pixels | None:
@@ -217,15 +221,16 @@ class _Video:
 
 
 def _area_seen(plane_map: PlaneMap, size: tuple[int, int]) -> tuple[int, int]:
-    """Return how far the frames show the work area to the right and down (px)."""
+    """Return the width and height of the work area that the frames show (px)."""
     right, bottom = size[0] - 0.5, size[1] - 0.5
     corners = np.array([(-0.5, -0.5), (right, -0.5), (right, bottom), (-0.5, bottom)])
-    distance = plane_map.matrix[2, :2] @ corners.T + plane_map.matrix[2, 2]
-    farthest = plane_map.to_world(corners).max(axis=0) + 0.5
-    if np.ptp(np.sign(distance)) or farthest.min() < 1:
+    # The third homogeneous coordinate changes its sign at the horizon.
+    scale = plane_map.matrix[2, :2] @ corners.T + plane_map.matrix[2, 2]
+    extent = plane_map.to_world(corners).max(axis=0) + 0.5
+    if np.ptp(np.sign(scale)) or extent.min() < 1:
         raise ValueError(
             "area: with this plane map the frames do not show how large the area is, "
             "give its width and height in px"
         )
-    width, height = np.rint(farthest).astype(int).tolist()
+    width, height = np.rint(extent).astype(int).tolist()
     return width, height

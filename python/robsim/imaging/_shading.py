@@ -1,4 +1,4 @@
-"""Light and shadow."""
+"""The shadow over a part of the floor as a lookup table, for the scene and the colour checks."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from robsim.imaging._images import Pixels
 #: Brightness in the shadow over the rightmost third of the view.
 SHADOW = 0.8
 
-# Each of the 256 values of a channel as it looks in the shadow, and back in the light.
+# Each of the 256 channel values: from light to shadow, and from shadow to light.
 _DARKENED = bytes(round(value * SHADOW) for value in range(256))
 _LIGHTENED = bytes(min(round(value / SHADOW), 255) for value in range(256))
 
 
 def darkened(pixels: Pixels) -> Pixels:
-    """Return lit pixels as they look in the shadow."""
+    """Return pixels of the light as they are in the shadow."""
     return _looked_up(_DARKENED, pixels)
 
 
 def lightened(pixels: Pixels) -> Pixels:
-    """Return pixels in the shadow as they look in the light."""
+    """Return pixels of the shadow as they are in the light."""
     return _looked_up(_LIGHTENED, pixels)
 
 

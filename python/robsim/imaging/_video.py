@@ -1,4 +1,4 @@
-"""Frames into a video file."""
+"""Writing frames to video files with OpenCV."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import check_float
-from robsim._base.files import aside_of
+from robsim._base.files import temporary_path
 from robsim._core import Frame
 from robsim.imaging._frames import check_same_size, frame_pixels, frame_size
 from robsim.imaging._images import Pixels
 from robsim.imaging._opencv import load_opencv, quiet
 
-#: Four letters of the codec for each ending of a file's name.
+#: FourCC code of the codec for each file suffix.
 CODECS = {".mp4": "mp4v", ".webm": "VP80", ".mkv": "FFV1", ".avi": "FFV1"}
 LOSSLESS = "FFV1"
 
@@ -27,13 +27,13 @@ LOSSLESS = "FFV1"
 class VideoWriter:
     """A video file that is written frame by frame, for a ``with`` statement.
 
-    The ending of its name says which kind. ``.mkv`` and ``.avi`` keep every pixel as it is: take
-    them to measure in (about 0.6 MB for a frame of 1200 x 1200 px). ``.mp4`` and ``.webm`` are much
-    smaller, to look at; browsers play ``.webm``. They blur the edges of the markers by a fraction
-    of a pixel, which moves a pose by about 0.2 px and 0.3 degrees.
+    The suffix of the file name selects the codec. ``.mkv`` and ``.avi`` are lossless: use them for
+    measurements (about 0.6 MB for a frame of 1200 x 1200 px). ``.mp4`` and ``.webm`` are much
+    smaller, for viewing; browsers play ``.webm``. They blur the edges of the markers by a fraction
+    of a pixel, which shifts a pose by about 0.2 px and 0.3 degrees.
 
-    The file gets its name when it is complete: at the end, also if an exception brings the end
-    early. What was written up to then plays.
+    The file gets its name when it is complete: when the ``with`` block ends, also by an exception.
+    The frames written before an exception can be played.
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ class VideoWriter:
     ImportError
         If OpenCV is not installed.
     OSError
-        If the file can't be written.
+        If the file cannot be written.
     TypeError, ValueError
-        If the ending is not known or `fps` does not fit; at the end, if there were no frames.
+        If the suffix is unknown or `fps` is out of range; at the end, if there were no frames.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class VideoWriter:
         if not self.path.absolute().parent.is_dir():
             raise FileNotFoundError(f"{self.path}: there is no folder {self.path.parent}")
         self._cv2 = load_opencv("writing a video")
-        self._part = aside_of(self.path)
+        self._part = temporary_path(self.path)
         self._size = (0, 0)
         self._writer: Any = None
         self._is_closed = False
@@ -86,8 +86,8 @@ class VideoWriter:
         Raises
         ------
         TypeError, ValueError
-            If it is no such array, has another size than the frames before, or has an odd size
-            and the file is a lossless one.
+            If it has the wrong type or shape, has another size than the frames before, or has an
+            odd width or height and the codec is lossless.
         """
         if self._is_closed:
             raise ValueError(f"{self.path} is complete: open another VideoWriter")
@@ -103,7 +103,7 @@ class VideoWriter:
         self.count += 1
 
     def close(self) -> None:
-        """End the file and give it its name."""
+        """Finish the file and give it its name."""
         self._is_closed = True
         if self._writer is None:
             return
@@ -111,12 +111,14 @@ class VideoWriter:
             self._writer.release()
             self._writer = None
             video = self._cv2.VideoCapture(str(self._part), self._cv2.CAP_FFMPEG)
-            # OpenCV says nothing of a full disk, and the header may promise what is not there.
-            there = sum(1 for _ in iter(video.grab, False))
+            # OpenCV does not report a full disk, and the header may claim more frames than there are.
+            written = sum(1 for _ in iter(video.grab, False))
             video.release()
-        if there != self.count:
+        if written != self.count:
             self._part.unlink(missing_ok=True)
-            raise OSError(f"{self.path} could not be written: a full disk, or too small frames")
+            raise OSError(
+                f"{self.path} could not be written: the disk is full, or the frames are too small"
+            )
         os.replace(self._part, self.path)
 
     def _open(self, size: tuple[int, int]) -> Any:
@@ -127,7 +129,7 @@ class VideoWriter:
             )
         if not writer.isOpened():
             self._part.unlink(missing_ok=True)
-            raise OSError(f"{self.path} can't be written with frames of {size[0]} x {size[1]} px")
+            raise OSError(f"{self.path} cannot be written with frames of {size[0]} x {size[1]} px")
         return writer
 
     def __enter__(self) -> VideoWriter:
@@ -145,14 +147,14 @@ class VideoWriter:
 
 
 def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, fps: float) -> None:
-    """Write frames into a video file.
+    """Write frames to a video file.
 
-    If the frames end with an exception, the file has those before it, and the exception goes on.
+    If the iterable raises, the file contains the frames before, and the exception propagates.
 
     Parameters
     ----------
     path : path
-        The file to write; for what the endings mean see `VideoWriter`.
+        The file to write; for the suffixes see `VideoWriter`.
     frames : iterable of Frame or array (H, W, 3) of uint8
         The frames, all of one size.
     fps : float
@@ -173,17 +175,17 @@ def _codec(path: Path) -> str:
         return CODECS[path.suffix.lower()]
     except KeyError:
         known = ", ".join(CODECS)
-        raise ValueError(f"{path}: the name of a video must end in one of {known}") from None
+        raise ValueError(f"{path}: the name of a video must end in {known}") from None
 
 
 def _even(pixels: Pixels, codec: str) -> Pixels:
-    """Return the pixels with an even width and height, which is what OpenCV writes."""
+    """Return the pixels with an even width and height, which the codecs need."""
     height, width = pixels.shape[:2]
     if height % 2 == 0 and width % 2 == 0:
         return pixels
     if codec == LOSSLESS:
         raise ValueError(
             f"frames of {width} x {height} px do not fit into a lossless video: width and height "
-            "must be even; take .mp4 or .webm, or cut off a row or column"
+            "must be even; use .mp4 or .webm, or crop a row or column"
         )
     return np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")

@@ -4,7 +4,7 @@ from robsim._base.public import present as _present
 from robsim.robots._default_robot import default_robot, reset_default_robot
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._files import save_robot
-from robsim.robots._finding import robot_from_picture
+from robsim.robots._finding import robot_from_image
 from robsim.robots._lookup import load_robot, robot_names, set_default_robot
 from robsim.robots._marker_check import check_colors
 from robsim.robots._user_robots import add_robot, remove_robot, rotate_robot
@@ -17,7 +17,7 @@ __all__ = [
     "load_robot",
     "remove_robot",
     "reset_default_robot",
-    "robot_from_picture",
+    "robot_from_image",
     "robot_names",
     "rotate_robot",
     "save_robot",

@@ -1,4 +1,4 @@
-"""The robot definition: picture, outline, markers."""
+"""The robot definition: image, outline, markers."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ class RobotDefinition:
     name : str
         Name of the robot.
     image : array (h, w, 4) of uint8
-        Picture of the robot, RGBA.
+        Image of the robot, RGBA.
     size : float
-        Work-area px that the width of the picture stands for.
+        Work-area px that the width of the image stands for.
     alignment : float
-        Degrees clockwise that turn the picture so that the robot faces right.
+        Degrees clockwise that turn the image so that the robot faces right.
     outline, red, blue : array (N, 2)
-        Polygons of the robot and of its markers in picture pixels: right, down from the centre of
+        Polygons of the robot and of its markers in image pixels: right, down from the centre of
         the top left pixel.
     centre : array (2,), optional
-        The robot's centre in picture pixels. Default: the centre of the picture.
+        The robot's centre in image pixels. Default: the centre of the image.
     maximum_blobs : int
         The markers looks at so many of the largest blobs of a colour.
 
@@ -90,16 +90,16 @@ class RobotDefinition:
 
     @property
     def unit(self) -> float:
-        """Work-area px that a pixel of the picture stands for."""
+        """Work-area px that a pixel of the image stands for."""
         return float(self.size / self.image.shape[1])
 
     def to_robot_frame(self, points: ArrayLike) -> Floats:
-        """Return places of the picture in the robot's frame.
+        """Return places of the image in the robot's frame.
 
         Parameters
         ----------
         points : array (N, 2)
-            Picture pixels: right, down.
+            Image pixels: right, down.
 
         Returns
         -------
@@ -110,7 +110,7 @@ class RobotDefinition:
         places = numbers("points", points, (-1, 2))
         right, down = ((places - self.centre) * self.unit).T
         cos, sin = np.cos(np.deg2rad(self.alignment)), np.sin(np.deg2rad(self.alignment))
-        # a turn of the picture by `alignment`, clockwise
+        # a turn of the image by `alignment`, clockwise
         return np.column_stack((cos * right - sin * down, sin * right + cos * down))
 
     @property

@@ -1,4 +1,4 @@
-"""Robot definitions in files: robot.toml and its picture."""
+"""Robot definitions in files: robot.toml and its image."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from robsim._base.files import read_toml, write_whole
 from robsim.imaging._images import load_image
 from robsim.robots._definition import RobotDefinition
 
-#: The file that makes a folder a robot, and the picture beside it.
+#: The file that makes a folder a robot, and the image beside it.
 TOML = "robot.toml"
-PICTURE = "robot.png"
+IMAGE = "robot.png"
 
 _KEYS = {"name", "image", "size", "alignment", "outline", "red", "blue"}
 _OPTIONAL = {"centre", "maximum_blobs"}
@@ -27,11 +27,11 @@ _TEXT = """\
 # `robsim robots show FOLDER` says what is wrong with it, and draws it.
 
 name = {name}
-image = "{picture}"   # beside this file; surroundings transparent
-size = {size}   # work-area px that the picture's width stands for
-alignment = {alignment}   # degrees clockwise that turn the picture so that the robot faces right
+image = "{image}"   # beside this file; surroundings transparent
+size = {size}   # work-area px that the image's width stands for
+alignment = {alignment}   # degrees clockwise that turn the image so that the robot faces right
 
-# Points are [right, down] in picture pixels; the centre of the top left pixel is (0, 0).
+# Points are [right, down] in image pixels; the centre of the top left pixel is (0, 0).
 # The point around which the robot turns:
 centre = {centre}
 
@@ -65,22 +65,22 @@ def read_robot(folder: Path) -> RobotDefinition:
 
 
 def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
-    """Write a robot definition: a ``robot.toml`` with comments, and its picture ``robot.png``.
+    """Write a robot definition: a ``robot.toml`` with comments, and its image ``robot.png``.
 
     Parameters
     ----------
     folder : path
         Is made if there is none. Files of these names in it are replaced, others are left alone.
     robot : RobotDefinition
-        The robot. Points are rounded to 0.01 px of the picture.
+        The robot. Points are rounded to 0.01 px of the image.
     """
     if not isinstance(robot, RobotDefinition):
         raise TypeError(f"robot must be a RobotDefinition, got {robot!r}")
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    picture = io.BytesIO()
-    Image.fromarray(robot.image).save(picture, format="PNG")
-    write_whole(folder / PICTURE, picture.getvalue())
+    image = io.BytesIO()
+    Image.fromarray(robot.image).save(image, format="PNG")
+    write_whole(folder / IMAGE, image.getvalue())
     write_whole(folder / TOML, _as_text(robot).encode())
 
 
@@ -106,7 +106,7 @@ def _as_text(definition: RobotDefinition) -> str:
     assert definition.centre is not None
     return _TEXT.format(
         name=tomlkit.string(definition.name).as_string(),
-        picture=PICTURE,
+        image=IMAGE,
         size=float(definition.size),
         alignment=float(definition.alignment),
         centre=_point(definition.centre),

@@ -1,4 +1,4 @@
-"""A robot definition out of a plain picture."""
+"""A robot definition out of a plain image."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from robsim.robots._polygon_checks import numbers
 from robsim.robots._polygons import area_and_centroid, fitted
 from robsim.vision._color_files import as_colors
 
-LONGEST = 1000  # px, larger pictures are scaled down
+LONGEST = 1000  # px, larger images are scaled down
 _SIZE = 120.0
 _OPAQUE = 127
 _CORNERS = 36
 _POINTS = 200_000  # about as many stand for a blob when its shape is measured
 
 
-def robot_from_picture(
+def robot_from_image(
     name: str,
     image: Pixels,
     *,
@@ -38,7 +38,7 @@ def robot_from_picture(
     blue: ArrayLike | None = None,
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
 ) -> RobotDefinition:
-    """Make a robot definition from a picture; what is not given is found in it.
+    """Make a robot definition from an image; what is not given is found in it.
 
     Parameters
     ----------
@@ -47,16 +47,16 @@ def robot_from_picture(
     image : array (h, w, 4) of uint8
         RGBA. If its longer side has more than 1000 px, it is scaled down, the points with it.
     size : float, optional
-        Work-area px that the width of the picture stands for. Default: 120.
+        Work-area px that the width of the image stands for. Default: 120.
     alignment : float, optional
-        Degrees clockwise that turn the picture so that the robot faces right. Default: 0.
+        Degrees clockwise that turn the image so that the robot faces right. Default: 0.
     centre : array (2,), optional
-        The robot's centre (picture px). Default: the centroid of the outline.
+        The robot's centre (image px). Default: the centroid of the outline.
     outline : array (N, 2), optional
-        Polygon around the robot (picture px). Default: around what is opaque, so the picture's
+        Polygon around the robot (image px). Default: around what is opaque, so the image's
         edge if all of it is.
     red, blue : array (N, 2), optional
-        Polygons around the markers (picture px). Default: around the biggest blob of the colour,
+        Polygons around the markers (image px). Default: around the biggest blob of the colour,
         with its area and its centroid.
     colors : path or iterable of ColorClass, optional
         Colour file or classes to find the markers with. Default: those that ship with robsim.
@@ -91,7 +91,7 @@ def robot_from_picture(
 
 
 def _reduced(image: Pixels) -> tuple[Pixels, Floats]:
-    """Return the picture within the longest side, and the scales (2,) that did it."""
+    """Return the image within the longest side, and the scales (2,) that did it."""
     height, width = image.shape[:2]
     factor = min(1.0, LONGEST / max(height, width))
     small = resized(image, max(1, round(factor * width)), max(1, round(factor * height)))
@@ -103,7 +103,7 @@ def _scaled(name: str, points: ArrayLike, scale: Floats) -> Floats:
 
 
 def reduced(definition: RobotDefinition) -> RobotDefinition:
-    """Return the definition with a picture, and its points, of at most 1000 px a side."""
+    """Return the definition with an image, and its points, of at most 1000 px a side."""
     small, scale = _reduced(definition.image)
     if small is definition.image:
         return definition
@@ -118,7 +118,7 @@ def _opaque_outline(image: Pixels) -> Floats:
     """Return the polygon whose sides touch the opaque pixels from all around."""
     down, right = np.nonzero(image[..., 3] > _OPAQUE)
     if not len(right):
-        raise ValueError("outline: the picture is transparent everywhere, so there is no robot")
+        raise ValueError("outline: the image is transparent everywhere, so there is no robot")
     height, width = image.shape[:2]
     angle = 2 * np.pi * np.arange(_CORNERS) / _CORNERS
     cos, sin = np.cos(angle), np.sin(angle)
@@ -151,7 +151,7 @@ def _marker(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Floats:
     blobs = find_blobs(pixels, found, minimum_area=LEAST_AREA, maximum_count=1)[name]
     if not blobs:
         raise ValueError(
-            f"{name} marker: nothing in the picture has the colour {name} ({ranges(found[0])}): "
+            f"{name} marker: nothing in the image has the colour {name} ({ranges(found[0])}): "
             f"give its polygon ({name}) or other colours"
         )
     return _polygon_around(_pixels_of(blobs[0], pixels, found[0]), blobs[0])

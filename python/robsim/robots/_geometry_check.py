@@ -7,7 +7,7 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim.robots._polygons import area_and_centroid, crossing, depths, samples
 
-_TOLERANCE = 1.0  # picture px
+_TOLERANCE = 1.0  # image px
 _MOST_NAMED = 3  # points in a sentence
 
 
@@ -19,16 +19,16 @@ def geometry_problems(
     Parameters
     ----------
     width, height : int
-        Size of the picture.
+        Size of the image.
     centre : array (2,)
-        The robot's centre (picture px).
+        The robot's centre (image px).
     outline, red, blue : array (N, 2)
-        Polygons (picture px).
+        Polygons (image px).
     """
     polygons = {"outline": outline, "red": red, "blue": blue}
     crossings = [_crossing(name, polygon) for name, polygon in polygons.items()]
     problems = [sentence for sentence in crossings if sentence]
-    problems += _outside_picture(outline, width, height)
+    problems += _outside_image(outline, width, height)
     if problems:
         return problems
     for name, points in {"centre": centre[np.newaxis], "red": red, "blue": blue}.items():
@@ -44,13 +44,13 @@ def _crossing(name: str, polygon: Floats) -> str | None:
     return f"{name} must not cross itself: the side {sides[0]} meets the side {sides[1]}"
 
 
-def _outside_picture(outline: Floats, width: int, height: int) -> list[str]:
+def _outside_image(outline: Floats, width: int, height: int) -> list[str]:
     beyond = np.maximum(-0.5 - outline, outline - (width - 0.5, height - 0.5)).max(axis=1)
     out = beyond > _TOLERANCE
     if not out.any():
         return []
     return [
-        f"outline must lie within the picture of {width} x {height} px: outside is "
+        f"outline must lie within the image of {width} x {height} px: outside is "
         f"{_named(outline[out])}, by up to {beyond.max():.1f} px"
     ]
 

@@ -17,7 +17,7 @@ from robsim.robots._definition import RobotDefinition
 from robsim.robots._polygons import area_and_centroid, mask
 from robsim.vision._color_files import as_colors
 
-#: What stands for the floor behind a picture: neutral grey.
+#: What stands for the floor behind an image: neutral grey.
 GREY = 128
 
 #: The least area of a blob that `find_blobs` returns (px of the frame).
@@ -25,7 +25,7 @@ LEAST_AREA = 12
 
 _LEAST_SHARE = 0.6
 _FARTHEST = 2.0  # work-area px from a blob to its polygon
-_MARGIN = 4  # px around the picture, so that nothing touches its border
+_MARGIN = 4  # px around the image, so that nothing touches its border
 
 
 def check_colors(
@@ -34,7 +34,7 @@ def check_colors(
 ) -> CheckReport:
     """Check whether the camera finds a robot by its markers' colours.
 
-    The picture is looked at in the size that it has on the work area, lit and in the shadow.
+    The image is looked at in the size that it has on the work area, lit and in the shadow.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:
 
 
 def over_grey(image: Pixels) -> Pixels:
-    """Return the RGBA picture as RGB before a grey floor."""
+    """Return the RGBA image as RGB before a grey floor."""
     alpha = image[..., 3:].astype(np.float32) / 255
     mixed = image[..., :3] * alpha + GREY * (1 - alpha)
     return np.rint(mixed).astype(np.uint8)
@@ -85,7 +85,7 @@ def ranges(color: ColorClass) -> str:
 
 
 class _View:
-    """The robot's picture in the camera's size, with a margin."""
+    """The robot's image in the camera's size, with a margin."""
 
     def __init__(self, definition: RobotDefinition) -> None:
         self.definition = definition
@@ -100,7 +100,7 @@ class _View:
         self.pixels = np.pad(over_grey(small), margin, constant_values=GREY)
 
     def to_view(self, polygon: Floats) -> Floats:
-        """Return the polygon of the picture in px of the view."""
+        """Return the polygon of the image in px of the view."""
         places: Floats = (polygon + 0.5) * self.scale - 0.5 + _MARGIN
         return places
 

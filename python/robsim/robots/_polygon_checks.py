@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from robsim._base.checks import Floats
 
 _MOST_POINTS = 1000
-_FARTHEST = 1e6  # picture px, beyond any picture
+_FARTHEST = 1e6  # image px, beyond any image
 
 
 def numbers(name: str, value: Any, shape: tuple[int, ...]) -> Floats:

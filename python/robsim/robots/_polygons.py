@@ -97,7 +97,7 @@ def _turns(a: Floats, b: Floats, points: Floats) -> Floats:
 
 
 def mask(polygon: Floats, width: int, height: int) -> NDArray[np.bool_]:
-    """Return which pixels (height, width) of a picture have their centre in the polygon."""
+    """Return which pixels (height, width) of an image have their centre in the polygon."""
     covered = np.zeros((height, width), dtype=bool)
     a, b = polygon, np.roll(polygon, -1, axis=0)
     top, bottom = np.clip((a[:, 1].min(), a[:, 1].max()), 0, height - 1).astype(int)

@@ -21,7 +21,7 @@ from robsim.imaging._images import Pixels, load_image
 from robsim.robots._default_robot import default_robot, reset_default_robot
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._files import TOML, read_robot, save_robot
-from robsim.robots._finding import reduced, robot_from_picture
+from robsim.robots._finding import reduced, robot_from_image
 from robsim.robots._lookup import (
     find_folder,
     own_folder,
@@ -58,17 +58,17 @@ def add_robot(
     name : str
         Its name: 1 to 40 letters, digits, - and _; upper and lower case are the same.
     source : RobotDefinition, str or path
-        A definition, the name of a robot, a folder with a ``robot.toml``, or a picture. What is
-        not given below is taken from it; from a picture as `robot_from_picture` does.
+        A definition, the name of a robot, a folder with a ``robot.toml``, or an image. What is
+        not given below is taken from it; from an image as `robot_from_image` does.
     size : float, optional
-        Work-area px that the width of the picture stands for. Default for a picture: 120.
+        Work-area px that the width of the image stands for. Default for an image: 120.
     alignment : float, optional
-        Degrees clockwise that turn the picture so that the robot faces right. Default for a
-        picture: 0.
+        Degrees clockwise that turn the image so that the robot faces right. Default for a
+        image: 0.
     centre : array (2,), optional
-        The robot's centre (picture px). Default for a picture: the centroid of the outline.
+        The robot's centre (image px). Default for an image: the centroid of the outline.
     outline, red, blue : array (N, 2), optional
-        Polygons around the robot and its markers (picture px). Default for a picture: what is
+        Polygons around the robot and its markers (image px). Default for an image: what is
         opaque, and the biggest blobs of the colours.
     colors : path or iterable of ColorClass, optional
         What the markers are found and checked with. Default: the colours that ship with robsim.
@@ -80,7 +80,7 @@ def add_robot(
     Returns
     -------
     RobotDefinition
-        The robot as it was stored. Pictures of more than 1000 px a side are scaled down.
+        The robot as it was stored. Images of more than 1000 px a side are scaled down.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def add_robot(
         changed = {key: value for key, value in given.items() if value is not None}
         definition = reduced(replace(known, name=name, **changed))
     else:
-        definition = robot_from_picture(name, known, colors=colors, **given)
+        definition = robot_from_image(name, known, colors=colors, **given)
     problems = [] if ignore_colors else check_colors(definition, colors).sentences
     if problems:
         raise ValueError(
@@ -106,7 +106,7 @@ def add_robot(
 
 
 def rotate_robot(name: str, degrees: float) -> RobotDefinition:
-    """Turn the picture of one of your own robots clockwise, so that it faces the right way.
+    """Turn the image of one of your own robots clockwise, so that it faces the right way.
 
     Parameters
     ----------
@@ -190,10 +190,10 @@ def _own(name: str) -> Path:
 
 
 def _read_source(source: str | PathLike[str]) -> RobotDefinition | Pixels:
-    """Return the robot of a name or a folder, or else the picture of a file."""
+    """Return the robot of a name or a folder, or else the image of a file."""
     if not isinstance(source, (str, PathLike)):
         raise TypeError(
-            "source must be a RobotDefinition, a robot's name, a folder or a picture's file, "
+            "source must be a RobotDefinition, a robot's name, a folder or an image's file, "
             f"got {source!r}"
         )
     folder = find_folder(source) or Path(source)
@@ -204,7 +204,7 @@ def _read_source(source: str | PathLike[str]) -> RobotDefinition | Pixels:
     if not folder.is_file():
         raise ValueError(
             f"source must be a robot's name ({', '.join(robot_names())}), a folder with a {TOML} "
-            f"or a picture's file, got {str(source)!r}"
+            f"or an image's file, got {str(source)!r}"
         )
     return load_image(folder, mode="RGBA")
 

@@ -1,4 +1,4 @@
-"""The scene under the camera: floor, shadow, robot picture."""
+"""The scene under the camera: floor, shadow, robot image."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def as_floor(
     Raises
     ------
     TypeError, ValueError
-        If it is not a picture.
+        If it is not an image.
     """
     if background is None:
         return None
@@ -178,7 +178,7 @@ def _place(callback: Callable[..., object]) -> str:
 
 
 def robot_sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[float, float], float]:
-    """Return the robot's picture at the camera's scale, its centre in it, and its unit.
+    """Return the robot's image at the camera's scale, its centre in it, and its unit.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Pictures of colour classes."""
+"""Images of colour classes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
     Returns
     -------
     array (H, W, 3) of uint8
-        The picture.
+        The image.
 
     Raises
     ------

@@ -93,7 +93,7 @@ class ColorScore:
 
     def __str__(self) -> str:
         how = f"{'widened' if self.margin > 0 else 'narrowed'} by {abs(self.margin)}"
-        lines = [f"{self.color.name}, found in % of the pictures:"]
+        lines = [f"{self.color.name}, found in % of the images:"]
         for sweep in self.sweeps:
             lines.append(_row(f"  {sweep.name} ({_UNITS.get(sweep.name, '%')})", sweep.levels))
             lines.append(_row("    as it is", _percents(sweep.rates)))
@@ -133,10 +133,10 @@ def score_color(
     repeats: int = 5,
     seed: int = 0,
 ) -> ColorScore:
-    """Score how robustly a colour is found in a picture under other light and in noise.
+    """Score how robustly a colour is found in an image under other light and in noise.
 
     It is found if each region has a blob of it, with its centroid there and a third to three times
-    the region's area, and there is no other blob so large. The picture is made darker and
+    the region's area, and there is no other blob so large. The image is made darker and
     brighter, gets a shadow whose edge runs through the first region, and gets noise of the camera,
     in the light and in the shadow.
 
@@ -152,7 +152,7 @@ def score_color(
     smoothing : int
         Window against noise (px), as in `find_blobs`.
     repeats : int
-        How many noisy pictures of a level are looked at.
+        How many noisy images of a level are looked at.
     seed : int
         Of the noise.
 
@@ -175,8 +175,8 @@ def score_color(
     classes = _widenings(color)
     rates = {}  # of the sweep: (level, widening)
     for name, levels in _LEVELS.items():
-        pictures = [_pictures(pixels, boxes[0], name, level, repeats, seed) for level in levels]
-        rates[name] = np.array([_rates(shown, classes, boxes, smoothing) for shown in pictures])
+        images = [_varied_images(pixels, boxes[0], name, level, repeats, seed) for level in levels]
+        rates[name] = np.array([_rates(shown, classes, boxes, smoothing) for shown in images])
     means = np.concatenate(list(rates.values())).mean(axis=0).round(6)
     margins = list(classes)
     # Of several that are best, the smallest change.
@@ -213,10 +213,10 @@ def _widenings(color: ColorClass) -> dict[int, ColorClass]:
     return classes
 
 
-def _pictures(
+def _varied_images(
     image: Pixels, region: Region, sweep: str, level: float, repeats: int, seed: int
 ) -> Iterator[Pixels]:
-    """Yield the picture as it looks at a level of a sweep."""
+    """Yield the image as it looks at a level of a sweep."""
     if sweep == "brightness":
         yield _lit(image, level)
     elif sweep == "shadow":
@@ -239,15 +239,15 @@ def _lit(pixels: Pixels, factor: float) -> Pixels:
 
 
 def _rates(
-    pictures: Iterable[Pixels],
+    images: Iterable[Pixels],
     classes: dict[int, ColorClass],
     regions: Sequence[Region],
     smoothing: int,
 ) -> Floats:
-    """Return in what share of the pictures each of the classes is found."""
+    """Return in what share of the images each of the classes is found."""
     found = [
         [_is_found(shown, color, regions, smoothing) for color in classes.values()]
-        for shown in pictures
+        for shown in images
     ]
     rates: Floats = np.mean(found, axis=0)
     return rates

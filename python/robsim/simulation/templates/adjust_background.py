@@ -1,7 +1,7 @@
 """What lies on the floor.
 
 Called once, at the start. Gets the work area without the robot: an array (H, W, 3) of uint8, RGB,
-one pixel of the picture for one px of the work area. background[0, 0] is the top left corner.
+one pixel of the image for one px of the work area. background[0, 0] is the top left corner.
 Returns it changed, in the same size.
 """
 

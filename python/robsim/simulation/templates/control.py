@@ -7,9 +7,9 @@ Called at every step, last of all. Gets `step`, what the robot may know:
     step.estimate             the same from estimate_state.py: step.estimate.pose, or None
     step.parameters           the parameters of the robot from estimate_parameters.py, or None
     step.last_u               the voltages of the step before: left, right motor (V)
-    step.frame, step.blobs    the camera's picture and the patches of colour in it
+    step.frame, step.blobs    the camera's image and the patches of colour in it
 Returns the voltages of the left and of the right motor (V).
-x goes to the right and y down; the heading counts from +x towards +y, clockwise on the picture.
+x goes to the right and y down; the heading counts from +x towards +y, clockwise on the image.
 """
 
 ENABLED = True  # False: robsim's own default instead of this file

@@ -7,7 +7,7 @@ Called at every step, first of all. Gets `world`:
                                  x, y (px), heading (rad)
     world.last_u                 the voltages of step k-1: left, right motor (V)
 Returns the new pose: x, y (px), heading (rad).
-x goes to the right and y down; the heading counts from +x towards +y, clockwise on the picture.
+x goes to the right and y down; the heading counts from +x towards +y, clockwise on the image.
 """
 
 ENABLED = True  # False: robsim's own default instead of this file

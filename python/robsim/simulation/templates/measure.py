@@ -1,7 +1,7 @@
 """Where the camera sees the robot.
 
 Called at every step, with a new frame. Gets `step`, of which you need:
-    step.frame.image       the picture: an array (H, W, 3) of uint8, RGB, read-only
+    step.frame.image       the image: an array (H, W, 3) of uint8, RGB, read-only
     step.frame.plane_map   pixels to the work area: to_world((u, v)) gives (x, y) in px
     step.blobs             the patches of each colour, the largest first: step.blobs["red"] and
                            step.blobs["blue"] are lists; a blob has .centroid (u, v) and .area,
