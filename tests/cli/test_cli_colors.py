@@ -105,7 +105,7 @@ def test_frame_of_a_robot_whose_markers_are_not_plain():
         (("--robot", "none"), "no robot 'none'"),
         (("--at", "5"), "--at must be one point"),
         (("--at", "-500,0"), "start"),
-        (("--noise", "white"), "--noise must be such as gaussian:10"),
+        (("--noise", "white"), "--noise must be a noise such as gaussian:10"),
         (("--heading", "nan"), "start"),
         (("frame.xyz",), "xyz"),
     ],
@@ -198,9 +198,9 @@ def test_train_on_several_pictures():
         (("a.png", "--region", "-5,0,9,9"), "--region must be left,top,right,bottom"),
         (("a.png", "--region", "0,0,9," + "9" * 5000), "--region must be"),
         (("a.png", "--region", "30,40,49,100"), "within the image of 120 x 100 px, got (30, 40, "),
-        (("a.png", "a.png", "--region", "30,40,49,59"), "once for each of the 2 pictures"),
+        (("a.png", "a.png", "--region", "30,40,49,59"), "once for each of the 2 images"),
         (("none.png", "--region", "30,40,49,59"), "none.png"),
-        (("c.toml", "--region", "30,40,49,59"), "c.toml is not a picture"),
+        (("c.toml", "--region", "30,40,49,59"), "c.toml is not in an image format"),
         (("a.png", "--region", "30,40,49,59", "--margin", "-1"), "margin must lie within 0..255"),
         (("a.png", "--region", "30,40,49,59", "--figure", "h.xyz"), "xyz"),
         (("a.png", "--region", "30,40,49,59", "--to", "bad.toml"), "bad.toml is not a TOML file"),
@@ -262,7 +262,7 @@ def test_test_scores_a_colour():
     score = score_color(load_image("a.png"), weak, [REGION])
     text = done(*arguments)
     assert str(score) in text
-    assert f"better:\n{colors_to_toml(score.proposed)}" in text
+    assert f"proposed:\n{colors_to_toml(score.proposed)}" in text
     result = json.loads(done(*arguments, "--json"))
     assert result["scores"] == [json.loads(json.dumps(score.to_dict()))]
 
@@ -277,9 +277,9 @@ def test_test_scores_a_colour():
         (("a.png", "--region", "green=30,40,49,59"), "--region must begin with one of the colours"),
         (("a.png", "--region", "red=1,2"), "--region must be left,top,right,bottom"),
         (("a.png", "--region", "red=90,90,120,99"), "region must be (left, top, right, bottom) wi"),
-        (("a.png", "a.png", "--region", "red=30,40,49,59"), "--region goes with one picture, got "),
+        (("a.png", "a.png", "--region", "red=30,40,49,59"), "--region goes with one image, got "),
         (("a.png", "--out", "a.png"), "--out a.png would overwrite a.png"),
-        (("a.png", "b/a.png", "--out", "seen"), "the pictures must have different names"),
+        (("a.png", "b/a.png", "--out", "seen"), "the images must have different names"),
         (("a.png", "b/c.png", "--out", "b"), "would overwrite b/c.png"),
         (("a.png", "--out", "seen.xyz"), "xyz"),
     ],

@@ -103,7 +103,7 @@ def test_list_says_what_is_wrong_with_the_choice(user_folder):
     shutil.rmtree(user_folder / "robots/mine")
     result = robots("list")
     assert "in use" not in result.stdout
-    assert "the robot in use, 'mine', is gone; `robsim robots reset`" in result.stderr
+    assert "the default robot, 'mine', no longer exists; `robsim robots reset`" in result.stderr
     (user_folder / "settings.toml").write_text("oops")
     result = robots("list")
     assert list(rows(result.stdout)) == ["robot", "lab", "robot2", "sheep"]
@@ -115,7 +115,7 @@ def test_list_names_a_robot_that_is_hidden(user_folder):
     (user_folder / "robots/mine").rename(user_folder / "robots/sheep")
     result = robots("list")
     assert result.stdout.count("sheep") == 2
-    assert "another robot of this name comes first: rename the folder" in result.stderr
+    assert "another robot of this name takes precedence: rename the folder" in result.stderr
 
 
 def test_the_longest_names_fit_in_80_columns():
@@ -134,10 +134,10 @@ def test_the_longest_names_fit_in_80_columns():
 def test_show():
     text = done("show", "lab")
     assert text.splitlines() == [
-        "lab: picture of 480 x 480 px, 120 px wide on the work area",
+        "lab: image of 480 x 480 px, 120 px wide on the work area",
         "  alignment  90°, faces up",
-        "  centre     at (239.5, 239.5) of the picture",
-        "  outline    reaches 54.6 px from the centre",
+        "  centre     at (239.5, 239.5) of the image",
+        "  outline    up to 54.6 px from the centre",
         "  markers    43.0 px apart, 14.0 px behind the centre",
         "  areas      red 531, blue 531 px of the work area",
         "drawn in robot-lab.png",
@@ -171,7 +171,7 @@ def test_show_of_a_folder_says_what_is_wrong(tmp_path):
     assert result.exit_code == 0
     assert "drawn in robot--a-b.png" in result.stdout
     assert result.stderr.count("error: ") == 2
-    assert "error: red marker: it is too small to be seen" in result.stderr
+    assert "error: red marker: it is too small to be detected" in result.stderr
     file.write_text(text.replace("centre = [239.50", "centre = [1.0"))
     assert "centre must lie inside the outline" in refused("show", tmp_path / "folder")
 
@@ -197,7 +197,7 @@ def test_show_refuses():
 @pytest.mark.usefixtures("photo")
 def test_add_from_a_picture():
     text = done("add", "mine", "photo.png", "--size", "100", "--alignment", "-90")
-    assert text.startswith("mine: picture of 400 x 400 px, 100 px wide on the work area\n")
+    assert text.startswith("mine: image of 400 x 400 px, 100 px wide on the work area\n")
     assert "alignment  -90°, faces down" in text
     assert "`robsim robots use mine`" in text
     robot = load_robot("mine")
@@ -229,15 +229,15 @@ def test_add_from_a_robot():
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("lab", "sheep"), "the robot 'lab' ships with robsim and stays as it is: `robsim robots"),
-        (("lab", "sheep", "--overwrite"), "the robot 'lab' ships with robsim and stays as it is"),
+        (("lab", "sheep"), "the robot 'lab' ships with robsim and cannot be changed: `robsim"),
+        (("lab", "sheep", "--overwrite"), "'lab' ships with robsim and cannot be changed"),
         (("../x", "lab"), "name must be 1 to 40 letters"),
         (("", "lab"), "name must be 1 to 40 letters"),
         (("/etc/x", "lab"), "name must be 1 to 40 letters"),
-        (("con", "lab"), "name must not be one that Windows keeps for a device, got 'con'"),
+        (("con", "lab"), "name must not be one that Windows reserves for a device, got 'con'"),
         (("mine", "none.png"), "source must be a robot's name (lab, robot2, sheep), a folder with"),
-        (("mine", "."), "has no robot.toml, so it is no robot"),
-        (("mine", "text.png"), "text.png is not a picture"),
+        (("mine", "."), "has no robot.toml, so it does not define a robot"),
+        (("mine", "text.png"), "text.png is not in an image format"),
         (("mine", "bomb.png"), "bomb.png has too many pixels"),
         (("mine", "lab", "--size", "0"), "size must lie within 1..10000 (work-area px), got 0.0"),
         (("mine", "lab", "--size", "nan"), "size must lie within"),
@@ -249,16 +249,16 @@ def test_add_from_a_robot():
         (("mine", "lab", "--centre", ""), "--centre must be one point right,down"),
         (("mine", "lab", "--red", ""), "red must be"),
         (("mine", "lab", "--red", "1,2 3,4"), "--red must be at least three points"),
-        (("mine", "lab", "--red", "1,1 3,3 9,9"), "red must be a polygon with an area"),
+        (("mine", "lab", "--red", "1,1 3,3 9,9"), "red must be a polygon of nonzero area"),
         (("mine", "lab", "--red", "nan,1 2,2 3,1"), "red must be finite numbers"),
         (("mine", "lab", "--red", "0,0 9,0 9,9"), "red must lie inside the outline: outside is (0"),
         (("mine", "lab", "--centre", "0,0"), "centre must lie inside the outline"),
-        (("mine", "lab", "--outline", "0,0 400,0 0,400 400,400"), "outline must not cross itself"),
-        (("mine", "lab", "--outline", "0,0 600,0 0,470"), "outline must lie within the picture of"),
+        (("mine", "lab", "--outline", "0,0 400,0 0,400 400,400"), "outline must not intersect"),
+        (("mine", "lab", "--outline", "0,0 600,0 0,470"), "outline must lie within the image of"),
         (("mine", "lab", "--red", "120,260 190,260 150,330"), "red and blue markers must not over"),
         (("mine", "lab", "--red", "230,100 250,100 240,120"), "red marker: 0.0 % of its polygon"),
-        (("mine", "lab", "--size", "12"), "red marker: it is too small to be seen"),
-        (("mine", "grey.png"), "red marker: nothing in the picture has the colour red"),
+        (("mine", "lab", "--size", "12"), "red marker: it is too small to be detected"),
+        (("mine", "grey.png"), "red marker: nothing in the image has the colour red"),
         (("mine", "lab", "--colors", "none.toml"), "none.toml"),
     ],
 )  # fmt: skip
@@ -295,8 +295,7 @@ def test_a_robot_that_steals_a_file(tmp_path):
 def test_colours_can_be_ignored():
     red = "230,100 250,100 240,120"
     assert refused("add", "mine", "lab", "--red", red).endswith(
-        "The colour file can be changed later: ignore_colors=True (--anyway) adds the robot all "
-        "the same"
+        "ignore_colors=True (--anyway) adds the robot anyway; the colour file can be changed later"
     )
     done("add", "mine", "lab", "--red", red, "--anyway")
     assert "mine" in robot_names()
@@ -338,7 +337,7 @@ def test_use_and_remove_refuse(name):
 
 def test_remove_refuses_what_ships():
     for name in ("lab", "robot2", "sheep", "Lab"):
-        assert "ships with robsim and stays as it is" in refused("remove", name)
+        assert "ships with robsim and cannot be changed" in refused("remove", name)
     assert robot_names() == ["lab", "robot2", "sheep"]
 
 
@@ -386,7 +385,7 @@ def test_a_drawn_robot_on_the_whole_way(rng):
     added = program("add", "drawn", "drawn.png", "--size", str(drawn.size))
     assert (added.returncode, added.stderr) == (0, "")
     assert program("use", "drawn").stdout == "in use: drawn\n"
-    assert program("show").stdout.startswith("drawn: picture of 400 x 400 px")
+    assert program("show").stdout.startswith("drawn: image of 400 x 400 px")
     assert Path("robot-drawn.png").is_file()
     failed = program("remove", "lab")
     assert failed.returncode == 2

@@ -26,7 +26,7 @@ def test_a_robot_that_was_seen_needs_no_reason():
 
 
 def test_another_robot():
-    wanted = r"the markers are 43\.0 px apart, but the red and blue blobs seen 7[01]\.\d px "
+    wanted = r"the markers are 43\.0 px apart, but the red and blue blobs detected 7[01]\.\d px "
     assert re.match(wanted, reason(robot="robot2", markers="lab"))
 
 
@@ -34,7 +34,7 @@ def test_another_area():
     frames = [robsim.Simulation(**SMALL).frame.image] * 2
     sim = robsim.Simulation(frames=[robsim.Frame(image) for image in frames], area=(600, 600))
     sim.run()
-    assert "43.0 px apart, but the red and blue blobs seen 21." in explain_no_detection(
+    assert "43.0 px apart, but the red and blue blobs detected 21." in explain_no_detection(
         sim.trace, sim.markers
     )
 
@@ -46,7 +46,7 @@ def test_a_colour_that_nothing_has(name):
         for c in robsim.load_colors()
     ]
     assert reason(colors=colors) == (
-        f"no {name} blob was seen: look at the picture, and at the colours"
+        f"no {name} blob was detected: check the image and the colours"
     )
 
 
@@ -59,7 +59,7 @@ def test_never_in_the_same_frame():
     sim = robsim.Simulation(frames=[robsim.Frame(red), robsim.Frame(blue)])
     sim.run()
     assert explain_no_detection(sim.trace, sim.markers) == (
-        "red and blue blobs were not seen in the same frame"
+        "red and blue blobs were not detected in the same frame"
     )
 
 
@@ -70,6 +70,6 @@ def test_markers_of_another_size():
 
     sim = robsim.Simulation(resolution=(600, 600), measure=measure, seed=1)
     sim.run(2)
-    assert "px apart were seen, as the markers are, but" in explain_no_detection(
+    assert "px apart were detected, as the markers are, but" in explain_no_detection(
         sim.trace, sim.markers
     )

@@ -66,25 +66,30 @@ def test_other_colours(picture):
     assert "red marker: 0.0 %" in problem
     assert "V 240..255" in problem
     (problem,) = check_colors(robot(picture), load_colors()[:1]).sentences
-    assert problem == "blue marker: the colours have no blue, but red"
+    assert problem == "blue marker: there is no colour blue, only red"
 
 
 def test_markers_that_are_too_small(picture):
     red, blue = check_colors(robot(picture, size=15)).sentences
     # 79 picture px, at 15/400 each
-    assert red.startswith("red marker: it is too small to be seen, 8.8 px of the work area, at lea")
+    assert red.startswith(
+        "red marker: it is too small to be detected, 8.8 px of the work area, at lea"
+    )
     assert blue.startswith("blue marker: it is too small")
 
 
 def test_a_polygon_beside_its_blob(picture):
     (problem,) = check_colors(robot(picture, red=RED + np.array((20, 0)))).sentences
-    assert "red marker: the blob seen there has its centroid at (279.5, 279.5)" in problem
-    assert "6.0 px of the work area away" in problem
+    assert "red marker: the blob detected there has its centroid at (279.5, 279.5)" in problem
+    assert "6.0 px of the work area from" in problem
 
 
 def test_a_polygon_larger_or_smaller_than_its_blob(picture):
     (problem,) = check_colors(robot(picture, red=box(257, 257, 302, 302))).sentences
-    assert "red marker: the blob seen there has 576 px of the work area, its polygon 182" in problem
+    assert (
+        "red marker: the blob detected there has 576 px of the work area, its polygon 182"
+        in problem
+    )
     (problem,) = check_colors(robot(picture, red=box(215, 215, 344, 344))).sentences
     assert "red marker: 39.9 % of its polygon has the colour" in problem
 
@@ -93,7 +98,7 @@ def test_a_robot_with_two_such_markers(picture):
     # A second red square, as far from the blue one as the first.
     double = filled(picture, box(80, 80, 159, 159), COLORS["red"])
     (problem,) = check_colors(robot(double)).sentences
-    assert "the markers are seen, but the robot is not found by them" in problem
+    assert "the markers are detected, but the robot is not located by them" in problem
     assert "(1 blue, 2 red)" in problem
 
 

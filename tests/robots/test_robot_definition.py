@@ -408,7 +408,7 @@ def test_a_polygon_that_crosses_itself(name):
     }[name]
     (x, y), (x2, y2) = bow_tie[0], bow_tie[1]
     message = refused(**{name: bow_tie})
-    assert message.startswith(f"{name} must not cross itself: ")
+    assert message.startswith(f"{name} must not intersect itself: ")
     assert f"({x}, {y}) to ({x2}, {y2})" in message
 
 
@@ -447,7 +447,7 @@ def test_what_is_far_away_or_outside(changed, says):
 def test_an_outline_outside_of_the_picture():
     message = refused(outline=[[0, 0], [19, 0], [24.5, 5], [19, 9], [0, 9]])
     assert message == (
-        "outline must lie within the picture of 20 x 10 px: outside is (24.5, 5), by up to 5.0 px"
+        "outline must lie within the image of 20 x 10 px: outside is (24.5, 5), by up to 5.0 px"
     )
     assert definition(outline=[[-1.4, 0], [20.4, 0], [20.4, 10.4], [-1.4, 10.4]]).radius > 0
 

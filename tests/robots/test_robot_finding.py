@@ -167,7 +167,7 @@ def test_a_picture_without_a_marker(name):
 
 
 def test_colours_without_a_marker():
-    with pytest.raises(ValueError, match="blue marker: the colours have no blue"):
+    with pytest.raises(ValueError, match="blue marker: there is no colour blue"):
         robot_from_image("toy", painted(RED, BLUE), colors=[ColorClass("red", v=(164, 255))])
 
 

@@ -181,7 +181,7 @@ def test_names_that_are_taken(name):
 
 @pytest.mark.parametrize("name", [*SHIPPED, "LAB", "Sheep"])
 def test_shipped_robots_stay_as_they_are(user_folder, name):
-    message = rf"ships with robsim and stays as it is: `robsim robots add my-{name.lower()} "
+    message = rf"ships with robsim and cannot be changed: `robsim robots add my-{name.lower()} "
     for attempt in (
         lambda: add_robot(name, "lab"),
         lambda: add_robot(name, "lab", overwrite=True),
@@ -200,8 +200,8 @@ def test_sources_that_are_none(tmp_path):
         ("no such", r"source must be a robot's name \(lab, robot2, sheep\), a folder with a robot"),
         ("", "has no robot.toml"),
         (tmp_path / "none.png", "source must be a robot's name"),
-        (tmp_path / "empty", "has no robot.toml, so it is no robot"),
-        (tmp_path / "text.png", "is not a picture"),
+        (tmp_path / "empty", "has no robot.toml, so it does not define a robot"),
+        (tmp_path / "text.png", "is not in an image format"),
     ):
         with pytest.raises(ValueError, match=message):
             add_robot("mine", source)
@@ -471,7 +471,9 @@ def test_a_chosen_robot_that_is_gone(user_folder):
     set_default_robot("mine")
     shutil.rmtree(user_folder / "robots/mine")
     for attempt in (load_robot, Simulation):
-        with pytest.raises(ValueError, match=r"settings\.toml: the robot in use, 'mine', is gone"):
+        with pytest.raises(
+            ValueError, match=r"settings\.toml: the default robot, 'mine', no longer exists"
+        ):
             attempt()
     assert default_robot() == "mine"
     reset_default_robot()
@@ -483,7 +485,7 @@ def test_a_chosen_robot_that_is_a_path(user_folder, tmp_path):
     save_robot(tmp_path / "elsewhere", load_robot("lab"))
     user_folder.mkdir()
     (user_folder / "settings.toml").write_text(f"robot = '{tmp_path}/elsewhere'")
-    with pytest.raises(ValueError, match="is gone"):
+    with pytest.raises(ValueError, match="no longer exists"):
         load_robot()
 
 

@@ -373,7 +373,7 @@ def test_an_error_in_a_run_shows_the_line_that_ran_even_after_another_edit(mine)
 
 
 def test_a_folder_that_is_not_there(tmp_path):
-    with pytest.raises(FileNotFoundError, match=r"no folder .*nothing: robsim new .* makes one"):
+    with pytest.raises(FileNotFoundError, match=r"no folder .*nothing: robsim new .* creates it"):
         CallbackFolder(tmp_path / "nothing").load()
 
 
@@ -386,7 +386,7 @@ def test_a_folder_without_callbacks(tmp_path):
     (tmp_path / "geometry.py").touch()
     (tmp_path / "mesure.py").touch()
     with pytest.raises(ValueError, match=r"has no callback files: robsim new .* writes them; "
-                       r"did you mean measure\.py by mesure\.py\?"):  # fmt: skip
+                       r"is mesure\.py meant to be measure\.py\?"):  # fmt: skip
         CallbackFolder(tmp_path).load()
 
 
@@ -519,7 +519,7 @@ def test_a_callback_cannot_be_imported(mine, monkeypatch):
     for path in (sys.path, [str(mine), *sys.path]):
         with monkeypatch.context() as patch:
             patch.setattr(sys, "path", path)
-            message = r"control\.py is a callback, which others cannot import"
+            message = r"control\.py is a callback, which other files cannot import"
             with pytest.raises(ModuleNotFoundError, match=message):
                 CallbackFolder(mine).load()
 

@@ -104,7 +104,7 @@ def test_progress_and_no_frames_at_all(run, capsys):
     ("options", "error", "message"),
     [
         ({"frames": 5}, TypeError, "frames must be an iterable of Frame"),
-        ({"frames": [np.zeros((4, 4, 3), np.uint8)]}, TypeError, "frames must give Frame objects"),
+        ({"frames": [np.zeros((4, 4, 3), np.uint8)]}, TypeError, "frames must yield Frame objects"),
         ({"frames": [], "measure": False}, ValueError, "measure must be on"),
         (
             {"frames": [], "estimate_parameters": True},
@@ -170,7 +170,7 @@ def test_a_model_with_another_time_step_than_the_frames_is_refused(run, tmp_path
 
     dt = 0.2
     sim = robsim.Simulation(frames=recording, define_model=define_model)
-    with pytest.raises(ValueError, match=r"model's dt is 0\.2 s, but the frames are 0\.1 s apart"):
+    with pytest.raises(ValueError, match=r"model's dt is 0\.2 s, but that of the frames is 0\.1 s"):
         sim.run()
     dt = 0.1
     sim.reset()
@@ -217,7 +217,7 @@ def test_frames_that_come_only_once_cannot_be_reset(run):
     sim = robsim.Simulation(frames=iter(run[0][:3]))
     sim.reset()
     assert len(sim.run()) == 3
-    with pytest.raises(RuntimeError, match="come only once: give a list or a Recording"):
+    with pytest.raises(RuntimeError, match="can be read only once: give a list or a Recording"):
         sim.reset()
     assert len(sim.trace) == 3
 

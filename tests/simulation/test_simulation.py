@@ -316,7 +316,7 @@ def test_a_stage_can_be_switched_on_between_two_runs():
 def test_once_callbacks_are_refused_after_the_start():
     sim = robsim.Simulation(**SMALL)
     sim.run(1)
-    with pytest.raises(RuntimeError, match=r"define_model comes once.*reset"):
+    with pytest.raises(RuntimeError, match=r"define_model runs only at the start.*reset"):
         sim.define_model = robsim.RobotModel
 
 

@@ -40,5 +40,5 @@ def test_painted_classes():
 
 
 def test_painted_classes_are_those_of_classify():
-    with pytest.raises(TypeError, match="masks must be what classify returns, a dict, got"):
+    with pytest.raises(TypeError, match="masks must be a dict of str to bool arrays, as"):
         paint_classes(np.zeros((4, 4, 3), np.uint8), load_colors())

@@ -137,9 +137,9 @@ def test_as_text():
     score = score_color(scene(REGION), ColorClass("red", v=(170, 255)), [REGION], repeats=1)
     lines = str(score).splitlines()
     assert lines[:3] == [
-        "red, found in % of the pictures:",
+        "red, detection rate in %:",
         "  brightness (factor)              0.4   0.6   0.8     1  1.25   1.6",
-        "    as it is                         0   100   100   100   100   100",
+        "    unchanged                        0   100   100   100   100   100",
     ]
     assert lines[3].split() == ["widened", "by", str(score.margin), *["100"] * 6]
     assert lines[-1].startswith("mean: ")

@@ -1,4 +1,4 @@
-"""The report of a check: what is wrong, where, and how to fix it; all public `check_*` return it."""
+"""The report of a check: what is wrong, where, and how to fix it; every `check_*` returns it."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def read_toml(path: str | PathLike[str]) -> dict[str, Any]:
 
 
 def write_whole(file: Path, content: bytes) -> None:
-    """Write a file atomically: a concurrent reader gets the old or the new content, never a part."""
+    """Write a file atomically: readers get the old or the new content, never a part."""
     temporary = temporary_path(file)
     try:
         temporary.write_bytes(content)

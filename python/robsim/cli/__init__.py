@@ -1,4 +1,4 @@
-"""The command line: the program ``robsim`` and its commands, a file each."""
+"""The command line: the program ``robsim``, with one module per command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command ``robsim bench``."""
+"""The command ``robsim bench``: timings beside OpenCV and numpy."""
 
 from __future__ import annotations
 
@@ -13,14 +13,17 @@ from robsim.cli.shared import Json
 EXAMPLE = "Example: robsim bench"
 HELP = (
     "Measure how fast robsim is on this machine.\n\n"
-    "Beside it, in the same run and on the same frames, what one would take instead: OpenCV and "
-    "numpy. OpenCV must be installed."
+    "The alternatives, OpenCV and numpy, are timed in the same run on the same frames. OpenCV must "
+    "be installed."
 )
 
 
 def bench(
     rounds: Annotated[
-        int, typer.Option("--rounds", min=1, help="How often each is timed; the median counts.")
+        int,
+        typer.Option(
+            "--rounds", min=1, help="Number of timings of each case; the median is reported."
+        ),
     ] = 25,
     as_json: Json = False,
 ) -> None:

@@ -1,4 +1,4 @@
-"""The commands ``robsim colors``."""
+"""The commands ``robsim colors``: show, train and test colour classes, draw a test image."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ from robsim.vision._color_score import ColorScore, Region, score_color
 app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
-    help="Show, train and test the colours that robsim looks for.\n\n"
-    "A colour is a name with ranges of Y (brightness), U and V; a colour file has some of them. "
-    "Most commands take it: --colors FILE.",
+    help="Show, train and test the colour classes that vision detects.\n\n"
+    "A colour class is a name with ranges of Y (brightness), U and V; a colour file contains "
+    "several. Most commands accept one: --colors FILE.",
     epilog="Start with: robsim colors frame",
 )
 
-_INSIDE = 0.8  # least share of a region that lies in the marker
+_MINIMUM_INSIDE = 0.8  # fraction of a region that must lie in the marker
 
-_SMOOTHING = "Window against noise in px: 3, 5, ... 15; 1 = off."
+_SMOOTHING = "Width of the averaging window in px: 3, 5, ... 15; 1 = off."
 
 Images = Annotated[list[Path], typer.Argument(help="Images.", show_default=False)]
 
 
 @app.command(
     help="Write an image of the simulated robot, to train and test colours on.\n\n"
-    "Says where its markers are.",
+    "Prints the regions of its markers.",
     epilog="Example: robsim colors frame frame.png",
 )
 def frame(
@@ -47,10 +47,12 @@ def frame(
     robot: Robot = None,
     at: Annotated[
         str | None,
-        typer.Option("--at", metavar="X,Y", help="Where it stands. Default: in the middle."),
+        typer.Option(
+            "--at", metavar="X,Y", help="Position of the robot in px. Default: the centre."
+        ),
     ] = None,
     heading: Annotated[
-        float, typer.Option("--heading", help="Degrees clockwise from facing right.")
+        float, typer.Option("--heading", help="Heading in degrees, clockwise from facing right.")
     ] = 0.0,
     noise: Noise = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of the noise.")] = None,
@@ -91,8 +93,8 @@ def show(
 
 @app.command(
     help="Find the ranges of a colour in images of it.\n\n"
-    "Prints them as the lines of a colour file; --to writes them into one, beside its other "
-    "colours. Of several images, each needs a region. Image viewers show where pixels are.",
+    "Prints them in the format of a colour file; --to writes them to one and keeps its other "
+    "colours. With several images, each needs a region. Image viewers show pixel positions.",
     epilog="Example: robsim colors train frame.png --region 578,613,594,630 --name red "
     "--to colors.toml",
 )
@@ -108,13 +110,14 @@ def train(
     ],
     name: Annotated[str, typer.Option("--name", help="Name of the colour: red, blue, ...")],
     to: Annotated[
-        Path | None, typer.Option("--to", help="Colour file to write to; made if there is none.")
+        Path | None, typer.Option("--to", help="Colour file to write to; created if needed.")
     ] = None,
     margin: Annotated[
-        int, typer.Option("--margin", help="What widens the ranges found, in levels.")
+        int, typer.Option("--margin", help="Widening of the ranges found, in levels.")
     ] = 52,
     limit_y: Annotated[
-        bool, typer.Option("--limit-y", help="Limit the brightness, too: for black and white.")
+        bool,
+        typer.Option("--limit-y", help="Limit the brightness Y, too; needed for black and white."),
     ] = False,
     figure: Annotated[
         Path | None, typer.Option("--figure", help="File for the histograms, such as red.png.")
@@ -138,8 +141,8 @@ def train(
 @app.command(
     "test",
     help="Look for colours in images.\n\n"
-    "With --region, how robustly a colour is found in one image in other light and in noise, "
-    "and by how much wider ranges would do better.",
+    "With --region, scores how robustly a colour is detected in one image when the light changes "
+    "and noise is added, and proposes wider or narrower ranges.",
     epilog="Example: robsim colors test frame.png --colors colors.toml --out seen.png "
     "--region red=578,613,594,630",
 )
@@ -152,15 +155,15 @@ def try_colors(
         typer.Option(
             "--region",
             metavar="NAME=L,T,R,B",
-            help="Where the colour NAME is, and nowhere else. Can be repeated.",
+            help="Region of the colour NAME; all its regions must be given. Can be repeated.",
         ),
     ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
             "--out",
-            help="Image that paints which pixel belongs to which colour; a folder for those of "
-            "several.",
+            help="Image file that shows which pixel belongs to which colour; a folder if several "
+            "images are given.",
         ),
     ] = None,
     as_json: Json = False,
@@ -168,38 +171,38 @@ def try_colors(
     """Look for colours in images."""
     with errors.report_errors():
         classes = load_colors(colors)
-        places = _places(images, classes, regions or [])
+        marked = _marked_regions(images, classes, regions or [])
         painted = _painted_files(images, out)
         found = {
             str(image): _found(image, classes, smoothing, painted.get(image)) for image in images
         }
-        scores = [_score(images[0], color, places, smoothing) for color in classes]
+        scores = [_score(images[0], color, marked, smoothing) for color in classes]
     _print_test(found, [score for score in scores if score], as_json=as_json)
     if out and not as_json:
         print(f"painted in {out}")
 
 
 def _marker_region(simulation: Simulation, name: str, start: tuple[float, float, float]) -> str:
-    """Return where a marker is in the frame, as an option, or in words."""
+    """Return the region of a marker in the frame as a command-line option, or a hint."""
     robot, (x, y, heading) = simulation.robot, start
     sine, cosine = np.sin(heading), np.cos(heading)
-    # forward and right of the robot are (cos, sin) and (-sin, cos) in the frame
+    # In the frame, forward is (cos, sin) and right is (-sin, cos).
     turn = np.array(((cosine, sine), (-sine, cosine)))
     polygon = robot.to_robot_frame(getattr(robot, name)) @ turn + (x, y)
     area, centroid = area_and_centroid(polygon)
-    # So far the middle of a square reaches in any direction, and farther in a disc.
-    reach = 0.35 * np.sqrt(area)
-    left, top = np.rint(centroid - reach).astype(int)
-    right, bottom = np.rint(centroid + reach).astype(int)
+    # 70 % of the width of a square marker, so that the region lies inside a round one, too.
+    half_width = 0.35 * np.sqrt(area)
+    left, top = np.rint(centroid - half_width).astype(int)
+    right, bottom = np.rint(centroid + half_width).astype(int)
     height, width = simulation.frame.image.shape[:2]
     is_inside = mask(polygon, width, height)[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
-    if not is_inside.size or is_inside.mean() < _INSIDE:
+    if not is_inside.size or is_inside.mean() < _MINIMUM_INSIDE:
         return "see the image"
     return f"--region {left},{top},{right},{bottom}"
 
 
 def _histograms(images: list[Path], regions: list[Region]) -> tuple[Any, Any]:
-    """Return the sum of the regions' histograms, and that of the whole images."""
+    """Return the summed histograms of the regions, and those of the whole images."""
     if len(images) > 1 and len(images) != len(regions):
         raise ValueError(
             f"--region must be given once for each of the {len(images)} images, in their "
@@ -219,12 +222,12 @@ def _write_histograms(file: Path, histograms: Any, color: ColorClass, others: An
     plot_color_histograms(histograms, color, others=others).savefig(file)
 
 
-def _places(
+def _marked_regions(
     images: list[Path], classes: tuple[ColorClass, ...], texts: list[str]
 ) -> dict[str, list[Region]]:
     """Return the regions of each colour from texts such as red=578,613,594,630."""
     names = [color.name for color in classes]
-    places: dict[str, list[Region]] = {}
+    marked: dict[str, list[Region]] = {}
     for text in texts:
         name, equals, box = text.rpartition("=")
         if not equals or name not in names:
@@ -232,14 +235,14 @@ def _places(
                 f"--region must begin with one of the colours, {', '.join(names)}, such as "
                 f"{names[0]}=578,613,594,630, got {text!r}"
             )
-        places.setdefault(name, []).append(parse_region("--region", box))
-    if places and len(images) > 1:
+        marked.setdefault(name, []).append(parse_region("--region", box))
+    if marked and len(images) > 1:
         raise ValueError(f"--region goes with one image, got {len(images)}")
-    return places
+    return marked
 
 
 def _painted_files(images: list[Path], out: Path | None) -> dict[Path, Path]:
-    """Return the image to paint for each image."""
+    """Return the file to paint for each image file."""
     if out is None:
         return {}
     if len(images) == 1:
@@ -257,7 +260,7 @@ def _painted_files(images: list[Path], out: Path | None) -> dict[Path, Path]:
 def _found(
     image: Path, classes: tuple[ColorClass, ...], smoothing: int, painted: Path | None
 ) -> dict[str, Any]:
-    """Return the blobs of each colour in an image, and how many pixels have the colour."""
+    """Return the blobs and the number of pixels of each colour in an image."""
     pixels = load_image(image)
     blobs = find_blobs(pixels, classes, smoothing=smoothing)
     masks = classify(pixels, classes, smoothing=smoothing)
@@ -280,11 +283,11 @@ def _found(
 
 
 def _score(
-    image: Path, color: ColorClass, places: dict[str, list[Region]], smoothing: int
+    image: Path, color: ColorClass, marked: dict[str, list[Region]], smoothing: int
 ) -> ColorScore | None:
-    if color.name not in places:
+    if color.name not in marked:
         return None
-    return score_color(load_image(image), color, places[color.name], smoothing=smoothing)
+    return score_color(load_image(image), color, marked[color.name], smoothing=smoothing)
 
 
 def _print_test(
@@ -303,7 +306,7 @@ def _print_test(
     for score in scores:
         print(score)
         if score.margin:
-            print(f"\nbetter:\n{colors_to_toml(score.proposed)}")
+            print(f"\nproposed:\n{colors_to_toml(score.proposed)}")
 
 
 def _largest(blobs: list[dict[str, Any]]) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""The command ``robsim demo``."""
+"""The command ``robsim demo``: a complete run with figures, to begin with."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from robsim.cli.shared import Json
 
 EXAMPLE = "Example: robsim demo"
 HELP = (
-    "Drive a robot, track it by camera and find its parameters.\n\n"
+    "Drive a robot, track it by camera and estimate its parameters.\n\n"
     "The robot spins, then drives around in an unlimited area. Vision tracks it, recursive least "
-    "squares estimate its parameters on the way, a batch estimate follows at the end. Figures and "
-    "the trace go to a folder."
+    "squares estimates its parameters online, a batch estimate follows at the end. Figures and the "
+    "trace are written to a folder."
 )
 
 
@@ -25,12 +25,12 @@ def demo(
         Path, typer.Option("--out", help="Folder for the figures and the trace.")
     ] = Path("robsim-demo"),
     steps: Annotated[
-        int, typer.Option("--steps", help="Steps of the run; in the first 200 the robot spins.")
+        int, typer.Option("--steps", help="Number of steps; in the first 200 the robot spins.")
     ] = 1000,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the run.")] = 2008,
     as_json: Json = False,
 ) -> None:
-    """Drive a robot, track it by camera and find its parameters."""
+    """Drive a robot, track it by camera and estimate its parameters."""
     from robsim.cli.demo_run import run_demo
 
     with errors.report_errors():

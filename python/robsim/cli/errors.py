@@ -1,4 +1,4 @@
-"""What a command says when it fails."""
+"""Error messages and exit codes of the commands: 1 = error in a callback, 2 = other errors."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from rich.console import Console
 
 @contextmanager
 def report_errors(folder: Path | None = None) -> Iterator[None]:
-    """Tell the user of an error in a sentence, and end with status 2.
+    """Print an error as one sentence and exit with code 2.
 
-    An error in the user's own callbacks, in `folder`, is told with the place in them, and ends with
-    status 1.
+    An error in the user's callbacks, in `folder`, is printed with a traceback of these files, and
+    exits with code 1.
     """
     try:
         yield
@@ -34,7 +34,7 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
 
 
 def _sentence(error: BaseException) -> str:
-    """Return what an error says, and where."""
+    """Return the message and the notes of an error."""
     text = str(error)
     if isinstance(error, OSError) and error.filename and error.strerror:
         text = f"{error.filename}: {error.strerror}"
@@ -42,12 +42,12 @@ def _sentence(error: BaseException) -> str:
 
 
 def _in_callbacks(error: BaseException, folder: Path) -> str | None:
-    """Return what the user's own files have to do with an error; None = nothing."""
-    place = folder.resolve()
+    """Return the traceback of an error within the user's files; None if they are not in it."""
+    root = folder.resolve()
     frames = [
         frame
         for frame in traceback.extract_tb(error.__traceback__)
-        if place in Path(frame.filename).resolve().parents
+        if root in Path(frame.filename).resolve().parents
     ]
     if not frames and not isinstance(error, SyntaxError):
         return None
@@ -60,12 +60,12 @@ def _in_callbacks(error: BaseException, folder: Path) -> str | None:
 
 
 def print_error(error: object) -> None:
-    """Print an error message."""
+    """Print an error message to stderr."""
     console = Console(stderr=True, soft_wrap=True)
     console.print("[bold red]error:[/] ", end="")
     console.print(str(error), markup=False, highlight=False)
 
 
 def print_note(text: str) -> None:
-    """Print a remark beside the results."""
+    """Print a remark to stderr, apart from the results."""
     Console(stderr=True, soft_wrap=True).print(text, markup=False, highlight=False)

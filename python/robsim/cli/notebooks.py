@@ -1,4 +1,4 @@
-"""The command ``robsim notebooks``."""
+"""The command ``robsim notebooks``: copies the notebooks for students."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ HELP = (
 
 
 def notebooks(
-    folder: Annotated[Path, typer.Argument(help="The folder; made if there is none.")],
+    folder: Annotated[Path, typer.Argument(help="The folder; created if needed.")],
 ) -> None:
     """Copy the notebooks for students into a folder."""
     from robsim._base.shipped import copy_notebooks

@@ -1,4 +1,4 @@
-"""Results of a run, told."""
+"""Writes and prints the results of a run, for the commands ``run`` and ``track``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def finish(
     video: Path | None = None,
     record: Path | None = None,
 ) -> None:
-    """Write the results of a run, and say what they are."""
+    """Write the results and videos of a run, and print a summary."""
     from robsim.cli.detection_failure import explain_no_detection
     from robsim.cli.results import write_results
 

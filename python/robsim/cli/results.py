@@ -1,4 +1,4 @@
-"""What a run leaves behind: figures, trace, report."""
+"""The results of a run as files: figures, trace, batch estimate; called by run, track and demo."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ _FIGURES = ("camera.png", "traces.png", "parameters.png", "batch.png")
 
 @dataclass(frozen=True, kw_only=True)
 class Results:
-    """What was found in a run, and the files that say so.
+    """The results of a run, and the files written.
 
     Attributes
     ----------
     report : BatchEstimate or None
-        True values, batch and online estimates; None if the run does not give one.
+        True values, batch and online estimates; None if parameters were not estimated.
     tracking : TrackingStatistics or None
-        How well vision followed the robot; None if the robot was not tracked.
+        Errors of the measured poses; None if the robot was not tracked.
     files : tuple of Path
         The files written.
     """
@@ -40,7 +40,7 @@ class Results:
     files: tuple[Path, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the numbers: {"parameters": ..., "tracking": ...}; None = not there."""
+        """Return the numbers: {"parameters": ..., "tracking": ...}; None = not available."""
         return {
             "parameters": self.report.to_dict() if self.report else None,
             "tracking": _known(asdict(self.tracking)) if self.tracking else None,
@@ -51,7 +51,7 @@ class Results:
 
 
 def check_folder(out: Path) -> None:
-    """Refuse a folder for results that is none."""
+    """Raise NotADirectoryError if the folder for the results is a file."""
     if out.exists() and not out.is_dir():
         raise NotADirectoryError(f"{out} is a file, not a folder: give another name")
 
@@ -62,7 +62,7 @@ def write_results(out: Path, simulation: Simulation) -> Results:
     Parameters
     ----------
     out : Path
-        Folder to write to; made if there is none.
+        Folder to write to; created if needed.
     simulation : Simulation
         A simulation that has run.
 
@@ -88,19 +88,19 @@ def write_results(out: Path, simulation: Simulation) -> Results:
     for name in _FIGURES:
         if name in figures:
             figures[name].savefig(out / name)
-        else:  # that of another run would stay beside this one's
+        else:  # remove the figure of an earlier run
             (out / name).unlink(missing_ok=True)
     files = tuple(out / name for name in (*figures, "trace.npz"))
     return Results(report=report, tracking=trace.tracking() if is_tracked else None, files=files)
 
 
 def _camera_figure(simulation: Simulation) -> Any:
-    newest = simulation.last_step
+    step = simulation.last_step
     is_tracked = "x_measured" in simulation.trace.names
     axes = plotting.plot_frame(
-        newest.frame,
-        blobs=newest.blobs if is_tracked else None,
-        measurement=newest.measurement,
+        step.frame,
+        blobs=step.blobs if is_tracked else None,
+        measurement=step.measurement,
         outline=simulation.robot.to_robot_frame(simulation.robot.outline),
     )
     return axes.get_figure(root=True)

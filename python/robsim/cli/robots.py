@@ -1,4 +1,4 @@
-"""The commands ``robsim robots``."""
+"""The commands ``robsim robots``: list, show, add, rotate, choose and remove robots."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
     help=HELP
-    + "\n\nA robot is an image from above, its outline, a red and a blue marker, a size and "
-    "an alignment. Some ship with robsim; your own live in your user folder, or in $ROBSIM_DATA.",
+    + "\n\nA robot is an image from above with an outline, a red and a blue marker, a size and an "
+    "alignment. Some ship with robsim; yours are stored in your user folder, or in $ROBSIM_DATA.",
     epilog="Start with: robsim robots list",
 )
 
@@ -35,35 +35,37 @@ _FACES = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
 
 @app.command("list", epilog="Example: robsim robots list")
 def list_robots() -> None:
-    """List all robots, and which one is in use."""
+    """List all robots, and which one is the default."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
 
-    from robsim.robots._default_robot import default_robot, gone
-    from robsim.robots._lookup import find_folder, own_robots, shipped_robots
+    from robsim.robots._default_robot import default_robot, missing_robot_error
+    from robsim.robots._lookup import find_folder, shipped_robots, user_robots
 
-    wrong: list[object] = []
+    problems: list[object] = []
     chosen = None
     try:
         chosen = find_folder(default_robot())
         if chosen is None:
-            wrong.append(gone(default_robot()))
+            problems.append(missing_robot_error(default_robot()))
     except ValueError as error:
-        wrong.append(error)
+        problems.append(error)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     table.add_column("robot", overflow="fold", min_width=16)
     for title in ("size", "alignment", "markers apart", "whose", ""):
         table.add_column(title, no_wrap=True)
-    for whose, robots in (("shipped", shipped_robots()), ("yours", own_robots())):
+    for whose, robots in (("shipped", shipped_robots()), ("yours", user_robots())):
         for name, folder in robots.items():
-            numbers = _numbers_of(folder, wrong)
+            numbers = _numbers_of(folder, problems)
             table.add_row(escape(name), *numbers, whose, "in use" if folder == chosen else "")
             if folder != find_folder(name):
-                wrong.append(f"{folder}: another robot of this name comes first: rename the folder")
+                problems.append(
+                    f"{folder}: another robot of this name takes precedence: rename the folder"
+                )
     Console().print(table)
-    for sentence in wrong:
+    for sentence in problems:
         errors.print_error(sentence)
 
 
@@ -71,7 +73,7 @@ def list_robots() -> None:
 def show(
     name: Annotated[
         str | None,
-        typer.Argument(help="A robot, or a folder with one.", show_default="the robot in use"),
+        typer.Argument(help="A robot, or a folder with one.", show_default="the default robot"),
     ] = None,
     out: Annotated[
         Path | None,
@@ -79,7 +81,7 @@ def show(
     ] = None,
     colors: Colors = None,
 ) -> None:
-    """Draw a robot with its outline, markers and heading, and say what is wrong with it."""
+    """Draw a robot with its outline, markers and heading, and check it."""
     from robsim.plotting import plot_robot
     from robsim.robots import check_colors, load_robot
 
@@ -97,10 +99,9 @@ def show(
 
 
 @app.command(
-    help="Add a robot to your own ones.\n\n"
-    "From an image, what is not given is found in it. From another robot, all that is not given "
-    "is taken over. Look at it with [bold]robsim robots show[/], turn it with "
-    "[bold]robsim robots rotate[/].",
+    help="Add a robot to your user folder.\n\n"
+    "Options that are not given are derived from an image, or copied from another robot. Check the "
+    "result with [bold]robsim robots show[/], rotate it with [bold]robsim robots rotate[/].",
     epilog="Example: robsim robots add mine photo.png --size 120",
 )
 def add(
@@ -111,11 +112,13 @@ def add(
     ],
     size: Annotated[
         float | None,
-        typer.Option(help="Work-area px that the image's width stands for.", show_default="120"),
+        typer.Option(help="Width of the image on the work area in px.", show_default="120"),
     ] = None,
     alignment: Annotated[
         float | None,
-        typer.Option(help="Degrees clockwise until the robot faces right.", show_default="0"),
+        typer.Option(
+            help="Degrees clockwise, after which the robot faces right.", show_default="0"
+        ),
     ] = None,
     centre: Annotated[
         str | None,
@@ -127,26 +130,26 @@ def add(
     outline: Annotated[
         str | None,
         typer.Option(
-            help="Polygon, as '120,40 180,40 180,90'.", show_default="around what is opaque"
+            help="Polygon, as '120,40 180,40 180,90'.", show_default="around the opaque pixels"
         ),
     ] = None,
     red: Annotated[
         str | None,
-        typer.Option(help="Polygon of the red marker.", show_default="the biggest red blob"),
+        typer.Option(help="Polygon of the red marker.", show_default="the largest red blob"),
     ] = None,
     blue: Annotated[
         str | None,
-        typer.Option(help="Polygon of the blue marker.", show_default="the biggest blue blob"),
+        typer.Option(help="Polygon of the blue marker.", show_default="the largest blue blob"),
     ] = None,
     colors: Colors = None,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace a robot of yours of this name.")
+        bool, typer.Option("--overwrite", help="Replace your robot of this name.")
     ] = False,
     anyway: Annotated[
-        bool, typer.Option("--anyway", help="Add it even if its colours are not seen.")
+        bool, typer.Option("--anyway", help="Add it even if its markers are not detected.")
     ] = False,
 ) -> None:
-    """Add a robot to your own ones."""
+    """Add a robot to your user folder."""
     from robsim.robots import add_robot
 
     with errors.report_errors():
@@ -164,19 +167,21 @@ def add(
             ignore_colors=anyway,
         )
     print(_described(robot))
-    print(f"added: look at it with `robsim robots show {name}`, then `robsim robots use {name}`")
+    print(f"added: check it with `robsim robots show {name}`, then `robsim robots use {name}`")
 
 
-# A negative number is no option here.
+# A negative number is not an option here.
 @app.command(
     epilog="Example: robsim robots rotate mine -90",
     context_settings={"ignore_unknown_options": True},
 )
 def rotate(
     name: Name,
-    degrees: Annotated[float, typer.Argument(help="How far, clockwise; negative: anticlockwise.")],
+    degrees: Annotated[
+        float, typer.Argument(help="Angle in degrees, clockwise; negative: anticlockwise.")
+    ],
 ) -> None:
-    """Turn the image of one of your robots until it faces right."""
+    """Rotate the image of one of your robots, so that the robot faces right."""
     from robsim.robots import rotate_robot
 
     with errors.report_errors():
@@ -186,7 +191,7 @@ def rotate(
 
 @app.command(epilog="Example: robsim robots use lab")
 def use(name: Name) -> None:
-    """Choose the robot in use; the choice is kept."""
+    """Choose the default robot; the choice is stored."""
     from robsim.robots import default_robot, set_default_robot
 
     with errors.report_errors():
@@ -196,7 +201,7 @@ def use(name: Name) -> None:
 
 @app.command(epilog="Example: robsim robots reset")
 def reset() -> None:
-    """Go back to the robot "lab"."""
+    """Make "lab" the default robot again."""
     from robsim.robots import default_robot, reset_default_robot
 
     with errors.report_errors():
@@ -214,14 +219,14 @@ def remove(name: Name) -> None:
         print(f"removed: {name}; in use: {default_robot()}")
 
 
-def _numbers_of(folder: Path, wrong: list[object]) -> tuple[str, str, str]:
-    """Return size, alignment and marker distance; what keeps it from loading goes to `wrong`."""
+def _numbers_of(folder: Path, problems: list[object]) -> tuple[str, str, str]:
+    """Return size, alignment and marker distance; an error is appended to `problems`."""
     from robsim.robots._files import read_robot
 
     try:
         robot = read_robot(folder)
     except ValueError as error:
-        wrong.append(error)
+        problems.append(error)
         return "damaged", "", ""
     return f"{robot.size:g} px", _alignment(robot), f"{robot.marker_layout().distance:.1f} px"
 
@@ -242,7 +247,7 @@ def _described(robot: RobotDefinition) -> str:
         f"{robot.name}: image of {width} x {height} px, {robot.size:g} px wide on the work area\n"
         f"  alignment  {_alignment(robot)}\n"
         f"  centre     at ({right:.1f}, {down:.1f}) of the image\n"
-        f"  outline    reaches {robot.radius:.1f} px from the centre\n"
+        f"  outline    up to {robot.radius:.1f} px from the centre\n"
         f"  markers    {markers.distance:.1f} px apart, {offset}\n"
         f"  areas      red {markers.red_area:.0f}, blue {markers.blue_area:.0f} px of the work area"
     )

@@ -1,4 +1,4 @@
-"""The commands ``robsim new`` and ``robsim run``."""
+"""The commands ``robsim new`` (callback templates) and ``robsim run`` (a simulation)."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ if TYPE_CHECKING:
 
 NEW_EXAMPLE = "Example: robsim new mine"
 NEW_HELP = (
-    "Write the eight default callbacks into a folder, to be edited.\n\n"
-    "Each file is a stage of the loop: control.py, measure.py, ... Those that a run can do without "
-    "are switched off: set ENABLED = True in them. Then: robsim run FOLDER"
+    "Write the eight default callbacks to a folder, as templates to edit.\n\n"
+    "Each file is a stage of the loop: control.py, measure.py, ... Optional stages are switched "
+    "off: set ENABLED = True in their files. Then: robsim run FOLDER"
 )
 RUN_EXAMPLE = "Example: robsim run mine --steps 300 --measure"
 RUN_HELP = (
-    "Run a simulation, with the callbacks of a folder if you name one.\n\n"
-    "Figures and the trace go to a folder. Without a controller, yours or --control, the robot "
-    "spins."
+    "Run a simulation, optionally with the callbacks of a folder.\n\n"
+    "Figures and the trace are written to a folder. Without a controller, yours or --control, the "
+    "robot spins."
 )
 
 
 def new(
-    folder: Annotated[Path, typer.Argument(help="The folder; made if there is none.")],
+    folder: Annotated[Path, typer.Argument(help="The folder; created if needed.")],
 ) -> None:
-    """Write the default callbacks into a folder."""
+    """Write the default callbacks to a folder."""
     from robsim.simulation._folders.callback_folder import new_folder
 
     with errors.report_errors():
@@ -43,20 +43,22 @@ def new(
 
 def run(
     folder: Annotated[Path | None, typer.Argument(help="Folder with your callbacks.")] = None,
-    steps: Annotated[int, typer.Option("--steps", help="Steps of the run.")] = 500,
+    steps: Annotated[int, typer.Option("--steps", help="Number of steps.")] = 500,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of the run.")] = None,
     measure: Annotated[
-        bool, typer.Option("--measure", help="Track the robot, if the folder does not.")
+        bool, typer.Option("--measure", help="Measure the pose by vision, if the folder does not.")
     ] = False,
     estimate_parameters: Annotated[
         bool,
-        typer.Option("--estimate-parameters", help="The same for its parameters."),
+        typer.Option(
+            "--estimate-parameters", help="Estimate the parameters, if the folder does not."
+        ),
     ] = False,
     control: Annotated[
         str | None,
         typer.Option(
             "--control",
-            help="A ready controller in place of the folder's: spin, drive-around, "
+            help="A built-in controller in place of the folder's: spin, drive-around, "
             "pseudo-random-binary, multi-sine, chirp.",
         ),
     ] = None,
@@ -66,35 +68,35 @@ def run(
         typer.Option(
             "--dropout",
             metavar="PROBABILITY[:STEPS]",
-            help="How likely it is that the robot is hidden, such as 0.2, or 0.2:5 for 5 steps at "
-            "a time.",
+            help="Probability that the robot is hidden, such as 0.2; 0.2:5 = 5 steps at a time.",
         ),
     ] = None,
     boundary: Annotated[
-        str, typer.Option("--boundary", help="bounce: walls. unlimited: the view follows.")
+        str,
+        typer.Option("--boundary", help="bounce: walls. unlimited: the view follows the robot."),
     ] = "bounce",
     headings: Annotated[
         str,
         typer.Option(
-            "--headings", help="How many headings of the robot are shown, or: continuous."
+            "--headings", help="Number of headings that the robot is drawn in, or: continuous."
         ),
     ] = "36",
     robot: Robot = None,
     markers: Annotated[
-        str | None, typer.Option("--markers", help="Robot whose markers to look for.")
+        str | None, typer.Option("--markers", help="Robot whose markers vision looks for.")
     ] = None,
     colors: Colors = None,
     smoothing: Smoothing = None,
     area: Annotated[
         str | None,
-        typer.Option("--area", metavar="WxH", help="Work area in px: 1200x1200."),
+        typer.Option("--area", metavar="WxH", help="Work area in px. Default: 1200x1200."),
     ] = None,
     resolution: Annotated[
         str | None,
-        typer.Option("--resolution", metavar="WxH", help="Frame in px: as the area."),
+        typer.Option("--resolution", metavar="WxH", help="Frame size in px. Default: the area."),
     ] = None,
     time_limit: Annotated[
-        float | None, typer.Option("--time-limit", help="Most seconds that a callback may take.")
+        float | None, typer.Option("--time-limit", help="Maximum duration of a callback call in s.")
     ] = None,
     out: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(
         "robsim-run"
@@ -104,7 +106,7 @@ def run(
         typer.Option("--video", help="Video of the run: .mp4, .webm, .mkv (lossless)."),
     ] = None,
     record: Annotated[
-        Path | None, typer.Option("--record", help="The same as the camera saw it, to practise on.")
+        Path | None, typer.Option("--record", help="Video of the camera's frames without overlays.")
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -136,7 +138,7 @@ def run(
             simulation = Simulation(**options)
         else:
             simulation = Simulation.from_folder(folder, **options)
-        # What would be wrong after the run is said now.
+        # Errors of the outputs are raised before the run.
         check_folder(out)
         for file in filter(None, (video, record)):
             VideoWriter(file, fps=1)
@@ -147,7 +149,7 @@ def run(
 
 
 def run_kept(simulation: Simulation, steps: int | None, out: Path) -> None:
-    """Run a simulation; if something ends it early, keep what was recorded by then."""
+    """Run a simulation; if an error ends it early, save the trace up to then."""
     try:
         simulation.run(steps, progress=True)
     except KeyboardInterrupt:
@@ -157,6 +159,6 @@ def run_kept(simulation: Simulation, steps: int | None, out: Path) -> None:
             out.mkdir(parents=True, exist_ok=True)
             trace.save(out / "cut-short.npz")
             errors.print_note(
-                f"the {len(trace)} steps until then are kept in {out / 'cut-short.npz'}"
+                f"the {len(trace)} steps until then are saved in {out / 'cut-short.npz'}"
             )
         raise

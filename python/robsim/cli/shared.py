@@ -1,4 +1,4 @@
-"""Options that several commands have."""
+"""Options that several commands share."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 Robot = Annotated[
-    str | None, typer.Option("--robot", help="Name or folder. Default: the one in use.")
+    str | None, typer.Option("--robot", help="Name or folder. Default: the default robot.")
 ]
 Colors = Annotated[
     Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")
@@ -17,7 +17,7 @@ Smoothing = Annotated[
     int | None,
     typer.Option(
         "--smoothing",
-        help="Window against noise in px: 3, 5, ... 15; 1 = off. Default: by the marker's size.",
+        help="Width of the averaging window in px: 3, 5, ... 15; 1 = off. Default: by the markers.",
     ),
 ]
 Noise = Annotated[
@@ -25,7 +25,7 @@ Noise = Annotated[
     typer.Option(
         "--noise",
         metavar="KIND:PERCENT",
-        help="Noise of the camera, such as gaussian:10 or uniform:10.",
+        help="Camera noise, such as gaussian:10 or uniform:10.",
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")]
+Json = Annotated[bool, typer.Option("--json", help="Print only the numbers, as JSON.")]

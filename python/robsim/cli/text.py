@@ -1,4 +1,4 @@
-"""What the text of an option means: sizes, regions, points, noise. The commands call it."""
+"""Parsers of option texts (sizes, regions, points, noise, dropouts), for the commands."""
 
 from __future__ import annotations
 
@@ -30,7 +30,9 @@ def parse_noise(option: str, text: str | None) -> GaussianNoise | UniformNoise |
         "uniform": UniformNoise,
     }
     if kind not in kinds or not _is_number(percent):
-        raise ValueError(f"{option} must be such as gaussian:10 or uniform:10, got {text!r}")
+        raise ValueError(
+            f"{option} must be a noise such as gaussian:10 or uniform:10, got {text!r}"
+        )
     return kinds[kind](float(percent))
 
 
@@ -40,12 +42,14 @@ def parse_dropout(option: str, text: str | None) -> Dropout | None:
         return None
     probability, colon, steps = text.partition(":")
     if not _is_number(probability) or (colon and not steps.isdecimal()):
-        raise ValueError(f"{option} must be such as 0.2, or 0.2:5 for 5 steps, got {text!r}")
+        raise ValueError(
+            f"{option} must be a probability such as 0.2, or 0.2:5 for 5 steps, got {text!r}"
+        )
     return Dropout(float(probability), int(steps) if colon else 1)
 
 
 def parse_headings(option: str, text: str) -> int | None:
-    """Return the number of headings shown from text such as 36; continuous = None."""
+    """Return the number of headings from text such as 36; None for continuous."""
     if text == "continuous":
         return None
     if not text.isdecimal():
@@ -73,7 +77,7 @@ def parse_region(option: str, text: str) -> tuple[int, int, int, int]:
 
 
 def parse_points(option: str, text: str | None, *, count: int | None = None) -> Points | None:
-    """Return points from text such as "120,40 180,40 180,90": so many, or at least three."""
+    """Return points from text such as "120,40 180,40 180,90": `count`, or at least three."""
     if text is None:
         return None
     try:

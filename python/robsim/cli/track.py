@@ -1,4 +1,4 @@
-"""The command ``robsim track``."""
+"""The command ``robsim track``: tracks the robot in a video or a folder of images."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ VIDEO = "tracked.mp4"
 EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
 HELP = (
     "Track the robot in a video file or a folder of images.\n\n"
-    "Gives its trace, the figures and an annotated video. A camera that looks at the floor at an "
-    "angle needs four points whose positions are known."
+    "Writes the trace, the figures and an annotated video. For a camera that views the floor "
+    "obliquely, give four points whose positions are known."
 )
 
 
@@ -32,20 +32,24 @@ def track(
     smoothing: Smoothing = None,
     area: Annotated[
         str | None,
-        typer.Option("--area", metavar="WxH", help="Work area in px: as the frames."),
+        typer.Option(
+            "--area", metavar="WxH", help="Work area in px. Default: the size of the frames."
+        ),
     ] = None,
     pixels: Annotated[
         str | None,
-        typer.Option("--pixels", metavar="POINTS", help="Four points in the frames."),
+        typer.Option("--pixels", metavar="POINTS", help="Four points in the frames, in px."),
     ] = None,
     positions: Annotated[
         str | None,
-        typer.Option("--positions", metavar="POINTS", help="Where they are on the floor."),
+        typer.Option(
+            "--positions", metavar="POINTS", help="Their positions on the work area, in px."
+        ),
     ] = None,
     dt: Annotated[
         float | None,
         typer.Option(
-            "--dt", help="Seconds between two frames. Default: as the video says, 0.2 for images."
+            "--dt", help="Time between two frames in s. Default: from the video; 0.2 for images."
         ),
     ] = None,
     out: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(
@@ -68,13 +72,11 @@ def track(
             raise ValueError(f"--out {out} would overwrite {source}: give another folder")
         plane_map = None
         if (pixels is None) != (positions is None):
-            raise ValueError("--pixels and --positions belong together: give both, or none")
-        seen, there = (
-            parse_points("--pixels", pixels, count=4),
-            parse_points("--positions", positions, count=4),
-        )
-        if seen and there:
-            plane_map = PlaneMap.from_points(seen, there)
+            raise ValueError("--pixels and --positions belong together: give both or neither")
+        pixel_points = parse_points("--pixels", pixels, count=4)
+        world_points = parse_points("--positions", positions, count=4)
+        if pixel_points and world_points:
+            plane_map = PlaneMap.from_points(pixel_points, world_points)
         recording = Recording(source, plane_map=plane_map, area=parse_size("--area", area), dt=dt)
         simulation = Simulation(frames=recording, robot=robot, colors=colors, smoothing=smoothing)
     failure = None

@@ -111,7 +111,7 @@ class VideoWriter:
             self._writer.release()
             self._writer = None
             video = self._cv2.VideoCapture(str(self._part), self._cv2.CAP_FFMPEG)
-            # OpenCV does not report a full disk, and the header may claim more frames than there are.
+            # OpenCV does not report a full disk, and the header may claim too many frames.
             written = sum(1 for _ in iter(video.grab, False))
             video.release()
         if written != self.count:

@@ -1,4 +1,4 @@
-"""Robots: what they look like, where they are kept, which one is in use."""
+"""Robots: their definitions (image, outline, markers), where they are stored, the default one."""
 
 from robsim._base.public import present as _present
 from robsim.robots._default_robot import default_robot, reset_default_robot

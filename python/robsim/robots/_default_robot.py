@@ -1,4 +1,4 @@
-"""The robot in use, and the user's folder that remembers it."""
+"""The default robot and the settings file that stores the choice; `load_robot()` reads it."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from uuid import uuid4
 
 from robsim._base.files import read_toml, write_whole
 
-#: The robot in use until the user chooses another.
+#: The default robot until the user chooses another.
 DEFAULT = "lab"
 
 _RESET = f"`robsim robots reset` goes back to {DEFAULT!r}"
 
 
 def data_folder() -> Path:
-    """Return the user's folder: ``$ROBSIM_DATA`` if it is set, else the system's place for it."""
+    """Return the user's folder: ``$ROBSIM_DATA`` if it is set, else the system's data folder."""
     if folder := os.environ.get("ROBSIM_DATA"):
         return Path(folder).expanduser()
     import platformdirs
@@ -25,17 +25,17 @@ def data_folder() -> Path:
 
 
 def settings_file() -> Path:
-    """Return the file that keeps the choice."""
+    """Return the file that stores the default robot."""
     return data_folder() / "settings.toml"
 
 
 def default_robot() -> str:
-    """Return the name of the robot in use: what ``load_robot()`` loads.
+    """Return the name of the default robot, which ``load_robot()`` loads.
 
     Raises
     ------
     ValueError
-        If the file with the choice is damaged; the message names it.
+        If the settings file is damaged; the message names it.
     """
     file = settings_file()
     try:
@@ -51,15 +51,15 @@ def default_robot() -> str:
     return name
 
 
-def gone(name: str) -> ValueError:
-    """Return the error for a chosen robot that is no longer there."""
+def missing_robot_error(name: str) -> ValueError:
+    """Return the error for a default robot that no longer exists."""
     return ValueError(
-        f"settings file {settings_file()}: the robot in use, {name!r}, is gone; {_RESET}"
+        f"settings file {settings_file()}: the default robot, {name!r}, no longer exists; {_RESET}"
     )
 
 
-def remember(name: str) -> None:
-    """Write the choice down; whatever else the file has stays."""
+def store_default_robot(name: str) -> None:
+    """Write the default robot to the settings file; its other settings are kept."""
     import tomlkit
 
     file = settings_file()
@@ -75,11 +75,11 @@ def remember(name: str) -> None:
 
 
 def reset_default_robot() -> None:
-    """Go back to the robot ``lab``; a damaged file with the choice is put aside."""
+    """Make ``lab`` the default robot again; a damaged settings file is renamed, not deleted."""
     file = settings_file()
     if not file.exists():
         return
     try:
-        remember(DEFAULT)
+        store_default_robot(DEFAULT)
     except ValueError:
         file.replace(file.with_name(f"settings-damaged-{uuid4().hex[:8]}.toml"))

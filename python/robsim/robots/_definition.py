@@ -1,4 +1,4 @@
-"""The robot definition: image, outline, markers."""
+"""The robot definition: image, outline and markers, checked when it is made."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robsim._base.checks import Floats, check_float, check_int
 from robsim._core import MarkerLayout
 from robsim.imaging._images import Pixels
 from robsim.robots._geometry_check import geometry_problems
-from robsim.robots._polygon_checks import numbers, polygon
+from robsim.robots._polygon_checks import finite_array, polygon
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,22 +25,24 @@ class RobotDefinition:
     image : array (h, w, 4) of uint8
         Image of the robot, RGBA.
     size : float
-        Work-area px that the width of the image stands for.
+        Width of the image on the work area (px).
     alignment : float
-        Degrees clockwise that turn the image so that the robot faces right.
+        Clockwise rotation of the image (degrees) after which the robot faces right.
     outline, red, blue : array (N, 2)
-        Polygons of the robot and of its markers in image pixels: right, down from the centre of
-        the top left pixel.
+        Polygons around the robot and its markers (image px): right, down from the centre of the
+        top left pixel.
     centre : array (2,), optional
-        The robot's centre in image pixels. Default: the centre of the image.
+        The robot's centre (image px). Default: the centre of the image.
     maximum_blobs : int
-        The markers looks at so many of the largest blobs of a colour.
+        The N largest blobs of each colour that the search for the markers considers, N =
+        `maximum_blobs`.
 
     Raises
     ------
     TypeError, ValueError
-        If a value does not fit; the message names it. Polygons must not cross themselves, the
-        centre and the markers must lie inside the outline, the markers must not overlap.
+        If an argument has the wrong type or shape or is out of range; the message names it.
+        Polygons must not intersect themselves, the centre and the markers must lie inside the
+        outline, the markers must not overlap.
     """
 
     name: str
@@ -68,7 +70,7 @@ class RobotDefinition:
         height, width = image.shape[:2]
         centre = ((width - 1) / 2, (height - 1) / 2) if self.centre is None else self.centre
         object.__setattr__(self, "image", image)
-        object.__setattr__(self, "centre", numbers("centre", centre, (2,)))
+        object.__setattr__(self, "centre", finite_array("centre", centre, (2,)))
         for name in ("outline", "red", "blue"):
             object.__setattr__(self, name, polygon(name, getattr(self, name)))
         self._check_geometry()
@@ -86,40 +88,45 @@ class RobotDefinition:
         )
         if problems:
             raise ValueError("; ".join(problems))
-        self.marker_layout()  # refuses markers in one place
+        self.marker_layout()  # raises if the markers share a position
 
     @property
     def unit(self) -> float:
-        """Work-area px that a pixel of the image stands for."""
+        """Width of an image pixel on the work area (px)."""
         return float(self.size / self.image.shape[1])
 
     def to_robot_frame(self, points: ArrayLike) -> Floats:
-        """Return places of the image in the robot's frame.
+        """Transform positions in the image into the robot's frame.
 
         Parameters
         ----------
         points : array (N, 2)
-            Image pixels: right, down.
+            Positions in the image (px): right, down.
 
         Returns
         -------
         array (N, 2)
-            Forward, right of the robot's centre (work-area px).
+            Positions relative to the robot's centre (work-area px): forward, right.
+
+        Raises
+        ------
+        ValueError
+            If `points` is not an array (N, 2) of finite numbers.
         """
         assert self.centre is not None
-        places = numbers("points", points, (-1, 2))
-        right, down = ((places - self.centre) * self.unit).T
+        positions = finite_array("points", points, (-1, 2))
+        right, down = ((positions - self.centre) * self.unit).T
         cos, sin = np.cos(np.deg2rad(self.alignment)), np.sin(np.deg2rad(self.alignment))
-        # a turn of the image by `alignment`, clockwise
+        # (forward, right) = R(alignment) (right, down), R clockwise as y points down
         return np.column_stack((cos * right - sin * down, sin * right + cos * down))
 
     @property
     def radius(self) -> float:
-        """Distance of the farthest point of the outline from the centre (work-area px)."""
+        """Maximum distance of the outline from the centre (work-area px)."""
         return float(np.linalg.norm(self.to_robot_frame(self.outline), axis=1).max())
 
     def marker_layout(self) -> MarkerLayout:
-        """Return the markers that finds this robot by its markers."""
+        """Return the geometry of the markers, by which `locate` finds this robot."""
         return MarkerLayout.from_markers(
             self.to_robot_frame(self.red),
             self.to_robot_frame(self.blue),

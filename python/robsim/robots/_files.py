@@ -1,4 +1,4 @@
-"""Robot definitions in files: robot.toml and its image."""
+"""Reading and writing robot definitions: a folder with robot.toml and an image."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robsim._base.files import read_toml, write_whole
 from robsim.imaging._images import load_image
 from robsim.robots._definition import RobotDefinition
 
-#: The file that makes a folder a robot, and the image beside it.
+#: The definition file of a robot folder, and the image beside it.
 TOML = "robot.toml"
 IMAGE = "robot.png"
 
@@ -23,34 +23,34 @@ _KEYS = {"name", "image", "size", "alignment", "outline", "red", "blue"}
 _OPTIONAL = {"centre", "maximum_blobs"}
 
 _TEXT = """\
-# What a robot looks like from above. Written by robsim, and free to be edited by hand;
-# `robsim robots show FOLDER` says what is wrong with it, and draws it.
+# The appearance of a robot from above. Written by robsim; it may be edited by hand.
+# `robsim robots show FOLDER` checks and draws it.
 
 name = {name}
 image = "{image}"   # beside this file; surroundings transparent
-size = {size}   # work-area px that the image's width stands for
-alignment = {alignment}   # degrees clockwise that turn the image so that the robot faces right
+size = {size}   # width of the image on the work area (px)
+alignment = {alignment}   # degrees clockwise, after which the robot faces right
 
 # Points are [right, down] in image pixels; the centre of the top left pixel is (0, 0).
-# The point around which the robot turns:
+# The robot's centre, around which it turns:
 centre = {centre}
 
 # Polygons. Around the robot:
 outline = {outline}
 
-# Around the red marker; its area and its centroid are what the camera is to see:
+# Around the red marker; its area and centroid are those that the camera is to measure:
 red = {red}
 
 # Around the blue marker:
 blue = {blue}
 
-# So many of the largest blobs of a colour are looked at:
+# The search for the markers considers the N largest blobs of each colour, N =
 maximum_blobs = {maximum_blobs}
 """
 
 
 def read_robot(folder: Path) -> RobotDefinition:
-    """Read the definition of a folder.
+    """Read the robot definition of a folder.
 
     Raises
     ------
@@ -70,9 +70,16 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     Parameters
     ----------
     folder : path
-        Is made if there is none. Files of these names in it are replaced, others are left alone.
+        The folder; it is created if needed. Files of these names are replaced, others are kept.
     robot : RobotDefinition
         The robot. Points are rounded to 0.01 px of the image.
+
+    Raises
+    ------
+    TypeError
+        If `robot` is not a RobotDefinition.
+    OSError
+        If a file cannot be written.
     """
     if not isinstance(robot, RobotDefinition):
         raise TypeError(f"robot must be a RobotDefinition, got {robot!r}")
@@ -88,32 +95,32 @@ def _from_values(folder: Path, values: dict[str, Any]) -> RobotDefinition:
     missing = _KEYS - set(values)
     unknown = set(values) - _KEYS - _OPTIONAL
     if missing or unknown:
-        what = [f"{key} is missing" for key in sorted(missing)]
-        what += [f"{key} is not known" for key in sorted(unknown)]
-        raise ValueError("; ".join(what))
+        problems = [f"{key} is missing" for key in sorted(missing)]
+        problems += [f"{key} is not known" for key in sorted(unknown)]
+        raise ValueError("; ".join(problems))
     image = values["image"]
     if not isinstance(image, str):
         raise TypeError(f"image must be the name of a file, got {image!r}")
-    # Windows knows all the signs that make a path of a name on any system.
+    # PureWindowsPath knows the path separators of all systems.
     if image in ("", ".", "..") or PureWindowsPath(image).name != image:
         raise ValueError(f"image must be the name of a file beside {TOML}, got {image!r}")
     return RobotDefinition(**{**values, "image": load_image(folder / image, mode="RGBA")})
 
 
-def _as_text(definition: RobotDefinition) -> str:
+def _as_text(robot: RobotDefinition) -> str:
     import tomlkit
 
-    assert definition.centre is not None
+    assert robot.centre is not None
     return _TEXT.format(
-        name=tomlkit.string(definition.name).as_string(),
+        name=tomlkit.string(robot.name).as_string(),
         image=IMAGE,
-        size=float(definition.size),
-        alignment=float(definition.alignment),
-        centre=_point(definition.centre),
-        outline=_points(definition.outline),
-        red=_points(definition.red),
-        blue=_points(definition.blue),
-        maximum_blobs=definition.maximum_blobs,
+        size=float(robot.size),
+        alignment=float(robot.alignment),
+        centre=_point(robot.centre),
+        outline=_points(robot.outline),
+        red=_points(robot.red),
+        blue=_points(robot.blue),
+        maximum_blobs=robot.maximum_blobs,
     )
 
 
@@ -122,7 +129,7 @@ def _point(point: Floats) -> str:
 
 
 def _points(points: Floats) -> str:
-    """Return the points, four a line."""
+    """Return the points as TOML, four per line."""
     texts = [_point(point) for point in points]
     lines = [", ".join(texts[i : i + 4]) for i in range(0, len(texts), 4)]
     return "[\n" + "".join(f"    {line},\n" for line in lines) + "]"

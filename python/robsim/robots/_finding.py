@@ -1,4 +1,4 @@
-"""A robot definition out of a plain image."""
+"""Makes a robot definition from a plain image: outline by opacity, markers by colour."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from robsim._base.checks import Floats
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
 from robsim.imaging._images import Pixels, resized
 from robsim.robots._definition import RobotDefinition
-from robsim.robots._marker_check import LEAST_AREA, over_grey, ranges
-from robsim.robots._polygon_checks import numbers
+from robsim.robots._marker_check import MINIMUM_AREA, over_grey, ranges
+from robsim.robots._polygon_checks import finite_array
 from robsim.robots._polygons import area_and_centroid, fitted
 from robsim.vision._color_files import as_colors
 
-LONGEST = 1000  # px, larger images are scaled down
-_SIZE = 120.0
-_OPAQUE = 127
-_CORNERS = 36
-_POINTS = 200_000  # about as many stand for a blob when its shape is measured
+MAXIMUM_SIDE = 1000  # px, larger images are scaled down
+_SIZE = 120.0  # work-area px
+_OPAQUE = 127  # alpha above it is opaque
+_CORNERS = 36  # of a polygon
+_POINTS = 200_000  # about the number of sample points in a blob whose shape is measured
 
 
 def robot_from_image(
@@ -38,33 +38,38 @@ def robot_from_image(
     blue: ArrayLike | None = None,
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
 ) -> RobotDefinition:
-    """Make a robot definition from an image; what is not given is found in it.
+    """Make a robot definition from an image; arguments that are not given are derived from it.
 
     Parameters
     ----------
     name : str
         Name of the robot.
     image : array (h, w, 4) of uint8
-        RGBA. If its longer side has more than 1000 px, it is scaled down, the points with it.
+        RGBA. If its longer side exceeds 1000 px, it is scaled down, and the points with it.
     size : float, optional
-        Work-area px that the width of the image stands for. Default: 120.
+        Width of the image on the work area (px). Default: 120.
     alignment : float, optional
-        Degrees clockwise that turn the image so that the robot faces right. Default: 0.
+        Clockwise rotation of the image (degrees) after which the robot faces right. Default: 0.
     centre : array (2,), optional
         The robot's centre (image px). Default: the centroid of the outline.
     outline : array (N, 2), optional
-        Polygon around the robot (image px). Default: around what is opaque, so the image's
-        edge if all of it is.
+        Polygon around the robot (image px). Default: around the opaque pixels, so the border of
+        an image without transparency.
     red, blue : array (N, 2), optional
-        Polygons around the markers (image px). Default: around the biggest blob of the colour,
-        with its area and its centroid.
+        Polygons around the markers (image px). Default: around the largest blob of the colour,
+        with the area and the centroid of the blob.
     colors : path or iterable of ColorClass, optional
-        Colour file or classes to find the markers with. Default: those that ship with robsim.
+        Colour file, or classes, to find the markers with. Default: those that ship with robsim.
+
+    Returns
+    -------
+    RobotDefinition
+        The robot.
 
     Raises
     ------
     ValueError
-        If a marker is not found, or what is found or given makes no robot.
+        If a marker is not found, or the result is not a valid robot definition.
     """
     small, scale = _reduced(image)
     given: dict[str, Any] = {"outline": outline, "red": red, "blue": blue}
@@ -75,15 +80,15 @@ def robot_from_image(
         if color not in points:
             points[color] = _marker(small, color, as_colors(colors))
     if centre is None:
-        middle = area_and_centroid(points["outline"])[1]
+        scaled_centre = area_and_centroid(points["outline"])[1]
     else:
-        middle = (numbers("centre", centre, (2,)) + 0.5) * scale - 0.5
+        scaled_centre = (finite_array("centre", centre, (2,)) + 0.5) * scale - 0.5
     return RobotDefinition(
         name=name,
         image=small,
         size=_SIZE if size is None else size,
         alignment=0.0 if alignment is None else alignment,
-        centre=middle,
+        centre=scaled_centre,
         outline=points["outline"],
         red=points["red"],
         blue=points["blue"],
@@ -91,64 +96,66 @@ def robot_from_image(
 
 
 def _reduced(image: Pixels) -> tuple[Pixels, Floats]:
-    """Return the image within the longest side, and the scales (2,) that did it."""
+    """Return the image, scaled down to the maximum side, and the scale factors (2,)."""
     height, width = image.shape[:2]
-    factor = min(1.0, LONGEST / max(height, width))
+    factor = min(1.0, MAXIMUM_SIDE / max(height, width))
     small = resized(image, max(1, round(factor * width)), max(1, round(factor * height)))
     return small, np.array((small.shape[1] / width, small.shape[0] / height))
 
 
 def _scaled(name: str, points: ArrayLike, scale: Floats) -> Floats:
-    return (numbers(name, points, (-1, 2)) + 0.5) * scale - 0.5
+    return (finite_array(name, points, (-1, 2)) + 0.5) * scale - 0.5
 
 
-def reduced(definition: RobotDefinition) -> RobotDefinition:
-    """Return the definition with an image, and its points, of at most 1000 px a side."""
-    small, scale = _reduced(definition.image)
-    if small is definition.image:
-        return definition
+def reduced(robot: RobotDefinition) -> RobotDefinition:
+    """Return the robot with its image and points scaled down to at most 1000 px a side."""
+    small, scale = _reduced(robot.image)
+    if small is robot.image:
+        return robot
     points = {
-        name: (getattr(definition, name) + 0.5) * scale - 0.5
+        name: (getattr(robot, name) + 0.5) * scale - 0.5
         for name in ("centre", "outline", "red", "blue")
     }
-    return replace(definition, image=small, **points)
+    return replace(robot, image=small, **points)
 
 
 def _opaque_outline(image: Pixels) -> Floats:
-    """Return the polygon whose sides touch the opaque pixels from all around."""
+    """Return the convex polygon around the opaque pixels whose sides have fixed directions."""
     down, right = np.nonzero(image[..., 3] > _OPAQUE)
     if not len(right):
-        raise ValueError("outline: the image is transparent everywhere, so there is no robot")
+        raise ValueError("outline: the image is transparent everywhere")
     height, width = image.shape[:2]
     angle = 2 * np.pi * np.arange(_CORNERS) / _CORNERS
     cos, sin = np.cos(angle), np.sin(angle)
-    # How far the outermost pixels, with their corners, reach in each direction.
+    # Support function: the maximum of cos x + sin y over the pixels and their corners.
     edge = np.unique(np.vstack((_ends(right, down), _ends(down, right)[:, ::-1])), axis=0)
-    reach = (edge @ np.vstack((cos, sin))).max(axis=0) + (abs(cos) + abs(sin)) / 2
-    # A corner is where a side meets the next one: cos x + sin y = reach, for both.
+    support = (edge @ np.vstack((cos, sin))).max(axis=0) + (abs(cos) + abs(sin)) / 2
+    # A corner lies on two neighbouring sides: cos x + sin y = support, for both.
     sides = np.stack((np.column_stack((cos, sin)), np.roll(np.column_stack((cos, sin)), -1, 0)), 1)
-    corners = np.linalg.solve(sides, np.column_stack((reach, np.roll(reach, -1)))[..., np.newaxis])
+    corners = np.linalg.solve(
+        sides, np.column_stack((support, np.roll(support, -1)))[..., np.newaxis]
+    )
     within = np.clip(corners[..., 0], -0.5, (width - 0.5, height - 0.5))
     return np.round(within, 2)
 
 
-def _ends(places: NDArray[np.intp], lines: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return the first and the last place of each line, an array (N, 2): place, line."""
-    order = np.lexsort((places, lines))
-    places, lines = places[order], lines[order]
+def _ends(positions: NDArray[np.intp], lines: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return the first and the last position on each line, an array (N, 2): position, line."""
+    order = np.lexsort((positions, lines))
+    positions, lines = positions[order], lines[order]
     starts = np.flatnonzero(np.diff(lines, prepend=-1))
     ends = np.append(starts[1:], len(lines)) - 1
-    found: NDArray[np.intp] = np.column_stack((places, lines))[np.concatenate((starts, ends))]
+    found: NDArray[np.intp] = np.column_stack((positions, lines))[np.concatenate((starts, ends))]
     return found
 
 
 def _marker(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Floats:
-    """Return a polygon with the place, the area and about the shape of the biggest blob."""
+    """Return a polygon with the centroid, the area and about the shape of the largest blob."""
     found = [color for color in colors if color.name == name]
     if not found:
-        raise ValueError(f"{name} marker: the colours have no {name}: give its polygon, {name}")
+        raise ValueError(f"{name} marker: there is no colour {name}: give its polygon, {name}")
     pixels = over_grey(image)
-    blobs = find_blobs(pixels, found, minimum_area=LEAST_AREA, maximum_count=1)[name]
+    blobs = find_blobs(pixels, found, minimum_area=MINIMUM_AREA, maximum_count=1)[name]
     if not blobs:
         raise ValueError(
             f"{name} marker: nothing in the image has the colour {name} ({ranges(found[0])}): "
@@ -163,51 +170,52 @@ def _pixels_of(blob: Blob, pixels: Pixels, color: ColorClass) -> Floats:
     yuv = rgb_to_yuv(np.ascontiguousarray(pixels[top : bottom + 1, left : right + 1]))
     lower, upper = np.array((color.y, color.u, color.v)).T
     is_colored = ((yuv >= lower) & (yuv <= upper)).all(axis=2)
-    # It has a pixel in the top row of its box; a blob of its neighbours may have one there, too.
+    # A blob has a pixel in the top row of its box; another blob may have one there, too.
     starts = np.flatnonzero(is_colored[0] & ~np.append(False, is_colored[0, :-1]))
     parts = [_connected(is_colored, start) for start in starts.tolist()]
     down, across = np.nonzero(max(parts, key=np.count_nonzero))
     return np.column_stack((across + left, down + top)).astype(float)
 
 
-def _connected(area: NDArray[np.bool_], start: int) -> NDArray[np.bool_]:
-    """Return the part of an area that is connected (8 neighbours) with a pixel of its top row."""
-    part = np.zeros_like(area)
+def _connected(mask: NDArray[np.bool_], start: int) -> NDArray[np.bool_]:
+    """Return the 8-connected component of a mask that contains a pixel of its top row."""
+    part = np.zeros_like(mask)
     part[0, start] = True
     count = 0
     while (size := int(np.count_nonzero(part))) > count:
         count = size
-        part = area & _with_neighbours(part)
-        part = _along_rows(_along_rows(part, area).T, area.T).T
+        part = mask & _dilated(part)
+        part = _along_rows(_along_rows(part, mask).T, mask.T).T
     return part
 
 
-def _with_neighbours(part: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the pixels of a part and their 8 neighbours."""
+def _dilated(part: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return a mask dilated by 3 x 3 pixels."""
     wide = part.copy()
     wide[:, 1:] |= part[:, :-1]
     wide[:, :-1] |= part[:, 1:]
-    grown = wide.copy()
-    grown[1:] |= wide[:-1]
-    grown[:-1] |= wide[1:]
-    return grown
+    dilated = wide.copy()
+    dilated[1:] |= wide[:-1]
+    dilated[:-1] |= wide[1:]
+    return dilated
 
 
-def _along_rows(part: NDArray[np.bool_], area: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the part, spread over all of each run of the area that it has pixels of."""
-    before = np.zeros_like(area)
-    before[:, 1:] = area[:, :-1]
-    run = np.cumsum(area & ~before).reshape(area.shape)
-    is_reached = np.zeros(run.max() + 1, dtype=bool)
-    is_reached[run[part]] = True
-    return area & is_reached[run]
+def _along_rows(part: NDArray[np.bool_], mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return all horizontal runs of the mask that contain a pixel of the part."""
+    before = np.zeros_like(mask)
+    before[:, 1:] = mask[:, :-1]
+    run = np.cumsum(mask & ~before).reshape(mask.shape)
+    is_in_part = np.zeros(run.max() + 1, dtype=bool)
+    is_in_part[run[part]] = True
+    return mask & is_in_part[run]
 
 
 def _polygon_around(pixels: Floats, blob: Blob) -> Floats:
     """Return a polygon of up to 36 corners with a blob's area and centroid.
 
-    The blob is made as wide as long, and cut into sectors around its centroid; each gets a corner
-    so far out that its area is that of its pixels. So the polygon can't cross itself.
+    The blob is whitened by the Cholesky factor of its covariance and cut into sectors around its
+    centroid; each sector gets a corner at the radius that gives it the area of its pixels. So the
+    polygon cannot intersect itself.
     """
     count = int(np.clip(len(pixels) // 12, 8, _CORNERS))
     points = _subdivided(pixels)
@@ -225,7 +233,7 @@ def _polygon_around(pixels: Floats, blob: Blob) -> Floats:
 
 
 def _subdivided(pixels: Floats) -> Floats:
-    """Return points (M, 2) spread evenly over the pixels: the fewer pixels, the more in each."""
+    """Return sample points (M, 2) on a grid in each pixel, finer if there are fewer pixels."""
     side = int(np.clip(np.sqrt(_POINTS / len(pixels)), 2, 8))
     parts = (np.arange(side) + 0.5) / side - 0.5
     grid = np.stack(np.meshgrid(parts, parts), axis=-1).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""What is wrong with a robot's geometry."""
+"""Checks of a robot's geometry, for `RobotDefinition`: sentences on what is wrong with it."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from robsim._base.checks import Floats
 from robsim.robots._polygons import area_and_centroid, crossing, depths, samples
 
 _TOLERANCE = 1.0  # image px
-_MOST_NAMED = 3  # points in a sentence
+_MAXIMUM_LISTED = 3  # points in a sentence
 
 
 def geometry_problems(
     *, width: int, height: int, centre: Floats, outline: Floats, red: Floats, blue: Floats
 ) -> list[str]:
-    """Return what is wrong with a robot's geometry, a sentence each; empty if it is right.
+    """Return what is wrong with a robot's geometry, a sentence each; empty if it is valid.
 
     Parameters
     ----------
@@ -40,8 +40,8 @@ def _crossing(name: str, polygon: Floats) -> str | None:
     pair = crossing(polygon)
     if pair is None:
         return None
-    sides = [_named(polygon[[i, (i + 1) % len(polygon)]], " to ") for i in pair]
-    return f"{name} must not cross itself: the side {sides[0]} meets the side {sides[1]}"
+    sides = [_listed(polygon[[i, (i + 1) % len(polygon)]], " to ") for i in pair]
+    return f"{name} must not intersect itself: the side {sides[0]} meets the side {sides[1]}"
 
 
 def _outside_image(outline: Floats, width: int, height: int) -> list[str]:
@@ -51,41 +51,41 @@ def _outside_image(outline: Floats, width: int, height: int) -> list[str]:
         return []
     return [
         f"outline must lie within the image of {width} x {height} px: outside is "
-        f"{_named(outline[out])}, by up to {beyond.max():.1f} px"
+        f"{_listed(outline[out])}, by up to {beyond.max():.1f} px"
     ]
 
 
 def _outside_outline(name: str, points: Floats, outline: Floats) -> list[str]:
-    """Return the sentence for a point (1, 2), or a polygon with all of its sides, outside."""
-    places = points if len(points) == 1 else samples(points)
-    depth = depths(outline, places)
+    """Return the sentence for a point (1, 2), or a polygon (N, 2), outside the outline."""
+    positions = points if len(points) == 1 else samples(points)
+    depth = depths(outline, positions)
     if depth.min() >= -_TOLERANCE:
         return []
     corners = points[depths(outline, points) < -_TOLERANCE]
-    shown = corners if len(corners) else places[[depth.argmin()]]
+    shown = corners if len(corners) else positions[[depth.argmin()]]
     return [
-        f"{name} must lie inside the outline: outside is {_named(shown)}, "
+        f"{name} must lie inside the outline: outside is {_listed(shown)}, "
         f"by up to {-depth.min():.1f} px"
     ]
 
 
 def _overlap(red: Floats, blue: Floats) -> list[str]:
-    """Return the sentence for markers that lie on each other; a common edge is no overlap."""
-    deepest, place = _TOLERANCE, None
+    """Return the sentence for markers that overlap; a common edge is not an overlap."""
+    maximum_depth, position = _TOLERANCE, None
     for inner, outer in ((red, blue), (blue, red)):
         points = samples(inner)
         _, centroid = area_and_centroid(inner)
         if depths(inner, centroid[np.newaxis]) > 0:
             points = np.vstack((points, centroid))
         depth = depths(outer, points)
-        if depth.max() > deepest:
-            deepest, place = float(depth.max()), points[[depth.argmax()]]
-    if place is None:
+        if depth.max() > maximum_depth:
+            maximum_depth, position = float(depth.max()), points[[depth.argmax()]]
+    if position is None:
         return []
-    return [f"red and blue markers must not overlap: they do around {_named(place)}"]
+    return [f"red and blue markers must not overlap: they do around {_listed(position)}"]
 
 
-def _named(points: Floats, between: str = ", ") -> str:
-    text = between.join(f"({x:.5g}, {y:.5g})" for x, y in points[:_MOST_NAMED])
-    more = len(points) - _MOST_NAMED
+def _listed(points: Floats, between: str = ", ") -> str:
+    text = between.join(f"({x:.5g}, {y:.5g})" for x, y in points[:_MAXIMUM_LISTED])
+    more = len(points) - _MAXIMUM_LISTED
     return f"{text} and {more} more" if more > 0 else text

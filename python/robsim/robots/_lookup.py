@@ -1,4 +1,4 @@
-"""Robots by name: those that ship with robsim, then the user's own."""
+"""Finds and loads robots by name: first those that ship with robsim, then the user's."""
 
 from __future__ import annotations
 
@@ -8,7 +8,12 @@ from os import PathLike
 from pathlib import Path
 
 from robsim._base.shipped import ASSETS
-from robsim.robots._default_robot import data_folder, default_robot, gone, remember
+from robsim.robots._default_robot import (
+    data_folder,
+    default_robot,
+    missing_robot_error,
+    store_default_robot,
+)
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._files import TOML, read_robot
 
@@ -18,14 +23,14 @@ def shipped_robots() -> dict[str, Path]:
     return _folders(ASSETS / "robots")
 
 
-def own_folder() -> Path:
-    """Return the folder of the user's own robots."""
+def user_robots_folder() -> Path:
+    """Return the folder that contains the user's robots."""
     return data_folder() / "robots"
 
 
-def own_robots() -> dict[str, Path]:
-    """Return the folders of the user's own robots, by name."""
-    return _folders(own_folder())
+def user_robots() -> dict[str, Path]:
+    """Return the folders of the user's robots, by name."""
+    return _folders(user_robots_folder())
 
 
 def _folders(parent: Path) -> dict[str, Path]:
@@ -34,14 +39,14 @@ def _folders(parent: Path) -> dict[str, Path]:
 
 
 def same_name(name: str, names: dict[str, Path]) -> str | None:
-    """Return the name among others that is the same but for the case."""
+    """Return the name that is equal without regard to case, or None."""
     return next((other for other in names if other.casefold() == name.casefold()), None)
 
 
 def robot_names() -> list[str]:
-    """Return the names of all robots: those that ship with robsim, then the user's own."""
+    """Return the names of all robots: those that ship with robsim, then the user's."""
     shipped = shipped_robots()
-    return [*shipped, *(name for name in own_robots() if same_name(name, shipped) is None)]
+    return [*shipped, *(name for name in user_robots() if same_name(name, shipped) is None)]
 
 
 def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
@@ -50,30 +55,35 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
     Parameters
     ----------
     robot : str or path, optional
-        Name of a robot, one that ships with robsim or one of your own, or a folder with a
-        ``robot.toml``. Default: the robot in use, see `set_default_robot`.
+        Name of a robot that ships with robsim or that you added, or a folder with a
+        ``robot.toml``. Default: the default robot, see `set_default_robot`.
+
+    Returns
+    -------
+    RobotDefinition
+        The robot.
 
     Raises
     ------
     ValueError
-        If there is no such robot, or its files do not define one; the message says where.
+        If there is no such robot, or its files do not define one; the message names the file.
     """
     if robot is None:
         name = default_robot()
         folder = find_folder(name)
         if folder is None:
-            raise gone(name)
+            raise missing_robot_error(name)
         return _read(folder)
     folder = find_folder(robot)
     if folder is None and (Path(robot) / TOML).is_file():
         folder = Path(robot)
     if folder is None:
-        raise unknown(robot, ", or give a folder with a robot.toml")
+        raise unknown_robot_error(robot, ", or give a folder with a robot.toml")
     return _read(folder)
 
 
 def _read(folder: Path) -> RobotDefinition:
-    """Return a folder's definition, one of the caller's own; what ships is read but once."""
+    """Return the definition in a folder, a new copy; shipped robots are read only once."""
     shipped = folder.parent == ASSETS / "robots"
     return deepcopy(_shipped_robot(folder)) if shipped else read_robot(folder)
 
@@ -84,27 +94,27 @@ def _shipped_robot(folder: Path) -> RobotDefinition:
 
 
 def find_folder(robot: str | PathLike[str]) -> Path | None:
-    """Return the folder of a robot's name, None if there is none of that name."""
-    for robots in (shipped_robots(), own_robots()):
+    """Return the folder of the robot with a name, or None."""
+    for robots in (shipped_robots(), user_robots()):
         if (name := same_name(str(robot), robots)) is not None:
             return robots[name]
     return None
 
 
-def unknown(robot: object, hint: str = "") -> ValueError:
-    """Return the error for a name that no robot has."""
+def unknown_robot_error(robot: object, hint: str = "") -> ValueError:
+    """Return the error for the name of a robot that does not exist."""
     return ValueError(f"no robot {str(robot)!r}: there are {', '.join(robot_names())}{hint}")
 
 
 def set_default_robot(name: str) -> None:
-    """Choose the robot in use: what a simulation shows unless another is asked for.
+    """Choose the default robot: the one of a simulation that names no other.
 
-    The choice is kept until the next one, see `reset_default_robot`.
+    The choice is stored for this user until it is changed or reset by `reset_default_robot`.
 
     Parameters
     ----------
     name : str
-        Name of a robot, one that ships with robsim or one of your own.
+        Name of a robot that ships with robsim or that you added.
 
     Raises
     ------
@@ -113,13 +123,13 @@ def set_default_robot(name: str) -> None:
     """
     folder = find_folder(name)
     if folder is None:
-        raise unknown(name, "; `robsim robots add` takes in others")
+        raise unknown_robot_error(name, "; `robsim robots add` adds others")
     read_robot(folder)
-    remember(folder.name)
+    store_default_robot(folder.name)
 
 
 def as_robot(robot: str | PathLike[str] | RobotDefinition | None) -> RobotDefinition:
-    """Return the robot definition itself, or that of a name or folder; None = that in use."""
+    """Return a robot definition, loaded if `robot` is a name, a folder or None (the default)."""
     if isinstance(robot, RobotDefinition):
         return robot
     if robot is None or isinstance(robot, (str, PathLike)):

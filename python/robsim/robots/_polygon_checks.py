@@ -1,4 +1,4 @@
-"""Checked points and polygons."""
+"""Type, shape and range checks of points and polygons, for robot definitions."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
 
-_MOST_POINTS = 1000
-_FARTHEST = 1e6  # image px, beyond any image
+_MAXIMUM_POINTS = 1000
+_MAXIMUM_COORDINATE = 1e6  # image px, beyond any image
 
 
-def numbers(name: str, value: Any, shape: tuple[int, ...]) -> Floats:
-    """Return finite numbers of a shape; -1 = any size."""
+def finite_array(name: str, value: Any, shape: tuple[int, ...]) -> Floats:
+    """Return `value` as a float array of finite numbers with this shape; -1 = any size."""
     try:
         result = np.asarray(value)
     except (TypeError, ValueError):
@@ -33,17 +33,19 @@ def _fits(array: NDArray[Any], shape: tuple[int, ...]) -> bool:
 
 
 def polygon(name: str, value: Any) -> Floats:
-    """Return a polygon (N, 2) with an area; points that come twice in a row count once."""
-    points = numbers(name, value, (-1, 2))
-    if abs(points).max(initial=0) > _FARTHEST:
-        raise ValueError(f"{name} must be a polygon within {_FARTHEST:g} px, got {value!r}")
+    """Return `value` as a polygon (N, 2) of nonzero area, without consecutive duplicates."""
+    points = finite_array(name, value, (-1, 2))
+    if abs(points).max(initial=0) > _MAXIMUM_COORDINATE:
+        raise ValueError(
+            f"{name} must be a polygon within {_MAXIMUM_COORDINATE:g} px, got {value!r}"
+        )
     if len(points) > 1:
         points = np.asarray(points[(points != np.roll(points, -1, axis=0)).any(axis=1)])
-    if not 3 <= len(points) <= _MOST_POINTS:
+    if not 3 <= len(points) <= _MAXIMUM_POINTS:
         raise ValueError(
-            f"{name} must be a polygon of 3 to {_MOST_POINTS} different points, got "
+            f"{name} must be a polygon of 3 to {_MAXIMUM_POINTS} different points, got "
             f"{len(np.unique(points, axis=0))}"
         )
     if np.linalg.matrix_rank(points - points[0], tol=1e-6) < 2:
-        raise ValueError(f"{name} must be a polygon with an area, got points on a line")
+        raise ValueError(f"{name} must be a polygon of nonzero area, got points on a line")
     return points

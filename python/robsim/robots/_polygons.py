@@ -1,6 +1,6 @@
-"""The geometry of polygons.
+"""Geometry of polygons, for the checks and the search of robot outlines and markers.
 
-A polygon is an array (N, 2) of corners; the last one joins the first.
+A polygon is an array (N, 2) of corners; the last corner is joined to the first.
 """
 
 from __future__ import annotations
@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
 
-_MOST_SAMPLES = 2000
+_MAXIMUM_SAMPLES = 2000
 
 
 def area_and_centroid(polygon: Floats) -> tuple[float, Floats]:
-    """Return the area and the centroid (2,) of what the polygon encloses."""
+    """Return the area and the centroid (2,) of a polygon, by the shoelace formula."""
     a = polygon - polygon[0]
     b = np.roll(a, -1, axis=0)
-    twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    centroid: Floats = polygon[0] + twice @ (a + b) / (3 * twice.sum())
-    return abs(float(twice.sum())) / 2, centroid
+    cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    centroid: Floats = polygon[0] + cross @ (a + b) / (3 * cross.sum())
+    return abs(float(cross.sum())) / 2, centroid
 
 
 def fitted(polygon: Floats, area: float, centroid: Floats) -> Floats:
@@ -30,7 +30,7 @@ def fitted(polygon: Floats, area: float, centroid: Floats) -> Floats:
 
 
 def contains(polygon: Floats, points: Floats) -> NDArray[np.bool_]:
-    """Return which of the points (M, 2) lie inside: a ray to the right crosses an odd number."""
+    """Return which of the points (M, 2) lie inside: a ray to the right crosses the sides oddly."""
     a, b = polygon, np.roll(polygon, -1, axis=0)
     x, y = points[:, :1], points[:, 1:]
     crosses = (a[:, 1] > y) != (b[:, 1] > y)
@@ -42,7 +42,7 @@ def contains(polygon: Floats, points: Floats) -> NDArray[np.bool_]:
 
 
 def distances(polygon: Floats, points: Floats) -> Floats:
-    """Return how far the points (M, 2) are from the sides of the polygon."""
+    """Return the distances (M,) of points (M, 2) from the sides of a polygon."""
     side = np.roll(polygon, -1, axis=0) - polygon
     offset = points[:, np.newaxis] - polygon
     along = np.clip((offset * side).sum(axis=2) / (side**2).sum(axis=1), 0.0, 1.0)
@@ -51,30 +51,30 @@ def distances(polygon: Floats, points: Floats) -> Floats:
 
 
 def depths(polygon: Floats, points: Floats) -> Floats:
-    """Return how deep the points (M, 2) lie inside the polygon; outside it is negative."""
-    away = distances(polygon, points)
-    return np.where(contains(polygon, points), away, -away)
+    """Return the signed distances (M,) of points (M, 2) from the sides; positive inside."""
+    distance = distances(polygon, points)
+    return np.where(contains(polygon, points), distance, -distance)
 
 
 def samples(polygon: Floats) -> Floats:
-    """Return points (M, 2) all along the sides, the corners among them, about a px apart."""
+    """Return points (M, 2) along the sides, including the corners, about 1 px apart."""
     side = np.roll(polygon, -1, axis=0) - polygon
     length = np.linalg.norm(side, axis=1)
-    spacing = max(1.0, float(length.sum()) / _MOST_SAMPLES)
+    spacing = max(1.0, float(length.sum()) / _MAXIMUM_SAMPLES)
     count = np.ceil(length / spacing).astype(int)
     i = np.repeat(np.arange(len(polygon)), count)
-    share = (np.arange(count.sum()) - (np.cumsum(count) - count)[i]) / count[i]
-    points: Floats = polygon[i] + share[:, np.newaxis] * side[i]
+    fraction = (np.arange(count.sum()) - (np.cumsum(count) - count)[i]) / count[i]
+    points: Floats = polygon[i] + fraction[:, np.newaxis] * side[i]
     return points
 
 
 def crossing(polygon: Floats) -> tuple[int, int] | None:
-    """Return two sides that cross or touch each other though they are no neighbours.
+    """Return the indices of two non-adjacent sides that cross or touch, or None.
 
     Side i goes from corner i to the next one.
     """
     a, b = polygon, np.roll(polygon, -1, axis=0)
-    # On which side of each side's line the ends of all sides lie: [i, j] of side i, end of j.
+    # [i, j] > 0 or < 0: on which side of the line through side i an end of side j lies.
     start, end = _turns(a, b, a), _turns(a, b, b)
     apart = start * end > 0
     boxes_meet = np.ones_like(apart)
@@ -83,7 +83,7 @@ def crossing(polygon: Floats) -> tuple[int, int] | None:
         boxes_meet &= (low[:, np.newaxis] <= high) & (low <= high[:, np.newaxis])
     meet = ~apart & ~apart.T & boxes_meet
     i, j = np.nonzero(np.triu(meet, 2))
-    is_pair = j - i < len(polygon) - 1  # the last side is a neighbour of the first
+    is_pair = j - i < len(polygon) - 1  # the last side is adjacent to the first
     pairs = zip(i[is_pair].tolist(), j[is_pair].tolist(), strict=True)
     return next(pairs, None)
 
@@ -97,7 +97,7 @@ def _turns(a: Floats, b: Floats, points: Floats) -> Floats:
 
 
 def mask(polygon: Floats, width: int, height: int) -> NDArray[np.bool_]:
-    """Return which pixels (height, width) of an image have their centre in the polygon."""
+    """Return the mask (height, width) of the pixels whose centre lies in the polygon."""
     covered = np.zeros((height, width), dtype=bool)
     a, b = polygon, np.roll(polygon, -1, axis=0)
     top, bottom = np.clip((a[:, 1].min(), a[:, 1].max()), 0, height - 1).astype(int)
@@ -105,6 +105,6 @@ def mask(polygon: Floats, width: int, height: int) -> NDArray[np.bool_]:
         crosses = (a[:, 1] > down) != (b[:, 1] > down)
         (x0, y0), (x1, y1) = a[crosses].T, b[crosses].T
         sides = np.sort(x0 + (down - y0) * (x1 - x0) / (y1 - y0))
-        # Between an odd number of sides and the next one is the inside.
+        # Even-odd rule: inside between an odd crossing and the next one.
         covered[down] = np.searchsorted(sides, np.arange(width)) % 2 == 1
     return covered

@@ -1,4 +1,4 @@
-"""The simulation: scene, slots, callback folders, the loop."""
+"""The simulation: its options, slots and loop, the scene, callback folders, frame sources."""
 
 from robsim._base.public import present as _present
 from robsim._core import Estimate, Renderer, RobotModel, RobotParameters, Step, Unicycle, WorldState

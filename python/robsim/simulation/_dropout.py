@@ -1,4 +1,4 @@
-"""Dropouts, as a value: `Simulation(dropout=Dropout(0.2))` hides the robot from the camera."""
+"""Dropouts as a value: `Simulation(dropout=Dropout(0.2))` hides the robot from the camera."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from robsim._base.checks import check_float, check_int
 
 @dataclass(frozen=True)
 class Dropout:
-    """Something hides the robot from the camera.
+    """Random occlusion: something hides the robot from the camera.
 
-    The run is cut into segments of `steps` steps; throughout each of them the robot is hidden with
-    this probability.
+    The run is divided into segments of `steps` steps; in each segment, independently, the robot is
+    hidden throughout with this probability.
 
     Parameters
     ----------
     probability : float
-        How likely it is that a segment is hidden, 0..1.
+        Probability that the robot is hidden in a segment, 0..1.
     steps : int
-        Length of a segment.
+        Length of a segment (steps), at least 1.
 
     Raises
     ------
     TypeError, ValueError
-        If a value is out of range; the message names it.
+        If an argument has the wrong type or is out of range; the message names it.
 
     Examples
     --------
@@ -40,7 +40,7 @@ class Dropout:
 
 
 def as_dropout(dropout: Dropout | None) -> Dropout:
-    """Return a dropout for the value of an option; None = none."""
+    """Return the value of the option ``dropout`` as a Dropout; None = probability 0."""
     if dropout is None:
         return Dropout(0.0)
     if not isinstance(dropout, Dropout):

@@ -1,4 +1,4 @@
-"""Frames from outside the simulation."""
+"""Frames from outside the simulation, such as recordings: the option ``frames`` of `Simulation`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from robsim._core import Frame, RobotModel, RobotParameters
 from robsim.simulation._scene import HEADINGS
 
-DT_TOLERANCE = 2e-3  # relative; video files round their rate
+DT_TOLERANCE = 2e-3  # relative; video files round their frame rate
 
 # Options of a simulated world, and their defaults.
 _WORLD = {
@@ -26,18 +26,18 @@ _WORLD = {
 
 
 class FrameSource:
-    """An iterable of frames, as the loop takes them.
+    """An iterable of frames, read one per step by the loop.
 
     Parameters
     ----------
     frames : iterable of Frame
-        The frames. Its attributes ``area`` and ``dt``, if it has them, say how large the work area
-        is (px) and how far the frames are apart (s).
+        The frames. The optional attributes ``area`` and ``dt`` are the size of the work area (px)
+        and the time between two frames (s).
 
     Raises
     ------
     TypeError
-        If it is not iterable.
+        If `frames` is not iterable.
     """
 
     def __init__(self, frames: Iterable[Frame]) -> None:
@@ -49,27 +49,27 @@ class FrameSource:
         self._iterator = iter(frames)
 
     @property
-    def comes_once(self) -> bool:
-        """Whether the frames that have come can't come again."""
+    def is_single_pass(self) -> bool:
+        """Whether the frames can be read only once."""
         return self._iterator is self._frames
 
     def restart(self) -> None:
-        """Begin with the first frame again."""
+        """Start again with the first frame."""
         self._iterator = iter(self._frames)
 
     def take(self, k: int) -> Frame | None:
-        """Return the frame of step k; None = there are no more."""
+        """Return the frame of step k; None = no more frames."""
         frame = next(self._iterator, None)
         if frame is not None and not isinstance(frame, Frame):
-            raise TypeError(f"frames must give Frame objects, got {frame!r} at step {k}")
+            raise TypeError(f"frames must yield Frame objects, got {frame!r} at step {k}")
         return frame
 
     def define_model(self) -> RobotModel:
-        """Return the default model, in the time steps of the frames."""
+        """Return the default model, with the dt of the frames."""
         return RobotModel(RobotParameters() if self.dt is None else RobotParameters(dt=self.dt))
 
     def checked(self, define_model: Callable[[], Any]) -> Callable[[], Any]:
-        """Return a define_model that refuses a model whose dt is not that of the frames."""
+        """Return a define_model that raises if the model has another dt than the frames."""
 
         @functools.wraps(define_model)
         def check() -> Any:
@@ -78,8 +78,8 @@ class FrameSource:
                 return model
             if not math.isclose(model.dt, dt, rel_tol=DT_TOLERANCE):
                 raise ValueError(
-                    f"the model's dt is {model.dt:g} s, but the frames are {dt:g} s apart: give "
-                    "the model that dt, or the recording another"
+                    f"the model's dt is {model.dt:g} s, but that of the frames is {dt:g} s: set "
+                    "the dt of the model or of the recording"
                 )
             return model
 
@@ -87,7 +87,7 @@ class FrameSource:
 
 
 def check_no_world(options: Mapping[str, Any]) -> None:
-    """Refuse options of a simulated world beside frames that come from elsewhere."""
+    """Raise ValueError for options of a simulated world that are given together with frames."""
     for name, default in _WORLD.items():
         value = options[name]
         if not (value is default or (isinstance(value, (str, float, int)) and value == default)):

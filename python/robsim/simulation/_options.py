@@ -1,4 +1,4 @@
-"""Checks of what only a simulation takes: steps, start pose, headings shown."""
+"""Checks of arguments that only `Simulation` takes: steps, start pose, number of headings."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 
 from robsim._base.checks import check_int, is_int
 
-_FARTHEST_START = 1e6
+_MAXIMUM_START = 1e6  # work-area px
 
 
 def step_count(steps: Any) -> int:
-    """Return a number of steps, at least 0."""
+    """Return `steps` as an int of at least 0; else raise TypeError or ValueError."""
     if not is_int(steps):
         raise TypeError(f"steps must be an int, got {steps!r}")
     if not 0 <= steps < 2**62:
@@ -22,7 +22,7 @@ def step_count(steps: Any) -> int:
 
 
 def start_within(start: ArrayLike, area: tuple[int, int] | None) -> ArrayLike:
-    """Return a start pose after a look at its place; the core looks at the rest."""
+    """Return a start pose after a check of its position; the C++ core checks the rest."""
     try:
         numbers = np.asarray(start)
     except ValueError:
@@ -34,11 +34,11 @@ def start_within(start: ArrayLike, area: tuple[int, int] | None) -> ArrayLike:
         raise ValueError(
             f"start must lie within the area of {area[0]} x {area[1]} px, got {start!r}"
         )
-    if max(abs(x), abs(y)) > _FARTHEST_START:
-        raise ValueError(f"start must lie within {_FARTHEST_START:g} px, got {start!r}")
+    if max(abs(x), abs(y)) > _MAXIMUM_START:
+        raise ValueError(f"start must lie within {_MAXIMUM_START:g} px, got {start!r}")
     return start
 
 
 def heading_count(headings: int | None) -> int:
-    """Return the number of headings that the robot is shown in; 0 = any, for None."""
+    """Return the number of headings that the robot is drawn in; 0 for None (continuous)."""
     return 0 if headings is None else check_int("headings", headings, minimum=1, maximum=360)

@@ -1,4 +1,4 @@
-"""The scene under the camera: floor, shadow, robot image."""
+"""The scene under the camera: composes floor, shadow and robot image into a `Renderer`."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from robsim.imaging._images import Pixels, load_image, resized
 from robsim.imaging._shading import SHADOW, darkened, lightened
 from robsim.robots import RobotDefinition
 
-#: Number of headings that the original program shows the robot in.
+#: Number of headings that the robot is drawn in, as in the program of 2008.
 HEADINGS = 36
 
-# The square that the default background shows: left, top, side (work-area px), RGB.
+# The square on the default background: left, top, side (work-area px), RGB.
 _SQUARE = (572, 64, 56, (198, 36, 40))
 
 
 def draw_red_square(background: Pixels) -> Pixels:
     """Draw a red square near the top: the default of the slot ``adjust_background``.
 
-    It is bigger than the robot's red marker; vision must not fall for it.
+    It is larger than the robot's red marker; vision must not mistake it for the marker.
 
     Parameters
     ----------
     background : array (H, W, 3) of uint8
-        The work area in RGB, a pixel a work-area px.
+        The work area, RGB, one pixel per work-area px; it is changed in place.
 
     Returns
     -------
     array (H, W, 3) of uint8
-        The changed one.
+        The same array.
     """
     left, top, side, color = _SQUARE
     background[top : top + side, left : left + side] = color
@@ -51,7 +51,7 @@ def make_renderer(
     background: Pixels | None,
     adjust_background: Callable[[Pixels], Pixels],
 ) -> Renderer:
-    """Return what draws the scene.
+    """Return the renderer of the scene.
 
     Parameters
     ----------
@@ -60,16 +60,16 @@ def make_renderer(
     area, resolution : tuple of int
         Width and height of the work area (px) and of the frame (px).
     headings : int
-        Number of headings the robot is shown in; 0 = any.
+        Number of headings the robot is drawn in; 0 = continuous.
     background : array (H, W, 3) of uint8, or None
-        The floor, in the size of the area. None = the one that ships with robsim.
+        The floor, of the size of the area. None = the one that ships with robsim.
     adjust_background : callable
-        Gets the work area with its shadow, returns the changed one.
+        Gets the image of the work area with its shadow; returns the changed image.
 
     Raises
     ------
     TypeError, ValueError
-        If `adjust_background` returns another kind of array; the message says so.
+        If `adjust_background` returns a value of the wrong type or shape.
     """
     floor = _shipped_floor(area) if background is None else background
     shadowed_floor = darkened(floor)
@@ -102,11 +102,11 @@ def _home(
     left = _shadow_left(floor.shape[1])
     shown = np.concatenate((floor[:, :left], shadowed_floor[:, left:]), axis=1)
     adjusted = _adjusted(adjust_background, shown)
-    # What was drawn into the light is darkened in the shadow, and the other way round.
+    # What was drawn in the light is darkened for the shadow, and vice versa.
     shadowed_home = adjusted.copy()
     shadowed_home[:, :left] = darkened(adjusted[:, :left])
     home = adjusted.copy()
-    home[:, left:] = floor[:, left:]  # which a darkened floor, lightened, does not quite give back
+    home[:, left:] = floor[:, left:]  # lightened(darkened(floor)) is not exact
     red, green, blue = np.moveaxis(adjusted[:, left:] != shown[:, left:], 2, 0)
     drawn = red | green | blue
     home[:, left:][drawn] = lightened(adjusted[:, left:][drawn])
@@ -116,7 +116,7 @@ def _home(
 def as_floor(
     background: Pixels | str | PathLike[str] | None, area: tuple[int, int]
 ) -> Pixels | None:
-    """Return a user's floor in the size of the work area; None stays None.
+    """Return a user's floor scaled to the work area; None stays None.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def as_floor(
     Raises
     ------
     TypeError, ValueError
-        If it is not an image.
+        If `background` has the wrong type or shape, or the file is not an image.
     """
     if background is None:
         return None
@@ -141,7 +141,7 @@ def as_floor(
 
 
 def _shipped_floor(area: tuple[int, int]) -> Pixels:
-    """Return our floor, repeated or cut to the size of the work area."""
+    """Return the shipped floor, tiled and cropped to the size of the work area."""
     width, height = area
     tile = _floor_tile()
     across, down = -(-width // tile.shape[1]), -(-height // tile.shape[0])
@@ -154,23 +154,25 @@ def _floor_tile() -> Pixels:
 
 
 def _adjusted(adjust_background: Callable[[Pixels], Pixels], shown: Pixels) -> Pixels:
-    """Return what the callback makes of the work area."""
+    """Return the image that the callback returns, checked."""
     try:
         adjusted = adjust_background(shown.copy())
         expected = f"adjust_background must return a uint8 array of shape {shown.shape}"
-        place = _place(adjust_background)
+        location = _location(adjust_background)
         if not isinstance(adjusted, np.ndarray):
-            raise TypeError(f"{expected}, got {adjusted!r}{place}")
+            raise TypeError(f"{expected}, got {adjusted!r}{location}")
         if adjusted.dtype != np.uint8 or adjusted.shape != shown.shape:
-            raise ValueError(f"{expected}, got {adjusted.dtype} of shape {adjusted.shape}{place}")
+            raise ValueError(
+                f"{expected}, got {adjusted.dtype} of shape {adjusted.shape}{location}"
+            )
     except Exception as error:
         error.add_note("in the callback adjust_background at the start")
         raise
     return adjusted
 
 
-def _place(callback: Callable[..., object]) -> str:
-    """Return where a function is defined, as in a traceback, if it is one of Python."""
+def _location(callback: Callable[..., object]) -> str:
+    """Return where a Python function is defined, in the format of a traceback, or ''."""
     code = getattr(inspect.unwrap(callback), "__code__", None)
     if code is None:
         return ""
@@ -178,7 +180,7 @@ def _place(callback: Callable[..., object]) -> str:
 
 
 def robot_sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[float, float], float]:
-    """Return the robot's image at the camera's scale, its centre in it, and its unit.
+    """Return the robot's image at the scale of the camera, its centre, and the width of a pixel.
 
     Parameters
     ----------
@@ -192,9 +194,9 @@ def robot_sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[fl
     sprite : array (h, w, 4) of uint8
         RGBA.
     centre : tuple of float
-        u, v of the robot's centre (sprite px).
+        u, v of the robot's centre in the sprite (px).
     unit : float
-        Work-area px that a sprite pixel stands for.
+        Width of a sprite pixel on the work area (px).
     """
     height, width = robot.image.shape[:2]
     small_width = max(1, round(robot.size * scale))

@@ -1,4 +1,4 @@
-"""The simulation: options, callbacks, runs."""
+"""The class `Simulation`: options, the slots for callbacks, runs; the loop itself is in C++."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 SOURCES = ("truth", "measurement", "estimate")
 _AREA = (1200, 1200)
-_ENDLESS = 2**62 - 1
+_UNLIMITED = 2**62 - 1  # steps
+# Columns of an empty trace and their widths.
 _SIMULATED = {"pose_true": 3, "u": 2, "bounced": 1}
 _RECORDED = {"t": 1, "pose_measured": 3}
 
-
-# Stages that the core does without Python: they need no time limit.
+# Stages that run in C++ without Python: they need no time limit.
 _NATIVE = (Spin, DriveAround, Unicycle)
 
 
 class _Slot:
-    """One slot of a simulation: ``@sim.control`` or ``sim.control = ...`` fills it."""
+    """Descriptor of a slot: ``@sim.control`` or ``sim.control = ...`` fills it."""
 
     def __init__(self, doc: str) -> None:
         self.__doc__ = doc
@@ -80,55 +80,56 @@ class _Slot:
 class Simulation:
     """A robot on a work area under a ceiling camera, driven by callbacks.
 
-    At every step, in this order: the robot model moves the robot; the parameter estimator gets
-    the newest sample; the measurement looks at the camera's frame; the state estimator; the
-    controller gives the input of the next step.
+    Each step runs these stages in order: the model moves the robot; the parameter estimator gets
+    the newest sample; the measurement evaluates the camera's frame; the state estimator updates
+    its estimate; the controller returns the input of the next step.
 
     Parameters
     ----------
     robot : str, path or RobotDefinition, optional
         Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
-        with ``robsim robots use``, which is ``"lab"`` at first.
+        with ``robsim robots use``, initially ``"lab"``.
     frames : iterable of Frame, optional
-        What the camera sees, such as a `Recording`, in place of a simulated world: nothing is
-        drawn, the truth is not known, and a run ends with the frames. They have times ``t`` that
-        grow, or none (0): then they are one `dt` of the model apart. Attributes ``area`` and ``dt``
-        of the iterable, as a `Recording` has them, say what the area and the model's dt are.
+        Camera frames, such as a `Recording`, in place of a simulated world: nothing is rendered,
+        the true pose is unknown, and a run ends with the frames. Their times ``t`` (s) increase, or
+        are all 0: then consecutive frames are one `dt` of the model apart. Optional attributes
+        ``area`` and ``dt`` of the iterable set the area and the model's dt.
     area : tuple of int, optional
         Width and height of the work area (px). Default: ``frames.area`` if there is one, or
         1200 x 1200.
     resolution : tuple of int, optional
-        Width and height of the frames (px). Default: those of the area.
+        Width and height of the frames (px). Default: the same as the area.
     boundary : str
-        ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: it does not, and the view
-        follows it.
+        ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
+        view follows the robot.
     headings : int or None
-        Number of headings that the robot is shown in: the nearest one, at whole pixels. None: its
-        exact position and heading.
+        Number of headings that the robot is drawn in: the nearest one, at integer pixels. None:
+        drawn at its exact position and heading.
     noise : GaussianNoise, UniformNoise or None
-        Noise of the camera.
+        Camera noise.
     dropout : Dropout or None
-        Something hides the robot from the camera now and then.
+        Random occlusion of the robot.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
     start : array (3,) or "random", optional
-        The first pose: x, y (px), heading (rad). Default: the middle of the area, facing right.
+        The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.
     seed : int, SeedSequence, Generator or None
-        What all random numbers of the run come from; the trace has it in ``info.seed``.
+        Seed of all random numbers of the run, stored in ``trace.info.seed``. None = unpredictable.
     colors : path or iterable of ColorClass, optional
-        The colours to look for. Default: red and blue as they ship with robsim.
+        Colour file, or classes, to detect. Default: red and blue as shipped with robsim.
     markers : MarkerLayout, RobotDefinition, str or path, optional
-        What the default measurement takes the markers' geometry from. Default: the robot.
+        Geometry of the markers for the default measurement, or the robot that has them. Default:
+        `robot`.
     smoothing : int, optional
-        Width of the window by whose mean a pixel's colour is judged (px of the frame): 3, 5, ...
-        15, against noise; a quarter to three quarters of a marker's width. 1 = off, as in the
-        program of 2008. Default: 0.28 of the width of the smaller marker, at most 7.
+        Width of the averaging window applied before a pixel's colour is classified (px of the
+        frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. 1 =
+        off, as in the program of 2008. Default: 0.28 of the width of the smaller marker, at most 7.
     identify_from : str, optional
-        The data that samples are made of: ``"truth"``, the default in a simulated world,
+        Source of the poses in the samples: ``"truth"``, the default in a simulated world,
         ``"measurement"`` or ``"estimate"``.
     time_limit : float, optional
-        The longest time that a call of a callback, or of the update of an estimator of yours, may
-        take (s); after that the run ends with a TimeoutError.
+        Maximum duration of a call of a callback, or of the ``update`` of your own estimator (s);
+        a call that exceeds it ends the run with a TimeoutError.
     define_model, init_parameter_estimator, adjust_background : callable, optional
         Called once, at the start.
     evaluate_model : callable or Unicycle, optional
@@ -136,8 +137,8 @@ class Simulation:
     estimate_parameters : callable or bool, optional
         ``estimate_parameters(step) -> (3, 5) or None``. True = recursive least squares.
     measure : callable or bool, optional
-        ``measure(step) -> Measurement or None``. True = the red and the blue marker, which is the
-        default for `frames` that come from elsewhere.
+        ``measure(step) -> Measurement or None``. True = locate the red and the blue marker, the
+        default if `frames` is given.
     estimate_state : callable, optional
         ``estimate_state(step) -> Estimate``.
     control : callable or Controller, optional
@@ -146,7 +147,7 @@ class Simulation:
     Raises
     ------
     TypeError, ValueError
-        If a value does not fit; the message names it.
+        If an argument has the wrong type or shape, or is out of range; the message names it.
 
     Examples
     --------
@@ -209,7 +210,7 @@ class Simulation:
         self.identify_from = check_choice("identify_from", identify_from, SOURCES)
         self._time_limit = None if time_limit is None else TimeLimit(time_limit)
         self._is_guarded = False
-        self._renderer: _core.Renderer | None = None  # of an earlier start
+        self._renderer: _core.Renderer | None = None  # kept across resets
         self._folder: CallbackFolder | None = None
         self._from_folder: set[str] = set()
         self.colors = as_colors(colors)
@@ -253,11 +254,11 @@ class Simulation:
 
     @classmethod
     def from_folder(cls, folder: str | PathLike[str], **options: Any) -> Simulation:
-        """Return a simulation with the callbacks of a folder, as ``robsim new`` writes one.
+        """Return a simulation with the callbacks of a folder, as written by ``robsim new``.
 
-        When a file of the folder has changed, the next run or reset reads all of them anew. If one
-        of them fails, the simulation stays as it was. What is given here for a slot beats the
-        file, but for True: that is for a folder without the file, or with ``ENABLED = False``.
+        When a file of the folder has changed, the next run or reset reloads all of them. If one
+        fails, the simulation is unchanged. A callback given here for a slot overrides the file;
+        True does not: it applies if the file is missing or has ``ENABLED = False``.
 
         Parameters
         ----------
@@ -271,9 +272,9 @@ class Simulation:
         FileNotFoundError
             If there is no such folder.
         ValueError
-            If it has no callbacks, or a file does not define the one it is named after.
+            If it has no callback files, or a file does not define the callback it is named after.
         SyntaxError
-            If Python cannot read a file: with its name and the line.
+            If a file is not valid Python; the message has its name and the line.
         """
         from robsim.simulation._folders.callback_folder import CallbackFolder
 
@@ -292,7 +293,7 @@ class Simulation:
             is_fixed = slot in slots.ONCE and self._core.has_started
             is_open = self._given[slot] is None or self._given[slot] is True
             if slot in self._from_folder | callbacks.keys() and is_open and not is_fixed:
-                # A file that is switched off is as good as none.
+                # A file that is switched off counts as missing.
                 callback = callbacks.get(slot, False)
                 self._set_slot(slot, self._given[slot] if callback is False else callback)
         self._from_folder = set(callbacks)
@@ -302,13 +303,15 @@ class Simulation:
         if is_made and not name.startswith("_") and name not in self._callbacks:
             raise AttributeError(
                 f"a simulation has no slot {name!r}: there are {', '.join(self._callbacks)}; "
-                "options are given when it is made"
+                "options are given to Simulation(...)"
             )
         super().__setattr__(name, value)
 
     def _set_slot(self, slot: str, callback: Any) -> None:
         if slot in slots.ONCE and self._core.has_started:
-            raise RuntimeError(f"{slot} comes once, at the start: call sim.reset() before")
+            raise RuntimeError(
+                f"{slot} runs only at the start of a simulation: call sim.reset() first"
+            )
         if slot == "adjust_background":
             if callback is not None and not callable(callback):
                 raise TypeError(f"adjust_background must be callable, got {callback!r}")
@@ -317,16 +320,16 @@ class Simulation:
         self._callbacks[slot] = callback
         update = self._callbacks["estimate_parameters"]
         if slot == "init_parameter_estimator" and (update is None or update is True):
-            # Whoever brings an estimator wants it to be used.
+            # An estimator of the user's is meant to be used.
             self._set_slot("estimate_parameters", True)
 
     def _stage(self, slot: str, callback: Any) -> Any:
-        """Return what the core gets for a callback."""
+        """Return the stage that the C++ core gets for a callback."""
         if slot == "define_model" and self._source and callable(callback):
             return self._source.checked(callback)
-        has_own = slot == "estimate_parameters" and self._callbacks["init_parameter_estimator"]
-        if callback is True and has_own and self._time_limit:
-            return _update_estimator  # in Python, where its time is taken
+        is_users = slot == "estimate_parameters" and self._callbacks["init_parameter_estimator"]
+        if callback is True and is_users and self._time_limit:
+            return _update_estimator  # in Python, where the time limit applies
         return callback
 
     def _limited(self, callback: Any) -> Any:
@@ -336,7 +339,7 @@ class Simulation:
         return self._time_limit.limited(callback)
 
     def find_blobs(self, frame: Frame) -> dict[str, list[_core.Blob]]:
-        """Return the blobs of a frame, found as the loop finds them.
+        """Return the blobs of a frame, found with the colours and smoothing of this simulation.
 
         Parameters
         ----------
@@ -346,7 +349,7 @@ class Simulation:
         Returns
         -------
         dict of str to list of Blob
-            Per colour the blobs, the largest first.
+            The blobs by colour, the largest first.
         """
         return _core.find_blobs(frame, self.colors, markers=self.markers, smoothing=self._smoothing)
 
@@ -367,7 +370,7 @@ class Simulation:
     def _make_renderer(self) -> _core.Renderer:
         adjust = self._limited(self._callbacks["adjust_background"])
         if adjust is None and self._renderer is not None:
-            return self._renderer  # nothing of it has changed since the last reset
+            return self._renderer  # nothing has changed since the last reset
         renderer = make_renderer(
             robot=self.robot,
             area=self.area,
@@ -380,32 +383,32 @@ class Simulation:
         return renderer
 
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
-        """Do some steps; a run goes on where the one before ended.
+        """Run some steps; a run continues where the last one ended.
 
         Parameters
         ----------
         steps : int, optional
-            Number of steps. Only a run of frames that come from elsewhere may do without: it goes
-            on to their end.
+            Number of steps. May be omitted only if `frames` was given: then the run ends with the
+            frames.
         progress : bool or str
-            Show a progress bar, with this label if it is one.
+            Show a progress bar; a str is its label.
 
         Returns
         -------
         Trace
-            All steps since the start.
+            All steps since the start of the simulation.
 
         Raises
         ------
         Exception
-            Whatever a callback raises, with a note that names the callback and the step. The
-            trace up to the step before is kept in `trace`, and the next run goes on from there.
+            Any exception of a callback, with a note that names the callback and the step. The
+            steps before it are kept in `trace`, and the next run continues from there.
         RuntimeError
-            If the simulation is running already.
+            If the simulation is already running.
         """
         if steps is None and self._source is None:
             raise TypeError("steps must be an int: a simulated world has no end")
-        total, steps = steps, _ENDLESS if steps is None else step_count(steps)
+        total, steps = steps, _UNLIMITED if steps is None else step_count(steps)
         self._prepare()
         if not progress:
             with self._guarded():
@@ -421,17 +424,17 @@ class Simulation:
         return self.trace
 
     def step(self) -> Step:
-        """Do one step.
+        """Run one step.
 
         Returns
         -------
         Step
-            What the robot half knows of it.
+            The data of the step that the robot's software may use.
 
         Raises
         ------
         EOFError
-            If frames that come from elsewhere have come to their end.
+            If `frames` was given and there are no more frames.
         """
         self._prepare()
         before = self._core.rows
@@ -451,15 +454,16 @@ class Simulation:
             late = changed & slots.ONCE.keys() if self._core.has_started else set()
             for slot in late:
                 raise RuntimeError(
-                    f"{slot}.py has changed, and comes once, at the start: call sim.reset() before"
+                    f"{slot}.py has changed, but runs only at the start of a simulation: call "
+                    "sim.reset() first"
                 )
             self._load_folder()
         self._check_stages()
 
     @contextmanager
     def _guarded(self) -> Iterator[None]:
-        """Let callbacks import their folder's helpers, and watch the time they take."""
-        if self._is_guarded:  # the core refuses what runs already
+        """Let callbacks import the helper modules of their folder, and enforce the time limit."""
+        if self._is_guarded:  # the core raises if it is running
             yield
             return
         self._is_guarded = True
@@ -472,18 +476,18 @@ class Simulation:
             yield
 
     def reset(self) -> None:
-        """Go back to the start: the next run begins anew.
+        """Return to the start; the next run begins with step 0 and the same seed.
 
-        Without callbacks that remember something it gives the same again.
+        It repeats the last run exactly if no callback keeps state of its own.
 
         Raises
         ------
         RuntimeError
-            If frames that come from elsewhere have come, and can't come again.
+            If `frames` can be read only once, and some have been read.
         """
-        if self._source and self._core.rows and self._source.comes_once:
+        if self._source and self._core.rows and self._source.is_single_pass:
             raise RuntimeError(
-                "the frames come only once: give a list or a Recording to be able to reset"
+                "the frames can be read only once: give a list or a Recording to be able to reset"
             )
         callbacks = self._folder.load() if self._folder else None
         self._core.reset()
@@ -516,7 +520,7 @@ class Simulation:
 
     def _check_recorded(self) -> None:
         if not self._callbacks["measure"]:
-            raise ValueError("measure must be on for frames that come from elsewhere, got None")
+            raise ValueError("measure must be on if frames=... is given, got None")
         if not self._callbacks["estimate_parameters"]:
             return
         if not self._callbacks["control"]:
@@ -549,18 +553,18 @@ class Simulation:
 
     @property
     def rng(self) -> np.random.Generator:
-        """Random numbers for your callbacks: a stream of the run's seed."""
+        """Random generator for your callbacks, derived from the seed of the run."""
         return self._rng
 
     @property
     def model(self) -> _core.RobotModel:
-        """The robot model in use."""
+        """The robot model of the run."""
         self._start()
         return self._core.model
 
     @property
     def estimator(self) -> Any:
-        """The object that init_parameter_estimator made."""
+        """The object that init_parameter_estimator returned."""
         self._start()
         return self._core.estimator
 
@@ -571,12 +575,17 @@ class Simulation:
         return self._core.frame
 
     def render_step(self, k: int) -> Frame:
-        """Return the frame of a recorded step, drawn anew.
+        """Return the frame of an earlier step, rendered again.
 
         Parameters
         ----------
         k : int
-            Number of the step.
+            Number of the step, from 0.
+
+        Returns
+        -------
+        Frame
+            The frame, identical to that of the run.
 
         Raises
         ------
@@ -587,7 +596,7 @@ class Simulation:
 
     @property
     def last_step(self) -> Step:
-        """What the robot half knows of the newest step."""
+        """The data of the last step that the robot's software may use."""
         self._start()
         return self._core.last_step
 
@@ -600,7 +609,7 @@ class Simulation:
 
 
 def _update_estimator(step: Step) -> ArrayLike | None:
-    """Do what estimate_parameters=True does, with an estimator of the user's own."""
+    """Update the user's estimator: the stage estimate_parameters=True in Python."""
     if step.sample is None:
         return None
     update: ArrayLike = step.estimator.update(step.sample.phi, step.sample.y)

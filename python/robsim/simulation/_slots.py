@@ -1,8 +1,8 @@
-"""The slots of the loop."""
+"""Names, arguments and order of the slots, for `Simulation` and the callback folders."""
 
 from __future__ import annotations
 
-#: Each slot and the argument that its callback gets: those called once, at the start ...
+#: Each slot and the argument of its callback: those called once, at the start ...
 ONCE = {
     "define_model": "",
     "init_parameter_estimator": "model",
@@ -18,8 +18,8 @@ STEP = {
 }
 ARGUMENTS = ONCE | STEP
 
-#: Slots that a run can do without.
+#: Slots that may stay empty.
 OPTIONAL = ("estimate_parameters", "measure", "estimate_state")
 
-#: Slots that take True for robsim's own stage.
+#: Slots that accept True for the default stage.
 SWITCHES = ("estimate_parameters", "measure")

@@ -1,4 +1,4 @@
-"""A time limit for callbacks."""
+"""A time limit for callbacks, for `Simulation(time_limit=...)` and the doctor."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from typing import Any
 
 from robsim._base.checks import check_float
 
-# Wakes the main thread out of a system call, where there is such a signal (not on Windows).
+# Interrupts a system call of the main thread; there is no such signal on Windows.
 _WAKE_UP: Any = getattr(signal, "SIGUSR2", None) if hasattr(signal, "pthread_kill") else None
 
 
 class _TimeIsUp(BaseException):
-    """Interrupts a callback; no ``except Exception`` in it keeps it from ending."""
+    """Interrupts a callback; not caught by an ``except Exception`` in it."""
 
 
 class TimeLimit:
-    """Ends callbacks that take too long.
+    """Interrupts callbacks that exceed a maximum duration.
 
-    A thread watches the callbacks during a run and interrupts the one that is late. Code that never
-    comes back to Python, such as one endless call of a compiled library, cannot be interrupted; in
-    other threads than the main one, and on Windows, neither can a call that sleeps.
+    A watchdog thread interrupts a callback that is overdue. Code that never returns to the Python
+    interpreter, such as an endless call of a compiled library, cannot be interrupted; outside the
+    main thread, and on Windows, neither can a blocking system call such as a sleep.
 
     Parameters
     ----------
     seconds : float
-        The longest time that a call of a callback may take (s).
+        Maximum duration of a call of a callback (s), above 0.
     """
 
     def __init__(self, seconds: float) -> None:
@@ -42,10 +42,10 @@ class TimeLimit:
         self._deadline = math.inf
         self._is_up = False
         self._thread = 0  # the one that runs the callbacks
-        self._is_awakened = False  # it is interrupted by a signal
+        self._is_awakened = False  # the thread is interrupted by a signal
 
     def limited(self, callback: Callable[..., Any]) -> Callable[..., Any]:
-        """Return the callback with the limit; it raises a TimeoutError when the time is up."""
+        """Return the callback with the limit; it raises TimeoutError when the limit is exceeded."""
 
         @functools.wraps(callback)
         def call(*arguments: Any) -> Any:
@@ -70,7 +70,7 @@ class TimeLimit:
 
     @contextmanager
     def watching(self) -> Iterator[None]:
-        """Watch the callbacks that this thread runs, for as long as the context lasts."""
+        """Enforce the limit on the callbacks that this thread runs inside the context."""
         self._thread = threading.get_ident()
         self._deadline, self._is_up = math.inf, False
         is_main = threading.current_thread() is threading.main_thread()
@@ -95,7 +95,7 @@ class TimeLimit:
             with self._lock:
                 if time.monotonic() > self._deadline:
                     self._is_up = True
-                    # once more, should the callback catch it and go on
+                    # interrupts again if the callback catches it and continues
                     self._deadline = time.monotonic() + self.seconds
                     self._interrupt_callback()
 

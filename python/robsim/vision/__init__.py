@@ -1,4 +1,4 @@
-"""Colours: files, masks, and how robustly they are found."""
+"""Vision: colour classes and their files, blobs, the pose from two markers, colour scores."""
 
 from robsim._base.public import present as _present
 from robsim._core import (

@@ -1,4 +1,4 @@
-"""Colour classes in TOML files."""
+"""Reading and writing colour classes as TOML files, for `Simulation`, the robots and the CLI."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ SHIPPED_COLORS = ASSETS / "colors.toml"
 _CHANNELS = ("y", "u", "v")
 
 _HEADER = """\
-# Colours to look for: ranges of Y (brightness), U and V, ends included. 128 is neutral;
-# more U = bluer, more V = redder. `robsim colors show FILE` shows them.
+# Colour classes: ranges of Y (brightness), U and V, both limits included. U = V = 128 is grey;
+# a larger U is bluer, a larger V is redder. `robsim colors show FILE` shows them.
 
 """
 
@@ -26,8 +26,8 @@ _HEADER = """\
 def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ...]:
     """Read colour classes from a TOML file.
 
-    A table for each colour has the ranges of Y, U and V, ends included; a missing one means any
-    value::
+    Each colour is a table with ranges of Y, U and V, both limits included; a missing range means
+    0..255::
 
         [red]
         u = [0, 120]
@@ -48,7 +48,7 @@ def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ..
     FileNotFoundError
         If there is no such file.
     ValueError
-        If it is not TOML, or not a colour file; the message says where.
+        If it is not TOML, or not a colour file; the message names the file and the table.
     """
     path = SHIPPED_COLORS if path is None else Path(path)
     tables = read_toml(path)
@@ -61,7 +61,7 @@ def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ..
 
 
 def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
-    """Return colour classes as the text of a colour file: to be pasted into one.
+    """Return colour classes as text in the format of a colour file.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
     Returns
     -------
     str
-        A TOML table for each.
+        A TOML table for each colour.
     """
     import tomlkit
 
@@ -85,23 +85,23 @@ def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
 
 
 def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorClass]) -> None:
-    """Write colour classes into a colour file.
+    """Write colour classes to a colour file.
 
-    If there is such a file, it keeps its comments and its other colours; of those that are there
-    already, the ranges change.
+    An existing file keeps its comments and its other colours; colours of the same name get the
+    new ranges.
 
     Parameters
     ----------
     path : path
-        The file; it is made, with its folder, if there is none.
+        The file; it is created, with its folder, if needed.
     colors : ColorClass or iterable of ColorClass
         The colours.
 
     Raises
     ------
     ValueError
-        If there is a file that is not a colour file; then it stays as it is. If there are no
-        colours.
+        If the existing file is not a colour file (it is left unchanged), if `colors` is empty, or
+        if two colours have the same name.
     """
     path, classes = Path(path), _classes(colors)
     if not classes:
@@ -116,7 +116,7 @@ def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorCl
 
 
 def _updated(text: str, colors: Iterable[ColorClass]) -> str:
-    """Return the text of a colour file with other ranges of these colours."""
+    """Return the text of a colour file with the ranges of these colours replaced or added."""
     import tomlkit
 
     document = tomlkit.parse(text)
@@ -134,7 +134,7 @@ def _updated(text: str, colors: Iterable[ColorClass]) -> str:
 
 
 def _classes(colors: ColorClass | Iterable[ColorClass]) -> tuple[ColorClass, ...]:
-    """Return colour classes, each with a name of its own."""
+    """Return colour classes as a tuple; raise ValueError if two have the same name."""
     if isinstance(colors, ColorClass):
         return (colors,)
     if colors is None or isinstance(colors, (str, PathLike)):
@@ -167,17 +167,17 @@ def _range(name: str, channel: str, value: Any) -> tuple[int, int]:
 def as_colors(
     colors: str | PathLike[str] | Iterable[ColorClass] | None,
 ) -> tuple[ColorClass, ...]:
-    """Return colour classes, from a file if a path came; None = the shipped ones.
+    """Return colour classes as a tuple, read from a file if a path is given.
 
     Parameters
     ----------
     colors : path, iterable of ColorClass, or None
-        The colours.
+        The colours; None = the shipped ones.
 
     Raises
     ------
     TypeError
-        If something else came.
+        If `colors` has another type.
     """
     if colors is None or isinstance(colors, (str, PathLike)):
         return load_colors(colors)

@@ -1,4 +1,4 @@
-"""Images of colour classes."""
+"""Images that show which pixel belongs to which colour class, for figures and the CLI."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from robsim.imaging._images import Pixels
 Mask = NDArray[np.bool_]
 
 _SEVERAL = (255, 255, 255)
-_OTHERS = ((255, 0, 255), (0, 255, 255), (255, 160, 0), (160, 255, 0))  # for names of no colour
+# For class names that are not the name of a colour.
+_OTHERS = ((255, 0, 255), (0, 255, 255), (255, 160, 0), (160, 255, 0))
 
 
 def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
@@ -21,23 +22,25 @@ def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
     Parameters
     ----------
     image : Frame or array (H, W, 3) of uint8
-        RGB; what belongs to no class is shown in a dark grey.
+        RGB; pixels of no class are painted in dark grey, by their brightness.
     masks : dict of str to array (H, W) of bool
-        As from `classify`. A class whose name is a colour is painted in it; what belongs to
-        several, white.
+        As from `classify`. A class whose name is a colour is painted in that colour; pixels of
+        several classes are white.
 
     Returns
     -------
     array (H, W, 3) of uint8
-        The image.
+        The painted image, RGB.
 
     Raises
     ------
     TypeError
-        If `masks` is no dict.
+        If `masks` is not a dict.
     """
     if not isinstance(masks, dict):
-        raise TypeError(f"masks must be what classify returns, a dict, got {masks!r}")
+        raise TypeError(
+            f"masks must be a dict of str to bool arrays, as classify returns it, got {masks!r}"
+        )
     luma = rgb_to_yuv(image.image if isinstance(image, Frame) else image)[..., :1]
     painted = np.repeat(luma // 2, 3, axis=2)
     count = np.zeros(luma.shape[:2], dtype=int)

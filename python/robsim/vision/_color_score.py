@@ -1,4 +1,4 @@
-"""Robustness score of a colour."""
+"""Robustness score of a colour class against lighting and noise; `robsim colors test` calls it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robsim.imaging._shading import darkened
 
 Region = tuple[int, int, int, int]
 
-# Factors of the brightness, of that in the shadow; levels of the noise (%).
+# Factors of the brightness, factors of the brightness in the shadow, noise levels (%).
 _NOISE = (10, 20, 30, 40)
 _LEVELS: dict[str, tuple[float, ...]] = {
     "brightness": (0.4, 0.6, 0.8, 1, 1.25, 1.6),
@@ -29,14 +29,14 @@ _UNITS = {"brightness": "factor", "shadow": "factor"}
 
 _MARGINS = tuple(range(-20, 45, 5))
 
-# A blob has the right area if it lies within this factor of the region's area. So the region may
-# be drawn around a round marker or a square within it.
+# Largest ratio of the areas of a blob and its region, either way: the region may be drawn around a
+# round marker or as a square inside it.
 _AREA_FACTOR = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep:
-    """How often a colour was found under one kind of change.
+    """Detection rates of a colour under one kind of change.
 
     Attributes
     ----------
@@ -44,11 +44,11 @@ class Sweep:
         What was changed: ``"brightness"``, ``"shadow"``, ``"uniform noise"``,
         ``"gaussian noise"`` or ``"gaussian noise in shadow"``.
     levels : tuple of float
-        Factors of the brightness, factors of that in the shadow, or levels of the noise (%).
+        Factors of the brightness, factors of the brightness in the shadow, or noise levels (%).
     rates : tuple of float
-        How often the colour was found at each level, 0..1.
+        Detection rate at each level, 0..1.
     widened_rates : tuple of float
-        The same for the colour with the proposed widening.
+        Detection rate of the colour with the proposed margin at each level, 0..1.
     """
 
     name: str
@@ -59,17 +59,17 @@ class Sweep:
 
 @dataclass(frozen=True, kw_only=True)
 class ColorScore:
-    """How robustly a colour is found: what `score_color` found.
+    """How robustly a colour is detected: the result of `score_color`.
 
     Attributes
     ----------
     color : ColorClass
         The colour that was scored.
     margin : int
-        The widening (levels) with the highest rate, as in `ColorClass.widened`: 0 = none is
-        better, negative = narrower.
+        The margin (levels) with the highest detection rate, as in `ColorClass.widened`: 0 = no
+        change, negative = narrower.
     sweeps : tuple of Sweep
-        How often it was found, as it is and so widened.
+        Detection rates of the colour, unchanged and widened by `margin`.
     """
 
     color: ColorClass
@@ -78,34 +78,34 @@ class ColorScore:
 
     @property
     def rate(self) -> float:
-        """float: mean over all levels of all sweeps, 0..1."""
+        """float: mean detection rate over all levels of all sweeps, 0..1."""
         return float(np.mean([rate for sweep in self.sweeps for rate in sweep.rates]))
 
     @property
     def widened_rate(self) -> float:
-        """float: the same for the colour so widened."""
+        """float: mean detection rate of the colour widened by `margin`, 0..1."""
         return float(np.mean([rate for sweep in self.sweeps for rate in sweep.widened_rates]))
 
     @property
     def proposed(self) -> ColorClass:
-        """ColorClass: the colour so widened."""
+        """ColorClass: the colour widened by `margin`."""
         return self.color.widened(self.margin)
 
     def __str__(self) -> str:
-        how = f"{'widened' if self.margin > 0 else 'narrowed'} by {abs(self.margin)}"
-        lines = [f"{self.color.name}, found in % of the images:"]
+        change = f"{'widened' if self.margin > 0 else 'narrowed'} by {abs(self.margin)}"
+        lines = [f"{self.color.name}, detection rate in %:"]
         for sweep in self.sweeps:
             lines.append(_row(f"  {sweep.name} ({_UNITS.get(sweep.name, '%')})", sweep.levels))
-            lines.append(_row("    as it is", _percents(sweep.rates)))
+            lines.append(_row("    unchanged", _percents(sweep.rates)))
             if self.margin:
-                lines.append(_row(f"    {how}", _percents(sweep.widened_rates)))
+                lines.append(_row(f"    {change}", _percents(sweep.widened_rates)))
         mean = f"mean: {100 * self.rate:.1f} %"
         if self.margin:
-            mean += f", {how}: {100 * self.widened_rate:.1f} %"
+            mean += f", {change}: {100 * self.widened_rate:.1f} %"
         return "\n".join([*lines, mean])
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the numbers: color, rate, margin, widened_rate, sweeps by their names."""
+        """Return the numbers: color, rate, margin, widened_rate, and sweeps by name."""
         sweeps = [asdict(sweep) for sweep in self.sweeps]
         return {
             "color": self.color.name,
@@ -133,38 +133,38 @@ def score_color(
     repeats: int = 5,
     seed: int = 0,
 ) -> ColorScore:
-    """Score how robustly a colour is found in an image under other light and in noise.
+    """Score how robustly a colour is detected when the light changes and noise is added.
 
-    It is found if each region has a blob of it, with its centroid there and a third to three times
-    the region's area, and there is no other blob so large. The image is made darker and
-    brighter, gets a shadow whose edge runs through the first region, and gets noise of the camera,
-    in the light and in the shadow.
+    The colour counts as detected if each region contains the centroid of a blob whose area is a
+    third to three times that of the region, and no other blob is as large. The image is made
+    darker and brighter, gets a shadow whose edge runs through the first region, and gets camera
+    noise, in the light and in the shadow.
 
     Parameters
     ----------
     image : Frame or array (H, W, 3) of uint8
-        RGB, with little noise of its own.
+        RGB, with little noise.
     color : ColorClass
         The colour.
     regions : sequence of tuples of four ints
-        Where the colour is, all of it: (left, top, right, bottom), both ends included, around each
-        marker, or most of it.
+        All regions of the colour in the image (px): (left, top, right, bottom), both ends included,
+        each around a marker or most of it.
     smoothing : int
-        Window against noise (px), as in `find_blobs`.
+        Window width (px), as in `find_blobs`.
     repeats : int
-        How many noisy images of a level are looked at.
+        Number of noisy images at each noise level.
     seed : int
-        Of the noise.
+        Seed of the noise, 0 <= seed < 2**64.
 
     Returns
     -------
     ColorScore
-        The rates, and the widening that gives the highest.
+        The detection rates, and the margin with the highest one.
 
     Raises
     ------
     TypeError, ValueError
-        For values of another kind, and for a region that does not lie within the image.
+        If an argument has the wrong type or shape, or a region does not lie within the image.
     """
     pixels = image.image if isinstance(image, Frame) else image
     if not isinstance(color, ColorClass):
@@ -173,7 +173,7 @@ def score_color(
     repeats = check_int("repeats", repeats, minimum=1, maximum=10_000)
     seed = check_int("seed", seed, minimum=0, maximum=2**64 - 1)
     classes = _widenings(color)
-    rates = {}  # of the sweep: (level, widening)
+    rates = {}  # by sweep: array (level, margin)
     for name, levels in _LEVELS.items():
         images = [_varied_images(pixels, boxes[0], name, level, repeats, seed) for level in levels]
         rates[name] = np.array([_rates(shown, classes, boxes, smoothing) for shown in images])
@@ -198,12 +198,12 @@ def _checked(image: Pixels, regions: Sequence[Region]) -> list[Region]:
     if not isinstance(regions, Sequence) or not regions or np.ndim(regions[0]) != 1:
         raise TypeError(f"regions must be a list of (left, top, right, bottom), got {regions!r}")
     for region in regions:
-        color_histograms(image, region)  # says what is wrong with it
+        color_histograms(image, region)  # raises for a region outside the image
     return list(regions)
 
 
 def _widenings(color: ColorClass) -> dict[int, ColorClass]:
-    """Return the colour by its widening; those that leave nothing of a range are left out."""
+    """Return the widened colours by margin, without those whose ranges would be empty."""
     classes = {}
     for margin in _MARGINS:
         try:
@@ -216,7 +216,7 @@ def _widenings(color: ColorClass) -> dict[int, ColorClass]:
 def _varied_images(
     image: Pixels, region: Region, sweep: str, level: float, repeats: int, seed: int
 ) -> Iterator[Pixels]:
-    """Yield the image as it looks at a level of a sweep."""
+    """Yield the image as changed by one level of a sweep; several times for noise."""
     if sweep == "brightness":
         yield _lit(image, level)
     elif sweep == "shadow":
@@ -232,7 +232,7 @@ def _varied_images(
 
 
 def _lit(pixels: Pixels, factor: float) -> Pixels:
-    """Return the pixels in so much of the light."""
+    """Return the pixels with the brightness multiplied by a factor."""
     values = np.minimum(np.rint(np.arange(256) * factor), 255).astype(np.uint8)
     lit: Pixels = values[pixels]
     return lit
@@ -244,7 +244,7 @@ def _rates(
     regions: Sequence[Region],
     smoothing: int,
 ) -> Floats:
-    """Return in what share of the images each of the classes is found."""
+    """Return the fraction of the images in which each of the classes is detected."""
     found = [
         [_is_found(shown, color, regions, smoothing) for color in classes.values()]
         for shown in images
@@ -254,10 +254,14 @@ def _rates(
 
 
 def _is_found(image: Pixels, color: ColorClass, regions: Sequence[Region], smoothing: int) -> bool:
-    """Return whether each region has its blob, and there is no other."""
-    least = max(1, round(min(_area(region) for region in regions) / _AREA_FACTOR))
+    """Return whether each region has its blob, and there are no others."""
+    minimum_area = max(1, round(min(_area(region) for region in regions) / _AREA_FACTOR))
     blobs = find_blobs(
-        image, [color], minimum_area=least, maximum_count=len(regions) + 1, smoothing=smoothing
+        image,
+        [color],
+        minimum_area=minimum_area,
+        maximum_count=len(regions) + 1,
+        smoothing=smoothing,
     )[color.name]
     return len(blobs) == len(regions) and all(
         any(_fits(blob, region) for blob in blobs) for region in regions
@@ -267,8 +271,8 @@ def _is_found(image: Pixels, color: ColorClass, regions: Sequence[Region], smoot
 def _fits(blob: Blob, region: Region) -> bool:
     left, top, right, bottom = region
     u, v = blob.centroid
-    is_there = left <= u <= right and top <= v <= bottom
-    return is_there and blob.area <= _AREA_FACTOR * _area(region)
+    is_inside = left <= u <= right and top <= v <= bottom
+    return is_inside and blob.area <= _AREA_FACTOR * _area(region)
 
 
 def _area(region: Region) -> int:

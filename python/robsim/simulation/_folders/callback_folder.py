@@ -1,4 +1,4 @@
-"""Callbacks from a folder."""
+"""Writing and loading a folder of callback files, with checks of names and signatures."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from types import ModuleType
 from typing import Any
 
 from robsim._base.files import as_folder, copy_files
-from robsim.simulation._folders.modules import FolderModules, taken_names
-from robsim.simulation._folders.spelling import misspelt
+from robsim.simulation._folders.modules import FolderModules, reserved_names
+from robsim.simulation._folders.spelling import misspelled
 from robsim.simulation._slots import ARGUMENTS, SWITCHES
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
@@ -24,12 +24,12 @@ Callbacks = dict[str, Callable[..., Any] | bool]
 
 
 def new_folder(folder: str | PathLike[str]) -> list[Path]:
-    """Write the default callbacks to a folder, to be edited.
+    """Write the default callbacks to a folder, as templates for the user.
 
     Parameters
     ----------
     folder : path
-        The folder; it is made if needed.
+        The folder; it is created if needed.
 
     Returns
     -------
@@ -39,7 +39,7 @@ def new_folder(folder: str | PathLike[str]) -> list[Path]:
     Raises
     ------
     FileExistsError
-        If one of them is there already; then nothing is written.
+        If one of them exists there; then nothing is written.
     NotADirectoryError
         If `folder` is a file.
     """
@@ -49,8 +49,8 @@ def new_folder(folder: str | PathLike[str]) -> list[Path]:
 class CallbackFolder:
     """A folder with a file for each callback, named after its slot, such as ``control.py``.
 
-    A file defines a function of its own name. ``ENABLED = False`` in it switches it off. Other
-    files of the folder are helpers, which the callbacks can import by name.
+    A file defines a function of the same name. ``ENABLED = False`` in it switches it off. Other
+    files of the folder are helper modules, which the callbacks can import by name.
 
     Parameters
     ----------
@@ -60,22 +60,22 @@ class CallbackFolder:
     Raises
     ------
     TypeError
-        If it is not a path.
+        If `folder` is not a path.
     """
 
     def __init__(self, folder: str | PathLike[str]) -> None:
         self.path = as_folder(folder)
-        self._place = self.path.absolute()  # wherever the program goes later
-        self._modules = FolderModules(self.path, self._place, {})
+        self._absolute = self.path.absolute()  # valid after a change of directory
+        self._modules = FolderModules(self.path, self._absolute, {})
 
     def load(self) -> Callbacks:
-        """Read, compile and execute the files; if one fails, what was loaded before stays.
+        """Read, compile and execute the files; if one fails, the modules loaded before are kept.
 
         Returns
         -------
         dict of str to callable or bool
-            The callbacks by slot. False = switched off, True = robsim's own stage. A slot without
-            a file is not in it.
+            The callbacks by slot. False = switched off, True = the default stage. Slots without a
+            file are missing.
 
         Raises
         ------
@@ -84,26 +84,26 @@ class CallbackFolder:
         ValueError, TypeError
             If it has no callback files, or one of them does not define its callback.
         Exception
-            Whatever a file raises when it is executed, a SyntaxError among them, with a note that
+            Any exception of a file when it is executed, including SyntaxError, with a note that
             names the file.
 
         Warns
         -----
         UserWarning
-            If the name of a file looks like that of a misspelt slot.
+            If the name of a file looks like a misspelled slot name.
         """
         sources = self._read()
         imported = _imported_names(sources)
-        for name in sorted(taken_names(sources) & imported):
+        for name in sorted(reserved_names(sources) & imported):
             raise ValueError(
                 f"{self.path / name}.py has the name of a module that comes with Python or "
                 "robsim: rename it"
             )
-        for name, slot in misspelt(sources).items():
+        for name, slot in misspelled(sources).items():
             if name not in imported:
                 message = f"{self.path / name}.py is no callback: did you mean {slot}.py?"
-                warnings.warn_explicit(message, UserWarning, str(self._place / f"{name}.py"), 0)
-        modules = FolderModules(self.path, self._place, sources)
+                warnings.warn_explicit(message, UserWarning, str(self._absolute / f"{name}.py"), 0)
+        modules = FolderModules(self.path, self._absolute, sources)
         with modules.importable():
             callbacks = {
                 slot: _callback(modules.execute(slot), slot, self.path / f"{slot}.py")
@@ -115,39 +115,38 @@ class CallbackFolder:
 
     @property
     def changed(self) -> set[str]:
-        """Names, without ``.py``, of the files that are not what they were when they were loaded.
+        """Names, without ``.py``, of the files that have changed since they were loaded.
 
         Raises
         ------
         FileNotFoundError, NotADirectoryError, ValueError
-            As `load`, if the folder or all its callbacks are gone.
+            As `load`, if the folder or all its callbacks have been removed.
         """
         now, then = self._read(), self._modules.sources
         return {name for name in now.keys() | then.keys() if now.get(name) != then.get(name)}
 
     @contextmanager
     def importable(self) -> Iterator[None]:
-        """Let the callbacks import the helpers, for as long as the context lasts.
+        """Let the callbacks import the helper modules inside the context.
 
-        Whatever other modules have the same names is put back afterwards. Other threads wait for
-        their turn.
+        Other modules of the same names are restored afterwards. Other threads wait at the entry.
         """
         with self._modules.importable():
             yield
 
     def _read(self) -> dict[str, bytes]:
-        """Return the content of the Python files by their names without ``.py``."""
-        if not self._place.exists():
-            raise FileNotFoundError(f"no folder {self.path}: robsim new {self.path} makes one")
-        if not self._place.is_dir():
+        """Return the content of the Python files by name, without ``.py``."""
+        if not self._absolute.exists():
+            raise FileNotFoundError(f"no folder {self.path}: robsim new {self.path} creates it")
+        if not self._absolute.is_dir():
             raise NotADirectoryError(f"{self.path} is a file, not a folder of callbacks")
-        # Editors keep files of their own with a dot in front.
-        files = [file for file in self._place.glob("*.py") if not file.name.startswith(".")]
+        # Editors keep temporary files with a leading dot.
+        files = [file for file in self._absolute.glob("*.py") if not file.name.startswith(".")]
         sources = {file.stem: file.read_bytes() for file in sorted(files) if file.is_file()}
         if not sources.keys() & ARGUMENTS.keys():
             hints = [
-                f"; did you mean {slot}.py by {name}.py?"
-                for name, slot in misspelt(sources).items()
+                f"; is {name}.py meant to be {slot}.py?"
+                for name, slot in misspelled(sources).items()
             ]
             raise ValueError(
                 f"{self.path} has no callback files: robsim new {self.path} writes them"
@@ -160,7 +159,7 @@ class CallbackFolder:
 
 
 def _callback(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] | bool:
-    """Return what a file defines for its slot, after a look at it."""
+    """Return the callback that a file defines for its slot, checked."""
     enabled = getattr(module, "ENABLED", True)
     if not isinstance(enabled, bool):
         raise TypeError(f"{file}: ENABLED must be True or False, got {enabled!r}")
@@ -176,34 +175,34 @@ def _callback(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] |
         raise TypeError(f"{file}: {slot} must be a function {wanted}, got {callback!r}")
     signature = _signature(callback)
     arguments = [None] if ARGUMENTS[slot] else []
-    if signature and not _takes(signature, arguments):
+    if signature and not _accepts(signature, arguments):
         count = "one argument" if arguments else "no argument"
         raise TypeError(f"{file}: {wanted} must take {count}, got {slot}{signature}")
     return callback  # type: ignore[no-any-return]
 
 
 def _definitions(module: ModuleType, slot: str) -> str:
-    """Return the names that a file defines itself, the one most like the slot's first."""
+    """Return the callables that a file itself defines, by similarity to the name of the slot."""
     names = [
         name
         for name, value in vars(module).items()
         if callable(value) and getattr(value, "__module__", None) == module.__name__
     ]
-    return ", ".join(sorted(names, key=lambda name: -_likeness(name, slot))) or "no function"
+    return ", ".join(sorted(names, key=lambda name: -_similarity(name, slot))) or "no function"
 
 
-def _likeness(name: str, slot: str) -> float:
+def _similarity(name: str, slot: str) -> float:
     return difflib.SequenceMatcher(None, name.lower(), slot).ratio()
 
 
 def _signature(callback: Callable[..., Any]) -> inspect.Signature | None:
     try:
         return inspect.signature(callback)
-    except (TypeError, ValueError):  # of the core's own objects
+    except (TypeError, ValueError):  # of compiled objects
         return None
 
 
-def _takes(signature: inspect.Signature, arguments: list[None]) -> bool:
+def _accepts(signature: inspect.Signature, arguments: list[None]) -> bool:
     try:
         signature.bind(*arguments)
     except TypeError:
@@ -212,11 +211,11 @@ def _takes(signature: inspect.Signature, arguments: list[None]) -> bool:
 
 
 def _imported_names(sources: Mapping[str, bytes]) -> set[str]:
-    """Return the modules that the files import from one another, or from elsewhere."""
+    """Return the top-level names of all modules that the files import."""
     names: set[str] = set()
     for name, source in sources.items():
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # compiling the file for good gives them once more
+            warnings.simplefilter("ignore")  # compiling the file later warns again
             try:
                 tree = ast.parse(source)
             except (SyntaxError, ValueError, RecursionError, MemoryError):

@@ -1,4 +1,4 @@
-"""The files of a folder as modules."""
+"""Import hook that makes the files of a callback folder importable without cached bytecode."""
 
 from __future__ import annotations
 
@@ -17,32 +17,32 @@ from typing import Any
 
 from robsim.simulation._slots import ARGUMENTS
 
-# A helper of such a name would hide it from Python or from robsim.
-_TAKEN = sys.stdlib_module_names | {
+# A helper module of such a name would shadow it for Python or for robsim.
+_RESERVED = sys.stdlib_module_names | {
     "__main__", "robsim", "numpy", "PIL", "matplotlib", "cv2", "pandas", "rich", "tqdm", "typer"
 }  # fmt: skip
 
-# sys.modules belongs to the process: one folder at a time.
+# sys.modules is shared by the process: one folder at a time.
 _LOCK = threading.RLock()
 
 
 class FolderModules(MetaPathFinder, Loader):
-    """The files of a folder as they were read, as modules: callbacks and their helpers.
+    """The files of a folder, as they were read, as modules: callbacks and helper modules.
 
-    It is a finder and a loader of the import system. Nothing is written, no ``__pycache__``: its
-    files are checked by whole seconds, and an edit within the second would go unseen.
+    A finder and loader of the import system. It writes no ``__pycache__``: cached bytecode is
+    checked against whole seconds, so that an edit within the same second would be missed.
     """
 
-    def __init__(self, folder: Path, place: Path, sources: Mapping[str, bytes]) -> None:
+    def __init__(self, folder: Path, absolute: Path, sources: Mapping[str, bytes]) -> None:
         self.sources = sources
-        self._folder = folder  # as the user calls it
-        self._place = place
-        self._helpers = sources.keys() - ARGUMENTS.keys() - taken_names(sources)
+        self._folder = folder  # as given by the user, for messages
+        self._absolute = absolute
+        self._helpers = sources.keys() - ARGUMENTS.keys() - reserved_names(sources)
         self._loaded: dict[str, ModuleType] = {}
 
     @contextmanager
     def importable(self) -> Iterator[None]:
-        """Let them be imported for as long as the context lasts; then put back what was there."""
+        """Let the modules be imported inside the context; restore other ones after it."""
         names = {*self._helpers, *map(module_name, ARGUMENTS)}
         with _LOCK:
             others = {name: sys.modules.pop(name) for name in names & sys.modules.keys()}
@@ -58,11 +58,11 @@ class FolderModules(MetaPathFinder, Loader):
                 sys.modules.update(others)
 
     def execute(self, slot: str) -> ModuleType:
-        """Return the module of a callback's file. Only while the folder is importable."""
+        """Execute a callback file and return its module; only inside `importable`."""
         module = ModuleType(module_name(slot))
-        module.__file__ = str(self._place / f"{slot}.py")
+        module.__file__ = str(self._absolute / f"{slot}.py")
         module.__package__ = ""
-        # Dataclasses, for one, look for their module there.
+        # Dataclasses, for example, look up their module there.
         sys.modules[module.__name__] = module
         self.exec_module(module)
         return module
@@ -70,34 +70,34 @@ class FolderModules(MetaPathFinder, Loader):
     def find_spec(
         self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find a helper; Python asks."""
+        """Find a helper module; part of the import protocol."""
         if name in self._helpers:
-            file = self._place / f"{name}.py"
+            file = self._absolute / f"{name}.py"
             return importlib.util.spec_from_file_location(name, file, loader=self)
         if name in ARGUMENTS and name in self.sources:
             return self._found_elsewhere(name)
         return None
 
     def _found_elsewhere(self, slot: str) -> ModuleSpec:
-        """Return the package with a slot's name: python-control, say, is imported as control."""
-        here = self._place.resolve()
+        """Return an installed package with the name of a slot, such as control (python-control)."""
+        here = self._absolute.resolve()
         spec = PathFinder.find_spec(slot, [p for p in sys.path if Path(p).resolve() != here])
         if spec is None:
             raise ModuleNotFoundError(
-                f"{self._folder / slot}.py is a callback, which others cannot import: put what "
-                "several files need into one of another name",
+                f"{self._folder / slot}.py is a callback, which other files cannot import: "
+                "put shared code into a file of another name",
                 name=slot,
             )
         return spec
 
     def create_module(self, spec: ModuleSpec) -> None:
-        """Leave it to Python to make the module."""
+        """Let Python create the module; part of the import protocol."""
         return
 
     def exec_module(self, module: ModuleType) -> None:
         """Compile and execute the file of a module."""
         stem = module.__name__.rpartition(".")[2]
-        file = str(self._place / f"{stem}.py")
+        file = str(self._absolute / f"{stem}.py")
         try:
             code = _compiled(self.sources[stem], file)
             exec(code, module.__dict__)
@@ -107,29 +107,29 @@ class FolderModules(MetaPathFinder, Loader):
 
 
 def module_name(slot: str) -> str:
-    """Return the name that the module of a slot's file has."""
+    """Return the module name of the file of a slot."""
     return f"robsim_callbacks.{slot}"
 
 
 def _compiled(source: bytes, file: str) -> Any:
     text = _decoded(source, file)
     code = compile(source, file, "exec", dont_inherit=True)
-    # A traceback shows the lines that were compiled, even if the file is another by then.
+    # Tracebacks show the lines that were compiled, even if the file has changed since.
     linecache.cache[file] = (len(source), None, list(io.StringIO(text)), file)
     return code
 
 
 def _decoded(source: bytes, file: str) -> str:
-    problem, place = "it has null bytes", source.find(b"\0")
-    if place < 0:
+    problem, offset = "it has null bytes", source.find(b"\0")
+    if offset < 0:
         try:
             return importlib.util.decode_source(source)
         except (SyntaxError, UnicodeDecodeError) as error:
-            problem, place = str(error), getattr(error, "start", 0)
-    line = source.count(b"\n", 0, place) + 1
-    raise SyntaxError(f"the file is no text in UTF-8: {problem}", (file, line, None, None))
+            problem, offset = str(error), getattr(error, "start", 0)
+    line = source.count(b"\n", 0, offset) + 1
+    raise SyntaxError(f"the file is not UTF-8 text: {problem}", (file, line, None, None))
 
 
-def taken_names(names: Iterable[str]) -> set[str]:
-    """Return those of the names that modules of Python or of robsim have."""
-    return set(names) & _TAKEN
+def reserved_names(names: Iterable[str]) -> set[str]:
+    """Return the names that belong to modules of Python or of robsim's dependencies."""
+    return set(names) & _RESERVED

@@ -1,4 +1,4 @@
-"""Misspelt names of slots."""
+"""Suggestions for misspelled slot names, for the warnings and errors of `CallbackFolder`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 from robsim.simulation._slots import ARGUMENTS
 
-# What the original program called them, and what else they may be looked for under.
+# Names of the slots in the program of 2008, and other likely names.
 _OTHER_NAMES = {
     "robotModelDef": "define_model",
     "myParameterEstimatorInit": "init_parameter_estimator",
@@ -22,20 +22,20 @@ _OTHER_NAMES = {
 }
 
 
-def misspelt(names: Iterable[str]) -> dict[str, str]:
-    """Return the names that look like those of slots, and the slots meant."""
+def misspelled(names: Iterable[str]) -> dict[str, str]:
+    """Return the names that resemble a slot name, and that slot."""
     names = list(names)
     known = {_plain(name): slot for name, slot in _OTHER_NAMES.items()}
     known |= {_plain(slot): slot for slot in ARGUMENTS}
-    meant = {}
+    suggestions = {}
     for name in names:
         close = difflib.get_close_matches(_plain(name), known, 1, cutoff=0.8)
         slot = known[close[0]] if close else name
-        # control_old.py beside control.py is a copy that somebody keeps.
+        # control_old.py beside control.py is a backup copy.
         is_copy = slot in names and re.match(rf"{slot}[\W\d_]", name.lower())
         if slot != name and not is_copy:
-            meant[name] = slot
-    return meant
+            suggestions[name] = slot
+    return suggestions
 
 
 def _plain(name: str) -> str:

@@ -1,15 +1,15 @@
-"""What lies on the floor.
+"""The background: what lies on the floor.
 
 Called once, at the start. Gets the work area without the robot: an array (H, W, 3) of uint8, RGB,
-one pixel of the image for one px of the work area. background[0, 0] is the top left corner.
-Returns it changed, in the same size.
+one pixel per px of the work area. background[0, 0] is the top left corner.
+Returns the changed array, of the same shape.
 """
 
-ENABLED = True  # False: robsim's own default instead of this file
+ENABLED = True  # False: robsim's default instead of this file
 
 
 def adjust_background(background):
-    """Draw a red square near the top: vision must not take it for the robot's red marker."""
+    """Draw a red square near the top: vision must not mistake it for the robot's red marker."""
     left, top, side = 572, 64, 56  # px
     background[top : top + side, left : left + side] = (198, 36, 40)  # red, green, blue
     # To try: a blue square next to it. Is the robot still found?

@@ -1,22 +1,22 @@
-"""The controller: what drives the robot.
+"""The controller: computes the motor voltages.
 
-Called at every step, last of all. Gets `step`, what the robot may know:
+Called at every step, as the last stage. Gets `step`, the data that the robot's software may use:
     step.k, step.t, step.dt   number of the step, time (s), time between two steps (s)
     step.measurement          step.measurement.pose is x, y (px), heading (rad). None: not seen,
                               or ENABLED = False in measure.py
     step.estimate             the same from estimate_state.py: step.estimate.pose, or None
     step.parameters           the parameters of the robot from estimate_parameters.py, or None
     step.last_u               the voltages of the step before: left, right motor (V)
-    step.frame, step.blobs    the camera's image and the patches of colour in it
+    step.frame, step.blobs    the camera's image and the coloured blobs in it
 Returns the voltages of the left and of the right motor (V).
-x goes to the right and y down; the heading counts from +x towards +y, clockwise on the image.
+x points right and y down; the heading is measured from +x towards +y, clockwise on the image.
 """
 
-ENABLED = True  # False: robsim's own default instead of this file
+ENABLED = True  # False: robsim's default instead of this file
 
 
 def control(step):
-    """Turn on the spot, slowly, to the right."""
+    """Turn slowly to the right on the spot."""
     # To try: a curve.
     # return 0.3, 0.28
     # To try: stop when facing down. For this, set ENABLED = True in measure.py.

@@ -1,13 +1,13 @@
-"""What the simulated robot is like.
+"""The model of the simulated robot.
 
-Called once, at the start. Gets nothing.
-Returns a RobotModel: the simulated world moves the robot with it. Of the other callbacks only
+Called once, at the start. Has no argument.
+Returns a RobotModel, by which the simulated world moves the robot. Of the other callbacks only
 evaluate_model and init_parameter_estimator get it.
 """
 
 import robsim
 
-ENABLED = True  # False: robsim's own default instead of this file
+ENABLED = True  # False: robsim's default instead of this file
 
 
 def define_model():
@@ -21,9 +21,9 @@ def define_model():
             linear_friction=0.1,  # N s/m
             angular_friction=0.1,  # N m s/rad
             wheel_radius=0.03,  # m
-            wheel_base=0.11,  # m, from wheel to wheel
+            wheel_base=0.11,  # m, distance of the wheels
             motor_gain=(0.05, 0.05),  # N m/V, left and right motor
             motor_offset=(1e-6, 1e-6),  # N m at 0 V, left and right motor
-            dt=0.2,  # s, from one step to the next
+            dt=0.2,  # s, time between two steps
         )
     )

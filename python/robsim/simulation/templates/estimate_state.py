@@ -1,4 +1,4 @@
-"""Where the robot is, by all that is known, and how sure that is.
+"""State estimation: the pose of the robot and its covariance.
 
 Called at every step, after the measurement. Gets `step`, of which you need:
     step.measurement   what measure returned: step.measurement.pose is x, y (px), heading (rad).
@@ -17,21 +17,21 @@ ENABLED = False  # True: this stage is on
 
 # Variances of x, y (px^2) and of the heading (rad^2).
 MEASURED = np.diag((0.5**2, 0.5**2, 0.01**2))  # of a measurement
-ONE_SECOND = np.diag((125.0, 125.0, 0.0125))  # what a second without a measurement adds
-AT_FIRST = np.diag((600.0**2, 600.0**2, 2.0**2))  # of the first guess
+ONE_SECOND = np.diag((125.0, 125.0, 0.0125))  # added per second without a measurement
+AT_FIRST = np.diag((600.0**2, 600.0**2, 2.0**2))  # of the initial estimate
 
 
 class LastPose:
-    """Keep the last measured pose, and doubt it the more, the longer ago it was measured.
+    """Keep the last measured pose, with a covariance that grows until the next measurement.
 
-    What it remembers is in self, so that two runs do not share it.
+    Its memory is in self, so that two runs do not share it.
     """
 
     def __init__(self):
         self.forget()
 
     def forget(self):
-        """Begin anew: the middle of the work area is a guess like any other."""
+        """Reset to the initial estimate: the centre of the work area, with a large covariance."""
         self.pose, self.covariance = (600.0, 600.0, 0.0), AT_FIRST
 
     def __call__(self, step):
@@ -42,12 +42,12 @@ class LastPose:
             self.pose, self.covariance = step.measurement.pose, MEASURED
         else:
             self.covariance = self.covariance + step.dt * ONE_SECOND
-        # To try: doubt it the more, the faster the wheels turn.
+        # To try: a covariance that grows faster, the larger the voltages are.
         # self.covariance = self.covariance + step.dt * (step.last_u @ step.last_u) * ONE_SECOND
         return robsim.Estimate(self.pose, self.covariance)
 
 
 estimate_state = LastPose()
 
-if __name__ == "__main__":  # python estimate_state.py: is something wrong with it?
+if __name__ == "__main__":  # python estimate_state.py checks the estimator
     print(robsim.check_estimator(LastPose))

@@ -1,13 +1,13 @@
-"""Where the camera sees the robot.
+"""Measurement: the pose of the robot in the camera image.
 
 Called at every step, with a new frame. Gets `step`, of which you need:
     step.frame.image       the image: an array (H, W, 3) of uint8, RGB, read-only
-    step.frame.plane_map   pixels to the work area: to_world((u, v)) gives (x, y) in px
-    step.blobs             the patches of each colour, the largest first: step.blobs["red"] and
+    step.frame.plane_map   map from pixels to the work area: to_world((u, v)) gives (x, y) in px
+    step.blobs             the blobs of each colour, the largest first: step.blobs["red"] and
                            step.blobs["blue"] are lists; a blob has .centroid (u, v) and .area,
                            in pixels of the frame
-    step.markers           how the robot carries its markers: .distance from red to blue, .offset
-                           from the middle between them forward to the robot's centre (px)
+    step.markers           geometry of the markers: .distance from red to blue, .offset from their
+                           midpoint forward to the robot's centre (px)
 Returns a Measurement of x, y (px), heading (rad). None: the robot was not seen.
 """
 
@@ -17,7 +17,7 @@ ENABLED = False  # True: this stage is on
 
 
 def measure(step):
-    """Find the red and the blue blob that lie as far apart as the robot's markers."""
+    """Find the red and the blue blob whose distance is that of the robot's markers."""
     # To try: the same by hand. Red is on the lab robot's right and blue on its left.
     # import numpy as np
     # for red_blob in step.blobs["red"]:
