@@ -14,14 +14,14 @@ from robsim.identification import least_squares
     options(
         RecursiveLeastSquares,
         {
-            "parameters filters": (0, *NO_COUNT),
+            "n_parameters n_filters": (0, *NO_COUNT),
             "forgetting": (0, -0.0, -1, 1.000001, NAN, INF, None, "1"),
             "initial_covariance": (0, -1, NAN, INF, None, "1"),
         },
-        parameters=5,
+        n_parameters=5,
     ),
     options(RecursiveLeastSquares, {"lambda_": (1,)}, 5),
-    Refusal(RecursiveLeastSquares, "parameters", (0,), says="got 0$"),
+    Refusal(RecursiveLeastSquares, "n_parameters", (0,), says="got 0$"),
     Refusal(
         lambda value: least_squares(value, [1, 2]),
         "phi",
@@ -66,7 +66,7 @@ def test_update_of_one_filter_changes_nothing(phi, y, name):
     y=npst.array_shapes(min_dims=0, max_dims=2, max_side=4),
 )
 def test_update_of_three_filters(phi, y):
-    filters = RecursiveLeastSquares(2, filters=3)
+    filters = RecursiveLeastSquares(2, n_filters=3)
     fits = phi[-2:] == (3, 2) and len(phi) <= 3
     if fits and y == phi[:-1]:
         assert filters.update(np.ones(phi), np.ones(y)).shape == phi
