@@ -1,4 +1,4 @@
-"""Options that several commands share."""
+"""Options that several commands share, such as --robot, --colors and --noise."""
 
 from __future__ import annotations
 

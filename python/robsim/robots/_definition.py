@@ -34,8 +34,7 @@ class RobotDefinition:
     centre : array (2,), optional
         The robot's centre (image px). Default: the centre of the image.
     maximum_blobs : int
-        The N largest blobs of each colour that the search for the markers considers, N =
-        `maximum_blobs`.
+        Number of the largest blobs of each colour among which the markers are searched.
 
     Raises
     ------

@@ -44,7 +44,7 @@ red = {red}
 # Around the blue marker:
 blue = {blue}
 
-# The search for the markers considers the N largest blobs of each colour, N =
+# Number of the largest blobs of each colour among which the markers are searched:
 maximum_blobs = {maximum_blobs}
 """
 
