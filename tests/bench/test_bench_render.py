@@ -22,11 +22,11 @@ def test_both_draw_the_same_moving_robot():
 
 
 def test_robots_that_differ_are_no_comparison(monkeypatch):
-    turn = render._turn
+    turn = render._rotation_matrix
 
     def turned_too_far(angle, centre, place):
         return turn(angle + 0.1, centre, place)
 
-    monkeypatch.setattr(render, "_turn", turned_too_far)
+    monkeypatch.setattr(render, "_rotation_matrix", turned_too_far)
     with pytest.raises(RuntimeError, match="robsim and OpenCV must draw the same robot"):
         render.render_calls(cv2, 480)
