@@ -380,7 +380,7 @@ def test_an_estimator_that_never_comes_back_is_stopped(monkeypatch):
 
     monkeypatch.setattr(slots, "TIME_LIMIT", 0.3)
     problem = only(check_estimator(make))
-    assert (problem.kind, problem.step) == ("too slow", 3)
+    assert (problem.kind, problem.k) == ("too slow", 3)
     assert "never ends" in problem.sentence
     assert problem.line.text in ("while step.k == 3:", "pass")
 
@@ -524,7 +524,7 @@ def test_slow_forgetting_diverges_in_a_longer_run():
     assert check_parameter_estimator(Slowly)
     problem = only(check_parameter_estimator(Slowly, updates=30_000))
     assert problem.kind == "diverges"
-    assert problem.step > 10_000
+    assert problem.k > 10_000
 
 
 class Wrapped:
@@ -680,7 +680,7 @@ def test_the_report_as_text_and_as_html():
     report = CheckReport(
         name="<filter>",
         problems=(
-            Problem(kind="a", sentence="it is < 0", situation="robot turns", step=7),
+            Problem(kind="a", sentence="it is < 0", situation="robot turns", k=7),
             Problem(kind="b", sentence="it is late"),
         ),
         remarks=("what about u & dt?",),

@@ -87,7 +87,7 @@ def test_records(refusal):
 @refusals(
     options(
         lambda **values: robsim.identifiability(driven(5, estimate_parameters=True), **values),
-        {"k": ("a", 2.5, [3], True, 5, -1, 10**30), "noise": ("a",)},
+        {"k": ("a", 2.5, [3], True, 5, -1, 10**30), "sigma": ("a",)},
         says=MUST,
     )
 )

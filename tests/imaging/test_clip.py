@@ -91,7 +91,7 @@ def test_one_frame():
 
 FRAMES = list(frames())
 NARROW = np.zeros((40, 50, 3), np.uint8)
-SIZES = "frame 6 is 50 x 40 px large, the frames before it 60 x"
+SIZES = "frame 6 is 50 x 40 px, the frames before it 60 x"
 RATES = r"fps must lie within 0\.1\.\.60 \(1/s\), got"
 WIDTHS = r"width must lie within 1\.\.16383, got"
 

@@ -20,7 +20,7 @@ class Problem:
         What is wrong and how to fix it, for people.
     situation : str
         What the robot was doing; empty if it does not matter.
-    step : int or None
+    k : int or None
         The first step at which it occurred; None = not tied to a step.
     line : SourceLine or None
         The line that failed, or the definition of the faulty function; None = unknown.
@@ -29,13 +29,13 @@ class Problem:
     kind: str
     sentence: str
     situation: str = ""
-    step: int | None = None
+    k: int | None = None
     line: SourceLine | None = None
 
     @property
     def where(self) -> str:
         """Step, situation and line, as far as they are known."""
-        step = "" if self.step is None else f"step {self.step}"
+        step = "" if self.k is None else f"step {self.k}"
         when = ", ".join(part for part in (step, self.situation) if part)
         return "; ".join(part for part in (when, str(self.line or "")) if part)
 

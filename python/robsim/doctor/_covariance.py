@@ -33,7 +33,7 @@ def covariance_problem(estimator: EstimatorUnderTest, trial: Trial) -> Problem |
                 kind=kind,
                 sentence=sentence,
                 situation=trial.situation.name,
-                step=k,
+                k=k,
                 line=estimator.line,
             )
     return None

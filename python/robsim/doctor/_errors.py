@@ -26,7 +26,7 @@ def problem_of(estimator: EstimatorUnderTest, trial: Trial) -> Problem:
         kind=kind,
         sentence=sentence,
         situation=trial.situation.name,
-        step=trial.failed_at,
+        k=trial.failed_at,
         line=line_of_error(trial.error) or estimator.line,
     )
 

@@ -121,7 +121,7 @@ def _wrong_parameters(estimator: EstimatorUnderTest, alone: Trial) -> Problem | 
         "a step, so that its parameters predict nothing: check the gain, the signs and the order "
         "of rows and columns",
         situation=alone.situation.name,
-        step=_SHORT - 1,
+        k=_SHORT - 1,
         line=estimator.line,
     )
 
@@ -142,7 +142,7 @@ def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | No
         "in P = (P - outer(K, phi @ P)) / lambda, rounding errors make P asymmetric and grow; add "
         "P = (P + P.T) / 2 after it",
         situation="robot drives around for a long time",
-        step=k,
+        k=k,
         line=estimator.line,
     )
 
@@ -167,7 +167,7 @@ def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[
             sentence=f"after {len(STANDS)} steps of constant input its parameters never change "
             "again: its gain or its P has become 0",
             situation=rests.name,
-            step=STANDS.stop,
+            k=STANDS.stop,
             line=estimator.line,
         )
     elif has_overflowed or (_relative_errors(trial)[STANDS.stop + _RECOVERY :] > _DIVERGED).any():
@@ -176,6 +176,6 @@ def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[
             sentence="a long constant input makes its parameters wrong: without excitation P must "
             "not grow without bound",
             situation=rests.name,
-            step=trial.failed_at if has_overflowed else STANDS.stop + _RECOVERY,
+            k=trial.failed_at if has_overflowed else STANDS.stop + _RECOVERY,
             line=estimator.line,
         )

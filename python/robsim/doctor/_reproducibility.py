@@ -67,7 +67,7 @@ def together_problem(
         sentence="two estimators from make() influence each other, as with a global variable or "
         "a list in the class: keep all state in self, set in __init__, or in variables of make",
         situation="two robots at the same time",
-        step=step,
+        k=step,
         line=estimator.line,
     )
 
@@ -103,7 +103,7 @@ def _cause_of_difference(
             "np.random.default_rng(1)",
         )
     return Problem(
-        kind=kind, sentence=sentence, situation=again.situation.name, step=step, line=estimator.line
+        kind=kind, sentence=sentence, situation=again.situation.name, k=step, line=estimator.line
     )
 
 

@@ -141,7 +141,7 @@ def _diverges_from_truth(estimator: EstimatorUnderTest, alone: Trial) -> Problem
         "off, though the robot is seen at every step: check the gain, signs, units (heading in "
         "rad) and the order x, y, heading",
         situation=alone.situation.name,
-        step=k,
+        k=k,
         line=estimator.line,
     )
 
@@ -164,7 +164,7 @@ def _unseen_problem(
         sentence=f"after {len(UNSEEN)} steps without a measurement no variance is larger than "
         "before them: the covariance has to grow while the robot is not seen",
         situation=gap.situation.name,
-        step=UNSEEN[-1],
+        k=UNSEEN[-1],
         line=estimator.line,
     )
 
@@ -189,7 +189,7 @@ def _wrapping_problems(
             "turned past +-pi: wrap the innovation, robsim.wrap_angle(measured - predicted), and "
             "average no angles",
             situation=turns.name,
-            step=k,
+            k=k,
             line=estimator.line,
         )
 
