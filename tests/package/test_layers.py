@@ -129,6 +129,14 @@ def test_no_room_is_crowded():
         assert len(modules) <= most, (folder, len(modules))
 
 
+@pytest.mark.skipif(not (ROOT / "python").is_dir(), reason="needs the sources")
+def test_the_architecture_names_every_room():
+    text = (ROOT / "python/robsim/ARCHITECTURE.md").read_text()
+    rooms = set().union(*PYTHON.values()) - {"_core", "__init__", "__main__"}
+    assert rooms == set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
+    assert all(f"`{room}`" in text for room in CPP)
+
+
 CHECK = """
 import sys
 import robsim

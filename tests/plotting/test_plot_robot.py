@@ -101,5 +101,5 @@ def test_axes_that_are_given():
 
 @pytest.mark.parametrize("wrong", ["lab", None, 5])
 def test_what_is_no_definition(wrong):
-    with pytest.raises(TypeError, match="definition must be a RobotDefinition"):
+    with pytest.raises(TypeError, match="robot must be a RobotDefinition"):
         plot_robot(wrong)

@@ -67,14 +67,14 @@ def _eight_bits(image: Image.Image) -> Image.Image:
     return Image.fromarray((pixels * 255 // _WHITE).astype(np.uint8))
 
 
-def save_image(path: str | PathLike[str], pixels: Pixels) -> None:
+def save_image(path: str | PathLike[str], image: Pixels) -> None:
     """Write an image file in the format that its suffix names.
 
     Parameters
     ----------
     path : path
         The file to write, such as ``frame.png``.
-    pixels : array (H, W, 3) of uint8
+    image : array (H, W, 3) of uint8
         RGB.
 
     Raises
@@ -84,7 +84,7 @@ def save_image(path: str | PathLike[str], pixels: Pixels) -> None:
     ValueError
         If the suffix names no known format.
     """
-    Image.fromarray(pixels).save(path)
+    Image.fromarray(image).save(path)
 
 
 def png_bytes(pixels: Pixels) -> bytes:

@@ -18,7 +18,7 @@ _DARK = "#202020"
 
 
 @style.applied
-def plot_robot(definition: RobotDefinition, *, ax: Axes | None = None) -> Axes:
+def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     """Draw the image of a robot with the geometry of its definition on it.
 
     The geometry is the outline, both marker polygons with the distance of their centroids, the
@@ -27,7 +27,7 @@ def plot_robot(definition: RobotDefinition, *, ax: Axes | None = None) -> Axes:
 
     Parameters
     ----------
-    definition : RobotDefinition
+    robot : RobotDefinition
         The robot.
     ax : matplotlib.axes.Axes, optional
         Where to draw. Default: a new figure, 7 inches wide.
@@ -40,23 +40,22 @@ def plot_robot(definition: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     Raises
     ------
     TypeError
-        If `definition` is not a RobotDefinition.
+        If `robot` is not a RobotDefinition.
     """
-    if not isinstance(definition, RobotDefinition):
-        raise TypeError(f"definition must be a RobotDefinition, got {definition!r}")
+    if not isinstance(robot, RobotDefinition):
+        raise TypeError(f"robot must be a RobotDefinition, got {robot!r}")
     if ax is None:
-        size = _figure_size(definition)
+        size = _figure_size(robot)
         ax = style.NotebookFigure(figsize=size).add_subplot(axes_class=style.NotebookAxes)
-    _show_image(ax, definition)
-    _draw_polygon(ax, definition.outline, _OUTLINE, "outline")
-    _draw_polygon(ax, definition.red, "red", "red marker")
-    _draw_polygon(ax, definition.blue, "blue", "blue marker")
-    _draw_distance(ax, definition)
-    _draw_heading(ax, definition)
-    _draw_scale(ax, definition)
+    _show_image(ax, robot)
+    _draw_polygon(ax, robot.outline, _OUTLINE, "outline")
+    _draw_polygon(ax, robot.red, "red", "red marker")
+    _draw_polygon(ax, robot.blue, "blue", "blue marker")
+    _draw_distance(ax, robot)
+    _draw_heading(ax, robot)
+    _draw_scale(ax, robot)
     ax.set_title(
-        f"{definition.name}: {definition.size:g} px wide on the work area, "
-        f"alignment {definition.alignment:g}°",
+        f"{robot.name}: {robot.size:g} px wide on the work area, alignment {robot.alignment:g}°",
         loc="left",
         parse_math=False,
     )
@@ -73,16 +72,16 @@ def plot_robot(definition: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def _figure_size(definition: RobotDefinition) -> tuple[float, float]:
+def _figure_size(robot: RobotDefinition) -> tuple[float, float]:
     """Return a size (inches) with room for the image and its labels."""
-    height, width = definition.image.shape[:2]
+    height, width = robot.image.shape[:2]
     return 7.0, 1.3 + 6.1 * float(np.clip(height / width, 0.3, 1.5))
 
 
-def _show_image(axes: Axes, definition: RobotDefinition) -> None:
-    height, width = definition.image.shape[:2]
+def _show_image(axes: Axes, robot: RobotDefinition) -> None:
+    height, width = robot.image.shape[:2]
     axes.set_facecolor(_FLOOR)
-    axes.imshow(definition.image)
+    axes.imshow(robot.image)
     # The outline may extend a little beyond the image.
     axes.set(xlim=(-0.02 * width - 0.5, 1.02 * width - 0.5))
     axes.set(ylim=(1.02 * height - 0.5, -0.02 * height - 0.5))
@@ -101,9 +100,9 @@ def _draw_polygon(axes: Axes, corners: Floats, color: str, label: str) -> None:
     )
 
 
-def _draw_distance(axes: Axes, definition: RobotDefinition) -> None:
+def _draw_distance(axes: Axes, robot: RobotDefinition) -> None:
     """Draw the line between the markers' centroids, with its length."""
-    centroids = np.array([area_and_centroid(p)[1] for p in (definition.blue, definition.red)])
+    centroids = np.array([area_and_centroid(p)[1] for p in (robot.blue, robot.red)])
     axes.plot(
         *centroids.T,
         color=_DARK,
@@ -114,7 +113,7 @@ def _draw_distance(axes: Axes, definition: RobotDefinition) -> None:
         path_effects=style.haloed(1.4),
         label="marker centroids",
     )
-    text = f"{definition.marker_layout().distance:.1f} px"
+    text = f"{robot.marker_layout().distance:.1f} px"
     axes.annotate(
         text,
         centroids.mean(axis=0),
@@ -125,14 +124,14 @@ def _draw_distance(axes: Axes, definition: RobotDefinition) -> None:
     )
 
 
-def _draw_heading(axes: Axes, definition: RobotDefinition) -> None:
+def _draw_heading(axes: Axes, robot: RobotDefinition) -> None:
     """Draw the centre, and the arrow to the side that faces right after the alignment."""
-    assert definition.centre is not None
+    assert robot.centre is not None
     # The alignment rotates the image clockwise, so its front lies anticlockwise by that angle.
-    angle = -np.deg2rad(definition.alignment)
-    length = 0.8 * definition.radius / definition.unit
-    tip = definition.centre + length * np.array((np.cos(angle), np.sin(angle)))
-    margin = 0.05 * definition.radius / definition.unit
+    angle = -np.deg2rad(robot.alignment)
+    length = 0.8 * robot.radius / robot.unit
+    tip = robot.centre + length * np.array((np.cos(angle), np.sin(angle)))
+    margin = 0.05 * robot.radius / robot.unit
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
     axes.set(xlim=(min(left, tip[0] - margin), max(right, tip[0] + margin)))
@@ -140,7 +139,7 @@ def _draw_heading(axes: Axes, definition: RobotDefinition) -> None:
     axes.annotate(
         "",
         tuple(tip),
-        tuple(definition.centre),
+        tuple(robot.centre),
         arrowprops={
             "arrowstyle": "-|>,head_length=0.8,head_width=0.4",
             "color": style.MEASURED,
@@ -151,7 +150,7 @@ def _draw_heading(axes: Axes, definition: RobotDefinition) -> None:
         },
     )
     axes.plot(
-        *definition.centre,
+        *robot.centre,
         "o",
         color=style.MEASURED,
         markersize=7,
@@ -160,13 +159,13 @@ def _draw_heading(axes: Axes, definition: RobotDefinition) -> None:
     )
 
 
-def _draw_scale(axes: Axes, definition: RobotDefinition) -> None:
+def _draw_scale(axes: Axes, robot: RobotDefinition) -> None:
     """Draw a bar of a round number of work-area px, about a sixth of the image."""
-    height = definition.image.shape[0]
-    step = 10.0 ** np.floor(np.log10(definition.size / 6))
-    length = step * max(n for n in (1, 2, 5) if n * step <= definition.size / 6)
-    left, down = 0.03 * definition.image.shape[1], 0.965 * height
-    right = left + length / definition.unit
+    height = robot.image.shape[0]
+    step = 10.0 ** np.floor(np.log10(robot.size / 6))
+    length = step * max(n for n in (1, 2, 5) if n * step <= robot.size / 6)
+    left, down = 0.03 * robot.image.shape[1], 0.965 * height
+    right = left + length / robot.unit
     halo = style.haloed(2.5)
     axes.plot([left, right], [down, down], color=_DARK, linewidth=2.5, path_effects=halo)
     axes.annotate(
