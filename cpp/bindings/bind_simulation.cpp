@@ -207,7 +207,7 @@ One sample for the parameter estimator: y = sum(phi * theta, axis=1).
            [](const Sample& self) { return "<Sample of step " + std::to_string(self.k) + ">"; });
 
   py::class_<WorldState>(public_in(module, "robsim"), "WorldState",
-                         "What a robot model gets to compute the next pose.")
+                         "What the callback `evaluate_model` gets.")
       .def_readonly("k", &WorldState::k, "int: number of the step.")
       .def_readonly("t", &WorldState::t, "float: time (s).")
       .def_readonly("dt", &WorldState::dt, "float: sample time (s).")
@@ -377,7 +377,7 @@ void bind_simulation(py::module_& module) {
             self.run(steps, interpreter);
           },
           py::arg("steps"), py::arg("progress") = py::none(),
-          "Do so many turns of the loop; progress(done) is called every 50 ms or so.")
+          "Run `steps` steps; progress(done) is called every 50 ms or so.")
       .def("reset", &SlottedSimulation::reset, "Go back to the start.")
       .def("columns", &columns_of, "Return the columns of the trace: name -> array (rows, width).")
       .def_property_readonly("has_started", &SlottedSimulation::has_started)

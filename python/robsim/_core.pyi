@@ -750,7 +750,7 @@ class Sample:
         """
 class WorldState:
     """
-    What a robot model gets to compute the next pose.
+    What the callback `evaluate_model` gets.
     """
     def __repr__(self) -> str:
         ...
@@ -954,7 +954,7 @@ class Simulation:
         """
     def run(self, steps: typing.SupportsInt | typing.SupportsIndex, progress: typing.Any = None) -> None:
         """
-        Do so many turns of the loop; progress(done) is called every 50 ms or so.
+        Run `steps` steps; progress(done) is called every 50 ms or so.
         """
     def set_stage(self, slot: str, value: typing.Any) -> None:
         """

@@ -69,7 +69,7 @@ def picture(name, *, rgb=RED, light=1.0):
 
 def test_frame_says_where_the_markers_are():
     lines = done("frame", "--robot", "lab", "--at", "300,400", "--heading", "45").splitlines()
-    assert lines[0] == "drawn in frame.png: the robot lab"
+    assert lines[0] == "frame of the robot lab written to frame.png"
     image = load_image("frame.png")
     assert image.shape == (1200, 1200, 3)
     blobs = robsim.find_blobs(image, load_colors())
@@ -225,7 +225,7 @@ def test_test_counts_blobs_and_paints():
     table = rows(text)
     assert table["a.png", "red"] == ["400", "1", "400 px", "(39.5, 49.5)"]
     assert table["a.png", "blue"] == ["0", "0"]
-    assert text.splitlines()[-1] == "painted in seen/a.png"
+    assert text.splitlines()[-1] == "colours painted, written to seen/a.png"
     painted = load_image("seen/a.png")
     assert painted.shape == (100, 120, 3)
     assert painted[50, 40].tolist() == [255, 0, 0]

@@ -140,7 +140,7 @@ def test_show():
         "  outline    up to 54.6 px from the centre",
         "  markers    43.0 px apart, 14.0 px behind the centre",
         "  areas      red 531, blue 531 px of the work area",
-        "drawn in robot-lab.png",
+        "figure written to robot-lab.png",
     ]
     with Image.open("robot-lab.png") as picture:
         assert min(picture.size) > 500
@@ -157,19 +157,19 @@ def test_show_draws_the_robot_in_use_by_default():
     [("a.png", "a.png"), ("a", "a.png"), ("b/c.pdf", "b/c.pdf"), ("d.svg", "d.svg")],
 )
 def test_show_writes_where_it_says(out, file):
-    assert done("show", "lab", "--out", out).endswith(f"drawn in {Path(file)}\n")
+    assert done("show", "lab", "--out", out).endswith(f"figure written to {Path(file)}\n")
     assert Path(file).stat().st_size > 1000
 
 
 def test_show_of_a_folder_says_what_is_wrong(tmp_path):
     save_robot(tmp_path / "folder", load_robot("lab"))
-    assert "drawn in robot-lab.png" in done("show", tmp_path / "folder")
+    assert "figure written to robot-lab.png" in done("show", tmp_path / "folder")
     file = tmp_path / "folder/robot.toml"
     text = file.read_text().replace("size = 120.0", "size = 10")
     file.write_text(text.replace('name = "lab"', 'name = "../../a b"'))
     result = robots("show", tmp_path / "folder")
     assert result.exit_code == 0
-    assert "drawn in robot--a-b.png" in result.stdout
+    assert "figure written to robot--a-b.png" in result.stdout
     assert result.stderr.count("error: ") == 2
     assert "error: red marker: it is too small to be detected" in result.stderr
     file.write_text(text.replace("centre = [239.50", "centre = [1.0"))

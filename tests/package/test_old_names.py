@@ -57,11 +57,11 @@ PATTERNS = {
 
 
 def documents():
-    """What users and maintainers read, but for the list of what is new."""
+    """What users and maintainers read."""
     folders = ("python", "cpp", "notebooks", "tests", "assets")
     kinds = (".py", ".pyi", ".cpp", ".hpp", ".md", ".ipynb", ".toml", ".txt")
     files = [file for folder in folders for file in (ROOT / folder).rglob("*")]
-    files += [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "run"]
+    files += [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", ROOT / "run"]
     return [f for f in files if (f.suffix in kinds or f.name == "run") and f != Path(__file__)]
 
 

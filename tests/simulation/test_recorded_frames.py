@@ -96,7 +96,7 @@ def test_progress_and_no_frames_at_all(run, capsys):
     assert len(sim.run()) == 0
     with pytest.raises(RuntimeError, match="there is no frame yet"):
         _ = sim.frame
-    with pytest.raises(RuntimeError, match="not kept"):
+    with pytest.raises(RuntimeError, match="are not stored"):
         sim.render_step(0)
 
 
@@ -236,7 +236,7 @@ def test_frames_that_come_only_once_cannot_be_reset(run):
 )
 def test_options_of_the_simulated_world_are_refused(run, option):
     name = next(iter(option))
-    with pytest.raises(ValueError, match=f"^{name} needs a simulated world, got it with frames"):
+    with pytest.raises(ValueError, match=f"^{name} is an option of a simulated world, got"):
         robsim.Simulation(frames=run[0], **option)
 
 

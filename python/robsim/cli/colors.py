@@ -70,7 +70,7 @@ def frame(
             seed=seed,
         )
         _write_image(file, simulation.frame.image)
-    print(f"drawn in {file}: the robot {simulation.robot.name}")
+    print(f"frame of the robot {simulation.robot.name} written to {file}")
     for name in ("red", "blue"):
         print(f"  {name:<4} marker: {_marker_region(simulation, name, start)}")
 
@@ -179,7 +179,7 @@ def try_colors(
         scores = [_score(images[0], color, marked, smoothing) for color in classes]
     _print_test(found, [score for score in scores if score], as_json=as_json)
     if out and not as_json:
-        print(f"painted in {out}")
+        print(f"colours painted, written to {out}")
 
 
 def _marker_region(simulation: Simulation, name: str, start: tuple[float, float, float]) -> str:

@@ -24,8 +24,8 @@ def finish(
     record: Path | None = None,
 ) -> None:
     """Write the results and videos of a run, and print a summary."""
-    from robsim.cli.detection_failure import explain_no_detection
     from robsim.cli.results import write_results
+    from robsim.vision._detection_failure import explain_no_detection
 
     if not len(simulation.trace):
         errors.print_note("no steps, no results")

@@ -93,7 +93,7 @@ def show(
         file.parent.mkdir(parents=True, exist_ok=True)
         plot_robot(robot).figure.figure.savefig(file)
     print(_described(robot))
-    print(f"drawn in {file}")
+    print(f"figure written to {file}")
     for problem in problems:
         errors.print_error(problem)
 

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 Robot = Annotated[
-    str | None, typer.Option("--robot", help="Name or folder. Default: the default robot.")
+    str | None,
+    typer.Option("--robot", help="Name or folder of the robot. Default: the default robot."),
 ]
 Colors = Annotated[
     Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")

@@ -82,7 +82,7 @@ class PseudoRandomBinary(_Excitation):
     -----
     A maximum-length sequence has 2^(order-1) high and 2^(order-1) - 1 low bits in a period; with
     bits of +-1 the mean of bit(i) bit(i + shift) is -1/(2^order - 1) for every shift that is not
-    a multiple of the period. Source: Soederstrom and Stoica, System Identification, 1989, ch. 5.
+    a multiple of the period. Source: Söderström and Stoica, System Identification, 1989, ch. 5.
 
     Examples
     --------
@@ -190,7 +190,7 @@ class MultiSine(_Band):
     -----
     Phases: Schroeder, Synthesis of Low-Peak-Factor Signals and Binary Sequences with Low
     Autocorrelation, IEEE Trans. Information Theory 16(1), 1970. Sums of sines as inputs:
-    Soederstrom and Stoica, System Identification, 1989, ch. 5; Ljung, System Identification,
+    Söderström and Stoica, System Identification, 1989, ch. 5; Ljung, System Identification,
     1999, 13.3.
 
     Examples

@@ -91,4 +91,4 @@ def check_no_world(options: Mapping[str, Any]) -> None:
     for name, default in _WORLD.items():
         value = options[name]
         if not (value is default or (isinstance(value, (str, float, int)) and value == default)):
-            raise ValueError(f"{name} needs a simulated world, got it with frames=...")
+            raise ValueError(f"{name} is an option of a simulated world, got it with frames=...")

@@ -81,6 +81,7 @@ def as_rows(name: str, values: Any) -> Floats:
         raise ValueError(f"{name} must have a row for each step, got shape {array.shape}")
     rows = array.reshape(len(array), math.prod(array.shape[1:])).view()
     rows.setflags(write=False)
-    if rows.shape[1] != len(fields_of(name, rows.shape[1])):
-        raise ValueError(f"{name} must not have {rows.shape[1]} columns, got shape {array.shape}")
+    width = len(fields_of(name, rows.shape[1]))
+    if rows.shape[1] != width:
+        raise ValueError(f"{name} must have {width} columns, got shape {array.shape}")
     return rows

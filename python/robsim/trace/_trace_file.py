@@ -84,7 +84,9 @@ def _from_members(members: Mapping[str, NDArray[Any]]) -> Content:
     first_step = info.pop("first_step")
     groups = {name: values for name, values in members.items() if name != "info"}
     if sorted(info.pop("groups")) != sorted(groups):
-        raise ValueError(f"it has not the groups that it had, but {', '.join(groups)}")
+        raise ValueError(
+            f"its groups are not those that it was saved with, but {', '.join(groups)}"
+        )
     for name, values in groups.items():
         if values.dtype != np.float64 or values.ndim != 2:
             raise ValueError(f"{name} is {values.dtype} of shape {values.shape}")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.cli.detection_failure import explain_no_detection
+from robsim.vision._detection_failure import explain_no_detection
 
 SMALL = {"resolution": (600, 600), "measure": True, "seed": 1}
 
