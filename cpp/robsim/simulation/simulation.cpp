@@ -403,7 +403,8 @@ void Simulation::record_estimate() {
 
 void Simulation::check_thread() const {
   if (running_ && runner_.load() != std::this_thread::get_id()) {
-    throw std::runtime_error("another thread is running this simulation: wait until it has finished");
+    throw std::runtime_error(
+        "another thread is running this simulation: wait until it has finished");
   }
 }
 
@@ -439,7 +440,9 @@ Frame Simulation::draw_frame(std::int64_t k, double t, const Pose& pose, const P
 
 Frame Simulation::render_step(std::int64_t k) {
   last_step();
-  if (!is_simulated()) throw std::runtime_error("render_step needs a simulated world: frames that were given are not stored");
+  if (!is_simulated())
+    throw std::runtime_error(
+        "render_step needs a simulated world: frames that were given are not stored");
   if (k < 0 || k >= trace_.rows()) {
     throw std::out_of_range("there are steps 0.." + std::to_string(trace_.rows() - 1) +
                             ", got k = " + std::to_string(k));
