@@ -74,6 +74,7 @@ def old_names():
                 yield f"{file.relative_to(ROOT)}:{line}: {match.group()!r} is now {new}"
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not (ROOT / "python").is_dir(), reason="needs the sources")
 def test_no_old_name_is_left():
     assert list(old_names()) == []

@@ -13,6 +13,7 @@ TESTS = Path(__file__).parents[1]
 MODULES = ["robsim", *(f"robsim.{room}" for room in robsim._ROOMS)]
 
 
+@pytest.mark.long
 def test_the_list_of_public_names_is_up_to_date(tmp_path):
     script = TESTS / "support" / "write_public_api.py"
     subprocess.run([sys.executable, script, tmp_path / "api.txt"], check=True)

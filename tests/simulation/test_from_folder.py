@@ -6,6 +6,8 @@ import pytest
 import robsim
 from robsim.simulation._folders.callback_folder import new_folder
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture
 def folder(tmp_path):

@@ -10,6 +10,8 @@ import pytest
 
 import robsim
 
+pytestmark = pytest.mark.long
+
 
 def endless(step):
     while step.k >= 3:

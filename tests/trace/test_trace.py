@@ -274,6 +274,7 @@ def test_tracking_statistics_of_nothing_are_nan(rows):
 
 
 @given(st.floats(-50, 50), st.floats(-50, 50))
+@pytest.mark.long
 def test_heading_errors_are_within_half_a_turn(true, measured):
     poses, seen = (np.array([[0.0, 0.0, heading]]) for heading in (true, measured))
     error = trace_of(1, ("pose_measured",), pose_true=poses, pose_measured=seen).error[0, 2]
