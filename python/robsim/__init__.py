@@ -113,9 +113,7 @@ def __getattr__(name: str) -> _Any:
     if name in _LATE_ROOMS:
         return _importlib.import_module(f"robsim.{name}")
     if name in _LATE_NAMES:
-        value = getattr(__getattr__(_LATE_NAMES[name]), name)
-        value.__module__ = "robsim"
-        return value
+        return getattr(__getattr__(_LATE_NAMES[name]), name)
     raise AttributeError(f"module 'robsim' has no attribute {name!r}")
 
 

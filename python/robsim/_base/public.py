@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 
@@ -16,7 +17,9 @@ def present(namespace: dict[str, Any]) -> None:
     namespace : dict
         The ``globals()`` of the module.
     """
+    # `robsim` presents its own names when it is loaded; rooms that are loaded later know them.
+    at_the_top = getattr(sys.modules.get("robsim"), "__all__", ())
     for name in namespace["__all__"]:
         value = namespace[name]
         if getattr(value, "__module__", "").startswith("robsim"):
-            value.__module__ = namespace["__name__"]
+            value.__module__ = "robsim" if name in at_the_top else namespace["__name__"]
