@@ -48,7 +48,7 @@ Renderer make_renderer(const std::pair<py::object, py::object>& floor,
       PlaneMap::scaled(background.width(), background.height(), area.first, area.second);
   RobotImage robot(sprite_from(sprite), point_from(centre, "centre"), unit, alignment, headings,
                    camera);
-  return Renderer(std::move(background), std::move(robot), camera);
+  return Renderer(std::make_shared<Scene>(std::move(background), std::move(robot), camera));
 }
 
 // The first byte of an image, and the one behind its last.
@@ -88,11 +88,21 @@ py::array with_noise(const VisualNoise& self, const py::object& image, std::uint
 }  // namespace
 
 void bind_world(py::module_& module) {
+  py::class_<Scene, std::shared_ptr<Scene>>(
+      public_in(module, "robsim._core"), "Scene",
+      "The floor and the robot of a Renderer; it never changes, and any number can share it.")
+      .def("__repr__", [](const Scene& self) {
+        return "<Scene: " + std::to_string(self.width()) + " x " + std::to_string(self.height()) +
+               " px>";
+      });
+
   py::class_<Renderer>(public_in(module, "robsim.simulation"), "Renderer", R"(
 Draws what the ceiling camera sees, without noise.
 
 Parameters
 ----------
+scene : Scene, optional
+    The `scene` of another renderer, in place of all that follows: it is shared, not copied.
 floor, home : tuple of two arrays (H, W, 3) of uint8
     What repeats around the work area, and the work area itself: each lit and in the shadow, in
     camera pixels.
@@ -113,9 +123,15 @@ headings : int
 area : tuple of int
     Width and height of the work area (px).
 )")
+      .def(py::init([](std::shared_ptr<Scene> scene) { return Renderer(std::move(scene)); }),
+           py::arg("scene").none(false))
       .def(py::init(&make_renderer), py::kw_only(), py::arg("floor"), py::arg("home"),
            py::arg("shadow_left"), py::arg("shadow_factor"), py::arg("sprite"), py::arg("centre"),
            py::arg("unit"), py::arg("alignment"), py::arg("headings"), py::arg("area"))
+      .def_property_readonly(
+          "scene",
+          [](const Renderer& self) { return std::const_pointer_cast<Scene>(self.scene()); },
+          "Scene: what it draws, for other renderers.")
       .def(
           "render",
           [](Renderer& self, const py::object& pose, std::pair<int, int> pan) {

@@ -7,6 +7,16 @@
 
 namespace robsim {
 
+/// A rectangle of pixels: columns left <= u < right, rows top <= v < bottom.
+struct PixelBox {
+  int left = 0;
+  int top = 0;
+  int right = 0;
+  int bottom = 0;
+
+  bool empty() const { return left >= right || top >= bottom; }
+};
+
 /// A non-owning, read-only view of RGB8 pixels: 3 bytes per pixel, `stride` bytes from row to row.
 struct ImageView {
   const std::uint8_t* data = nullptr;
@@ -25,16 +35,7 @@ struct WritableView {
   std::ptrdiff_t stride = 0;
 
   std::uint8_t* row(int v) const { return data + v * stride; }
-};
-
-/// A rectangle of pixels: columns left <= u < right, rows top <= v < bottom.
-struct PixelBox {
-  int left = 0;
-  int top = 0;
-  int right = 0;
-  int bottom = 0;
-
-  bool empty() const { return left >= right || top >= bottom; }
+  PixelBox box() const { return {0, 0, width, height}; }
 };
 
 PixelBox intersection(const PixelBox& a, const PixelBox& b);

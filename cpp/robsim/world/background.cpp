@@ -30,7 +30,7 @@ Background::Background(Layer floor, Layer home, int shadow_left, double shadow_f
   }
 }
 
-void Background::copy(const PixelBox& box, const Pan& pan, Image& image) const {
+void Background::copy(const PixelBox& box, const Pan& pan, const WritableView& view) const {
   for (int v = box.top; v < box.bottom; ++v) {
     const std::int64_t world_v = std::int64_t{v} + pan.v;
     const std::int64_t tile_v = floor_divide(world_v, height());
@@ -45,7 +45,7 @@ void Background::copy(const PixelBox& box, const Pan& pan, Image& image) const {
       const Layer& layer = tile_u == 0 && tile_v == 0 ? home_ : floor_;
       const Image& source = lit ? layer.lit : layer.shadowed;
       const int source_u = static_cast<int>(world_u - tile_u * width());
-      std::memcpy(image.row(v) + std::ptrdiff_t{3} * u,
+      std::memcpy(view.row(v) + std::ptrdiff_t{3} * u,
                   source.row(source_v) + std::ptrdiff_t{3} * source_u,
                   std::size_t{3} * static_cast<std::size_t>(end - u));
       u = end;

@@ -25,8 +25,8 @@ class Background {
   /// Brightness in the shadow relative to that in the light.
   double shadow_factor() const { return shadow_factor_; }
 
-  /// Copies what the panned view shows in `box` to the same box of `image`.
-  void copy(const PixelBox& box, const Pan& pan, Image& image) const;
+  /// Copies what the panned view shows in `box` to the same box of `view`.
+  void copy(const PixelBox& box, const Pan& pan, const WritableView& view) const;
 
  private:
   Layer floor_;

@@ -1,27 +1,31 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
-#include "robsim/imaging/plane_map.hpp"
-#include "robsim/world/background.hpp"
-#include "robsim/world/sprite/robot_image.hpp"
+#include "robsim/world/scene.hpp"
 
 namespace robsim {
 
-/// Draws what the ceiling camera sees, without noise. Restores only what the robot covered before,
-/// and never writes to an image that is still held elsewhere.
+/// Draws what the ceiling camera sees of a shared scene, without noise, on images of its own.
+/// Restores only what the robot covered before, and never writes to an image that is still held
+/// elsewhere.
 class Renderer {
  public:
-  /// `camera` maps the pixels of the view before any pan to the work area.
-  Renderer(Background background, RobotImage robot, const PlaneMap& camera);
+  explicit Renderer(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
 
-  int width() const { return background_.width(); }
-  int height() const { return background_.height(); }
-  const PlaneMap& camera() const { return camera_; }
+  /// A copy shares the scene, and draws on images of its own.
+  Renderer(const Renderer& other) : scene_(other.scene_) {}
+  Renderer& operator=(const Renderer& other) = delete;
+
+  const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  int width() const { return scene_->width(); }
+  int height() const { return scene_->height(); }
+  const PlaneMap& camera() const { return scene_->camera(); }
 
   /// The map of the view panned by `pan`.
-  PlaneMap plane_map(const Pan& pan) const;
+  PlaneMap plane_map(const Pan& pan) const { return scene_->plane_map(pan); }
 
   /// Without a pose the floor alone.
   Image render(const std::optional<Pose>& pose, const Pan& pan = {});
@@ -35,9 +39,7 @@ class Renderer {
 
   Canvas& free_canvas();
 
-  Background background_;
-  RobotImage robot_;
-  PlaneMap camera_;
+  std::shared_ptr<const Scene> scene_;
   std::vector<Canvas> canvases_;
 };
 

@@ -64,10 +64,10 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
 }
 
 PixelBox RobotImage::draw(const Point& pixel, double heading, const Shadow& shadow,
-                          Image& image) const {
+                          const WritableView& view) const {
   const Point position = near_the_view(pixel);
-  return headings_.empty() ? draw_turned(position, heading, shadow, image)
-                           : draw_nearest_heading(position, heading, shadow, image);
+  return headings_.empty() ? draw_turned(position, heading, shadow, view)
+                           : draw_nearest_heading(position, heading, shadow, view);
 }
 
 PixelBox RobotImage::bounds(const Point& pixel) const {
@@ -104,8 +104,8 @@ RobotImage::DrawnHeading RobotImage::make_heading(double heading) const {
 }
 
 PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shadow& shadow,
-                                 Image& image) const {
-  const PixelBox box = intersection(bounds(pixel), image.box());
+                                 const WritableView& view) const {
+  const PixelBox box = intersection(bounds(pixel), view.box());
   if (box.empty()) return {};
   PixelBox drawn;
   const Point ahead = direction(heading);
@@ -114,14 +114,14 @@ PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shado
     const Span columns = span_within(sprite_, row_line, {box.left, box.right});
     add_row(drawn, columns, v);
     draw_parts(columns, shadow, [&](const Span& part, float brightness) {
-      blend(sprite_, row_line, part, brightness, image.row(v) + std::ptrdiff_t{3} * part.first);
+      blend(sprite_, row_line, part, brightness, view.row(v) + std::ptrdiff_t{3} * part.first);
     });
   }
   return drawn;
 }
 
 PixelBox RobotImage::draw_nearest_heading(const Point& pixel, double heading, const Shadow& shadow,
-                                          Image& image) const {
+                                          const WritableView& view) const {
   const int count = static_cast<int>(headings_.size());
   const int nearest = static_cast<int>(std::lround(wrap_angle(heading) / (2 * pi) * count));
   const DrawnHeading& shown = headings_[static_cast<std::size_t>((nearest + count) % count)];
@@ -129,7 +129,7 @@ PixelBox RobotImage::draw_nearest_heading(const Point& pixel, double heading, co
   const int v = static_cast<int>(std::round(pixel.y));
   const PixelBox around = bounds({0, 0});
   const PixelBox box = intersection(
-      {u + around.left, v + around.top, u + around.right, v + around.bottom}, image.box());
+      {u + around.left, v + around.top, u + around.right, v + around.bottom}, view.box());
   if (box.empty()) return {};
   PixelBox drawn;
   for (int row = box.top; row < box.bottom; ++row) {
@@ -140,7 +140,7 @@ PixelBox RobotImage::draw_nearest_heading(const Point& pixel, double heading, co
     add_row(drawn, columns, row);
     draw_parts(columns, shadow, [&](const Span& part, float brightness) {
       blend(strip, {part.first - left, part.last - left}, brightness,
-            image.row(row) + std::ptrdiff_t{3} * part.first);
+            view.row(row) + std::ptrdiff_t{3} * part.first);
     });
   }
   return drawn;

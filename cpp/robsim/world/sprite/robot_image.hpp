@@ -28,7 +28,8 @@ class RobotImage {
              const PlaneMap& camera);
 
   /// Draws the robot, its centre at `pixel`, and returns the box of the pixels changed.
-  PixelBox draw(const Point& pixel, double heading, const Shadow& shadow, Image& image) const;
+  PixelBox draw(const Point& pixel, double heading, const Shadow& shadow,
+                const WritableView& view) const;
 
  private:
   // A strip for each row around the robot's centre.
@@ -39,9 +40,9 @@ class RobotImage {
   sprite::SpriteLine line(const Point& pixel, const Point& ahead, int v) const;
   DrawnHeading make_heading(double heading) const;
   PixelBox draw_turned(const Point& pixel, double heading, const Shadow& shadow,
-                       Image& image) const;
+                       const WritableView& view) const;
   PixelBox draw_nearest_heading(const Point& pixel, double heading, const Shadow& shadow,
-                                Image& image) const;
+                                const WritableView& view) const;
 
   Sprite sprite_;  // with a transparent rim
   Point centre_;
