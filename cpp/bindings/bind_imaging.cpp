@@ -174,7 +174,10 @@ A camera image with its time: all that the robot half gets to know of the world.
 Parameters
 ----------
 image : array (H, W, 3) of uint8
-    RGB pixels; they are copied.
+    RGB pixels. With ``copy=False`` any buffer of this type and shape.
+copy : bool
+    False: take the pixels where they are, such as in shared memory. The frame keeps the array
+    alive and always shows what is in its memory now: who overwrites it, changes the frame.
 t : float
     Time (s).
 index : int
@@ -182,17 +185,20 @@ index : int
 plane_map : PlaneMap, optional
     Pixels to work area. Default: the identity.
 )")
-      .def(py::init([](const py::object& image, double t, std::int64_t index,
+      .def(py::init([](const py::object& image, bool copy, double t, std::int64_t index,
                        const PlaneMap& plane_map) {
              if (!std::isfinite(t)) throw py::value_error("t must be finite (s)");
              if (index < 0) throw py::value_error("index must be at least 0");
-             return Frame{copy_of(image_view(image, "image")), t, index, plane_map};
+             return Frame{
+                 copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t,
+                 index, plane_map};
            }),
-           py::arg("image"), py::kw_only(), py::arg("t") = 0.0, py::arg("index") = 0,
-           py::arg("plane_map") = PlaneMap())
+           py::arg("image"), py::kw_only(), py::arg("copy") = true, py::arg("t") = 0.0,
+           py::arg("index") = 0, py::arg("plane_map") = PlaneMap())
       .def_property_readonly(
           "image", [](const Frame& self) { return image_array(self.image); },
-          "array (H, W, 3) of uint8: RGB, read-only, never overwritten while you hold it.")
+          "array (H, W, 3) of uint8: RGB, read-only; unless it was made with ``copy=False``,\n"
+          "C-contiguous and never overwritten while you hold it.")
       .def_readonly("t", &Frame::t, "float: time (s).")
       .def_readonly("index", &Frame::index, "int: number of the frame.")
       .def_readonly("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area.")

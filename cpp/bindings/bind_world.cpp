@@ -51,6 +51,25 @@ Renderer make_renderer(const std::pair<py::object, py::object>& floor,
   return Renderer(std::make_shared<Scene>(std::move(background), std::move(robot), camera));
 }
 
+py::array_t<std::uint8_t> rendered(Renderer& self, const py::object& pose, std::pair<int, int> pan,
+                                   const py::object& out) {
+  const Pose at = pose_from(pose, "pose");
+  const Pan moved{pan.first, pan.second};
+  if (out.is_none()) return image_array(self.render(at, moved));
+  const WritableView view = writable_view(out, "out");
+  const std::shared_ptr<const Scene> scene = self.scene();
+  if (view.width != scene->width() || view.height != scene->height()) {
+    throw py::value_error("out must have the size of the frames, " +
+                          std::to_string(scene->width()) + " x " + std::to_string(scene->height()) +
+                          " px, got " + describe(out));
+  }
+  {
+    const py::gil_scoped_release native;
+    scene->draw(at, moved, view);
+  }
+  return py::reinterpret_borrow<py::array_t<std::uint8_t>>(out);
+}
+
 // The first byte of an image, and the one behind its last.
 std::pair<const std::uint8_t*, const std::uint8_t*> memory_of(const ImageView& image) {
   const std::uint8_t* top = image.row(0);
@@ -132,12 +151,8 @@ area : tuple of int
           "scene",
           [](const Renderer& self) { return std::const_pointer_cast<Scene>(self.scene()); },
           "Scene: what it draws, for other renderers.")
-      .def(
-          "render",
-          [](Renderer& self, const py::object& pose, std::pair<int, int> pan) {
-            return image_array(self.render(pose_from(pose, "pose"), Pan{pan.first, pan.second}));
-          },
-          py::arg("pose"), py::arg("pan") = std::make_pair(0, 0), R"(
+      .def("render", &rendered, py::arg("pose"), py::arg("pan") = std::make_pair(0, 0),
+           py::kw_only(), py::arg("out") = py::none(), R"(
 Return the image of the robot at a pose.
 
 Parameters
@@ -146,11 +161,18 @@ pose : array (3,)
     x, y (work-area px), heading (rad).
 pan : tuple of int
     By how much the view is moved (camera px).
+out : array (H, W, 3) of uint8, optional
+    Where to draw the image. Default: memory of the renderer.
 
 Returns
 -------
 array (H, W, 3) of uint8
-    Read-only; it stays what it is as long as you hold it.
+    `out`, if it was given. Otherwise read-only; it stays what it is as long as you hold it.
+
+Raises
+------
+TypeError, ValueError
+    If `pose` is not a pose, or if `out` has the wrong type or shape or is read-only.
 )");
 
   py::class_<VisualNoise>(public_in(module, "robsim._core"), "VisualNoise",

@@ -168,6 +168,19 @@ ImageView image_view(py::handle value, const std::string& name) {
           static_cast<int>(array.shape(0)), array.strides(0)};
 }
 
+Image borrowed_image(py::handle value, const std::string& name) {
+  auto array = py::reinterpret_borrow<py::object>(value);
+  if (PyObject_CheckBuffer(value.ptr())) array = py::array(array);
+  const ImageView view = image_view(array, name);
+  // The last image may go in a thread that has given the interpreter up.
+  const std::shared_ptr<PyObject> owner(array.release().ptr(), [](PyObject* object) {
+    if (!Py_IsInitialized()) return;
+    const py::gil_scoped_acquire interpreter;
+    Py_DECREF(object);
+  });
+  return {view, owner};
+}
+
 ImageView view_from(py::handle value, const std::string& name) {
   if (py::isinstance<Frame>(value)) return value.cast<const Frame&>().image.view();
   return image_view(value, name);
@@ -197,9 +210,10 @@ WritableView writable_view(py::handle value, const std::string& name) {
 py::array_t<std::uint8_t> image_array(const Image& image) {
   auto* kept = new Image(image);
   const py::capsule owner(kept, [](void* p) { delete static_cast<Image*>(p); });
-  const py::ssize_t width = image.width();
-  py::array_t<std::uint8_t> array({py::ssize_t{image.height()}, width, py::ssize_t{3}},
-                                  {3 * width, py::ssize_t{3}, py::ssize_t{1}}, image.row(0), owner);
+  const ImageView view = image.view();
+  py::array_t<std::uint8_t> array(
+      {py::ssize_t{view.height}, py::ssize_t{view.width}, py::ssize_t{3}},
+      {view.stride, py::ssize_t{3}, py::ssize_t{1}}, view.data, owner);
   array.attr("setflags")(py::arg("write") = false);
   return array;
 }

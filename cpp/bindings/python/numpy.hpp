@@ -53,6 +53,10 @@ py::array_t<double> to_array(const AxisMatrix& matrix);
 /// A view of the caller's uint8 RGB pixels, shape (H, W, 3), rows of any stride. Copies nothing.
 ImageView image_view(py::handle value, const std::string& name);
 
+/// An image on the memory of an array as `image_view` has them, or of any buffer of that type and
+/// shape: read-only, and keeps it alive. Copies nothing.
+Image borrowed_image(py::handle value, const std::string& name);
+
 /// The pixels of a Frame, or those of an array as `image_view` has them.
 ImageView view_from(py::handle value, const std::string& name);
 
@@ -62,7 +66,7 @@ PixelBox region_from(py::handle value, const std::string& name);
 /// As `image_view`, but writable; rows must not overlap.
 WritableView writable_view(py::handle value, const std::string& name);
 
-/// A read-only view of shape (H, W, 3) that keeps the image's buffer alive.
+/// A read-only view of shape (H, W, 3) that keeps the image's pixels alive.
 py::array_t<std::uint8_t> image_array(const Image& image);
 
 /// The value of a named choice. Throws py::value_error that lists the names.

@@ -29,23 +29,29 @@ void check_region(const PixelBox& region, const ImageView& image) {
 }
 
 Image::Image(int width, int height)
-    : pixels_(new std::uint8_t[std::size_t{3} * static_cast<std::size_t>(width) *
-                               static_cast<std::size_t>(height)]),
-      width_(width),
-      height_(height) {}
-
-ImageView Image::view() const {
-  return {pixels_.get(), width_, height_, std::ptrdiff_t{3} * width_};
+    : width_(width), height_(height), stride_(std::ptrdiff_t{3} * width) {
+  const std::shared_ptr<std::uint8_t[]> pixels(
+      new std::uint8_t[static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height)]);
+  writable_ = pixels.get();
+  pixels_ = {pixels, pixels.get()};
 }
 
+Image::Image(const ImageView& pixels, const std::shared_ptr<const void>& owner)
+    : pixels_(owner, pixels.data),
+      width_(pixels.width),
+      height_(pixels.height),
+      stride_(pixels.stride) {}
+
 WritableView Image::writable_view() {
-  return {pixels_.get(), width_, height_, std::ptrdiff_t{3} * width_};
+  if (!writable_ && !empty()) throw std::logic_error("the pixels of this image are borrowed");
+  return {writable_, width_, height_, stride_};
 }
 
 Image copy_of(const ImageView& view) {
   Image image(view.width, view.height);
+  const WritableView copy = image.writable_view();
   for (int v = 0; v < view.height; ++v) {
-    std::memcpy(image.row(v), view.row(v), std::size_t{3} * static_cast<std::size_t>(view.width));
+    std::memcpy(copy.row(v), view.row(v), std::size_t{3} * static_cast<std::size_t>(view.width));
   }
   return image;
 }

@@ -43,30 +43,35 @@ PixelBox intersection(const PixelBox& a, const PixelBox& b);
 /// Throws std::invalid_argument unless the region is not empty and lies within the image.
 void check_region(const PixelBox& region, const ImageView& image);
 
-/// An RGB8 image. Copies share its buffer, and the last one frees it.
+/// An RGB8 image. Copies share its pixels, and the last one frees them.
 class Image {
  public:
   Image() = default;
   Image(int width, int height);
 
+  /// Borrows the pixels of somebody else, which `owner` keeps alive. The image shows what they are
+  /// at the time, and never writes to them.
+  Image(const ImageView& pixels, const std::shared_ptr<const void>& owner);
+
   int width() const { return width_; }
   int height() const { return height_; }
   bool empty() const { return !pixels_; }
   PixelBox box() const { return {0, 0, width_, height_}; }
-  const std::uint8_t* row(int v) const { return pixels_.get() + offset(v); }
-  std::uint8_t* row(int v) { return pixels_.get() + offset(v); }
-  ImageView view() const;
+  const std::uint8_t* row(int v) const { return pixels_.get() + v * stride_; }
+  ImageView view() const { return {pixels_.get(), width_, height_, stride_}; }
+
+  /// Throws std::logic_error if the pixels are borrowed.
   WritableView writable_view();
 
-  /// True while another Image (such as a frame that a user kept) holds the same buffer.
+  /// True while another Image (such as a frame that a user kept) holds the same pixels.
   bool is_shared() const { return pixels_.use_count() > 1; }
 
  private:
-  std::ptrdiff_t offset(int v) const { return std::ptrdiff_t{3} * width_ * v; }
-
-  std::shared_ptr<std::uint8_t[]> pixels_;
+  std::shared_ptr<const std::uint8_t> pixels_;
+  std::uint8_t* writable_ = nullptr;  // the same ones; null if they are borrowed
   int width_ = 0;
   int height_ = 0;
+  std::ptrdiff_t stride_ = 0;
 };
 
 Image copy_of(const ImageView& view);
