@@ -1,3 +1,5 @@
+#include <pybind11/stl.h>
+
 #include <cmath>
 
 #include "python/numpy.hpp"
@@ -178,28 +180,35 @@ image : array (H, W, 3) of uint8
 copy : bool
     False: take the pixels where they are, such as in shared memory. The frame keeps the array
     alive and always shows what is in its memory now: who overwrites it, changes the frame.
-t : float
-    Time (s).
+t : float, optional
+    Time (s). None: it has no time of its own.
 index : int
     Number of the frame.
 plane_map : PlaneMap, optional
     Pixels to work area. Default: the identity.
+
+Examples
+--------
+A frame in shared memory, which then stays open as long as the frame (under a mere
+``np.ndarray(..., buffer=shared.buf)`` it could be closed):
+
+>>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
 )")
-      .def(py::init([](const py::object& image, bool copy, double t, std::int64_t index,
-                       const PlaneMap& plane_map) {
-             if (!std::isfinite(t)) throw py::value_error("t must be finite (s)");
+      .def(py::init([](const py::object& image, bool copy, std::optional<double> t,
+                       std::int64_t index, const PlaneMap& plane_map) {
+             if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
              if (index < 0) throw py::value_error("index must be at least 0");
              return Frame{
                  copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t,
                  index, plane_map};
            }),
-           py::arg("image"), py::kw_only(), py::arg("copy") = true, py::arg("t") = 0.0,
+           py::arg("image"), py::kw_only(), py::arg("copy") = true, py::arg("t") = py::none(),
            py::arg("index") = 0, py::arg("plane_map") = PlaneMap())
       .def_property_readonly(
           "image", [](const Frame& self) { return image_array(self.image); },
           "array (H, W, 3) of uint8: RGB, read-only; unless it was made with ``copy=False``,\n"
           "C-contiguous and never overwritten while you hold it.")
-      .def_readonly("t", &Frame::t, "float: time (s).")
+      .def_readonly("t", &Frame::t, "float or None: time (s).")
       .def_readonly("index", &Frame::index, "int: number of the frame.")
       .def_readonly("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area.")
       .def(
@@ -211,8 +220,9 @@ plane_map : PlaneMap, optional
           },
           "Return the image as a PNG file: a frame shows itself in a notebook.")
       .def("__repr__", [](const Frame& self) {
+        const std::string time =
+            self.t ? ", t = " + py::str(py::float_(*self.t)).cast<std::string>() + " s" : "";
         return "<Frame " + std::to_string(self.index) + ": " + std::to_string(self.image.width()) +
-               " x " + std::to_string(self.image.height()) +
-               " px, t = " + py::str(py::float_(self.t)).cast<std::string>() + " s>";
+               " x " + std::to_string(self.image.height()) + " px" + time + ">";
       });
 }

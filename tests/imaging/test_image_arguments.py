@@ -44,7 +44,7 @@ def test_what_is_no_image(refusal):
     options(
         Frame,
         {
-            "t": (None, "now", 1j, [1], NAN, INF),
+            "t": ("now", 1j, [1], NAN, INF),
             "index": (-1, *NO_INT, *BEYOND_INT[2:]),
             "plane_map": NO_MAP,
             "time": (3,),

@@ -56,11 +56,20 @@ class TestFolder:
         pairs = list(zip(recording, recording, strict=True))
         assert brightness(pair[1] for pair in pairs) == [1, 2, 3, 10, 20]
 
-    def test_its_frames_have_a_time_and_a_number(self, folder):
+    def test_its_frames_have_a_number_and_a_time_if_one_is_given(self, folder):
         frames = list(Recording(folder))
         assert [frame.index for frame in frames] == [0, 1, 2, 3, 4]
-        np.testing.assert_allclose([frame.t for frame in frames], [0, 0.2, 0.4, 0.6, 0.8])
+        assert [frame.t for frame in frames] == [None] * 5
         assert [frame.t for frame in Recording(folder, dt=2)] == [0, 2, 4, 6, 8]
+
+    def test_without_a_dt_the_model_says_how_far_apart_the_frames_are(self, folder):
+        recording = Recording(folder)
+        assert recording.dt is None
+        assert repr(recording).endswith("5 frames of 32 x 24 px, no times>")
+        for dt in (0.2, 0.5):
+            model = robsim.RobotModel(robsim.RobotParameters(dt=dt))
+            sim = robsim.Simulation(frames=recording, define_model=lambda model=model: model)
+            np.testing.assert_allclose(sim.run().t, dt * np.arange(5))
 
     def test_other_files_are_ignored(self, folder):
         (folder / "frame4.txt").write_text("a note")

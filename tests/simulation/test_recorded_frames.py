@@ -202,8 +202,15 @@ def test_the_frames_own_times_are_those_of_the_steps_and_of_the_trace(run, tmp_p
 
 
 def test_frames_without_times_are_one_dt_apart(run):
-    trace = robsim.Simulation(frames=timed(run[0], (0, 0, 0))).run()
+    trace = robsim.Simulation(frames=timed(run[0], (None, None, None))).run()
     np.testing.assert_allclose(trace.t, [0, 0.2, 0.4])
+
+
+def test_zero_is_a_time_like_any_other(run):
+    trace = robsim.Simulation(frames=timed(run[0], (-0.5, 0.0, 0.7))).run()
+    np.testing.assert_array_equal(trace.t, [-0.5, 0, 0.7])
+    with pytest.raises(ValueError, match=r"that of step 1 is of t = 0\.0"):
+        robsim.Simulation(frames=timed(run[0], (0.0, 0.0))).run()
 
 
 def test_frames_in_another_order_are_refused_and_the_steps_before_are_kept(run):
@@ -251,6 +258,6 @@ def test_frames_that_are_dt_apart_are_so_to_the_last_digit(run):
 
 
 def test_a_frame_without_a_time_after_later_ones_is_refused(run):
-    sim = robsim.Simulation(frames=timed(run[0], (5.0, 0)))
+    sim = robsim.Simulation(frames=timed(run[0], (5.0, None)))
     with pytest.raises(ValueError, match=r"that of step 1 is of t = 0\.2"):
         sim.run()

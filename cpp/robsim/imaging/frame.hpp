@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "robsim/imaging/image.hpp"
 #include "robsim/imaging/plane_map.hpp"
@@ -10,7 +11,7 @@ namespace robsim {
 /// What the camera delivers: everything the robot half knows about the world.
 struct Frame {
   Image image;
-  double t = 0;  // s
+  std::optional<double> t;  // s; none of its own: it is one sample time after the last one
   std::int64_t index = 0;
   PlaneMap plane_map;
 };

@@ -194,7 +194,7 @@ bool Simulation::take_frame() {
   if (!frame) return false;
   const std::int64_t k = trace_.rows();
   const double dt = model_->dt();
-  const double t = frame->t != 0 ? frame->t : static_cast<double>(k) * dt;  // 0 = none of its own
+  const double t = frame->t.value_or(static_cast<double>(k) * dt);
   const double gap = k > 0 ? t - step_->t : dt;
   if (!(gap > 0)) {
     throw std::invalid_argument("frames must come in the order of their times: that of step " +

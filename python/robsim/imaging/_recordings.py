@@ -15,7 +15,7 @@ import numpy as np
 from PIL import Image
 
 from robsim._base.checks import check_float, check_size
-from robsim._core import Frame, PlaneMap, RobotParameters
+from robsim._core import Frame, PlaneMap
 from robsim.imaging._frames import check_same_size, frame_size
 from robsim.imaging._images import Pixels, load_image
 from robsim.imaging._opencv import load_opencv, quiet
@@ -42,7 +42,7 @@ class Recording:
         Width and height of the work area (px). Default: the extent that the frames show; without a
         plane map, the size of the frames.
     dt : float, optional
-        Time between two frames (s). Default: that of the video file, 0.2 s for a folder.
+        Time between two frames (s). Default: that of the video file; images in a folder have none.
 
     Attributes
     ----------
@@ -52,8 +52,9 @@ class Recording:
         Map from frame pixels to the work area.
     area : tuple of int
         Width and height of the work area (px).
-    dt : float
-        Time between two frames (s): frame k has the time k dt.
+    dt : float or None
+        Time between two frames (s): frame k has the time k dt. None = unknown: the frames have no
+        times, and a `Simulation` takes the dt of its model.
     size : tuple of int
         Width and height of the frames (px).
     count : int or None
@@ -108,12 +109,14 @@ class Recording:
         with closing(self._images.read()) as images:
             for index, (name, pixels) in enumerate(images):
                 check_same_size(name, frame_size(pixels), self.size)
-                yield Frame(pixels, t=index * self.dt, index=index, plane_map=self.plane_map)
+                t = None if self.dt is None else index * self.dt
+                yield Frame(pixels, t=t, index=index, plane_map=self.plane_map)
 
     def __repr__(self) -> str:
         count = "frames" if self.count is None else f"{self.count} frames"
         width, height = self.size
-        return f"<Recording {self.source}: {count} of {width} x {height} px, dt = {self.dt:g} s>"
+        dt = "no times" if self.dt is None else f"dt = {self.dt:g} s"
+        return f"<Recording {self.source}: {count} of {width} x {height} px, {dt}>"
 
     def _first_size(self) -> tuple[int, int]:
         with closing(self._images.read()) as images:
@@ -136,8 +139,8 @@ class _Folder:
             raise ValueError(f"there are no images in the folder {folder}")
         self.files = sorted(files, key=_natural_order)
 
-    def dt(self) -> float:
-        return RobotParameters().dt
+    def dt(self) -> float | None:
+        return None
 
     def count(self) -> int:
         return len(self.files)

@@ -76,7 +76,8 @@ def plot_frame(
         _draw_measurement(ax, measurement, outline, from_world)
     elif blobs is not None:
         ax.text(0.02, 0.02, "not seen", transform=ax.transAxes, fontsize=11, bbox=style.BOX)
-    ax.set_title(f"frame {frame.index}, t = {frame.t:.2f} s", loc="left")
+    time = "" if frame.t is None else f", t = {frame.t:.2f} s"
+    ax.set_title(f"frame {frame.index}{time}", loc="left")
     return ax
 
 

@@ -49,7 +49,7 @@ def annotated_frames(
             outline=outline,
             path=measured[: i + 1, :2],
             estimate=Estimate(estimated[i], covariance[i]) if is_estimated else None,
-            text=_caption(int(trace.k[i]), frame.t, measured[i]),
+            text=_caption(int(trace.k[i]), float(trace.t[i]), measured[i]),
         )
 
 
