@@ -44,7 +44,8 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
       centre_{centre.x + 1, centre.y + 1},
       unit_(unit),
       alignment_(alignment),
-      pixel_size_{camera.matrix()[0], camera.matrix()[4]} {
+      pixel_size_{camera.matrix()[0], camera.matrix()[4]},
+      headings_(headings) {
   if (!(std::isfinite(unit) && unit > 0)) {
     throw std::invalid_argument("unit must be positive and finite (work-area px), got " +
                                 std::to_string(unit));
@@ -60,14 +61,14 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
                                 std::to_string(static_cast<int>(maximum_radius)) +
                                 " work-area px of its centre");
   }
-  for (int i = 0; i < headings; ++i) headings_.push_back(make_heading(2 * pi * i / headings));
+  drawn_headings_ = std::make_unique<DrawnHeading[]>(static_cast<std::size_t>(headings));
 }
 
 PixelBox RobotImage::draw(const Point& pixel, double heading, const Shadow& shadow,
                           const WritableView& view) const {
   const Point position = near_the_view(pixel);
-  return headings_.empty() ? draw_turned(position, heading, shadow, view)
-                           : draw_nearest_heading(position, heading, shadow, view);
+  return headings_ == 0 ? draw_turned(position, heading, shadow, view)
+                        : draw_nearest_heading(position, heading, shadow, view);
 }
 
 PixelBox RobotImage::bounds(const Point& pixel) const {
@@ -91,10 +92,16 @@ Point RobotImage::direction(double heading) const {
   return {std::cos(heading + alignment_), std::sin(heading + alignment_)};
 }
 
-RobotImage::DrawnHeading RobotImage::make_heading(double heading) const {
+const std::vector<Strip>& RobotImage::drawn_heading(int i) const {
+  DrawnHeading& drawn = drawn_headings_[static_cast<std::size_t>(i)];
+  std::call_once(drawn.is_made, [&] { drawn.strips = make_heading(2 * pi * i / headings_); });
+  return drawn.strips;
+}
+
+std::vector<Strip> RobotImage::make_heading(double heading) const {
   const PixelBox box = bounds({0, 0});
   const Point ahead = direction(heading);
-  DrawnHeading drawn;
+  std::vector<Strip> drawn;
   for (int v = box.top; v < box.bottom; ++v) {
     const SpriteLine row_line = line({0, 0}, ahead, v);
     const Span columns = span_within(sprite_, row_line, {box.left, box.right});
@@ -122,9 +129,8 @@ PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shado
 
 PixelBox RobotImage::draw_nearest_heading(const Point& pixel, double heading, const Shadow& shadow,
                                           const WritableView& view) const {
-  const int count = static_cast<int>(headings_.size());
-  const int nearest = static_cast<int>(std::lround(wrap_angle(heading) / (2 * pi) * count));
-  const DrawnHeading& shown = headings_[static_cast<std::size_t>((nearest + count) % count)];
+  const int nearest = static_cast<int>(std::lround(wrap_angle(heading) / (2 * pi) * headings_));
+  const std::vector<Strip>& shown = drawn_heading((nearest + headings_) % headings_);
   const int u = static_cast<int>(std::round(pixel.x));
   const int v = static_cast<int>(std::round(pixel.y));
   const PixelBox around = bounds({0, 0});

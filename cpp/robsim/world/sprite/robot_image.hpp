@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "robsim/geometry/pose.hpp"
@@ -32,13 +34,17 @@ class RobotImage {
                 const WritableView& view) const;
 
  private:
-  // A strip for each row around the robot's centre.
-  using DrawnHeading = std::vector<sprite::Strip>;
+  // A strip for each row around the robot's centre, made when the heading is first shown.
+  struct DrawnHeading {
+    std::once_flag is_made;
+    std::vector<sprite::Strip> strips;
+  };
 
   PixelBox bounds(const Point& pixel) const;
   Point direction(double heading) const;  // of the image: cosine and sine
   sprite::SpriteLine line(const Point& pixel, const Point& ahead, int v) const;
-  DrawnHeading make_heading(double heading) const;
+  const std::vector<sprite::Strip>& drawn_heading(int i) const;
+  std::vector<sprite::Strip> make_heading(double heading) const;
   PixelBox draw_turned(const Point& pixel, double heading, const Shadow& shadow,
                        const WritableView& view) const;
   PixelBox draw_nearest_heading(const Point& pixel, double heading, const Shadow& shadow,
@@ -50,7 +56,8 @@ class RobotImage {
   double alignment_;
   Point pixel_size_;  // work-area px per camera pixel
   double radius_;     // of the sprite's farthest corner, work-area px
-  std::vector<DrawnHeading> headings_;
+  int headings_;
+  std::unique_ptr<DrawnHeading[]> drawn_headings_;
 };
 
 }  // namespace robsim
