@@ -142,9 +142,3 @@ def test_the_lab_robots_locator_never_finds_it(name):
 def test_it_is_far_from_the_lab_robot(name):
     lab, other = robsim.load_robot("lab").marker_layout(), robsim.load_robot(name).marker_layout()
     assert abs(other.distance / lab.distance - 1) > 2 * lab.distance_tolerance
-
-
-def test_everybody_gets_a_robot_of_his_own():
-    image = robsim.load_robot("sheep").image.copy()
-    robsim.load_robot("sheep").image[:] = 0
-    np.testing.assert_array_equal(robsim.load_robot("sheep").image, image)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
 from robsim._base.files import read_toml, write_whole
+from robsim._base.values import FileVersion
 
 #: The default robot until the user chooses another.
 DEFAULT = "lab"
@@ -19,6 +21,11 @@ def data_folder() -> Path:
     """Return the user's folder: ``$ROBSIM_DATA`` if it is set, else the system's data folder."""
     if folder := os.environ.get("ROBSIM_DATA"):
         return Path(folder).expanduser()
+    return _system_folder()
+
+
+@cache
+def _system_folder() -> Path:
     import platformdirs
 
     return platformdirs.user_data_path("robsim")
@@ -39,7 +46,7 @@ def default_robot() -> str:
     """
     file = settings_file()
     try:
-        name: Any = read_toml(file).get("robot", DEFAULT)
+        name = _stored_name(FileVersion.of(file))
     except FileNotFoundError:
         return DEFAULT
     except (ValueError, OSError) as error:
@@ -49,6 +56,11 @@ def default_robot() -> str:
             f"settings file {file}: robot must be the name of a robot, got {name!r}; {_RESET}"
         )
     return name
+
+
+@lru_cache(maxsize=1)
+def _stored_name(file: FileVersion) -> Any:
+    return read_toml(file.path).get("robot", DEFAULT)
 
 
 def missing_robot_error(name: str) -> ValueError:

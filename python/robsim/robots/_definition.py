@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, check_float, check_int
+from robsim._base.values import digest, frozen
 from robsim._core import MarkerLayout
 from robsim.imaging._images import Pixels
 from robsim.robots._geometry_check import geometry_problems
@@ -16,7 +19,10 @@ from robsim.robots._polygon_checks import finite_array, polygon
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RobotDefinition:
-    """What a robot looks like from above.
+    """What a robot looks like from above: a value, which never changes.
+
+    Definitions of the same content are equal and have the same hash. The arrays are read-only
+    copies; ``dataclasses.replace(robot, image=...)`` makes another definition.
 
     Parameters
     ----------
@@ -68,10 +74,10 @@ class RobotDefinition:
         check_int("maximum_blobs", self.maximum_blobs, minimum=1, maximum=100_000)
         height, width = image.shape[:2]
         centre = ((width - 1) / 2, (height - 1) / 2) if self.centre is None else self.centre
-        object.__setattr__(self, "image", image)
-        object.__setattr__(self, "centre", finite_array("centre", centre, (2,)))
+        object.__setattr__(self, "image", frozen(image))
+        object.__setattr__(self, "centre", frozen(finite_array("centre", centre, (2,))))
         for name in ("outline", "red", "blue"):
-            object.__setattr__(self, name, polygon(name, getattr(self, name)))
+            object.__setattr__(self, name, frozen(polygon(name, getattr(self, name))))
         self._check_geometry()
 
     def _check_geometry(self) -> None:
@@ -88,6 +94,34 @@ class RobotDefinition:
         if problems:
             raise ValueError("; ".join(problems))
         self.marker_layout()  # raises if the markers share a position
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RobotDefinition):
+            return NotImplemented
+        return self is other or self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    def __copy__(self) -> RobotDefinition:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> RobotDefinition:
+        return self
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():  # a pickled array is writable again
+            kept = frozen(value) if isinstance(value, np.ndarray) else value
+            object.__setattr__(self, name, kept)
+
+    @cached_property
+    def _content(self) -> tuple[object, ...]:
+        """All that the definition says, without its arrays."""
+        values = (getattr(self, field.name) for field in fields(self))
+        return tuple(digest(v) if isinstance(v, np.ndarray) else v for v in values)
 
     @property
     def unit(self) -> float:
@@ -119,13 +153,17 @@ class RobotDefinition:
         # (forward, right) = R(alignment) (right, down), R clockwise as y points down
         return np.column_stack((cos * right - sin * down, sin * right + cos * down))
 
-    @property
+    @cached_property
     def radius(self) -> float:
         """Maximum distance of the outline from the centre (work-area px)."""
         return float(np.linalg.norm(self.to_robot_frame(self.outline), axis=1).max())
 
     def marker_layout(self) -> MarkerLayout:
         """Return the geometry of the markers, by which `locate` finds this robot."""
+        return self._marker_layout
+
+    @cached_property
+    def _marker_layout(self) -> MarkerLayout:
         return MarkerLayout.from_markers(
             self.to_robot_frame(self.red),
             self.to_robot_frame(self.blue),

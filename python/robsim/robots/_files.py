@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import os
+from functools import lru_cache
 from os import PathLike
 from pathlib import Path, PureWindowsPath
 from typing import Any
@@ -12,6 +14,7 @@ from PIL import Image
 
 from robsim._base.checks import Floats
 from robsim._base.files import read_toml, write_whole
+from robsim._base.values import FileVersion
 from robsim.imaging._images import load_image
 from robsim.robots._definition import RobotDefinition
 
@@ -50,16 +53,18 @@ maximum_blobs = {maximum_blobs}
 
 
 def read_robot(folder: Path) -> RobotDefinition:
-    """Read the robot definition of a folder.
+    """Read the robot definition of a folder; files that have not changed are read only once.
 
     Raises
     ------
     ValueError
         If its files do not define a robot; the message names the file.
     """
-    file = folder / TOML
+    file = os.path.join(folder, TOML)
     try:
-        return _from_values(folder, read_toml(file))
+        definition = FileVersion.of(file)
+        image = os.path.join(folder, _image_name(definition))
+        return _definition(definition, FileVersion.of(image))
     except (ValueError, TypeError, OSError) as error:
         raise ValueError(f"robot definition {file}: {error}") from error
 
@@ -91,7 +96,10 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     write_whole(folder / TOML, _as_text(robot).encode())
 
 
-def _from_values(folder: Path, values: dict[str, Any]) -> RobotDefinition:
+@lru_cache(maxsize=16)
+def _image_name(file: FileVersion) -> str:
+    """Return the name of the image of a definition file."""
+    values = read_toml(file.path)
     missing = _KEYS - set(values)
     unknown = set(values) - _KEYS - _OPTIONAL
     if missing or unknown:
@@ -104,7 +112,13 @@ def _from_values(folder: Path, values: dict[str, Any]) -> RobotDefinition:
     # PureWindowsPath knows the path separators of all systems.
     if image in ("", ".", "..") or PureWindowsPath(image).name != image:
         raise ValueError(f"image must be the name of a file beside {TOML}, got {image!r}")
-    return RobotDefinition(**{**values, "image": load_image(folder / image, mode="RGBA")})
+    return image
+
+
+@lru_cache(maxsize=16)
+def _definition(file: FileVersion, image: FileVersion) -> RobotDefinition:
+    values: dict[str, Any] = read_toml(file.path)
+    return RobotDefinition(**{**values, "image": load_image(image.path, mode="RGBA")})
 
 
 def _as_text(robot: RobotDefinition) -> str:

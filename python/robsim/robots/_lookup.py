@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
-from functools import cache
+import os
 from os import PathLike
 from pathlib import Path
 
@@ -17,10 +16,12 @@ from robsim.robots._default_robot import (
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._files import TOML, read_robot
 
+_SHIPPED = ASSETS / "robots"
+
 
 def shipped_robots() -> dict[str, Path]:
     """Return the folders of the robots that ship with robsim, by name."""
-    return _folders(ASSETS / "robots")
+    return _folders(_SHIPPED)
 
 
 def user_robots_folder() -> Path:
@@ -73,32 +74,30 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
         folder = find_folder(name)
         if folder is None:
             raise missing_robot_error(name)
-        return _read(folder)
+        return read_robot(folder)
     folder = find_folder(robot)
     if folder is None and (Path(robot) / TOML).is_file():
         folder = Path(robot)
     if folder is None:
         raise unknown_robot_error(robot, ", or give a folder with a robot.toml")
-    return _read(folder)
-
-
-def _read(folder: Path) -> RobotDefinition:
-    """Return the definition in a folder, a new copy; shipped robots are read only once."""
-    shipped = folder.parent == ASSETS / "robots"
-    return deepcopy(_shipped_robot(folder)) if shipped else read_robot(folder)
-
-
-@cache
-def _shipped_robot(folder: Path) -> RobotDefinition:
     return read_robot(folder)
 
 
 def find_folder(robot: str | PathLike[str]) -> Path | None:
     """Return the folder of the robot with a name, or None."""
-    for robots in (shipped_robots(), user_robots()):
-        if (name := same_name(str(robot), robots)) is not None:
-            return robots[name]
-    return None
+    name = str(robot).casefold()
+    return _folder_in(_SHIPPED, name) or _folder_in(user_robots_folder(), name)
+
+
+def _folder_in(parent: Path, name: str) -> Path | None:
+    """Return the folder of a robot, by its name in lower case: `_folders` without reading all."""
+    try:
+        names = os.listdir(parent)
+    except OSError:
+        return None
+    same = (other for other in sorted(names) if other.casefold() == name and other[0] != ".")
+    found = next((other for other in same if os.path.isfile(f"{parent}/{other}/{TOML}")), None)
+    return None if found is None else parent / found
 
 
 def unknown_robot_error(robot: object, hint: str = "") -> ValueError:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from robsim._base.files import read_toml, write_whole
 from robsim._base.shipped import ASSETS
+from robsim._base.values import FileVersion
 from robsim._core import ColorClass
 
 #: The colour file that ships with robsim.
@@ -50,7 +52,15 @@ def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ..
     ValueError
         If it is not TOML, or not a colour file; the message names the file and the table.
     """
-    path = SHIPPED_COLORS if path is None else Path(path)
+    return _shipped_colors(FileVersion.of(SHIPPED_COLORS)) if path is None else _read(Path(path))
+
+
+@lru_cache(maxsize=1)
+def _shipped_colors(file: FileVersion) -> tuple[ColorClass, ...]:
+    return _read(Path(file.path))
+
+
+def _read(path: Path) -> tuple[ColorClass, ...]:
     tables = read_toml(path)
     try:
         if not tables:
