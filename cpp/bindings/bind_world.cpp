@@ -110,6 +110,10 @@ void bind_world(py::module_& module) {
   py::class_<Scene, std::shared_ptr<Scene>>(
       public_in(module, "robsim._core"), "Scene",
       "The floor and the robot of a Renderer; it never changes, and any number can share it.")
+      .def_property_readonly(
+          "nbytes",
+          [](const Scene& self) { return std::int64_t{4 * 3} * self.width() * self.height(); },
+          "int: memory of the four images of the floor.")
       .def("__repr__", [](const Scene& self) {
         return "<Scene: " + std::to_string(self.width()) + " x " + std::to_string(self.height()) +
                " px>";

@@ -3,7 +3,7 @@
 import numpy as np
 
 import robsim
-from robsim.simulation._scene import make_renderer
+from robsim.simulation._scene import as_floor, make_renderer
 
 AREA = (1200, 1200)
 
@@ -11,12 +11,13 @@ AREA = (1200, 1200)
 def renderer(
     *, resolution=AREA, headings=0, adjust_background=robsim.simulation.draw_red_square, **options
 ):
+    area = options.get("area", AREA)
     return make_renderer(
         robot=options.get("robot", robsim.load_robot()),
-        area=options.get("area", AREA),
+        area=area,
         resolution=resolution,
         headings=headings,
-        background=options.get("background"),
+        background=as_floor(options.get("background"), area),
         adjust_background=adjust_background,
     )
 

@@ -1,25 +1,30 @@
-"""The scene under the camera: composes floor, shadow and robot image into a `Renderer`."""
+"""The scene under the camera, composed of floor, shadow and robot image; made once, then shared."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property, lru_cache
 from os import PathLike
+from pathlib import Path
 
 import numpy as np
 
 from robsim._base.shipped import ASSETS
-from robsim._core import Renderer
+from robsim._base.values import FileVersion, digest, frozen
+from robsim._core import Renderer, Scene
 from robsim.imaging._images import Pixels, load_image, resized
 from robsim.imaging._shading import SHADOW, darkened, lightened
 from robsim.robots import RobotDefinition
+from robsim.simulation._scene_cache import SceneCache
 
 #: Number of headings that the robot is drawn in, as in the program of 2008.
 HEADINGS = 36
 
 # The square on the default background: left, top, side (work-area px), RGB.
 _SQUARE = (572, 64, 56, (198, 36, 40))
+
+_cache = SceneCache(maximum_size=64 * 2**20)
 
 
 def draw_red_square(background: Pixels) -> Pixels:
@@ -42,16 +47,41 @@ def draw_red_square(background: Pixels) -> Pixels:
     return background
 
 
-def make_renderer(
+class Floor:
+    """A user's floor, of the size of the work area: a value.
+
+    Parameters
+    ----------
+    pixels : array (H, W, 3) of uint8
+        The floor; it is copied.
+    """
+
+    def __init__(self, pixels: Pixels) -> None:
+        self.pixels: Pixels = frozen(pixels)
+
+    @cached_property
+    def _content(self) -> bytes:
+        return digest(self.pixels)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Floor):
+            return NotImplemented
+        return self is other or self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+
+def make_scene(
     *,
     robot: RobotDefinition,
     area: tuple[int, int],
     resolution: tuple[int, int],
     headings: int,
-    background: Pixels | None,
+    background: Floor | None,
     adjust_background: Callable[[Pixels], Pixels],
-) -> Renderer:
-    """Return the renderer of the scene.
+) -> Scene:
+    """Return a scene: the one that was made of the same before, if it is still there.
 
     Parameters
     ----------
@@ -61,17 +91,57 @@ def make_renderer(
         Width and height of the work area (px) and of the frame (px).
     headings : int
         Number of headings the robot is drawn in; 0 = continuous.
-    background : array (H, W, 3) of uint8, or None
+    background : Floor or None
         The floor, of the size of the area. None = the one that ships with robsim.
     adjust_background : callable
-        Gets the image of the work area with its shadow; returns the changed image.
+        Gets the image of the work area with its shadow; returns the changed image. Any other than
+        `draw_red_square` is called each time.
 
     Raises
     ------
     TypeError, ValueError
         If `adjust_background` returns a value of the wrong type or shape.
     """
-    floor = _shipped_floor(area) if background is None else background
+
+    def make() -> Scene:
+        return _composed(robot, area, resolution, headings, background, adjust_background)
+
+    if adjust_background is not draw_red_square:
+        return make()
+    return _cache.get((robot, area, resolution, headings, background), make)
+
+
+def make_renderer(
+    *,
+    robot: RobotDefinition,
+    area: tuple[int, int],
+    resolution: tuple[int, int],
+    headings: int,
+    background: Floor | None,
+    adjust_background: Callable[[Pixels], Pixels],
+) -> Renderer:
+    """Return a renderer of the scene that `make_scene` returns for the same arguments."""
+    return Renderer(
+        make_scene(
+            robot=robot,
+            area=area,
+            resolution=resolution,
+            headings=headings,
+            background=background,
+            adjust_background=adjust_background,
+        )
+    )
+
+
+def _composed(
+    robot: RobotDefinition,
+    area: tuple[int, int],
+    resolution: tuple[int, int],
+    headings: int,
+    background: Floor | None,
+    adjust_background: Callable[[Pixels], Pixels],
+) -> Scene:
+    floor = _shipped_floor(area) if background is None else background.pixels
     shadowed_floor = darkened(floor)
     home, shadowed_home = _home(floor, shadowed_floor, adjust_background)
     sprite, centre, unit = robot_sprite(
@@ -88,7 +158,7 @@ def make_renderer(
         alignment=np.deg2rad(robot.alignment),
         headings=headings,
         area=area,
-    )
+    ).scene
 
 
 def _shadow_left(width: int) -> int:
@@ -102,20 +172,22 @@ def _home(
     left = _shadow_left(floor.shape[1])
     shown = np.concatenate((floor[:, :left], shadowed_floor[:, left:]), axis=1)
     adjusted = _adjusted(adjust_background, shown)
+    home, shadowed_home = floor.copy(), shadowed_floor.copy()
+    rows = np.flatnonzero((adjusted != shown).reshape(len(floor), -1).any(axis=1))
     # What was drawn in the light is darkened for the shadow, and vice versa.
-    shadowed_home = adjusted.copy()
-    shadowed_home[:, :left] = darkened(adjusted[:, :left])
-    home = adjusted.copy()
-    home[:, left:] = floor[:, left:]  # lightened(darkened(floor)) is not exact
-    red, green, blue = np.moveaxis(adjusted[:, left:] != shown[:, left:], 2, 0)
-    drawn = red | green | blue
-    home[:, left:][drawn] = lightened(adjusted[:, left:][drawn])
+    home[rows, :left] = adjusted[rows, :left]
+    shadowed_home[rows, :left] = darkened(adjusted[rows, :left])
+    shadowed_home[rows, left:] = adjusted[rows, left:]
+    # Only what was drawn: lightened(darkened(floor)) is not exact.
+    in_shadow = adjusted[rows, left:]
+    drawn = (in_shadow != shown[rows, left:]).any(axis=2, keepdims=True)
+    home[rows, left:] = np.where(drawn, lightened(in_shadow), floor[rows, left:])
     return home, shadowed_home
 
 
 def as_floor(
     background: Pixels | str | PathLike[str] | None, area: tuple[int, int]
-) -> Pixels | None:
+) -> Floor | None:
     """Return a user's floor scaled to the work area; None stays None.
 
     Parameters
@@ -132,12 +204,19 @@ def as_floor(
     """
     if background is None:
         return None
-    pixels = load_image(background) if isinstance(background, (str, PathLike)) else background
+    if isinstance(background, (str, PathLike)):
+        return _floor_in_file(FileVersion.of(Path(background)), area)
+    pixels = background
     if not isinstance(pixels, np.ndarray) or pixels.dtype != np.uint8:
         raise TypeError(f"background must be a uint8 array or a file, got {type(pixels).__name__}")
     if pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
         raise ValueError(f"background must have the shape (H, W, 3), got {pixels.shape}")
-    return resized(np.ascontiguousarray(pixels), *area)
+    return Floor(resized(np.ascontiguousarray(pixels), *area))
+
+
+@lru_cache(maxsize=2)
+def _floor_in_file(file: FileVersion, area: tuple[int, int]) -> Floor:
+    return Floor(resized(load_image(file.path), *area))
 
 
 def _shipped_floor(area: tuple[int, int]) -> Pixels:
