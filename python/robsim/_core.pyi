@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'MarkerLayout', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression', 'rgb_to_yuv', 'wrap_angle']
+__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'MarkerLayout', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression', 'rgb_to_yuv', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -110,15 +110,25 @@ class Frame:
     Parameters
     ----------
     image : array (H, W, 3) of uint8
-        RGB pixels; they are copied.
-    t : float
-        Time (s).
+        RGB pixels. With ``copy=False`` any buffer of this type and shape.
+    copy : bool
+        False: take the pixels where they are, such as in shared memory. The frame keeps the array
+        alive and always shows what is in its memory now: who overwrites it, changes the frame.
+    t : float, optional
+        Time (s). None: it has no time of its own.
     index : int
         Number of the frame.
     plane_map : PlaneMap, optional
         Pixels to work area. Default: the identity.
+    
+    Examples
+    --------
+    A frame in shared memory, which then stays open as long as the frame (under a mere
+    ``np.ndarray(..., buffer=shared.buf)`` it could be closed):
+    
+    >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
     """
-    def __init__(self, image: typing.Any, *, t: typing.SupportsFloat | typing.SupportsIndex = 0.0, index: typing.SupportsInt | typing.SupportsIndex = 0, plane_map: PlaneMap = ...) -> None:
+    def __init__(self, image: typing.Any, *, copy: bool = True, t: typing.SupportsFloat | typing.SupportsIndex | None = None, index: typing.SupportsInt | typing.SupportsIndex = 0, plane_map: PlaneMap = ...) -> None:
         ...
     def __repr__(self) -> str:
         ...
@@ -129,7 +139,8 @@ class Frame:
     @property
     def image(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
-        array (H, W, 3) of uint8: RGB, read-only, never overwritten while you hold it.
+        array (H, W, 3) of uint8: RGB, read-only; unless it was made with ``copy=False``,
+        C-contiguous and never overwritten while you hold it.
         """
     @property
     def index(self) -> int:
@@ -142,9 +153,9 @@ class Frame:
         PlaneMap: pixels <-> work area.
         """
     @property
-    def t(self) -> float:
+    def t(self) -> float | None:
         """
-        float: time (s).
+        float or None: time (s).
         """
 class RobotParameters:
     """
@@ -285,12 +296,25 @@ class RobotModel:
         """
         array (3, 5): rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
         """
+class Scene:
+    """
+    The floor and the robot of a Renderer; it never changes, and any number can share it.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def nbytes(self) -> int:
+        """
+        int: memory of the four images of the floor.
+        """
 class Renderer:
     """
     Draws what the ceiling camera sees, without noise.
     
     Parameters
     ----------
+    scene : Scene, optional
+        The `scene` of another renderer, in place of all that follows: it is shared, not copied.
     floor, home : tuple of two arrays (H, W, 3) of uint8
         What repeats around the work area, and the work area itself: each lit and in the shadow, in
         camera pixels.
@@ -311,9 +335,13 @@ class Renderer:
     area : tuple of int
         Width and height of the work area (px).
     """
+    @typing.overload
+    def __init__(self, scene: Scene) -> None:
+        ...
+    @typing.overload
     def __init__(self, *, floor: tuple[typing.Any, typing.Any], home: tuple[typing.Any, typing.Any], shadow_left: typing.SupportsInt | typing.SupportsIndex, shadow_factor: typing.SupportsFloat | typing.SupportsIndex, sprite: typing.Any, centre: typing.Any, unit: typing.SupportsFloat | typing.SupportsIndex, alignment: typing.SupportsFloat | typing.SupportsIndex, headings: typing.SupportsInt | typing.SupportsIndex, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex]) -> None:
         ...
-    def render(self, pose: typing.Any, pan: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 0)) -> numpy.typing.NDArray[numpy.uint8]:
+    def render(self, pose: typing.Any, pan: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 0), *, out: typing.Any = None) -> numpy.typing.NDArray[numpy.uint8]:
         """
         Return the image of the robot at a pose.
         
@@ -323,11 +351,23 @@ class Renderer:
             x, y (work-area px), heading (rad).
         pan : tuple of int
             By how much the view is moved (camera px).
+        out : array (H, W, 3) of uint8, optional
+            Where to draw the image. Default: memory of the renderer.
         
         Returns
         -------
         array (H, W, 3) of uint8
-            Read-only; it stays what it is as long as you hold it.
+            `out`, if it was given. Otherwise read-only; it stays what it is as long as you hold it.
+        
+        Raises
+        ------
+        TypeError, ValueError
+            If `pose` is not a pose, or if `out` has the wrong type or shape or is read-only.
+        """
+    @property
+    def scene(self) -> Scene:
+        """
+        Scene: what it draws, for other renderers.
         """
 class VisualNoise:
     """
