@@ -6,7 +6,6 @@
 #include "python/callbacks.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
-#include "robsim/model/unicycle.hpp"
 #include "robsim/simulation/simulation.hpp"
 
 namespace py = pybind11;
@@ -134,11 +133,6 @@ const BlobsByColor& blobs_of(const Step& step) {
   return readable(step).blobs ? *step.blobs : source_of(step, "blobs").blobs();
 }
 
-py::array_t<double> to_array(const Input& u) {
-  const double values[] = {u.u1, u.u2};
-  return bindings::to_array(values, {2});
-}
-
 py::array_t<double> input_of(const Step& step) {
   if (readable(step).u) return to_array(*step.u);
   throw std::runtime_error("step.u, the input of step " + std::to_string(step.k) +
@@ -228,29 +222,6 @@ One sample for the parameter estimator: y = sum(phi * theta, axis=1).
       });
 }
 
-void bind_unicycle(py::module_& module) {
-  py::class_<Unicycle>(public_in(module, "robsim"), "Unicycle", R"(
-The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
-
-It has the constants of the `RobotModel` and moves as that along a straight line, and in its
-heading; in a curve it drives where it is headed. It can be called like a callback:
-``pose = unicycle(world)``.
-
-Notes
------
-s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
-x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
-)")
-      .def(py::init<>())
-      .def(
-          "__call__",
-          [](const Unicycle& self, const WorldState& world) {
-            return bindings::to_array(self(world.model, world.pose_1, world.pose_2, world.last_u));
-          },
-          py::arg("world"), "Return the pose of a step: array (3,).")
-      .def("__repr__", [](const Unicycle&) { return "Unicycle()"; });
-}
-
 void bind_step(py::module_& module) {
   py::class_<Step, std::shared_ptr<Step>>(public_in(module, "robsim"), "Step", R"(
 What the robot half may know of a step, read-only. It fills up from stage to stage.
@@ -293,53 +264,11 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
       .def("__repr__", [](const Step& self) { return "<Step " + std::to_string(self.k) + ">"; });
 }
 
-void bind_controllers(py::module_& module) {
-  py::class_<Controller, std::shared_ptr<Controller>>(public_in(module, "robsim.control"),
-                                                      "Controller", R"(
-A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
-)")
-      .def(
-          "__call__", [](const Controller& self, const Step& step) { return to_array(self(step)); },
-          py::arg("step"), "Return the input of a step: array (2,), V.");
-
-  const Spin spin;
-  py::class_<Spin, Controller, std::shared_ptr<Spin>>(public_in(module, "robsim"), "Spin", R"(
-Turns on the spot: (+voltage, -voltage).
-
-Parameters
-----------
-voltage : float
-    Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
-)")
-      .def(py::init<double>(), py::arg("voltage") = spin.voltage())
-      .def_property_readonly("voltage", &Spin::voltage, "float: voltage of the left motor (V).");
-
-  const DriveAround drive;
-  py::class_<DriveAround, Controller, std::shared_ptr<DriveAround>>(public_in(module, "robsim"),
-                                                                    "DriveAround", R"(
-Drives around: for each motor a random voltage, held for some steps.
-
-Parameters
-----------
-low, high : float
-    The voltages are uniform in [low, high) (V).
-hold : int
-    Steps for which a voltage is held.
-)")
-      .def(py::init<double, double, int>(), py::kw_only(), py::arg("low") = drive.low(),
-           py::arg("high") = drive.high(), py::arg("hold") = drive.hold())
-      .def_property_readonly("low", &DriveAround::low, "float: lowest voltage (V).")
-      .def_property_readonly("high", &DriveAround::high, "float: highest voltage (V).")
-      .def_property_readonly("hold", &DriveAround::hold, "int: steps a voltage is held for.");
-}
-
 }  // namespace
 
 void bind_simulation(py::module_& module) {
   bind_records(module);
   bind_step(module);
-  bind_unicycle(module);
-  bind_controllers(module);
 
   py::class_<SlottedSimulation>(public_in(module, "robsim._core"), "Simulation",
                                 "The loop. Users take robsim.Simulation.",

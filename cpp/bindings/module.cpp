@@ -1,4 +1,4 @@
-// The table of contents of the extension: one function per room, two for vision.
+// The table of contents of the extension: one function per room, two for vision and for simulation.
 #include <pybind11/pybind11.h>
 
 namespace py = pybind11;
@@ -12,6 +12,7 @@ void bind_color(py::module_& module);
 void bind_blobs(py::module_& module);
 void bind_estimation(py::module_& module);
 void bind_simulation(py::module_& module);
+void bind_controllers(py::module_& module);
 
 PYBIND11_MODULE(_core, module) {
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
@@ -24,5 +25,6 @@ PYBIND11_MODULE(_core, module) {
   bind_blobs(module);
   bind_estimation(module);
   bind_simulation(module);
+  bind_controllers(module);
   pybind11::delattr(module, "__module__");  // the bindings set it
 }

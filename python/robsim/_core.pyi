@@ -901,6 +901,77 @@ class Step:
         """
         array (2,): the input decided in this step, as sent to the motors (V). RuntimeError before that.
         """
+class Simulation:
+    """
+    The loop. Users take robsim.Simulation.
+    """
+    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_length: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+        """
+        Return the columns of the trace: name -> array (rows, width).
+        """
+    def render_step(self, k: typing.SupportsInt | typing.SupportsIndex) -> Frame:
+        """
+        Return the frame of a recorded step, drawn anew.
+        """
+    def reset(self) -> None:
+        """
+        Go back to the start.
+        """
+    def run(self, steps: typing.SupportsInt | typing.SupportsIndex, progress: typing.Any = None) -> None:
+        """
+        Run `steps` steps; progress(done) is called every 50 ms or so.
+        """
+    def set_stage(self, slot: str, value: typing.Any) -> None:
+        """
+        Put a callable or a native component into a slot; None = the default.
+        """
+    def start(self) -> None:
+        """
+        Do what comes once, if that has not been done yet.
+        """
+    @property
+    def blobs(self) -> dict[str, list[Blob]]:
+        ...
+    @property
+    def estimator(self) -> typing.Any:
+        ...
+    @property
+    def frame(self) -> Frame:
+        ...
+    @property
+    def has_started(self) -> bool:
+        ...
+    @property
+    def is_running(self) -> bool:
+        ...
+    @property
+    def last_step(self) -> Step:
+        ...
+    @property
+    def maximum_count(self) -> int:
+        """
+        int: of the blobs of a colour.
+        """
+    @property
+    def minimum_area(self) -> int:
+        """
+        int: of the blobs in the newest frame (px).
+        """
+    @property
+    def model(self) -> RobotModel:
+        ...
+    @property
+    def rows(self) -> int:
+        """
+        int: steps recorded by now.
+        """
+    @property
+    def smoothing(self) -> int:
+        """
+        int: window of the newest frame (px); 1 = off.
+        """
 class Unicycle:
     """
     The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
@@ -973,77 +1044,6 @@ class DriveAround(Controller):
     def low(self) -> float:
         """
         float: lowest voltage (V).
-        """
-class Simulation:
-    """
-    The loop. Users take robsim.Simulation.
-    """
-    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_length: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
-        """
-        Return the columns of the trace: name -> array (rows, width).
-        """
-    def render_step(self, k: typing.SupportsInt | typing.SupportsIndex) -> Frame:
-        """
-        Return the frame of a recorded step, drawn anew.
-        """
-    def reset(self) -> None:
-        """
-        Go back to the start.
-        """
-    def run(self, steps: typing.SupportsInt | typing.SupportsIndex, progress: typing.Any = None) -> None:
-        """
-        Run `steps` steps; progress(done) is called every 50 ms or so.
-        """
-    def set_stage(self, slot: str, value: typing.Any) -> None:
-        """
-        Put a callable or a native component into a slot; None = the default.
-        """
-    def start(self) -> None:
-        """
-        Do what comes once, if that has not been done yet.
-        """
-    @property
-    def blobs(self) -> dict[str, list[Blob]]:
-        ...
-    @property
-    def estimator(self) -> typing.Any:
-        ...
-    @property
-    def frame(self) -> Frame:
-        ...
-    @property
-    def has_started(self) -> bool:
-        ...
-    @property
-    def is_running(self) -> bool:
-        ...
-    @property
-    def last_step(self) -> Step:
-        ...
-    @property
-    def maximum_count(self) -> int:
-        """
-        int: of the blobs of a colour.
-        """
-    @property
-    def minimum_area(self) -> int:
-        """
-        int: of the blobs in the newest frame (px).
-        """
-    @property
-    def model(self) -> RobotModel:
-        ...
-    @property
-    def rows(self) -> int:
-        """
-        int: steps recorded by now.
-        """
-    @property
-    def smoothing(self) -> int:
-        """
-        int: window of the newest frame (px); 1 = off.
         """
 def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, smoothing: typing.SupportsInt | typing.SupportsIndex = 1) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """

@@ -145,6 +145,11 @@ py::array_t<double> to_array(const Point& point) {
   return to_array(values, {2});
 }
 
+py::array_t<double> to_array(const Input& u) {
+  const double values[] = {u.u1, u.u2};
+  return to_array(values, {2});
+}
+
 py::array_t<double> to_array(const AxisMatrix& matrix) { return to_array(matrix.data(), {3, 5}); }
 
 ImageView image_view(py::handle value, const std::string& name) {
