@@ -1,9 +1,11 @@
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <tuple>
 
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
+#include "python/values.hpp"
 #include "robsim/imaging/frame.hpp"
 #include "robsim/vision/marker_blobs.hpp"
 
@@ -71,13 +73,73 @@ MarkerLayout with_options(MarkerLayout markers, double distance_tolerance, doubl
   return markers;
 }
 
+using Place = std::pair<double, double>;
+
+MarkerLayout layout_from(Place red, Place blue, std::optional<double> red_area,
+                         std::optional<double> blue_area, double distance_tolerance,
+                         double area_tolerance, int maximum_blobs) {
+  MarkerLayout markers;
+  markers.red = {red.first, red.second};
+  markers.blue = {blue.first, blue.second};
+  if (red_area) markers.red_area = *red_area;
+  if (blue_area) markers.blue_area = *blue_area;
+  return with_options(markers, distance_tolerance, area_tolerance, maximum_blobs);
+}
+
+void bind_layout_value(py::class_<MarkerLayout>& layout) {
+  const MarkerLayout defaults;
+  layout.def_static(
+      "from_positions",
+      [](const py::object& red, const py::object& blue, std::optional<double> red_area,
+         std::optional<double> blue_area, double distance_tolerance, double area_tolerance,
+         int maximum_blobs) {
+        const Point r = point_from(red, "red");
+        const Point b = point_from(blue, "blue");
+        return layout_from({r.x, r.y}, {b.x, b.y}, red_area, blue_area, distance_tolerance,
+                           area_tolerance, maximum_blobs);
+      },
+      py::arg("red"), py::arg("blue"), py::kw_only(), py::arg("red_area") = py::none(),
+      py::arg("blue_area") = py::none(),
+      py::arg("distance_tolerance") = defaults.distance_tolerance,
+      py::arg("area_tolerance") = defaults.area_tolerance,
+      py::arg("maximum_blobs") = defaults.maximum_blobs, R"(
+Return the layout of markers at these positions.
+
+Parameters
+----------
+red, blue : array (2,)
+    Centroids of the markers in the robot's frame: forward, right (work-area px from its centre).
+red_area, blue_area : float, optional
+    Their areas (px^2). Default: not known.
+distance_tolerance, area_tolerance, maximum_blobs
+    As for `MarkerLayout`.
+)");
+  const auto place = [](Point MarkerLayout::* member) {
+    return [member](const MarkerLayout& self) { return Place((self.*member).x, (self.*member).y); };
+  };
+  const auto area = [](double MarkerLayout::* member) {
+    return [member](const MarkerLayout& self) {
+      return std::isnan(self.*member) ? std::nullopt : std::optional(self.*member);
+    };
+  };
+  define_value(layout,
+               Fields(&layout_from, Field("red", place(&MarkerLayout::red)),
+                      Field("blue", place(&MarkerLayout::blue)),
+                      Field("red_area", area(&MarkerLayout::red_area)),
+                      Field("blue_area", area(&MarkerLayout::blue_area)),
+                      Field("distance_tolerance", &MarkerLayout::distance_tolerance),
+                      Field("area_tolerance", &MarkerLayout::area_tolerance),
+                      Field("maximum_blobs", &MarkerLayout::maximum_blobs)),
+               "from_positions");
+}
+
 void bind_marker_layout(py::module_& module) {
   const MarkerLayout defaults;
-  py::class_<MarkerLayout>(public_in(module, "robsim.vision"), "MarkerLayout", R"(
+  py::class_<MarkerLayout> layout(public_in(module, "robsim.vision"), "MarkerLayout", R"(
 The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
 
 The line from blue to red is perpendicular to the heading, red on the robot's right. For other
-arrangements see `from_markers`.
+arrangements see `from_markers` and `from_positions`.
 
 Parameters
 ----------
@@ -92,7 +154,8 @@ area_tolerance : float
     between the areas of a pair.
 maximum_blobs : int
     How many blobs of a colour are considered, the largest first.
-)")
+)");
+  layout
       .def(py::init([](double distance, double offset, double distance_tolerance,
                        double area_tolerance, int maximum_blobs) {
              return with_options(MarkerLayout::across(distance, offset), distance_tolerance,
@@ -138,11 +201,8 @@ distance_tolerance, area_tolerance, maximum_blobs
       .def_readonly("distance_tolerance", &MarkerLayout::distance_tolerance, "float: fraction.")
       .def_readonly("area_tolerance", &MarkerLayout::area_tolerance, "float: ratio.")
       .def_readonly("maximum_blobs", &MarkerLayout::maximum_blobs,
-                    "int: blobs considered per colour.")
-      .def("__repr__", [](const MarkerLayout& self) {
-        return "<MarkerLayout: markers " + std::to_string(self.distance()) + " px apart, centre " +
-               std::to_string(self.offset()) + " px ahead of their midpoint>";
-      });
+                    "int: blobs considered per colour.");
+  bind_layout_value(layout);
 }
 
 void bind_find_blobs(py::module_& module) {

@@ -5,6 +5,7 @@
 
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
+#include "python/values.hpp"
 #include "robsim/vision/color/color_training.hpp"
 
 namespace py = pybind11;
@@ -25,14 +26,6 @@ ColorClass color_from(const py::str& name, Range y, Range u, Range v) {
 
 Range range_of(const ColorClass& color, std::size_t channel) {
   return {color.lower[channel], color.upper[channel]};
-}
-
-std::string repr(const ColorClass& color) {
-  const auto text = [&](std::size_t i) {
-    return py::repr(py::cast(range_of(color, i))).cast<std::string>();
-  };
-  return "ColorClass('" + color.name + "', y=" + text(0) + ", u=" + text(1) + ", v=" + text(2) +
-         ")";
 }
 
 py::array_t<std::uint8_t> yuv_of(const py::object& image) {
@@ -202,8 +195,12 @@ y, u, v : tuple of two ints
           "tuple of int: blue minus luma, 128 = neutral.")
       .def_property_readonly(
           "v", [](const ColorClass& self) { return range_of(self, 2); },
-          "tuple of int: red minus luma, 128 = neutral.")
-      .def("__repr__", py::overload_cast<const ColorClass&>(&repr));
+          "tuple of int: red minus luma, 128 = neutral.");
+  const auto range = [](std::size_t channel) {
+    return [channel](const ColorClass& color) { return range_of(color, channel); };
+  };
+  define_value(color_class, Fields(&color_from, Field("", &ColorClass::name), Field("y", range(0)),
+                                   Field("u", range(1)), Field("v", range(2))));
 
   public_in(module, "robsim.vision").def("rgb_to_yuv", &yuv_of, py::arg("image"), R"(
 Return Y, U and V of every pixel, as the colour classes use them.

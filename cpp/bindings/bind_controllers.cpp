@@ -1,5 +1,8 @@
+#include <memory>
+
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
+#include "python/values.hpp"
 #include "robsim/model/unicycle.hpp"
 #include "robsim/simulation/controllers.hpp"
 
@@ -10,7 +13,7 @@ using namespace robsim::bindings;
 namespace {
 
 void bind_unicycle(py::module_& module) {
-  py::class_<Unicycle>(public_in(module, "robsim"), "Unicycle", R"(
+  py::class_<Unicycle> unicycle(public_in(module, "robsim"), "Unicycle", R"(
 The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
 
 It has the constants of the `RobotModel` and moves as that along a straight line, and in its
@@ -21,15 +24,15 @@ Notes
 -----
 s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
 x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
-)")
-      .def(py::init<>())
+)");
+  unicycle.def(py::init<>())
       .def(
           "__call__",
           [](const Unicycle& self, const WorldState& world) {
             return to_array(self(world.model, world.pose_1, world.pose_2, world.last_u));
           },
-          py::arg("world"), "Return the pose of a step: array (3,).")
-      .def("__repr__", [](const Unicycle&) { return "Unicycle()"; });
+          py::arg("world"), "Return the pose of a step: array (3,).");
+  define_value(unicycle, Fields([] { return Unicycle(); }));
 }
 
 void bind_ready_controllers(py::module_& module) {
@@ -41,21 +44,23 @@ A ready controller, as fast as the loop. It can be called like a callback: ``u =
           "__call__", [](const Controller& self, const Step& step) { return to_array(self(step)); },
           py::arg("step"), "Return the input of a step: array (2,), V.");
 
-  const Spin spin;
-  py::class_<Spin, Controller, std::shared_ptr<Spin>>(public_in(module, "robsim"), "Spin", R"(
+  const Spin spin_defaults;
+  py::class_<Spin, Controller, std::shared_ptr<Spin>> spin(public_in(module, "robsim"), "Spin", R"(
 Turns on the spot: (+voltage, -voltage).
 
 Parameters
 ----------
 voltage : float
     Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
-)")
-      .def(py::init<double>(), py::arg("voltage") = spin.voltage())
+)");
+  spin.def(py::init<double>(), py::arg("voltage") = spin_defaults.voltage())
       .def_property_readonly("voltage", &Spin::voltage, "float: voltage of the left motor (V).");
+  define_value(spin, Fields([](double voltage) { return std::make_shared<Spin>(voltage); },
+                            Field("voltage", &Spin::voltage)));
 
-  const DriveAround drive;
-  py::class_<DriveAround, Controller, std::shared_ptr<DriveAround>>(public_in(module, "robsim"),
-                                                                    "DriveAround", R"(
+  const DriveAround drive_defaults;
+  py::class_<DriveAround, Controller, std::shared_ptr<DriveAround>> drive(
+      public_in(module, "robsim"), "DriveAround", R"(
 Drives around: for each motor a random voltage, held for some steps.
 
 Parameters
@@ -64,12 +69,18 @@ low, high : float
     The voltages are uniform in [low, high) (V).
 hold : int
     Steps for which a voltage is held.
-)")
-      .def(py::init<double, double, int>(), py::kw_only(), py::arg("low") = drive.low(),
-           py::arg("high") = drive.high(), py::arg("hold") = drive.hold())
+)");
+  drive
+      .def(py::init<double, double, int>(), py::kw_only(), py::arg("low") = drive_defaults.low(),
+           py::arg("high") = drive_defaults.high(), py::arg("hold") = drive_defaults.hold())
       .def_property_readonly("low", &DriveAround::low, "float: lowest voltage (V).")
       .def_property_readonly("high", &DriveAround::high, "float: highest voltage (V).")
       .def_property_readonly("hold", &DriveAround::hold, "int: steps a voltage is held for.");
+  define_value(drive,
+               Fields([](double low, double high,
+                         int hold) { return std::make_shared<DriveAround>(low, high, hold); },
+                      Field("low", &DriveAround::low), Field("high", &DriveAround::high),
+                      Field("hold", &DriveAround::hold)));
 }
 
 }  // namespace

@@ -436,9 +436,19 @@ class ColorClass:
         stays 26 levels away from it, or half of its own distance if that is less: greys do not belong to
         the class, however large the margin.
         """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __init__(self, name: str, *, y: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), u: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), v: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255)) -> None:
         ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     def widened(self, margin: typing.SupportsInt | typing.SupportsIndex) -> ColorClass:
         """
@@ -480,7 +490,7 @@ class MarkerLayout:
     The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
     
     The line from blue to red is perpendicular to the heading, red on the robot's right. For other
-    arrangements see `from_markers`.
+    arrangements see `from_markers` and `from_positions`.
     
     Parameters
     ----------
@@ -508,9 +518,33 @@ class MarkerLayout:
         distance_tolerance, area_tolerance, maximum_blobs
             As for `MarkerLayout`.
         """
+    @staticmethod
+    def from_positions(red: typing.Any, blue: typing.Any, *, red_area: typing.SupportsFloat | typing.SupportsIndex | None = None, blue_area: typing.SupportsFloat | typing.SupportsIndex | None = None, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> MarkerLayout:
+        """
+        Return the layout of markers at these positions.
+        
+        Parameters
+        ----------
+        red, blue : array (2,)
+            Centroids of the markers in the robot's frame: forward, right (work-area px from its centre).
+        red_area, blue_area : float, optional
+            Their areas (px^2). Default: not known.
+        distance_tolerance, area_tolerance, maximum_blobs
+            As for `MarkerLayout`.
+        """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __init__(self, distance: typing.SupportsFloat | typing.SupportsIndex, offset: typing.SupportsFloat | typing.SupportsIndex, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> None:
         ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def area_tolerance(self) -> float:
@@ -989,9 +1023,19 @@ class Unicycle:
         """
         Return the pose of a step: array (3,).
         """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __init__(self) -> None:
         ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
 class Controller:
     """
@@ -1010,7 +1054,19 @@ class Spin(Controller):
     voltage : float
         Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __init__(self, voltage: typing.SupportsFloat | typing.SupportsIndex = 0.05) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def voltage(self) -> float:
@@ -1028,7 +1084,19 @@ class DriveAround(Controller):
     hold : int
         Steps for which a voltage is held.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __init__(self, *, low: typing.SupportsFloat | typing.SupportsIndex = -0.5, high: typing.SupportsFloat | typing.SupportsIndex = 1.5, hold: typing.SupportsInt | typing.SupportsIndex = 10) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def high(self) -> float:
