@@ -1,4 +1,6 @@
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
@@ -33,6 +35,59 @@ x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
           },
           py::arg("world"), "Return the pose of a step: array (3,).");
   define_value(unicycle, Fields([] { return Unicycle(); }));
+}
+
+Replay replay_from(const py::object& u) {
+  const Doubles rows = doubles_from(u, "u", Shape{-1, 2}, "one input a step, shape (N, 2), in V");
+  std::vector<Input> inputs;
+  for (py::ssize_t k = 0; k < rows.shape(0); ++k) inputs.push_back({rows.at(k, 0), rows.at(k, 1)});
+  return Replay(std::move(inputs));
+}
+
+// A read-only view that keeps the controller alive.
+py::array_t<double> inputs_of(const py::object& self) {
+  static_assert(sizeof(Input) == 2 * sizeof(double));
+  const std::vector<Input>& u = self.cast<const Replay&>().u();
+  const double* first = u.empty() ? nullptr : &u.front().u1;
+  py::array_t<double> view({static_cast<py::ssize_t>(u.size()), py::ssize_t{2}}, first, self);
+  view.attr("setflags")(py::arg("write") = false);
+  return view;
+}
+
+py::bytes bytes_of(const Replay& replay) {
+  const std::vector<Input>& u = replay.u();
+  return {reinterpret_cast<const char*>(u.data()), u.size() * sizeof(Input)};
+}
+
+Replay replay_from_bytes(const py::bytes& bytes) {
+  const auto numbers = py::module_::import("numpy").attr("frombuffer")(bytes);
+  return replay_from(numbers.attr("reshape")(-1, 2));
+}
+
+void bind_replay(py::module_& module) {
+  py::class_<Replay, Controller, std::shared_ptr<Replay>> replay(public_in(module, "robsim"),
+                                                                 "Replay", R"(
+Gives recorded inputs once more: in step k that of row k.
+
+Parameters
+----------
+u : array (N, 2)
+    The voltages of the left and the right motor (V), one row a step, such as ``trace.u``.
+
+Raises
+------
+IndexError
+    When it is called for a step that has no row.
+)");
+  replay.def(py::init(&replay_from), py::arg("u"))
+      .def_property_readonly("u", &inputs_of, "array (N, 2): the voltages (V), read-only.")
+      .def("__repr__", [](const Replay& self) {
+        return "<Replay: inputs of " + std::to_string(self.u().size()) + " steps>";
+      });
+  const Fields fields(&replay_from_bytes, Field("u", &bytes_of));
+  define_equality(replay, fields);
+  define_hash(replay, fields);
+  define_pickle(replay, fields);
 }
 
 void bind_ready_controllers(py::module_& module) {
@@ -88,4 +143,5 @@ hold : int
 void bind_controllers(py::module_& module) {
   bind_unicycle(module);
   bind_ready_controllers(module);
+  bind_replay(module);
 }

@@ -11,7 +11,7 @@ from typing import Any as _Any
 
 from robsim._base.public import present as _present
 from robsim._core import wrap_angle
-from robsim.control import DriveAround, FollowPath, GoToPoint, Spin, score_path
+from robsim.control import DriveAround, FollowPath, GoToPoint, Replay, Spin, score_path
 from robsim.evaluation import pose_consistency, pose_errors
 from robsim.identification import RecursiveLeastSquares, batch_estimate, identifiability
 from robsim.imaging import Frame, GaussianNoise, Recording, UniformNoise
@@ -59,6 +59,7 @@ __all__ = [
     "Measurement",
     "Recording",
     "RecursiveLeastSquares",
+    "Replay",
     "RobotModel",
     "RobotParameters",
     "Simulation",

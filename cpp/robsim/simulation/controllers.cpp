@@ -1,8 +1,10 @@
 #include "robsim/simulation/controllers.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "robsim/random/counter_random.hpp"
 
@@ -30,6 +32,22 @@ Input DriveAround::operator()(const Step& step) const {
     return low_ + (high_ - low_) * random_uniform(step.controller_seed, 2 * block + motor);
   };
   return {voltage(0), voltage(1)};
+}
+
+Replay::Replay(std::vector<Input> u) : u_(std::move(u)) {
+  const auto is_finite = [](const Input& input) {
+    return std::isfinite(input.u1) && std::isfinite(input.u2);
+  };
+  if (!std::all_of(u_.begin(), u_.end(), is_finite)) {
+    throw std::invalid_argument("u must be finite (V)");
+  }
+}
+
+Input Replay::operator()(const Step& step) const {
+  const auto rows = static_cast<std::int64_t>(u_.size());
+  if (step.k >= 0 && step.k < rows) return u_[static_cast<std::size_t>(step.k)];
+  throw std::out_of_range("the recorded inputs have " + std::to_string(rows) +
+                          " rows, there is none for step " + std::to_string(step.k));
 }
 
 }  // namespace robsim

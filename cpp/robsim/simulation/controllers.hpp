@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "robsim/simulation/step.hpp"
 
 namespace robsim {
@@ -40,6 +42,20 @@ class DriveAround : public Controller {
   double low_;
   double high_;
   int hold_;
+};
+
+/// Gives recorded inputs once more: in step k that of row k.
+class Replay : public Controller {
+ public:
+  /// Throws std::invalid_argument unless all inputs (V) are finite.
+  explicit Replay(std::vector<Input> u);
+
+  /// Throws std::out_of_range if there is no input for the step.
+  Input operator()(const Step& step) const override;
+  const std::vector<Input>& u() const { return u_; }
+
+ private:
+  std::vector<Input> u_;
 };
 
 }  // namespace robsim
