@@ -19,11 +19,14 @@ from robsim.robots import load_robot
 from robsim.simulation import (
     Dropout,
     Estimate,
+    ParameterMismatch,
+    PoseNoise,
     RobotModel,
     RobotParameters,
     Simulation,
     Step,
     Unicycle,
+    WheelNoise,
     WorldState,
 )
 from robsim.trace import Trace
@@ -57,6 +60,8 @@ __all__ = [
     "GaussianNoise",
     "GoToPoint",
     "Measurement",
+    "ParameterMismatch",
+    "PoseNoise",
     "Recording",
     "RecursiveLeastSquares",
     "Replay",
@@ -68,6 +73,7 @@ __all__ = [
     "Trace",
     "Unicycle",
     "UniformNoise",
+    "WheelNoise",
     "WorldState",
     "__version__",
     "batch_estimate",

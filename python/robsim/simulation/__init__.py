@@ -2,6 +2,7 @@
 
 from robsim._base.public import present as _present
 from robsim._core import Estimate, Renderer, RobotModel, RobotParameters, Step, Unicycle, WorldState
+from robsim.simulation._disturbances import ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation._dropout import Dropout
 from robsim.simulation._scene import draw_red_square
 from robsim.simulation._simulation import Simulation
@@ -9,12 +10,15 @@ from robsim.simulation._simulation import Simulation
 __all__ = [
     "Dropout",
     "Estimate",
+    "ParameterMismatch",
+    "PoseNoise",
     "Renderer",
     "RobotModel",
     "RobotParameters",
     "Simulation",
     "Step",
     "Unicycle",
+    "WheelNoise",
     "WorldState",
     "draw_red_square",
 ]
