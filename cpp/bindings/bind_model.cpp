@@ -1,7 +1,11 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <array>
+
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
+#include "python/values.hpp"
 #include "robsim/model/robot_model.hpp"
 
 namespace py = pybind11;
@@ -36,16 +40,43 @@ RobotParameters parameters_from(double mass, double inertia, double linear_frict
   return parameters;
 }
 
-std::string repr(const RobotParameters& p) {
-  const auto text = [](const auto& value) {
-    return py::repr(py::cast(value)).template cast<std::string>();
+using Pair = std::pair<double, double>;
+
+void define_parameters_value(py::class_<RobotParameters>& cls) {
+  const auto pair = [](std::array<double, 2> RobotParameters::* member) {
+    return [member](const RobotParameters& p) { return pair_of(p.*member); };
   };
-  return "RobotParameters(mass=" + text(p.mass) + ", inertia=" + text(p.inertia) +
-         ", linear_friction=" + text(p.linear_friction) +
-         ", angular_friction=" + text(p.angular_friction) +
-         ", wheel_radius=" + text(p.wheel_radius) + ", wheel_base=" + text(p.wheel_base) +
-         ", motor_gain=" + text(pair_of(p.motor_gain)) +
-         ", motor_offset=" + text(pair_of(p.motor_offset)) + ", dt=" + text(p.dt) + ")";
+  const auto make = [](double mass, double inertia, double linear_friction, double angular_friction,
+                       double wheel_radius, double wheel_base, Pair motor_gain, Pair motor_offset,
+                       double dt) {
+    return parameters_from(mass, inertia, linear_friction, angular_friction, wheel_radius,
+                           wheel_base, py::cast(motor_gain), py::cast(motor_offset), dt);
+  };
+  define_value(cls, Fields(make, Field("mass", &RobotParameters::mass),
+                           Field("inertia", &RobotParameters::inertia),
+                           Field("linear_friction", &RobotParameters::linear_friction),
+                           Field("angular_friction", &RobotParameters::angular_friction),
+                           Field("wheel_radius", &RobotParameters::wheel_radius),
+                           Field("wheel_base", &RobotParameters::wheel_base),
+                           Field("motor_gain", pair(&RobotParameters::motor_gain)),
+                           Field("motor_offset", pair(&RobotParameters::motor_offset)),
+                           Field("dt", &RobotParameters::dt)));
+}
+
+void define_model_value(py::class_<RobotModel>& cls) {
+  using Theta = std::array<double, 15>;
+  const auto theta = [](const RobotModel& model) {
+    Theta values;
+    std::copy_n(model.theta().data(), values.size(), values.begin());
+    return values;
+  };
+  const auto make = [](const Theta& values, double dt) {
+    return RobotModel(Eigen::Map<const AxisMatrix>(values.data()), dt);
+  };
+  const Fields fields(make, Field("theta", theta), Field("dt", &RobotModel::dt));
+  define_equality(cls, fields);
+  define_hash(cls, fields);
+  define_pickle(cls, fields);
 }
 
 // The samples of an unbroken record of N poses: N - 2 regressors and outputs.
@@ -72,7 +103,7 @@ Arrays regression_of(py::handle poses_value, py::handle u_value) {
 
 void bind_parameters(py::module_& module) {
   const RobotParameters defaults;
-  py::class_<RobotParameters>(public_in(module, "robsim"), "RobotParameters", R"(
+  py::class_<RobotParameters> parameters(public_in(module, "robsim"), "RobotParameters", R"(
 The physical robot; the defaults are those of the original program.
 
 Parameters
@@ -96,7 +127,8 @@ Raises
 ------
 ValueError
     If a value is not physical; the sentence says which one and why.
-)")
+)");
+  parameters
       .def(py::init(&parameters_from), py::kw_only(), py::arg("mass") = defaults.mass,
            py::arg("inertia") = defaults.inertia,
            py::arg("linear_friction") = defaults.linear_friction,
@@ -120,8 +152,8 @@ ValueError
       .def_property_readonly(
           "motor_offset", [](const RobotParameters& p) { return pair_of(p.motor_offset); },
           "tuple of float: torque at 0 V, left and right (N m).")
-      .def_readonly("dt", &RobotParameters::dt, "float: sample time (s).")
-      .def("__repr__", &repr);
+      .def_readonly("dt", &RobotParameters::dt, "float: sample time (s).");
+  define_parameters_value(parameters);
 }
 
 }  // namespace
@@ -129,7 +161,7 @@ ValueError
 void bind_model(py::module_& module) {
   bind_parameters(module);
 
-  py::class_<RobotModel>(public_in(module, "robsim"), "RobotModel", R"(
+  py::class_<RobotModel> model(public_in(module, "robsim"), "RobotModel", R"(
 One-step predictor of a differential-drive robot, linear in its 15 parameters.
 
 Per axis: x(k) = a1 x(k-1) + a2 x(k-2) + (b1 u1(k-1) + b2 u2(k-1) + d1) cos heading(k-1), with sin
@@ -149,8 +181,8 @@ Notes
 -----
 Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only
 Robots, IEEE Trans. SMC A 30(4), 2000.
-)")
-      .def(py::init<const RobotParameters&>(), py::arg("parameters") = RobotParameters())
+)");
+  model.def(py::init<const RobotParameters&>(), py::arg("parameters") = RobotParameters())
       .def_static(
           "from_theta",
           [](const py::object& theta, double dt) {
@@ -196,6 +228,7 @@ array (3,)
         return "<RobotModel: dt = " + py::repr(py::float_(self.dt())).cast<std::string>() +
                " s, theta =\n" + py::str(to_array(self.theta())).cast<std::string>() + ">";
       });
+  define_model_value(model);
 
   public_in(module, "robsim.identification")
       .def("regression", &regression_of, py::arg("poses"), py::arg("u"), R"(

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robsim import ColorClass, DriveAround, Replay, Spin, Unicycle
+from robsim import ColorClass, DriveAround, Replay, RobotModel, RobotParameters, Spin, Unicycle
 from robsim.vision import MarkerLayout
 
 TRIANGLE = np.array([[0, 0], [4, 0], [4, 4]])
@@ -21,6 +21,8 @@ PAIRS = [
     (Spin(), Spin(0.1)),
     (DriveAround(), DriveAround(hold=3)),
     (Replay([(1, 2)]), Replay([(1, 2), (3, 4)])),
+    (RobotParameters(), RobotParameters(motor_gain=(0.05, 0.06))),
+    (RobotModel(), RobotModel(RobotParameters(mass=0.31))),
     (ColorClass("red", u=(1, 2)), ColorClass("red", u=(1, 3))),
     (MarkerLayout(43, 14), MarkerLayout(43, 14, maximum_blobs=3)),
     (
@@ -29,6 +31,7 @@ PAIRS = [
     ),
 ]
 VALUES = [*(one for pair in PAIRS for one in pair), Unicycle()]
+LONG = (Replay, RobotModel)  # their repr is for reading
 NAMES = {
     name: value
     for name, value in globals().items()
@@ -64,7 +67,7 @@ def test_values_with_other_fields_differ(one, other):
     assert len({one, other, *copies(one), *copies(other)}) == 2
 
 
-@pytest.mark.parametrize("value", [v for v in VALUES if type(v) is not Replay], ids=repr)
+@pytest.mark.parametrize("value", [v for v in VALUES if type(v) not in LONG], ids=repr)
 def test_the_repr_is_what_one_would_type(value):
     assert eval(repr(value), dict(NAMES)) == value
 
