@@ -7,6 +7,7 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/model/robot_model.hpp"
+#include "robsim/model/simulated_path.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -77,6 +78,144 @@ void define_model_value(py::class_<RobotModel>& cls) {
   define_equality(cls, fields);
   define_hash(cls, fields);
   define_pickle(cls, fields);
+}
+
+// One row of numbers or N of them; one stands for all where another argument has N.
+class Rows {
+ public:
+  Rows(py::handle value, const std::string& name, py::ssize_t width, const std::string& one)
+      : values_(doubles_from(value, name, std::nullopt, one)), width_(width) {
+    const bool fits = values_.ndim() >= 1 && values_.ndim() <= 2;
+    if (fits && values_.shape(values_.ndim() - 1) == width) return;
+    throw py::value_error(name + " must be " + one + " or an array (N, " + std::to_string(width) +
+                          "), got " + describe(value));
+  }
+
+  bool is_many() const { return values_.ndim() == 2; }
+  py::ssize_t count() const { return is_many() ? values_.shape(0) : 1; }
+  const double* row(py::ssize_t i) const { return values_.data() + (is_many() ? i * width_ : 0); }
+
+ private:
+  Doubles values_;
+  py::ssize_t width_;
+};
+
+// The arguments of the model for one step or for N of them.
+struct Steps {
+  Rows pose_1, pose_2, u;
+  py::ssize_t count;
+  bool is_many;
+
+  Steps(py::handle pose_1_value, py::handle pose_2_value, py::handle u_value)
+      : pose_1(pose_1_value, "pose_1", 3, "a pose (x, y, heading) in px, px and rad"),
+        pose_2(pose_2_value, "pose_2", 3, "a pose (x, y, heading) in px, px and rad"),
+        u(u_value, "u", 2, "(u1, u2), the two voltages in V"),
+        count(1),
+        is_many(pose_1.is_many() || pose_2.is_many() || u.is_many()) {
+    for (const Rows* rows : {&pose_1, &pose_2, &u}) {
+      if (rows->is_many()) count = rows->count();
+    }
+    for (const Rows* rows : {&pose_1, &pose_2, &u}) {
+      if (!rows->is_many() || rows->count() == count) continue;
+      throw py::value_error("pose_1, pose_2 and u must have as many rows, or be one, got " +
+                            std::to_string(pose_1.count()) + ", " + std::to_string(pose_2.count()) +
+                            " and " + std::to_string(u.count()));
+    }
+  }
+
+  // An array with a result of this shape for each step.
+  py::array_t<double> results(Shape shape) const {
+    if (is_many) shape.insert(shape.begin(), count);
+    return py::array_t<double>(shape);
+  }
+
+  Input input(py::ssize_t i) const { return {u.row(i)[0], u.row(i)[1]}; }
+};
+
+UnwrappedPose unwrapped(const double* row) { return {row[0], row[1], row[2]}; }
+Pose wrapped(const double* row) { return {row[0], row[1], wrap_angle(row[2])}; }
+
+py::array_t<double> predict_many(const RobotModel& model, const Steps& steps, bool unwrap) {
+  py::array_t<double> result = steps.results({3});
+  for (py::ssize_t i = 0; i < steps.count; ++i) {
+    Eigen::Map<UnwrappedPose> pose(result.mutable_data() + 3 * i);
+    const double *pose_1 = steps.pose_1.row(i), *pose_2 = steps.pose_2.row(i);
+    if (unwrap) {
+      pose = model.predict(unwrapped(pose_1), unwrapped(pose_2), steps.input(i));
+    } else {
+      const Pose next = model.predict(wrapped(pose_1), wrapped(pose_2), steps.input(i));
+      pose << next.x, next.y, next.heading;
+    }
+  }
+  return result;
+}
+
+bool is_one(py::handle value) {
+  return PyTuple_CheckExact(value.ptr()) ||
+         (py::isinstance<Doubles>(value) && py::reinterpret_borrow<Doubles>(value).ndim() == 1);
+}
+
+py::array_t<double> predict_of(const RobotModel& model, const py::object& pose_1,
+                               const py::object& pose_2, const py::object& u, bool unwrapped) {
+  // A callback predicts one pose a step.
+  if (!unwrapped && is_one(pose_1) && is_one(pose_2) && is_one(u)) {
+    return to_array(model.predict(pose_from(pose_1, "pose_1"), pose_from(pose_2, "pose_2"),
+                                  input_from(u, "u")));
+  }
+  return predict_many(model, Steps(pose_1, pose_2, u), unwrapped);
+}
+
+py::array_t<double> jacobian_of(const RobotModel& model, const py::object& pose_1,
+                                const py::object& pose_2, const py::object& u) {
+  const Steps steps(pose_1, pose_2, u);
+  py::array_t<double> result = steps.results({3, 6});
+  for (py::ssize_t i = 0; i < steps.count; ++i) {
+    Eigen::Map<PoseJacobian>(result.mutable_data() + 18 * i) =
+        model.jacobian(unwrapped(steps.pose_1.row(i)), steps.input(i));
+  }
+  return result;
+}
+
+// What the fits give: any finite or infinite numbers, since an iteration may diverge.
+struct PathArguments {
+  AxisMatrix theta;
+  Doubles poses, u;
+
+  PathArguments(py::handle theta_value, py::handle poses_value, const char* name, py::ssize_t rows,
+                py::handle u_value)
+      : poses(numbers_from(poses_value, name, Shape{rows, 3}, "poses, shape (n, 3)")),
+        u(numbers_from(u_value, "u", Shape{-1, 2}, "one input a step, shape (n, 2)")) {
+    const Doubles numbers =
+        numbers_from(theta_value, "theta", Shape{3, 5}, "the 15 parameters, shape (3, 5)");
+    theta = Eigen::Map<const AxisMatrix>(numbers.data());
+    if (u.shape(0) < 2 || (rows < 0 && u.shape(0) != poses.shape(0))) {
+      throw py::value_error("u must have a row for each step, two or more, got " + describe(u));
+    }
+  }
+
+  Eigen::Map<const Inputs> inputs() const { return {u.data(), u.shape(0), 2}; }
+};
+
+py::array_t<double> simulated_path_of(const py::object& theta, const py::object& first,
+                                      const py::object& u) {
+  const PathArguments given(theta, first, "first", 2, u);
+  const Path path = simulated_path(
+      given.theta,
+      Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>(given.poses.data()),
+      given.inputs());
+  return py::array_t<double>({path.rows(), path.cols()}, path.data());
+}
+
+py::array_t<double> path_sensitivities_of(const py::object& theta, const py::object& path,
+                                          const py::object& u) {
+  const PathArguments given(theta, path, "path", -1, u);
+  auto* kept = new std::vector<PathDerivatives>(path_sensitivities(
+      given.theta, Eigen::Map<const Path>(given.poses.data(), given.poses.shape(0), 3),
+      given.inputs()));
+  const py::capsule owner(kept,
+                          [](void* p) { delete static_cast<std::vector<PathDerivatives>*>(p); });
+  return py::array_t<double>({py::ssize_t(kept->size()), py::ssize_t{3}, py::ssize_t{21}},
+                             kept->front().data(), owner);
 }
 
 // The samples of an unbroken record of N poses: N - 2 regressors and outputs.
@@ -202,27 +341,62 @@ dt : float
           "theta", [](const RobotModel& self) { return to_array(self.theta()); },
           "array (3, 5): rows X, Y, P (heading), columns a1, a2, b1, b2, d1.")
       .def_property_readonly("dt", &RobotModel::dt, "float: sample time (s).")
-      .def(
-          "predict",
-          [](const RobotModel& self, const py::object& pose_1, const py::object& pose_2,
-             const py::object& u) {
-            return to_array(self.predict(pose_from(pose_1, "pose_1"), pose_from(pose_2, "pose_2"),
-                                         input_from(u, "u")));
-          },
-          py::arg("pose_1"), py::arg("pose_2"), py::arg("u"), R"(
-Return the pose of step k.
+      .def("predict", &predict_of, py::arg("pose_1"), py::arg("pose_2"), py::arg("u"),
+           py::kw_only(), py::arg("unwrapped") = false, R"(
+Return the pose of step k, or those of N steps.
 
 Parameters
 ----------
-pose_1, pose_2 : array (3,)
+pose_1, pose_2 : array (3,) or (N, 3)
     Poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
-u : array (2,)
+u : array (2,) or (N, 2)
+    Input of step k-1 (V).
+unwrapped : bool
+    Take the headings as they are, without a jump by a full turn, and do not wrap that of the
+    result.
+
+Returns
+-------
+array (3,) or (N, 3)
+    The pose, its heading in (-pi, pi]. An argument with one row stands for all N.
+
+Raises
+------
+TypeError, ValueError
+    If an argument is not of this type or shape, or not finite.
+)")
+      .def("jacobian", &jacobian_of, py::arg("pose_1"), py::arg("pose_2"), py::arg("u"), R"(
+Return the derivatives of the pose of step k by the two poses before.
+
+Parameters
+----------
+pose_1, pose_2 : array (3,) or (N, 3)
+    Poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
+u : array (2,) or (N, 2)
     Input of step k-1 (V).
 
 Returns
 -------
-array (3,)
-    The pose, its heading in (-pi, pi].
+array (3, 6) or (N, 3, 6)
+    Columns 0..2: the derivatives by x, y and heading of `pose_1`; 3..5: by those of `pose_2`.
+
+Raises
+------
+TypeError, ValueError
+    If an argument is not of this type or shape, or not finite.
+)")
+      .def("steps_in", &RobotModel::steps_in, py::arg("dt"), R"(
+Return the number of the model's steps in a time: several if frames were lost.
+
+Parameters
+----------
+dt : float
+    The time between two poses (s), such as ``step.dt``.
+
+Raises
+------
+ValueError
+    If it is not a multiple of the model's dt, at least one, within a quarter of that dt.
 )")
       .def("__repr__", [](const RobotModel& self) {
         return "<RobotModel: dt = " + py::repr(py::float_(self.dt())).cast<std::string>() +
@@ -231,6 +405,45 @@ array (3,)
   define_model_value(model);
 
   public_in(module, "robsim.identification")
+      .def("model_steps", py::vectorize(&model_steps), py::arg("time"), py::arg("dt"), R"(
+Return the number of steps of a model with this dt (s) in each time (s); see RobotModel.steps_in.
+)")
+      .def("simulated_path", &simulated_path_of, py::arg("theta"), py::arg("first"), py::arg("u"),
+           R"(
+Return the path of the robot model with any parameters, stable or not.
+
+Parameters
+----------
+theta : array (3, 5)
+    Rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
+first : array (2, 3)
+    The first two poses.
+u : array (n, 2)
+    Inputs (V), n >= 2.
+
+Returns
+-------
+array (n, 3)
+    The poses; headings are not wrapped.
+)")
+      .def("path_sensitivities", &path_sensitivities_of, py::arg("theta"), py::arg("path"),
+           py::arg("u"), R"(
+Return the derivatives of a simulated path.
+
+Parameters
+----------
+theta : array (3, 5)
+    The parameters.
+path : array (n, 3)
+    The path simulated with them.
+u : array (n, 2)
+    Inputs (V).
+
+Returns
+-------
+array (n, 3, 21)
+    Derivatives by the first two values of x, of y and of the heading, and by the 15 parameters.
+)")
       .def("regression", &regression_of, py::arg("poses"), py::arg("u"), R"(
 Return the samples of the robot model's predictor in an unbroken record.
 

@@ -12,16 +12,28 @@ from scenes import small_renderer
 
 MODEL = RobotModel()
 
-POSE_TAKERS = {
+# These take an array of poses as well.
+MODEL_TAKERS = {
     "pose_1": lambda pose: MODEL.predict(pose, POSE, (0, 0)),
     "pose_2": lambda pose: MODEL.predict(POSE, pose, (0, 0)),
+    "pose_1 of jacobian": lambda pose: MODEL.jacobian(pose, POSE, (0, 0)),
+    "pose_2 of jacobian": lambda pose: MODEL.jacobian(POSE, pose, (0, 0)),
+}
+POSE_TAKERS = {
     "pose of Measurement": Measurement,
     "pose of Estimate": lambda pose: Estimate(pose, np.eye(3)),
     "pose of render": lambda pose: small_renderer().render(pose),
     "start": lambda pose: Simulation(start=pose),
 }
-takes_poses = pytest.mark.parametrize(
-    ("name", "take"), [(name.split()[0], take) for name, take in POSE_TAKERS.items()]
+
+
+def each_of(takers):
+    cases = [(name.split()[0], take) for name, take in takers.items()]
+    return pytest.mark.parametrize(("name", "take"), cases)
+
+
+OTHER_SHAPES = npst.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4).filter(
+    lambda shape: shape != (3,)
 )
 
 
@@ -34,6 +46,10 @@ NO_NUMBERS = (
 
 @refusals(
     [Refusal(take, of.split()[0], NO_POSE) for of, take in POSE_TAKERS.items()],
+    [
+        Refusal(take, of.split()[0], [bad for bad in NO_POSE if bad != [POSE]])
+        for of, take in MODEL_TAKERS.items()
+    ],
     Refusal(Measurement, "pose", NO_NUMBERS, raises=TypeError),
     Refusal(lambda value: Estimate(POSE, value), "covariance", NO_MATRIX),
     Refusal(
@@ -47,14 +63,18 @@ def test_what_is_no_pose(refusal):
 
 
 @pytest.mark.long
-@takes_poses
+@each_of(POSE_TAKERS)
 @settings(max_examples=40, deadline=None)
-@given(
-    shape=npst.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4).filter(
-        lambda shape: shape != (3,)
-    )
-)
+@given(shape=OTHER_SHAPES)
 def test_poses_of_other_shapes(name, take, shape):
+    refuses(name, take, np.zeros(shape))
+
+
+@pytest.mark.long
+@each_of(MODEL_TAKERS)
+@settings(max_examples=40, deadline=None)
+@given(shape=OTHER_SHAPES.filter(lambda shape: len(shape) != 2 or shape[1] != 3))
+def test_arrays_of_poses_of_other_shapes(name, take, shape):
     refuses(name, take, np.zeros(shape))
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import robsim
 from robsim.identification._fits import METHODS, instrumental_variables, output_error
-from robsim.identification._fits.paths import recursion, sensitivities, simulated_path
+from robsim.identification._fits.paths import recursion
 
 pytestmark = pytest.mark.kernels
 
@@ -49,7 +49,7 @@ def assert_honest(fit, errors=5):
     assert np.isinf(fit.standard_errors[~there]).all()
 
 
-# --- paths
+# --- the filter 1/A
 
 
 @pytest.mark.parametrize("a", [(1.9375, -0.9375), (2.0, -1.0), (0.5, -0.9), (0.0, 0.0)])
@@ -60,33 +60,6 @@ def test_the_recursion_is_that_of_a_plain_loop(a, steps, rng):
     for k in range(steps):
         expected[k + 2] = a[0] * expected[k + 1] + a[1] * expected[k] + force[k]
     np.testing.assert_allclose(recursion(*a, force), expected[2:], rtol=1e-11, atol=1e-11)
-
-
-def test_the_simulated_path_is_that_of_the_robot_model():
-    path, u, _ = drive(1, steps=60)
-    simulated = simulated_path(TRUTH, path[:2], u)
-    np.testing.assert_allclose(simulated, path, atol=1e-9)
-    model = robsim.RobotModel()
-    for k in range(2, 60):
-        expected = model.predict(simulated[k - 1], simulated[k - 2], u[k - 1])
-        np.testing.assert_allclose(wrapped(simulated[k : k + 1])[0], expected, atol=1e-9)
-
-
-def test_the_sensitivities_are_the_derivatives_of_the_path():
-    path, u, _ = drive(2, steps=40)
-    first = path[:2]
-    result = sensitivities(TRUTH, simulated_path(TRUTH, first, u), u)
-    step = 1e-6
-    unknowns = np.concatenate([first.T.ravel(), TRUTH.ravel()])
-    for i in range(21):
-        paths = []
-        for sign in (1, -1):
-            moved = unknowns.copy()
-            moved[i] += sign * step
-            paths.append(simulated_path(moved[6:].reshape(3, 5), moved[:6].reshape(3, 2).T, u))
-        expected = (paths[0] - paths[1]) / (2 * step)
-        scale = max(np.abs(expected).max(), 1)
-        np.testing.assert_allclose(result[:, :, i] / scale, expected / scale, atol=1e-6)
 
 
 # --- exact and noisy data

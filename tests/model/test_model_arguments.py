@@ -38,7 +38,9 @@ UNSTABLE = {
     "mass inertia dt": (1e308,),
     **{"wheel_radius": (5e-324,), "motor_gain": ((1e308, 0),)},
 }
-NO_INPUT = (None, 5, "ab", (1,), (1, 2, 3), (NAN, 1), (1, INF), [[1, 2]], (None, 1), ["a", "b"])
+NO_INPUT = (None, 5, "ab", (1,), (1, 2, 3), (NAN, 1), (1, INF), [[[1, 2]]], (None, 1), ["a", "b"])
+NO = (NAN, 0, 0)
+NO_POSE = (None, 5, "abc", (), (1, 2), NO, [[1, 2]], [[[1, 2, 3]]])
 NO_THETA = {
     "theta": (
         *(None, 5, "abc", THETA.T, THETA[0], THETA * NAN, [], THETA[None], [["a"] * 5] * 3),
@@ -89,6 +91,10 @@ NO_THETA = {
     [Refusal(RobotModel.from_theta, name, bad) for name, bad in NO_THETA.items()],
     options(RobotModel.from_theta, {"dt": (0, -1, NAN, INF, None, "0.2", [1])}, THETA),
     Refusal(lambda value: MODEL.predict(POSE, POSE, value), "u", NO_INPUT),
+    Refusal(lambda value: MODEL.predict([POSE] * 3, POSE, value), "u", (*NO_INPUT, [[1, 2]] * 2)),
+    Refusal(lambda value: MODEL.jacobian(POSE, POSE, value), "u", NO_INPUT),
+    Refusal(lambda value: MODEL.jacobian(value, POSE, (1, 1)), "pose_1", (*NO_POSE, [POSE, NO])),
+    Refusal(MODEL.steps_in, "dt", (0, -0.2, 0.1, 0.27, NAN, INF, 1e300, None, "0.2", [0.2])),
 )
 def test_models(refusal):
     refusal()

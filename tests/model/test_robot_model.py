@@ -75,3 +75,67 @@ def test_spin_turns_by_105_hundredths_of_a_degree_a_step():
     trace = robsim.Simulation().run(200)
     turned = np.rad2deg(robsim.wrap_angle(np.diff(trace.pose_true[100:, 2])))
     np.testing.assert_allclose(turned, 1.05, atol=0.001)
+
+
+# --- many steps at once
+
+
+def test_many_predictions_are_those_of_single_steps(rng):
+    model = robsim.RobotModel()
+    pose_1, pose_2 = rng.uniform(-4, 4, (2, 20, 3))
+    u = rng.uniform(-1, 1, (20, 2))
+    one_by_one = [model.predict(*step) for step in zip(pose_1, pose_2, u, strict=True)]
+    np.testing.assert_array_equal(model.predict(pose_1, pose_2, u), one_by_one)
+
+
+@pytest.mark.parametrize("single", range(3))
+def test_one_row_stands_for_all(single, rng):
+    model = robsim.RobotModel()
+    many = [*rng.uniform(-1, 1, (2, 5, 3)), rng.uniform(-1, 1, (5, 2))]
+    given = [rows[0] if i == single else rows for i, rows in enumerate(many)]
+    many[single] = np.tile(many[single][0], (5, 1))
+    np.testing.assert_array_equal(model.predict(*given), model.predict(*many))
+    np.testing.assert_array_equal(model.jacobian(*given), model.jacobian(*many))
+
+
+def test_no_rows_give_none():
+    model = robsim.RobotModel()
+    none = np.empty((0, 3))
+    assert model.predict(none, none, (0, 0)).shape == (0, 3)
+    assert model.jacobian(none, none, (0, 0)).shape == (0, 3, 6)
+
+
+def test_unwrapped_headings_stay_unwrapped():
+    model = robsim.RobotModel()
+    pose_1, pose_2, u = np.array((1, 2, 9.3)), np.array((1, 2, 9.5)), (0.1, -0.2)
+    unwrapped = model.predict(pose_1, pose_2, u, unwrapped=True)
+    assert 9.0 < unwrapped[2] < 9.3
+    wrapped = model.predict(pose_1, pose_2, u)
+    np.testing.assert_allclose(wrapped[:2], unwrapped[:2], rtol=1e-12)
+    assert wrapped[2] == pytest.approx(robsim.wrap_angle(unwrapped[2]), abs=1e-12)
+
+
+def test_the_jacobian_is_the_derivative_of_the_prediction(rng):
+    model = robsim.RobotModel()
+    poses, u = rng.uniform(-3, 3, 6), rng.uniform(-1, 1, 2)
+    step = 1e-6
+    expected = np.empty((3, 6))
+    for i, moved in enumerate(np.eye(6) * step):
+        after, before = (
+            model.predict(*np.split(poses + change, 2), u, unwrapped=True)
+            for change in (moved, -moved)
+        )
+        expected[:, i] = (after - before) / (2 * step)
+    np.testing.assert_allclose(model.jacobian(*np.split(poses, 2), u), expected, atol=1e-8)
+
+
+@pytest.mark.parametrize(("dt", "steps"), [(0.2, 1), (0.249, 1), (0.16, 1), (0.4, 2), (60, 300)])
+def test_the_steps_in_a_time(dt, steps):
+    assert robsim.RobotModel().steps_in(dt) == steps
+
+
+def test_a_time_of_no_whole_number_of_steps_is_refused():
+    with pytest.raises(
+        ValueError, match=r"^step.dt must be a multiple of the model's dt, 0.2 s, got 0.0333: "
+    ):
+        robsim.RobotModel().steps_in(0.0333)

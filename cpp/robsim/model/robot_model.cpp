@@ -1,6 +1,7 @@
 #include "robsim/model/robot_model.hpp"
 
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -74,21 +75,55 @@ void check_stable(const AxisMatrix& theta) {
 
 }  // namespace
 
+AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u) {
+  const double cos = std::cos(pose_1[2]);
+  const double sin = std::sin(pose_1[2]);
+  AxisMatrix phi;
+  phi << pose_1[0], pose_2[0], u.u1 * cos, u.u2 * cos, cos,  //
+      pose_1[1], pose_2[1], u.u1 * sin, u.u2 * sin, sin,     //
+      pose_1[2], pose_2[2], u.u1, u.u2, 1;
+  return phi;
+}
+
 AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u) {
-  const double cos = std::cos(pose_1.heading);
-  const double sin = std::sin(pose_1.heading);
   // theta(k-2) = theta(k-1) - wrap(theta(k-1) - theta(k-2)), theta here the heading
   const double heading_2 = pose_1.heading - wrap_angle(pose_1.heading - pose_2.heading);
-  AxisMatrix phi;
-  phi << pose_1.x, pose_2.x, u.u1 * cos, u.u2 * cos, cos,  //
-      pose_1.y, pose_2.y, u.u1 * sin, u.u2 * sin, sin,     //
-      pose_1.heading, heading_2, u.u1, u.u2, 1;
-  return phi;
+  return regressors(UnwrappedPose(pose_1.x, pose_1.y, pose_1.heading),
+                    UnwrappedPose(pose_2.x, pose_2.y, heading_2), u);
+}
+
+UnwrappedPose predict(const AxisMatrix& theta, const AxisMatrix& phi) {
+  // x(k) = a1X x(k-1) + a2X x(k-2) + (b1X u1(k-1) + b2X u2(k-1) + d1X) cos heading(k-1), and so on
+  return phi.cwiseProduct(theta).rowwise().sum();
+}
+
+PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, const Input& u) {
+  PoseJacobian J = PoseJacobian::Zero();
+  // d pose(k) / d pose(k-1) = a1,  d pose(k) / d pose(k-2) = a2
+  J.leftCols<3>().diagonal() = theta.col(0);
+  J.rightCols<3>().diagonal() = theta.col(1);
+  // d x(k) / d heading(k-1) = -(b1X u1(k-1) + b2X u2(k-1) + d1X) sin heading(k-1), with cos for y
+  const Eigen::Vector3d drive = theta.rightCols<3>() * Eigen::Vector3d(u.u1, u.u2, 1);
+  J(0, 2) = -drive[0] * std::sin(pose_1[2]);
+  J(1, 2) = drive[1] * std::cos(pose_1[2]);
+  return J;
 }
 
 Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u) {
   const double heading = pose_1.heading + wrap_angle(pose.heading - pose_1.heading);
   return {regressors(pose_1, pose_2, u), {pose.x, pose.y, heading}};
+}
+
+int model_steps(double time, double dt) {
+  const double steps = std::round(time / dt);
+  if (steps >= 1 && steps <= std::numeric_limits<int>::max() &&
+      std::abs(time - steps * dt) <= dt / 4) {
+    return static_cast<int>(steps);
+  }
+  std::ostringstream message;
+  message << "step.dt must be a multiple of the model's dt, " << dt << " s, got " << time
+          << ": the model must have the dt of the frames, as sim.model has that of the run";
+  throw std::invalid_argument(message.str());
 }
 
 RobotModel::RobotModel(const RobotParameters& parameters)
@@ -103,9 +138,19 @@ RobotModel::RobotModel(const AxisMatrix& theta, double dt) : theta_(theta), dt_(
 }
 
 Pose RobotModel::predict(const Pose& pose_1, const Pose& pose_2, const Input& u) const {
-  // x(k) = a1X x(k-1) + a2X x(k-2) + (b1X u1(k-1) + b2X u2(k-1) + d1X) cos heading(k-1), and so on
-  const Eigen::Vector3d next = regressors(pose_1, pose_2, u).cwiseProduct(theta_).rowwise().sum();
+  const UnwrappedPose next = robsim::predict(theta_, regressors(pose_1, pose_2, u));
   return {next[0], next[1], wrap_angle(next[2])};
 }
+
+UnwrappedPose RobotModel::predict(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2,
+                                  const Input& u) const {
+  return robsim::predict(theta_, regressors(pose_1, pose_2, u));
+}
+
+PoseJacobian RobotModel::jacobian(const UnwrappedPose& pose_1, const Input& u) const {
+  return robsim::jacobian(theta_, pose_1, u);
+}
+
+int RobotModel::steps_in(double time) const { return model_steps(time, dt_); }
 
 }  // namespace robsim

@@ -23,13 +23,32 @@ struct Regression {
   Eigen::Vector3d y;
 };
 
+/// x, y and heading as a vector; the heading is not wrapped.
+using UnwrappedPose = Eigen::Vector3d;
+
+/// Derivatives of pose(k): by pose(k-1), then by pose(k-2).
+using PoseJacobian = Eigen::Matrix<double, 3, 6, Eigen::RowMajor>;
+
 /// The regressors of the one-step predictor after `pose_1` (step k-1) and `pose_2` (step k-2).
-/// The heading of `pose_2` is taken within half a turn of that of `pose_1`: no wrapped jump.
+AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u);
+
+/// The same for wrapped headings: that of `pose_2` is taken within half a turn of that of
+/// `pose_1`, no wrapped jump.
 AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u);
+
+/// The predictor for any parameters, stable or not: pose(k) = (phi * theta) row by row.
+UnwrappedPose predict(const AxisMatrix& theta, const AxisMatrix& phi);
+
+/// Its derivatives by the poses.
+PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, const Input& u);
 
 /// The sample whose output is `pose` (step k). The output heading is within half a turn of
 /// `pose_1`.
 Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u);
+
+/// The number of steps of a model with this dt (s) in a time (s): several if frames were lost.
+/// Throws std::invalid_argument if the time is not a multiple of dt, at least one, within dt / 4.
+int model_steps(double time, double dt);
 
 /// One-step predictor of a differential-drive robot, linear in its 15 parameters theta.
 /// Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only
@@ -47,6 +66,16 @@ class RobotModel {
 
   /// The pose of step k from those of steps k-1 and k-2 and the input of step k-1.
   Pose predict(const Pose& pose_1, const Pose& pose_2, const Input& u) const;
+
+  /// The same with headings as they come, in and out: without a wrapped jump.
+  UnwrappedPose predict(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2,
+                        const Input& u) const;
+
+  /// The derivatives of `predict` by both poses; they depend on the first heading and on `u`.
+  PoseJacobian jacobian(const UnwrappedPose& pose_1, const Input& u) const;
+
+  /// The number of this model's steps in a time (s), as `model_steps`.
+  int steps_in(double time) const;
 
  private:
   AxisMatrix theta_;

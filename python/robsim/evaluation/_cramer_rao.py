@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array
-from robsim._core import regression
+from robsim._core import RobotModel, regression
 from robsim.trace import Trace
 from robsim.trace._trace import check_trace
 
@@ -268,16 +268,13 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
 
 def _model_derivatives(trace: Trace) -> Floats:
     """Return the Jacobians of (pose(k), pose(k-1)) by (pose(k-1), pose(k-2)), k = 1..N-1."""
-    theta = np.array(trace.info.theta_true)
-    heading, u = trace.pose_true[:-1, 2], trace.u[:-1]
-    # x(k) = a1 x(k-1) + a2 x(k-2) + (b1 u1 + b2 u2 + d1) cos heading(k-1), with sin for y
-    drive = u @ theta[:, 2:4].T + theta[:, 4]
-    F = np.zeros((len(heading), 6, 6))
-    F[:, :3, :3] = np.diag(theta[:, 0])
-    F[:, :3, 3:] = np.diag(theta[:, 1])
+    model = RobotModel.from_theta(trace.info.theta_true, dt=trace.info.dt)
+    pose_1 = trace.pose_true[:-1]
+    # The robot stands still before the first step.
+    pose_2 = np.vstack((trace.pose_true[:1], pose_1))[: len(pose_1)]
+    F = np.zeros((len(pose_1), 6, 6))
+    F[:, :3] = model.jacobian(pose_1, pose_2, trace.u[:-1])
     F[:, 3:, :3] = np.eye(3)
-    F[:, 0, 2] = -drive[:, 0] * np.sin(heading)
-    F[:, 1, 2] = drive[:, 1] * np.cos(heading)
     return F
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._core import regression
 from robsim.identification._fits.linear import solve, triangle
 from robsim.identification._fits.paths import HEADING, X, Y, recursion
 from robsim.identification._fits.segments import Segment
@@ -40,11 +41,10 @@ def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Flo
     a1, a2 = 1 + pole, -pole
     parts = []
     for segment in segments:
-        direction = _direction(segment, axis)
-        forces = np.zeros((len(direction), 5))
+        phi, _ = regression(segment.interpolated(), segment.u)
+        forces = np.zeros((len(segment.u), 5))
         forces[0, 0] = forces[1, 1] = 1
-        forces[2:, 2:4] = (segment.u * direction[:, None])[1:-1]
-        forces[2:, 4] = direction[1:-1]
+        forces[2:, 2:] = phi[:, axis, 2:]
         responses = recursion(a1, a2, forces)[segment.seen]
         columns = np.column_stack([responses, segment.poses[segment.seen, axis]])
         parts.append(triangle(columns)[2:, 2:])
@@ -52,11 +52,3 @@ def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Flo
     gains, _ = solve(columns[:, :3], columns[:, 3])
     residuals = columns[:, 3] - columns[:, :3] @ gains
     return np.hstack([a1, a2, gains]), float(np.square(residuals).sum())
-
-
-def _direction(segment: Segment, axis: int) -> Floats:
-    """Return the factor that projects the forces onto an axis: cos, sin of the heading, or 1."""
-    heading = segment.interpolated()[:, HEADING]
-    if axis == HEADING:
-        return np.ones(len(heading))
-    return np.cos(heading) if axis == X else np.sin(heading)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._core import path_sensitivities, simulated_path
 from robsim.identification._fits.linear import solve, triangle
-from robsim.identification._fits.paths import FIRST, UNKNOWNS, sensitivities, simulated_path
+from robsim.identification._fits.paths import FIRST, UNKNOWNS
 from robsim.identification._fits.segments import Segment
 
 # Residuals smaller than this fraction of the maximum coordinate are rounding errors.
@@ -53,7 +54,7 @@ class Linearisation:
         edges = np.cumsum([0, *(segment.seen.sum() for segment in segments)])
         for i, segment in enumerate(segments):
             path = simulated_path(unknowns.theta, unknowns.first[i], segment.u)
-            slopes = sensitivities(unknowns.theta, path, segment.u)[segment.seen]
+            slopes = path_sensitivities(unknowns.theta, path, segment.u)[segment.seen]
             columns = np.dstack([slopes, residuals[edges[i] : edges[i + 1]]]) / sigma[:, None]
             factor = triangle(columns.reshape(-1, UNKNOWNS + 1))
             blocks[i, : len(factor)] = factor

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._core import simulated_path
 from robsim.identification._fits.initial_estimate import initial_estimate
 from robsim.identification._fits.linearisation import Linearisation, Unknowns
 from robsim.identification._fits.model_fit import ModelFit, with_undetermined
-from robsim.identification._fits.paths import simulated_path
 from robsim.identification._fits.segments import Record, Segment, as_record, split
 
 _ITERATIONS = 30
@@ -98,9 +98,8 @@ def _residuals(unknowns: Unknowns, segments: list[Segment]) -> Floats | None:
     """Return measured minus simulated poses (n, 3), or None if the simulation diverges."""
     parts = []
     for first, segment in zip(unknowns.first, segments, strict=True):
-        with np.errstate(over="ignore", invalid="ignore"):
-            path = simulated_path(unknowns.theta, first, segment.u)
-            residuals = (segment.poses - path)[segment.seen]
+        path = simulated_path(unknowns.theta, first, segment.u)
+        residuals = (segment.poses - path)[segment.seen]
         if not (np.abs(residuals) < _DIVERGED).all():
             return None
         # In a gap the robot may turn by more than 180 degrees; the simulated heading includes it.
