@@ -3,6 +3,7 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "robsim/estimation/least_squares.hpp"
+#include "robsim/estimation/rank.hpp"
 #include "robsim/estimation/recursive_least_squares.hpp"
 
 namespace py = pybind11;
@@ -96,6 +97,8 @@ LeastSquaresFit fit(const py::object& phi_value, const py::object& y_value) {
 }  // namespace
 
 void bind_estimation(py::module_& module) {
+  module.attr("rank_tolerance") = rank_tolerance;
+
   const RecursiveLeastSquares defaults(1);
   py::class_<RecursiveLeastSquares, std::shared_ptr<RecursiveLeastSquares>>(
       public_in(module, "robsim"), "RecursiveLeastSquares", R"(
@@ -184,9 +187,8 @@ TypeError, ValueError
           },
           "array (n,): the parameters, NaN where the samples do not determine them.")
       .def_readonly("rank", &LeastSquaresFit::rank, "int: number of independent regressors.")
-      .def_readonly(
-          "condition", &LeastSquaresFit::condition,
-          "float: condition number of the regressors, scaled to length 1: an estimate from below.")
+      .def_readonly("condition", &LeastSquaresFit::condition,
+                    "float: condition number of the regressors, scaled to length 1.")
       .def_readonly("residual_rms", &LeastSquaresFit::residual_rms,
                     "float: root mean square of y - phi theta.")
       .def_property_readonly(

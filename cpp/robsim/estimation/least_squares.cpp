@@ -1,11 +1,12 @@
 #include "robsim/estimation/least_squares.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
+#include "robsim/estimation/rank.hpp"
 #include "robsim/simd/cpu_path.hpp"
 #include "robsim/simd/lanes.hpp"
 
@@ -17,7 +18,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using simd::Lanes;
-using PivotedQr = Eigen::ColPivHouseholderQR<MatrixXd>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -95,34 +95,6 @@ MatrixXd triangle(const Eigen::Ref<const Rows>& phi, const Eigen::Ref<const Vect
   return R;
 }
 
-// Basis of the null space of phi: R11 N1 = -R12, N2 = 1, rows in the order of phi.
-MatrixXd null_space(const PivotedQr& qr, Index n) {
-  const Index rank = qr.rank();
-  const MatrixXd R = qr.matrixR().topRows(rank);
-  MatrixXd basis(n, n - rank);
-  basis.topRows(rank) =
-      -R.leftCols(rank).triangularView<Eigen::Upper>().solve(R.rightCols(n - rank));
-  basis.bottomRows(n - rank).setIdentity();
-  return qr.colsPermutation() * basis;
-}
-
-// Square roots of the diagonal of (R11' R11)^-1, in the order of phi; 0 for parameters not in R11.
-VectorXd standard_errors_unscaled(const PivotedQr& qr, Index n) {
-  const Index rank = qr.rank();
-  const MatrixXd R = qr.matrixR().topLeftCorner(rank, rank);
-  const MatrixXd inverse = R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(rank, rank));
-  VectorXd errors = VectorXd::Zero(n);
-  errors.head(rank) = inverse.rowwise().norm();
-  return qr.colsPermutation() * errors;
-}
-
-// |y - phi theta|: the components of y outside the range of phi and beyond its numerical rank.
-double residual_norm(const PivotedQr& qr, const MatrixXd& R) {
-  const Index n = R.cols() - 1;
-  const VectorXd reached = qr.householderQ().adjoint() * R.col(n).head(n);
-  return std::hypot(reached.tail(n - qr.rank()).norm(), R(n, n));
-}
-
 void check_samples(const Eigen::Ref<const Rows>& phi, const Eigen::Ref<const VectorXd>& y) {
   if (phi.rows() == 0 || phi.cols() == 0) throw std::invalid_argument("phi must not be empty");
   if (phi.rows() != y.size()) {
@@ -143,21 +115,29 @@ LeastSquaresFit least_squares(const Eigen::Ref<const Rows>& phi,
   }
   VectorXd scale = R.topLeftCorner(n, n).colwise().norm().transpose();
   scale = (scale.array() > 0).select(scale, 1.0);
-  PivotedQr qr(R.topLeftCorner(n, n) * scale.cwiseInverse().asDiagonal());
-  qr.setThreshold(1e-12);
+  // R11 / scale = U diag(s) V'
+  const Eigen::JacobiSVD<MatrixXd> svd(R.topLeftCorner(n, n) * scale.cwiseInverse().asDiagonal(),
+                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const VectorXd& s = svd.singularValues();
+  const Index rank = (s.array() > rank_tolerance * s[0]).count();
+  const VectorXd reached = svd.matrixU().transpose() * R.col(n).head(n);
+  const MatrixXd directions = svd.matrixV().leftCols(rank);
+  const MatrixXd inverse = directions * s.head(rank).cwiseInverse().asDiagonal();
   LeastSquaresFit fit;
-  fit.rank = static_cast<int>(qr.rank());
-  const double smallest = phi.rows() < n ? 0 : std::abs(qr.matrixR()(n - 1, n - 1));
-  fit.condition = smallest > 0 ? std::abs(qr.matrixR()(0, 0)) / smallest : infinity;
-  fit.theta = qr.solve(R.col(n).head(n)).cwiseQuotient(scale);
-  fit.standard_errors_unscaled = standard_errors_unscaled(qr, n).cwiseQuotient(scale);
-  const double residual = residual_norm(qr, R);
-  const auto freedom = static_cast<double>(phi.rows() - qr.rank());
+  fit.rank = static_cast<int>(rank);
+  const double smallest = phi.rows() < n ? 0 : s[n - 1];
+  fit.condition = smallest > 0 ? s[0] / smallest : infinity;
+  // theta = V s^-1 U' y, and (phi' phi)^-1 = V s^-2 V'
+  fit.theta = (inverse * reached.head(rank)).cwiseQuotient(scale);
+  fit.standard_errors_unscaled = inverse.rowwise().norm().cwiseQuotient(scale);
+  // |y - phi theta|: what of y is outside the range of phi, or beyond its rank
+  const double residual = std::hypot(reached.tail(n - rank).norm(), R(n, n));
+  const auto freedom = static_cast<double>(phi.rows() - rank);
   fit.residual_rms = residual / std::sqrt(static_cast<double>(phi.rows()));
   fit.standard_errors =
       fit.standard_errors_unscaled * (freedom > 0 ? residual / std::sqrt(freedom) : nan);
-  if (qr.rank() < n) {
-    const auto is_free = (null_space(qr, n).rowwise().norm().array() > 1e-9).eval();
+  if (rank < n) {
+    const auto is_free = (1 - directions.rowwise().squaredNorm().array() > rank_tolerance).eval();
     fit.theta = is_free.select(nan, fit.theta);
     for (VectorXd* errors : {&fit.standard_errors_unscaled, &fit.standard_errors}) {
       *errors = is_free.select(infinity, *errors);

@@ -7,7 +7,7 @@ namespace robsim {
 struct LeastSquaresFit {
   Eigen::VectorXd theta;  // NaN where the data do not determine a parameter
   int rank = 0;
-  double condition = 0;     // first over last diagonal element of R: an estimate from below
+  double condition = 0;     // largest over smallest singular value, columns of length 1
   double residual_rms = 0;  // root mean square of y - phi theta
 
   // Square roots of the diagonal of (phi' phi)^-1: standard errors in units of the standard
@@ -21,7 +21,7 @@ struct LeastSquaresFit {
 
 /// The theta that minimises |y - phi theta|, one sample per row: Householder reflections reduce phi
 /// and y to a triangle, block by block of rows (Golub and Van Loan, Matrix Computations, 5.2.2),
-/// its columns are scaled to length 1, and QR with column pivoting determines the rank (5.4.2).
+/// its columns are scaled to length 1, and its singular values determine the rank (5.5).
 /// Throws std::invalid_argument if phi is empty, y has another length, or a value is not finite.
 LeastSquaresFit least_squares(
     const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>&

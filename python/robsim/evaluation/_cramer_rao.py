@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array
+from robsim._base.rank import decompose
 from robsim._core import RobotModel, regression
 from robsim.trace import Trace
 from robsim.trace._trace import check_trace
@@ -68,20 +69,10 @@ def _triangle(rows: Floats) -> Floats:
 
 def _inverse_lengths(R: Floats) -> Floats:
     """Return sqrt(diag((R' R)^-1)); inf where R' R does not determine the parameter."""
-    # Columns scaled to length 1: positions and inputs differ by orders of magnitude.
-    lengths = np.sqrt(np.sum(np.square(R), axis=-2))
-    scale = np.where(lengths > 0, lengths, 1.0)
-    # R = U diag(s) V', so (R' R)^-1 = V diag(1/s^2) V'
-    _, s, V_transposed = np.linalg.svd(R / scale[..., np.newaxis, :])
-    is_zero = (s <= _RANK_TOLERANCE * s[..., :1])[..., np.newaxis]
-    parts = np.square(V_transposed)
-    squares = np.sum(parts / np.square(np.where(is_zero, np.inf, s[..., np.newaxis])), axis=-2)
-    undetermined = np.sum(parts, axis=-2, where=is_zero) > _RANK_TOLERANCE
-    return np.where(undetermined, np.inf, np.sqrt(squares) / scale)
-
-
-# Singular values below this, relative to the maximum, are rounding errors.
-_RANK_TOLERANCE = 1e-10
+    parts = decompose(R)
+    # (R' R)^-1 = V s^-2 V'
+    errors = np.sqrt(np.sum(np.square(parts.inverse), axis=-1)) / parts.lengths
+    return np.where(parts.is_determined, errors, np.inf)
 
 
 def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:

@@ -169,8 +169,8 @@ def _refine(runs: list[_Samples], simulated: Floats, heading_sigma: float) -> _A
     backwards = [recursion(a1, a2, part[::-1])[::-1] for part in np.split(Q, _ends(runs))]
     forces = np.hstack([run.slope @ estimate[1:] for run in runs])
     by_heading = heading_sigma * np.vstack(backwards) * forces[:, None]
-    spread = np.square(np.linalg.pinv(Q.T @ phi) @ by_heading.T).sum(axis=1)
-    errors = np.sqrt(variance * np.diag(covariance) + spread)
+    spread, _ = solve(Q.T @ phi, by_heading.T)
+    errors = np.sqrt(variance * np.diag(covariance) + np.square(spread).sum(axis=1))
     return _AxisFit(
         theta=np.hstack([1 - estimate[0], estimate]),
         errors=np.hstack([errors[0], errors]),

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._base.rank import decompose
 
-# Singular values below this fraction of the maximum, for columns of length 1, are rounding errors.
-_ROUNDING = 1e-9
 _BLOCK = 128
 
 
@@ -18,28 +17,23 @@ def solve(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
     ----------
     matrix : array (N, n)
         One column per unknown.
-    right : array (N,)
-        Right-hand side.
+    right : array (N,) or (N, m)
+        Right-hand side, or m of them.
 
     Returns
     -------
-    x : array (n,)
+    x : array (n,) or (n, m)
         The minimum-norm solution, for columns scaled to length 1.
     covariance : array (n, n)
         (matrix' matrix)^-1; NaN on the diagonal for unknowns that the rows do not determine.
     """
-    length = np.linalg.norm(matrix, axis=0)
-    length[length == 0] = 1
-    left, values, directions = np.linalg.svd(matrix / length, full_matrices=False)
-    is_nonzero = values > _ROUNDING * values.max(initial=0.0)
-    inverse = directions[is_nonzero].T / values[is_nonzero]
-    covariance = inverse @ inverse.T
-    # An unknown with a component in the null space is not determined.
-    null_fraction = 1 - np.square(directions[is_nonzero]).sum(axis=0)
-    is_undetermined = null_fraction > 1e-6
+    parts = decompose(matrix)
+    # x = V s^-1 U' right,  (matrix' matrix)^-1 = V s^-2 V'
+    x = parts.inverse @ (parts.U.T @ right)
+    covariance = parts.inverse @ parts.inverse.T
+    is_undetermined = ~parts.is_determined
     covariance[is_undetermined, is_undetermined] = np.nan
-    x = inverse @ (left[:, is_nonzero].T @ right)
-    return x / length, covariance / np.outer(length, length)
+    return (x.T / parts.lengths).T, covariance / np.outer(parts.lengths, parts.lengths)
 
 
 def triangle(matrix: Floats) -> Floats:
