@@ -73,7 +73,10 @@ def test_valid_samples_are_all_but_those_that_span_a_bounce():
     spoilt = trace.bounced[2:] | trace.bounced[1:-1]
     assert report.n_samples == np.count_nonzero(~spoilt)
     assert report.left_out == np.count_nonzero(spoilt)
-    assert f"{report.left_out} samples with a bounce or a missing pose are omitted" in str(report)
+    assert (
+        f"{report.left_out} samples with a bounce, a missing pose or lost frames are omitted"
+        in str(report)
+    )
     assert deviations(report.batch, report.theta_true)[0] < 1e-6
 
 

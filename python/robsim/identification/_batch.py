@@ -13,7 +13,7 @@ from robsim._base.checks import Floats
 from robsim._core import least_squares
 from robsim.identification._fits import METHODS
 from robsim.identification._identifiability import Identifiability, judge
-from robsim.identification._regression import SOURCES, Regression, regression_of
+from robsim.identification._regression import SOURCES, Regression, interruptions, regression_of
 from robsim.trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class BatchEstimate:
     n_samples : int, optional
         Number of samples. Default: that of the steps start..stop - 1 without interruption.
     left_out : int
-        Number of samples omitted because they span a bounce or a missing pose.
+        Number of samples omitted because they span a bounce, a missing pose or lost frames.
     select : str
         Which samples were used: valid, longest or all.
     method : str
@@ -202,7 +202,9 @@ class BatchEstimate:
         if not self.converged:
             remarks.append("the fit did not converge: do not trust it")
         if self.left_out:
-            remarks.append(f"{self.left_out} samples with a bounce or a missing pose are omitted")
+            remarks.append(
+                f"{self.left_out} samples with a bounce, a missing pose or lost frames are omitted"
+            )
         if not self.is_model_exact:
             x, y, heading = self.model_error
             remarks.append(
@@ -250,9 +252,9 @@ def batch_estimate(
         ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
         estimate.
     select : str
-        ``"valid"``: all samples except those that span a bounce or a step without a pose.
-        ``"longest"``: those of the longest segment without an interruption. ``"all"``: also those
-        that span a bounce, to see their effect.
+        ``"valid"``: all samples except those that span a bounce, a step without a pose or lost
+        frames. ``"longest"``: those of the longest segment without an interruption. ``"all"``:
+        also those that span a bounce, to see their effect.
     method : str
         ``"least_squares"``, ``"instrumental_variables"`` or ``"output_error"``; see the functions
         of these names.
@@ -265,7 +267,8 @@ def batch_estimate(
     Raises
     ------
     TypeError, ValueError
-        If `trace` is not a Trace, it has too few samples, or a name is unknown.
+        If `trace` is not a Trace, it has too few samples, or a name is unknown; if the time
+        between two steps is not a multiple of the model's dt.
     """
     if not isinstance(trace, Trace):
         raise TypeError(f"trace must be a Trace, got {trace!r}")
@@ -321,7 +324,7 @@ def _fitted(
     first = int(trace.k[0])
     record = trace[start - first : stop - first]
     poses = getattr(record, SOURCES[found.identify_from])
-    breaks = None if select == "all" else record.bounced
+    breaks = interruptions(record, over_bounces=select == "all")
     fit = METHODS[method](poses, record.u, breaks=breaks)
     sigma = np.maximum(fit.residual_rms, np.finfo(float).tiny)
     return {

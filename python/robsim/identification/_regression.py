@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
-from robsim._core import regression
+from robsim._core import model_steps, regression
 from robsim.trace import Trace
 from robsim.trace._trace import Bools, check_trace, longest_run
 
@@ -31,7 +31,7 @@ class Regression:
     identify_from : str
         The poses of the samples: truth, measurement or estimate.
     left_out : int
-        Number of samples omitted because they span a bounce or a missing pose.
+        Number of samples omitted because they span a bounce, a missing pose or lost frames.
     """
 
     phi: Floats
@@ -54,9 +54,9 @@ def regression_of(
         ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
         estimate.
     select : str
-        ``"valid"``: all except those that span a bounce or a step without a pose. ``"longest"``:
-        those of the longest segment without an interruption. ``"all"``: also those that span a
-        bounce, which the model does not cover.
+        ``"valid"``: all except those that span a bounce, a step without a pose or lost frames.
+        ``"longest"``: those of the longest segment without an interruption. ``"all"``: also those
+        that span a bounce, which the model does not cover.
 
     Returns
     -------
@@ -66,7 +66,8 @@ def regression_of(
     Raises
     ------
     TypeError, ValueError
-        If `trace` is not a Trace, or a name is unknown.
+        If `trace` is not a Trace, or a name is unknown; if the time between two steps is not a
+        multiple of the model's dt.
     """
     check_trace(trace)
     source = trace.info.identify_from if identify_from is None else identify_from
@@ -97,8 +98,30 @@ def _check(name: str, value: str, known: tuple[str, ...]) -> None:
         raise ValueError(f"{name} must be one of {', '.join(map(repr, known))}, got {value!r}")
 
 
+def interruptions(trace: Trace, *, over_bounces: bool = False) -> Bools:
+    """Return for each step whether the model does not give it from the two before, (N,).
+
+    It does not across a bounce, and not across lost frames, whose inputs are not known.
+
+    Parameters
+    ----------
+    trace : Trace
+        The recorded run.
+    over_bounces : bool
+        Count a bounce as no interruption.
+
+    Raises
+    ------
+    ValueError
+        If the time between two steps is not a multiple of the model's dt.
+    """
+    result = np.zeros(len(trace), dtype=bool)
+    result[1:] = model_steps(np.diff(trace.t), trace.info.dt) > 1
+    return result if over_bounces else result | trace.bounced
+
+
 def _follows(trace: Trace, poses: Floats, *, over_bounces: bool) -> Bools:
     """Return for each of the steps 1.. whether its pose follows from the previous one."""
     seen = np.asarray(np.isfinite(poses).all(axis=1))
-    # Step k follows from step k-1 unless a bounce mirrored the robot in it.
-    return np.asarray(seen[1:] & seen[:-1] & (over_bounces | ~trace.bounced[1:]))
+    breaks = interruptions(trace, over_bounces=over_bounces)
+    return np.asarray(seen[1:] & seen[:-1] & ~breaks[1:])
