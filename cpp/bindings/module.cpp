@@ -11,6 +11,7 @@ void bind_world(py::module_& module);
 void bind_color(py::module_& module);
 void bind_blobs(py::module_& module);
 void bind_estimation(py::module_& module);
+void bind_trace(py::module_& module);
 void bind_simulation(py::module_& module);
 void bind_controllers(py::module_& module);
 
@@ -24,6 +25,7 @@ PYBIND11_MODULE(_core, module) {
   bind_color(module);
   bind_blobs(module);
   bind_estimation(module);
+  bind_trace(module);
   bind_simulation(module);
   bind_controllers(module);
   pybind11::delattr(module, "__module__");  // the bindings set it

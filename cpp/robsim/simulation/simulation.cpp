@@ -322,13 +322,13 @@ void Simulation::control() {
 }
 
 void Simulation::add_columns() {
-  if (!is_simulated()) columns_.t = &trace_.column("t", 1);
-  if (is_simulated()) columns_.pose_true = &trace_.column("pose_true", 3);
-  if (stages_.control) columns_.u = &trace_.column("u", 2);
-  if (is_simulated()) columns_.bounced = &trace_.column("bounced", 1);
+  if (!is_simulated()) columns_.t = &trace_.column("t");
+  if (is_simulated()) columns_.pose_true = &trace_.column("pose_true");
+  if (stages_.control) columns_.u = &trace_.column("u");
+  if (is_simulated()) columns_.bounced = &trace_.column("bounced");
   if (stages_.measure) {
-    columns_.measured = &trace_.column("pose_measured", 3);
-    columns_.held = &trace_.column("pose_held", 3);
+    columns_.measured = &trace_.column("pose_measured");
+    columns_.held = &trace_.column("pose_held");
     std::set<std::string> names;
     for (const ColorClass& color : options_.colors) names.insert(color.name);
     columns_.blobs.clear();
@@ -337,16 +337,16 @@ void Simulation::add_columns() {
     }
   }
   if (stages_.estimate_parameters) {
-    columns_.parameters = &trace_.column("parameters", 15);
+    columns_.parameters = &trace_.column("parameters");
     if (estimator_->has_standard_errors())
-      columns_.standard_errors_unscaled = &trace_.column("standard_errors_unscaled", 15);
+      columns_.standard_errors_unscaled = &trace_.column("standard_errors_unscaled");
   }
   if (stages_.estimate_state) {
-    columns_.estimated = &trace_.column("pose_estimated", 3);
-    columns_.covariance = &trace_.column("covariance", 9);
+    columns_.estimated = &trace_.column("pose_estimated");
+    columns_.covariance = &trace_.column("covariance");
   }
   if (is_simulated() && options_.area.boundary == Boundary::unlimited)
-    columns_.view = &trace_.column("view", 2);
+    columns_.view = &trace_.column("view");
 }
 
 void Simulation::record() {
@@ -448,10 +448,10 @@ Frame Simulation::render_step(std::int64_t k) {
                             ", got k = " + std::to_string(k));
   }
   const auto row = static_cast<std::size_t>(k);
-  const double* pose = trace_.column("pose_true", 3).memory()->data() + 3 * row;
+  const double* pose = trace_.column("pose_true").memory()->data() + 3 * row;
   Pan pan;
   if (options_.area.boundary == Boundary::unlimited) {
-    const double* view = trace_.column("view", 2).memory()->data() + 2 * row;
+    const double* view = trace_.column("view").memory()->data() + 2 * row;
     const PlaneMap::Matrix& camera = renderer_->camera().matrix();
     pan = {static_cast<int>(std::lround(view[0] / camera[0])),
            static_cast<int>(std::lround(view[1] / camera[4]))};

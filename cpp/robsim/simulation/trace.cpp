@@ -4,6 +4,8 @@
 #include <iterator>
 #include <limits>
 
+#include "robsim/simulation/trace_columns.hpp"
+
 namespace robsim {
 
 namespace {
@@ -32,6 +34,10 @@ Trace::Column& Trace::column(const std::string& name, std::size_t width) {
   columns_.emplace_back(name, width);
   columns_.back().memory_ = make_memory(capacity_, width);
   return columns_.back();
+}
+
+Trace::Column& Trace::column(const std::string& name) {
+  return column(name, trace_group(name).width());
 }
 
 Trace::Snapshot Trace::snapshot() const {

@@ -37,6 +37,9 @@ class Trace {
   /// The column of this name, made with this width if there is none yet. The reference stays good.
   Column& column(const std::string& name, std::size_t width);
 
+  /// The same for a group of the schema, with its width.
+  Column& column(const std::string& name);
+
   /// The columns with the memory they have now, and the rows in it.
   struct Snapshot {
     std::int64_t rows;

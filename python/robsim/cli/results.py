@@ -73,7 +73,7 @@ def write_results(out: Path, simulation: Simulation) -> Results:
         batch.png if parameters were estimated.
     """
     trace = simulation.trace
-    is_tracked = "x_measured" in trace.names
+    is_tracked = trace.is_tracked
     out.mkdir(parents=True, exist_ok=True)
     trace.save(out / "trace.npz")
     figures: dict[str, Any] = {
@@ -96,7 +96,7 @@ def write_results(out: Path, simulation: Simulation) -> Results:
 
 def _camera_figure(simulation: Simulation) -> Any:
     step = simulation.last_step
-    is_tracked = "x_measured" in simulation.trace.names
+    is_tracked = simulation.trace.is_tracked
     axes = plotting.plot_frame(
         step.frame,
         blobs=step.blobs if is_tracked else None,

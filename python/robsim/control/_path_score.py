@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats, check_float
 from robsim.control._waypoints import as_waypoints, nearest_on_segment
 from robsim.trace import Trace
+from robsim.trace._columns import POSES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +50,7 @@ class PathScore:
         reached = f"{self.reached} of {self.waypoints} waypoints reached"
         if self.completed_step is not None:
             reached += f", the last at step {self.completed_step}"
-        path = {"truth": "true", "measurement": "measured"}[self.source]
+        path = POSES[self.source].removeprefix("pose_")
         effort = "" if math.isnan(self.effort) else f"; rms voltage {self.effort:.2f} V"
         return (
             f"path: {reached}\n"
@@ -123,9 +124,8 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
 
 
 def _known_poses(trace: Trace) -> tuple[str, Floats]:
-    if np.isfinite(trace.pose_true[:, :2]).any():
-        return "truth", trace.pose_true
-    return "measurement", trace.pose_measured
+    source = "truth" if np.isfinite(trace.pose_true[:, :2]).any() else "measurement"
+    return source, trace.poses_from(source)
 
 
 def _cross_track_errors(

@@ -252,7 +252,7 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
         Q=noise,
         R=R,
         P0=_shaped("P0", start, (6, 6)),
-        seen=trace.seen if "x_measured" in trace.names else None,
+        seen=trace.seen if trace.is_tracked else None,
     )
     return bounds[:, :3, :3]
 

@@ -13,8 +13,6 @@ from robsim._base.checks import Floats, as_float_array, is_int
 from robsim._core import wrap_angle
 from robsim.trace import Trace
 
-_SOURCES = {"measurement": "pose_measured", "estimate": "pose_estimated"}
-
 
 def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int] = (2,)) -> Floats:
     """Return estimate minus truth, with angular errors wrapped.
@@ -277,10 +275,10 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
     TypeError, ValueError
         If the runs do not have the same steps, or have no such poses, or no truth.
     """
-    if not isinstance(of, str) or of not in _SOURCES:
+    if of not in ("estimate", "measurement"):
         raise ValueError(f"of must be 'estimate' or 'measurement', got {of!r}")
     runs = as_runs(traces)
-    poses = np.array([getattr(trace, _SOURCES[of]) for trace in runs])
+    poses = np.array([trace.poses_from(of) for trace in runs])
     truth = np.array([trace.pose_true for trace in runs])
     if np.isnan(truth).all():
         raise ValueError("the trace has no true poses to compare with")

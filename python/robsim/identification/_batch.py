@@ -13,7 +13,7 @@ from robsim._base.checks import Floats
 from robsim._core import least_squares
 from robsim.identification._fits import METHODS
 from robsim.identification._identifiability import Identifiability, judge
-from robsim.identification._regression import SOURCES, Regression, interruptions, regression_of
+from robsim.identification._regression import Regression, interruptions, regression_of
 from robsim.trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
@@ -323,7 +323,7 @@ def _fitted(
 ) -> _Fit:
     first = int(trace.k[0])
     record = trace[start - first : stop - first]
-    poses = getattr(record, SOURCES[found.identify_from])
+    poses = record.poses_from(found.identify_from)
     breaks = interruptions(record, over_bounces=select == "all")
     fit = METHODS[method](poses, record.u, breaks=breaks)
     sigma = np.maximum(fit.residual_rms, np.finfo(float).tiny)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from robsim._base.checks import Floats
 from robsim._core import model_steps, regression
 from robsim.trace import Trace
+from robsim.trace._columns import POSES
 from robsim.trace._trace import Bools, check_trace, longest_run
 
-SOURCES = {"truth": "pose_true", "measurement": "pose_measured", "estimate": "pose_estimated"}
 SELECTIONS = ("valid", "longest", "all")
 
 
@@ -71,9 +71,9 @@ def regression_of(
     """
     check_trace(trace)
     source = trace.info.identify_from if identify_from is None else identify_from
-    _check("identify_from", source, tuple(SOURCES))
+    _check("identify_from", source, tuple(POSES))
     _check("select", select, SELECTIONS)
-    poses = getattr(trace, SOURCES[source])
+    poses = trace.poses_from(source)
     follows = _follows(trace, poses, over_bounces=select == "all")
     if select == "longest":
         longest = longest_run(follows)
@@ -82,7 +82,7 @@ def regression_of(
     is_whole = follows[1:] & follows[:-1]
     phi, y = np.empty((0, 3, 5)), np.empty((0, 3))
     if is_whole.any():
-        known = np.where(np.isfinite(poses).all(axis=1)[:, np.newaxis], poses, 0.0)
+        known = np.where(np.isfinite(poses).all(axis=1, keepdims=True), poses, 0.0)
         phi, y = (rows[is_whole] for rows in regression(known, np.nan_to_num(trace.u)))
     return Regression(
         phi=phi,
@@ -115,9 +115,11 @@ def interruptions(trace: Trace, *, over_bounces: bool = False) -> Bools:
     ValueError
         If the time between two steps is not a multiple of the model's dt.
     """
-    result = np.zeros(len(trace), dtype=bool)
-    result[1:] = model_steps(np.diff(trace.t), trace.info.dt) > 1
-    return result if over_bounces else result | trace.bounced
+    is_break = np.zeros(len(trace), dtype=bool)
+    is_break[1:] = model_steps(np.diff(trace.t), trace.info.dt) > 1
+    if not over_bounces:
+        is_break |= trace.bounced
+    return is_break
 
 
 def _follows(trace: Trace, poses: Floats, *, over_bounces: bool) -> Bools:

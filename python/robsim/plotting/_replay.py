@@ -37,7 +37,7 @@ def annotated_frames(
         RGB.
     """
     robot = simulation.robot
-    is_tracked = "x_measured" in trace.names
+    is_tracked = trace.is_tracked
     outline = robot.to_robot_frame(robot.outline)
     measured, estimated, covariance = trace.pose_measured, trace.pose_estimated, trace.covariance
     for i, frame in zip(range(len(trace)), frames, strict=False):

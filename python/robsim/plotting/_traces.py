@@ -84,7 +84,7 @@ def plot_traces(
 
 
 def _untracked_title(trace: Trace) -> str:
-    reason = "the robot was never seen" if "x_measured" in trace.names else "not tracked"
+    reason = "the robot was never seen" if trace.is_tracked else "not tracked"
     return f"{len(trace)} steps of {trace.info.dt:g} s, {reason}"
 
 

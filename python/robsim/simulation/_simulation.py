@@ -34,6 +34,7 @@ from robsim.simulation._options import heading_count, start_within, step_count
 from robsim.simulation._scene import HEADINGS, as_floor, draw_red_square, make_renderer
 from robsim.simulation._time_limit import TimeLimit
 from robsim.trace import RunInfo, Trace
+from robsim.trace._columns import POSES, RECORDED, SIMULATED, empty_groups
 from robsim.vision._color_files import as_colors
 
 if TYPE_CHECKING:
@@ -41,12 +42,9 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-SOURCES = ("truth", "measurement", "estimate")
+SOURCES = tuple(POSES)
 _AREA = (1200, 1200)
 _UNLIMITED = 2**62 - 1  # steps
-# Columns of an empty trace and their widths.
-_SIMULATED = {"pose_true": 3, "u": 2, "bounced": 1}
-_RECORDED = {"t": 1, "pose_measured": 3}
 
 # Stages that run in C++ without Python: they need no time limit.
 _NATIVE = (Spin, DriveAround, Unicycle)
@@ -534,8 +532,7 @@ class Simulation:
     @property
     def trace(self) -> Trace:
         """All steps since the start, as arrays."""
-        columns = _SIMULATED if self._source is None else _RECORDED
-        empty = {name: np.empty((0, width)) for name, width in columns.items()}
+        empty = empty_groups(SIMULATED if self._source is None else RECORDED)
         return Trace(self._core.columns() or empty, self._info())
 
     def _info(self) -> RunInfo:

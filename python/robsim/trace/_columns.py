@@ -1,54 +1,28 @@
-"""What the columns of a trace are: groups, names, units, widths. A new column is added here."""
+"""What the columns of a trace are: groups, names, units, widths."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._core import trace_schema
 
-#: The 15 parameters of the robot model, row by row of theta (3, 5).
-PARAMETER_NAMES = tuple(f"{p}{axis}" for axis in "XYP" for p in ("a1", "a2", "b1", "b2", "d1"))
-
-_POSE_UNITS = ("px", "px", "rad")
-
-
-def _poses(suffix: str) -> dict[str, str]:
-    return {
-        f"{q}_{suffix}": unit for q, unit in zip(("x", "y", "heading"), _POSE_UNITS, strict=True)
-    }
-
-
-# What each group of columns consists of: name -> unit, in the order of the numbers of a row.
-_FIXED_GROUPS: dict[str, dict[str, str]] = {
-    "t": {"t": "s"},
-    "pose_true": _poses("true"),
-    "u": {"u1": "V", "u2": "V"},
-    "bounced": {"bounced": ""},
-    "pose_measured": _poses("measured"),
-    "pose_held": _poses("held"),
-    "pose_estimated": _poses("estimated"),
-    "covariance": {
-        f"cov_{a}_{b}": f"{ua} {ub}"
-        for a, ua in zip(("x", "y", "heading"), _POSE_UNITS, strict=True)
-        for b, ub in zip(("x", "y", "heading"), _POSE_UNITS, strict=True)
-    },
-    "parameters": dict.fromkeys(PARAMETER_NAMES, ""),
-    "standard_errors_unscaled": {f"standard_error_unscaled_{name}": "" for name in PARAMETER_NAMES},
-    "view": {"x_view": "px", "y_view": "px"},
-}
+GROUPS = {group.name: group for group in trace_schema()}
+"""The groups of fixed width by name; a new one is added to the schema in the core."""
 
 #: The groups that the trace of a simulated run, or of recorded frames, must have.
-SIMULATED = ("pose_true", "u", "bounced")
-RECORDED = ("pose_measured",)
-_SHAPES = {
-    "covariance": (3, 3),
-    "parameters": (3, 5),
-    "standard_errors_unscaled": (3, 5),
-    "state": (),
-}
+SIMULATED = tuple(name for name, group in GROUPS.items() if group.in_simulated)
+RECORDED = tuple(name for name, group in GROUPS.items() if group.in_recorded)
+
+#: The 15 parameters of the robot model, row by row of theta (3, 5).
+PARAMETER_NAMES = tuple(GROUPS["parameters"].units)
+
+#: The group of the poses from each source.
+POSES = {"truth": "pose_true", "measurement": "pose_measured", "estimate": "pose_estimated"}
 
 
 def fields_of(group: str, width: int) -> dict[str, str]:
@@ -58,9 +32,14 @@ def fields_of(group: str, width: int) -> dict[str, str]:
         return {f"{color}{i}_{q}": "px" for i in (1, 2) for q in "xy"}
     if group == "state":
         return {f"state{i}": "" for i in range(width)}
-    if group not in _FIXED_GROUPS:
+    if group not in GROUPS:
         raise ValueError(f"there is no group of columns {group!r}")
-    return _FIXED_GROUPS[group]
+    return GROUPS[group].units
+
+
+def empty_groups(names: Iterable[str]) -> dict[str, Floats]:
+    """Return groups of the schema without a row."""
+    return {name: np.empty((0, len(GROUPS[name].units))) for name in names}
 
 
 def as_numbers(name: str, values: Any) -> Floats:
@@ -74,10 +53,17 @@ def as_numbers(name: str, values: Any) -> Floats:
     return array.astype(np.float64, copy=False)
 
 
+def _shape_of(group: str) -> tuple[int, ...]:
+    """Return the shape of the numbers of a step; () for a state, whose width varies."""
+    if group in GROUPS:
+        return GROUPS[group].shape
+    return () if group == "state" else (2, 2)
+
+
 def as_rows(name: str, values: Any) -> Floats:
     """Return a read-only array (N, width) of a group's numbers, which may come as (N, 3, 5)."""
     array = as_numbers(name, values)
-    if array.ndim < 1 or (array.ndim > 2 and array.shape[1:] != _SHAPES.get(name, (2, 2))):
+    if array.ndim < 1 or (array.ndim > 2 and array.shape[1:] != _shape_of(name)):
         raise ValueError(f"{name} must have a row for each step, got shape {array.shape}")
     rows = array.reshape(len(array), math.prod(array.shape[1:])).view()
     rows.setflags(write=False)

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robsim._base.checks import Floats
-from robsim._core import wrap_angle
-from robsim.trace._columns import RECORDED, SIMULATED, as_rows, fields_of
+from robsim._base.checks import Floats, check_choice
+from robsim._core import TraceGroup, wrap_angle
+from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of
+from robsim.trace._properties import Column, Flag
 from robsim.trace._run_info import RunInfo
 from robsim.trace._trace_file import read_trace, write_trace
 from robsim.trace._tracking import FALSE_POSE_LIMITS, TrackingStatistics
@@ -49,39 +50,10 @@ def longest_run(mask: Bools) -> slice:
 class Trace:
     """A recorded run of N steps, read-only.
 
+    Every column is a property with a row for each step; `names` and `units` list the single ones.
+
     Attributes
     ----------
-    k : array (N,) of int
-        Number of the step.
-    t : array (N,)
-        Time (s): that of the frames, if they came from elsewhere.
-    pose_true : array (N, 3)
-        True pose: x, y (work-area px), heading (rad).
-    u : array (N, 2)
-        Input that the controller gave at the step: left and right voltage (V).
-    bounced : array (N,) of bool
-        The robot met a wall in this step.
-    pose_measured : array (N, 3)
-        Measured pose, NaN where the robot was not seen.
-    seen : array (N,) of bool
-        The robot was seen.
-    pose_held : array (N, 3)
-        Last measurement, NaN before the first.
-    blobs : dict of str to array (N, 2, 2)
-        Per colour the centroids (x, y) of the two biggest blobs (work-area px), NaN if missing.
-    pose_estimated : array (N, 3)
-        Estimated pose, NaN without a state estimator.
-    covariance : array (N, 3, 3)
-        Its covariance.
-    state : array (N, n)
-        Any further state of the state estimator; n = 0 without.
-    parameters : array (N, 3, 5)
-        Online estimate of the model's parameters, NaN without a parameter estimator.
-    standard_errors_unscaled : array (N, 3, 5)
-        Their standard errors for noise of standard deviation 1 px, 1 px and 1 rad in the equations,
-        NaN if the estimator gives none. See `robsim.identifiability`.
-    view : array (N, 2)
-        Place of the camera's view: 0 unless the area is unlimited (work-area px).
     info : RunInfo
         What concerns the run as a whole.
     """
@@ -111,92 +83,71 @@ class Trace:
         steps = f"steps {self._first_step}..{last}" if self._rows else "no steps"
         return f"<Trace: {steps}, dt = {self.info.dt} s, columns {', '.join(self._groups)}>"
 
-    def _group(self, name: str, *shape: int) -> Floats:
-        """Return the rows of a group, NaN if it was not recorded."""
-        if name in self._groups:
-            return self._groups[name].reshape(self._rows, *shape)
-        return np.broadcast_to(np.float64(np.nan), (self._rows, *shape))
-
     @property
     def k(self) -> NDArray[np.int64]:
-        """Number of each step."""
+        """Number of the step (N,)."""
         return np.arange(self._first_step, self._first_step + self._rows)
 
-    @property
-    def t(self) -> Floats:
-        """Time of each step (s)."""
-        if "t" in self._groups:
-            return self._groups["t"][:, 0]
-        return np.asarray(self.k * self.info.dt, dtype=np.float64)
+    t = Column()
+    pose_true = Column()
+    u = Column()
+    bounced = Flag()
+    pose_measured = Column()
+    pose_held = Column()
+    pose_estimated = Column()
+    covariance = Column()
+    parameters = Column()
+    standard_errors_unscaled = Column()
+    view = Column()
+    noise = Column()
+    hidden = Flag()
 
-    @property
-    def pose_true(self) -> Floats:
-        """True poses (N, 3)."""
-        return self._group("pose_true", 3)
-
-    @property
-    def u(self) -> Floats:
-        """Inputs (N, 2) in V."""
-        return self._group("u", 2)
-
-    @property
-    def bounced(self) -> Bools:
-        """Steps at which the robot met a wall."""
-        return np.asarray(self._group("bounced", 1)[:, 0] > 0)
-
-    @property
-    def pose_measured(self) -> Floats:
-        """Measured poses (N, 3), NaN where not seen."""
-        return self._group("pose_measured", 3)
-
-    @property
-    def seen(self) -> Bools:
-        """Steps at which the robot was seen."""
-        return np.isfinite(self.pose_measured[:, 0])
-
-    @property
-    def pose_held(self) -> Floats:
-        """Last measurements (N, 3)."""
-        return self._group("pose_held", 3)
+    def _numbers(self, group: TraceGroup) -> Floats:
+        """Return the numbers of a group, or what stands for them where it was not recorded."""
+        if group.name in self._groups:
+            return self._groups[group.name].reshape(self._rows, *group.shape)
+        if group.name == "t":
+            return np.asarray(self.k * self.info.dt, dtype=np.float64)
+        return np.broadcast_to(np.float64(group.missing), (self._rows, *group.shape))
 
     @property
     def blobs(self) -> dict[str, Floats]:
-        """Centroids of the two biggest blobs per colour, (N, 2, 2) each."""
-        names = [name for name in self._groups if name.startswith("blobs_")]
-        return {name.removeprefix("blobs_"): self._group(name, 2, 2) for name in names}
-
-    @property
-    def pose_estimated(self) -> Floats:
-        """Estimated poses (N, 3)."""
-        return self._group("pose_estimated", 3)
-
-    @property
-    def covariance(self) -> Floats:
-        """Covariances of the estimated poses (N, 3, 3)."""
-        return self._group("covariance", 3, 3)
+        """Per colour the centroids of the two biggest blobs (N, 2, 2), NaN where missing (px)."""
+        return {
+            name.removeprefix("blobs_"): rows.reshape(self._rows, 2, 2)
+            for name, rows in self._groups.items()
+            if name.startswith("blobs_")
+        }
 
     @property
     def state(self) -> Floats:
-        """Further state of the state estimator (N, n)."""
-        size = self._groups["state"].shape[1] if "state" in self._groups else 0
-        return self._group("state", size)
+        """Further state of the state estimator (N, n); n = 0 without."""
+        return self._groups.get("state", np.empty((self._rows, 0)))
 
     @property
-    def parameters(self) -> Floats:
-        """Online parameter estimates (N, 3, 5)."""
-        return self._group("parameters", 3, 5)
+    def is_tracked(self) -> bool:
+        """Whether the pose was measured in the run, seen or not."""
+        return "pose_measured" in self._groups
 
     @property
-    def standard_errors_unscaled(self) -> Floats:
-        """Standard errors of the online estimates in units of the noise (N, 3, 5)."""
-        return self._group("standard_errors_unscaled", 3, 5)
+    def seen(self) -> Bools:
+        """The robot was seen in this step (N,)."""
+        return np.isfinite(self.pose_measured[:, 0])
 
-    @property
-    def view(self) -> Floats:
-        """Place of the camera's view (N, 2)."""
-        if "view" in self._groups:
-            return self._group("view", 2)
-        return np.broadcast_to(np.float64(0), (self._rows, 2))
+    def poses_from(self, source: str) -> Floats:
+        """Return the poses (N, 3) of a source.
+
+        Parameters
+        ----------
+        source : str
+            ``"truth"``, ``"measurement"`` or ``"estimate"``.
+
+        Raises
+        ------
+        ValueError
+            If `source` is none of them.
+        """
+        return self._numbers(GROUPS[POSES[check_choice("source", source, tuple(POSES))]])
 
     @property
     def error(self) -> Floats:
@@ -251,8 +202,8 @@ class Trace:
             columns |= {field: values[:, i] for i, field in enumerate(fields)}
             if name == "pose_measured":
                 columns["seen"] = self.seen
-        if "bounced" in columns:
-            columns["bounced"] = self.bounced
+            if name in GROUPS and GROUPS[name].is_flag:
+                columns[name] = getattr(self, name)
         return columns
 
     def __getitem__(self, key: str | slice) -> Any:

@@ -1,0 +1,118 @@
+#include "robsim/simulation/trace_columns.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace robsim {
+
+namespace {
+
+using Fields = std::vector<TraceField>;
+
+const Fields pose_fields = {{"x", "px"}, {"y", "px"}, {"heading", "rad"}};
+
+Fields poses(const std::string& suffix) {
+  Fields fields = pose_fields;
+  for (TraceField& field : fields) field.name += "_" + suffix;
+  return fields;
+}
+
+Fields covariances() {
+  Fields fields;
+  for (const TraceField& row : pose_fields) {
+    for (const TraceField& column : pose_fields) {
+      fields.push_back({"cov_" + row.name + "_" + column.name, row.unit + " " + column.unit});
+    }
+  }
+  return fields;
+}
+
+// The 15 parameters of the robot model, row by row of theta.
+Fields parameters(const std::string& prefix) {
+  Fields fields;
+  for (const char axis : {'X', 'Y', 'P'}) {
+    for (const char* const name : {"a1", "a2", "b1", "b2", "d1"}) {
+      fields.push_back({prefix + name + axis, ""});
+    }
+  }
+  return fields;
+}
+
+TraceGroup group(std::string name, std::vector<std::size_t> shape, Fields fields,
+                 std::string description) {
+  TraceGroup group;
+  group.name = std::move(name);
+  group.shape = std::move(shape);
+  group.fields = std::move(fields);
+  group.description = std::move(description);
+  return group;
+}
+
+TraceGroup flag(const std::string& name, std::string description) {
+  TraceGroup flag = group(name, {}, {{name, ""}}, std::move(description));
+  flag.is_flag = true;
+  return flag;
+}
+
+TraceGroup simulated(TraceGroup group) {
+  group.in_simulated = true;
+  return group;
+}
+
+TraceGroup recorded(TraceGroup group) {
+  group.in_recorded = true;
+  return group;
+}
+
+TraceGroup zero_where_missing(TraceGroup group) {
+  group.missing = 0;
+  return group;
+}
+
+std::vector<TraceGroup> make_schema() {
+  return {
+      group("t", {}, {{"t", "s"}}, "Time (N,) (s): that of the frames, if they have one."),
+      simulated(group("pose_true", {3}, poses("true"),
+                      "True pose (N, 3): x, y (work-area px), heading (rad).")),
+      simulated(group("u", {2}, {{"u1", "V"}, {"u2", "V"}},
+                      "Input that was given at the step (N, 2): left and right voltage (V).")),
+      simulated(flag("bounced", "The robot met a wall in this step (N,).")),
+      recorded(group("pose_measured", {3}, poses("measured"),
+                     "Measured pose (N, 3), NaN where the robot was not seen.")),
+      group("pose_held", {3}, poses("held"), "Last measured pose (N, 3), NaN before the first."),
+      group("pose_estimated", {3}, poses("estimated"),
+            "Estimated pose (N, 3), NaN without a state estimator."),
+      group("covariance", {3, 3}, covariances(), "Covariance of the estimated pose (N, 3, 3)."),
+      group("parameters", {3, 5}, parameters(""),
+            "Online estimate of the model's parameters (N, 3, 5), NaN without an estimator."),
+      group("standard_errors_unscaled", {3, 5}, parameters("standard_error_unscaled_"),
+            "Standard errors of the parameters (N, 3, 5), for equation noise of standard "
+            "deviation 1 px, 1 px and 1 rad; NaN if the estimator gives none."),
+      zero_where_missing(group("view", {2}, {{"x_view", "px"}, {"y_view", "px"}},
+                               "Place of the camera's view (N, 2): 0 unless the area is "
+                               "unlimited (work-area px).")),
+      group("noise", {2}, {{"noise_gaussian", "%"}, {"noise_uniform", "%"}},
+            "Camera noise of the step (N, 2): Gaussian and uniform (percent), NaN if not "
+            "recorded."),
+      flag("hidden", "The robot was hidden from the camera in this step (N,)."),
+  };
+}
+
+}  // namespace
+
+const std::vector<TraceGroup>& trace_schema() {
+  static const std::vector<TraceGroup> schema = make_schema();
+  return schema;
+}
+
+const TraceGroup& trace_group(const std::string& name) {
+  const auto& schema = trace_schema();
+  const auto found = std::find_if(schema.begin(), schema.end(),
+                                  [&](const TraceGroup& group) { return group.name == name; });
+  if (found == schema.end()) {
+    throw std::invalid_argument("there is no group of columns '" + name + "'");
+  }
+  return *found;
+}
+
+}  // namespace robsim
