@@ -11,9 +11,11 @@ void bind_world(py::module_& module);
 void bind_color(py::module_& module);
 void bind_blobs(py::module_& module);
 void bind_estimation(py::module_& module);
-void bind_trace(py::module_& module);
-void bind_simulation(py::module_& module);
+void bind_steps(py::module_& module);
+void bind_worlds(py::module_& module);
 void bind_controllers(py::module_& module);
+void bind_trace(py::module_& module);
+void bind_loop(py::module_& module);
 
 PYBIND11_MODULE(_core, module) {
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
@@ -26,7 +28,9 @@ PYBIND11_MODULE(_core, module) {
   bind_blobs(module);
   bind_estimation(module);
   bind_trace(module);
-  bind_simulation(module);
+  bind_steps(module);
+  bind_worlds(module);
   bind_controllers(module);
+  bind_loop(module);
   pybind11::delattr(module, "__module__");  // the bindings set it
 }

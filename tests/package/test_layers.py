@@ -24,10 +24,13 @@ CPP = {
     "vision/color": {"imaging"},
     "vision/pixels": {"simd", "imaging", "vision/color"},
     "vision": {"geometry", "imaging", "vision/color", "vision/pixels"},
-    "simulation": {
-        *("geometry", "random", "estimation", "imaging", "model"),
-        *("world", "world/noise", "vision", "vision/color"),
+    "simulation/seam": {"imaging", "model", "vision", "world/noise"},
+    "simulation/world": {"random", "model", "world", "simulation/seam"},
+    "simulation/robot": {
+        *("random", "estimation", "imaging", "model", "vision"),
+        "simulation/seam",
     },
+    "simulation": {"simulation/seam", "simulation/robot"},
 }
 
 # The storeys of the Python package, from the ground up. A room imports from the storeys below its

@@ -3,7 +3,6 @@
 #include <functional>
 #include <unordered_map>
 
-#include "robsim/model/unicycle.hpp"
 
 namespace robsim::bindings {
 
@@ -98,39 +97,6 @@ void set_init_parameter_estimator(Stages& stages, const py::object& value) {
       };
 }
 
-void set_make_renderer(Stages& stages, const py::object& value) {
-  stages.make_renderer = [make = py::handle(value)] { return make().cast<Renderer>(); };
-}
-
-void set_take_frame(Stages& stages, const py::object& value) {
-  stages.take_frame = [take = py::handle(value)](std::int64_t k) -> std::optional<Frame> {
-    const py::object frame = take(k);
-    if (frame.is_none()) return std::nullopt;
-    return frame.cast<Frame>();
-  };
-}
-
-void set_evaluate_model(Stages& stages, const py::object& value) {
-  if (value.is_none()) {
-    stages.evaluate_model = {};
-    return;
-  }
-  if (is_exactly<Unicycle>(value)) {
-    stages.evaluate_model = {[](const WorldState& world) {
-                               return Unicycle()(world.model, world.pose_1, world.pose_2,
-                                                 world.last_u);
-                             },
-                             false};
-    return;
-  }
-  stages.evaluate_model = {[callback = Callback("evaluate_model", value)](const WorldState& world) {
-                             const py::object result = callback(world.k, py::cast(world));
-                             return callback.convert(
-                                 world.k, [&] { return pose_from(result, "the result"); });
-                           },
-                           true};
-}
-
 void set_estimate_parameters(Stages& stages, const py::object& value, StepObject& object) {
   if (is_off(value)) {
     stages.estimate_parameters = {};
@@ -152,15 +118,14 @@ void set_estimate_parameters(Stages& stages, const py::object& value, StepObject
       true};
 }
 
-void set_measure(Stages& stages, const py::object& value, StepObject& object,
-                 const MarkerLayout& markers) {
+void set_measure(Stages& stages, const py::object& value, StepObject& object) {
   if (is_off(value)) {
     stages.measure = {};
     return;
   }
   if (is_default(value)) {
-    stages.measure = {[markers](const StepPointer& step) {
-                        return locate(*step->blobs, markers, step->frame->plane_map);
+    stages.measure = {[](const StepPointer& step) {
+                        return locate(*step->blobs, step->markers(), step->frame->plane_map);
                       },
                       false};
     return;
@@ -187,14 +152,13 @@ void set_estimate_state(Stages& stages, const py::object& value, StepObject& obj
 }
 
 void set_control(Stages& stages, const py::object& value, StepObject& object) {
-  if (value.is_none() && stages.take_frame) {
+  if (value.is_none()) {
     stages.control = {};
     return;
   }
   // A class of the user's own that builds on a ready controller is called like any callable.
-  if (value.is_none() || is_exactly<Spin>(value) || is_exactly<DriveAround>(value)) {
-    std::shared_ptr<Controller> controller = std::make_shared<Spin>();
-    if (!value.is_none()) controller = value.cast<std::shared_ptr<Controller>>();
+  if (is_exactly<Spin>(value) || is_exactly<DriveAround>(value) || is_exactly<Replay>(value)) {
+    const auto controller = value.cast<std::shared_ptr<Controller>>();
     stages.control = {[controller](const StepPointer& step) { return (*controller)(*step); },
                       false};
     return;
@@ -209,15 +173,15 @@ void set_control(Stages& stages, const py::object& value, StepObject& object) {
 
 }  // namespace
 
-Callback::Callback(std::string slot, py::handle function)
-    : slot_(std::move(slot)), function_(function) {
+Callback::Callback(std::string slot, py::handle function, std::string what)
+    : what_(what.empty() ? "the callback " + slot : std::move(what)), function_(function) {
   if (!PyCallable_Check(function_.ptr())) {
-    throw py::type_error(slot_ + " must be callable, got " + describe(function_));
+    throw py::type_error(slot + " must be callable, got " + describe(function_));
   }
 }
 
 std::string Callback::where(std::int64_t k) const {
-  return "in the callback " + slot_ + (k < 0 ? " at the start" : " at step " + std::to_string(k));
+  return "in " + what_ + (k < 0 ? " at the start" : " at step " + std::to_string(k));
 }
 
 void Callback::add_note(const py::error_already_set& error, std::int64_t k) const {
@@ -257,16 +221,20 @@ py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator) {
   return py::none();
 }
 
-void SlottedSimulation::set_stage(const std::string& slot, const py::object& value) {
-  const MarkerLayout& markers = options().markers;
+SlottedLoop::SlottedLoop(std::shared_ptr<World> world, const RobotOptions& robot_options,
+                         IdentifyFrom identify_from)
+    : Loop(std::move(world), robot_options, identify_from) {
+  robot().set_is_kept([this](const StepPointer& step) {
+    return !step_object.is_only_holder(step) && step.use_count() > 1;
+  });
+}
+
+void SlottedLoop::set_slot(const std::string& slot, const py::object& value) {
   const std::unordered_map<std::string, std::function<void(Stages&)>> setters = {
       {"define_model", [&](Stages& s) { set_define_model(s, value); }},
       {"init_parameter_estimator", [&](Stages& s) { set_init_parameter_estimator(s, value); }},
-      {"make_renderer", [&](Stages& s) { set_make_renderer(s, value); }},
-      {"take_frame", [&](Stages& s) { set_take_frame(s, value); }},
-      {"evaluate_model", [&](Stages& s) { set_evaluate_model(s, value); }},
       {"estimate_parameters", [&](Stages& s) { set_estimate_parameters(s, value, step_object); }},
-      {"measure", [&](Stages& s) { set_measure(s, value, step_object, markers); }},
+      {"measure", [&](Stages& s) { set_measure(s, value, step_object); }},
       {"estimate_state", [&](Stages& s) { set_estimate_state(s, value, step_object); }},
       {"control", [&](Stages& s) { set_control(s, value, step_object); }},
   };

@@ -5,17 +5,18 @@
 #include <unordered_map>
 
 #include "python/numpy.hpp"
-#include "robsim/simulation/controllers.hpp"
-#include "robsim/simulation/simulation.hpp"
+#include "robsim/simulation/loop.hpp"
+#include "robsim/simulation/robot/controllers.hpp"
 
 namespace robsim::bindings {
 
 /// A user's callable in a slot. What goes wrong in it reaches the user with the slot, the step
-/// and where the callable is defined. It does not keep the callable alive: SlottedSimulation does.
+/// and where the callable is defined. It does not keep the callable alive: SlotValues do.
 class Callback {
  public:
-  /// Throws py::type_error unless the value is callable.
-  Callback(std::string slot, py::handle function);
+  /// `what`, if it is no callback, is what a message calls it. Throws py::type_error unless the
+  /// value is callable.
+  Callback(std::string slot, py::handle function, std::string what = "");
 
   /// Calls it at step k (-1 = at the start). Its exception passes on with a note.
   template <typename... Objects>
@@ -51,7 +52,7 @@ class Callback {
   void add_note(const py::error_already_set& error, std::int64_t k) const;
   std::string blame(std::int64_t k, const std::string& what) const;
 
-  std::string slot_;
+  std::string what_;
   py::handle function_;
 };
 
@@ -98,21 +99,42 @@ class ObjectEstimator : public ParameterEstimator {
 /// The estimator as Python sees it.
 py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator);
 
-/// A simulation and the Python values in its slots. They are here, and not in the slots, so that
-/// Python's garbage collector can see them: a callback often refers to its own simulation.
-class SlottedSimulation : public Simulation {
+/// The Python values in slots. They are here, and not in the slots, so that Python's garbage
+/// collector can see them: a callback often refers to its own simulation.
+struct SlotValues {
+  std::unordered_map<std::string, py::object> values;
+};
+
+/// Lets Python's garbage collector look into the slots of a class.
+template <typename Slotted>
+void collect_garbage(PyHeapTypeObject* heap_type) {
+  PyTypeObject& type = heap_type->ht_type;
+  type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type.tp_traverse = [](PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (!py::detail::is_holder_constructed(self)) return 0;
+    for (const auto& slot : py::cast<Slotted&>(py::handle(self)).values) {
+      Py_VISIT(slot.second.ptr());
+    }
+    return 0;
+  };
+  type.tp_clear = [](PyObject* self) {
+    if (py::detail::is_holder_constructed(self)) {
+      py::cast<Slotted&>(py::handle(self)).values.clear();
+    }
+    return 0;
+  };
+}
+
+/// The loop with Python values in the slots of its robot half.
+class SlottedLoop : public Loop, public SlotValues {
  public:
-  using Simulation::Simulation;
+  SlottedLoop(std::shared_ptr<World> world, const RobotOptions& robot, IdentifyFrom identify_from);
 
   /// Puts a value into the slot of a name: a callable, a native component, True for the default
   /// of an optional stage, None for what is there without being asked for.
-  void set_stage(const std::string& slot, const py::object& value);
+  void set_slot(const std::string& slot, const py::object& value);
 
-  bool is_kept(const StepPointer& step) const override {
-    return !step_object.is_only_holder(step) && Simulation::is_kept(step);
-  }
-
-  std::unordered_map<std::string, py::object> values;
   StepObject step_object;  // empty between two runs
 };
 

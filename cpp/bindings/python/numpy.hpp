@@ -48,8 +48,8 @@ AxisMatrix axis_matrix_from(py::handle value, const std::string& name);
 py::array_t<double> to_array(const double* values, const Shape& shape);
 py::array_t<double> to_array(const Pose& pose);
 py::array_t<double> to_array(const Point& point);
-py::array_t<double> to_array(const Input& u);
 py::array_t<double> to_array(const AxisMatrix& matrix);
+py::array_t<double> to_array(const Input& u);
 
 /// A view of the caller's uint8 RGB pixels, shape (H, W, 3), rows of any stride. Copies nothing.
 ImageView image_view(py::handle value, const std::string& name);

@@ -1,5 +1,7 @@
 #include "robsim/random/counter_random.hpp"
 
+#include <cmath>
+
 namespace robsim {
 
 namespace {
@@ -21,6 +23,14 @@ std::uint64_t random_bits(std::uint64_t seed, std::uint64_t counter) {
 
 double random_uniform(std::uint64_t seed, std::uint64_t counter) {
   return static_cast<double>(random_bits(seed, counter) >> 11) * 0x1.0p-53;
+}
+
+double random_normal(std::uint64_t seed, std::uint64_t counter) {
+  constexpr double two_pi = 6.283185307179586;
+  // sqrt(-2 ln a) cos(2 pi b), a in (0, 1], b in [0, 1): Box and Muller 1958
+  const double a = 1 - random_uniform(seed, 2 * counter);
+  const double b = random_uniform(seed, 2 * counter + 1);
+  return std::sqrt(-2 * std::log(a)) * std::cos(two_pi * b);
 }
 
 }  // namespace robsim

@@ -12,4 +12,7 @@ std::uint64_t random_bits(std::uint64_t seed, std::uint64_t counter);
 /// The same as a number in [0, 1) with 53 random bits.
 double random_uniform(std::uint64_t seed, std::uint64_t counter);
 
+/// A number of the standard normal distribution, from the positions 2 counter and 2 counter + 1.
+double random_normal(std::uint64_t seed, std::uint64_t counter);
+
 }  // namespace robsim

@@ -91,10 +91,12 @@ std::vector<TraceGroup> make_schema() {
       zero_where_missing(group("view", {2}, {{"x_view", "px"}, {"y_view", "px"}},
                                "Place of the camera's view (N, 2): 0 unless the area is "
                                "unlimited (work-area px).")),
-      group("noise", {2}, {{"noise_gaussian", "%"}, {"noise_uniform", "%"}},
-            "Camera noise of the step (N, 2): Gaussian and uniform (percent), NaN if not "
-            "recorded."),
+      zero_where_missing(group("noise", {2}, {{"noise_gaussian", "%"}, {"noise_uniform", "%"}},
+                               "Noise of the camera (N, 2): Gaussian and uniform (%).")),
       flag("hidden", "The robot was hidden from the camera in this step (N,)."),
+      flag("interrupted",
+           "The robot was stopped after the step before: this one does not follow from its input "
+           "(N,)."),
   };
 }
 

@@ -14,7 +14,7 @@ from robsim.cli.text import parse_points, parse_size
 
 if TYPE_CHECKING:
     from robsim.imaging._recordings import Recording
-    from robsim.simulation._simulation import Simulation
+    from robsim.simulation import Experiment
 
 VIDEO = "tracked.mp4"
 EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
@@ -64,7 +64,7 @@ def track(
     from robsim._core import PlaneMap
     from robsim.cli.results import check_folder
     from robsim.imaging._recordings import Recording
-    from robsim.simulation._simulation import Simulation
+    from robsim.simulation import Experiment
 
     with errors.report_errors():
         check_folder(out)
@@ -78,18 +78,18 @@ def track(
         if pixel_points and world_points:
             plane_map = PlaneMap.from_points(pixel_points, world_points)
         recording = Recording(source, plane_map=plane_map, area=parse_size("--area", area), dt=dt)
-        simulation = Simulation(frames=recording, robot=robot, colors=colors, smoothing=smoothing)
+        experiment = Experiment(recording, robot=robot, colors=colors, smoothing=smoothing)
     failure = None
     try:
-        simulation.run(progress=True)
+        experiment.run(progress=True)
     except KeyboardInterrupt:
-        errors.print_note(f"stopped after {len(simulation.trace)} frames")
+        errors.print_note(f"stopped after {len(experiment.trace)} frames")
     except Exception as error:
         failure = error
-    if count := len(simulation.trace):
-        finish(simulation, out, as_json=as_json)
+    if count := len(experiment.trace):
+        finish(experiment, out, as_json=as_json)
         if video:
-            _write_video(simulation, recording, out / VIDEO)
+            _write_video(experiment, recording, out / VIDEO)
         if failure is not None:
             errors.print_note(f"the {count} frames before the error are tracked")
     with errors.report_errors():
@@ -97,7 +97,7 @@ def track(
             raise failure
 
 
-def _write_video(simulation: Simulation, recording: Recording, file: Path) -> None:
+def _write_video(experiment: Experiment, recording: Recording, file: Path) -> None:
     from robsim.imaging._opencv import load_opencv
     from robsim.plotting._replay import annotated_frames
 
@@ -108,8 +108,8 @@ def _write_video(simulation: Simulation, recording: Recording, file: Path) -> No
         return
     shown = annotated_frames(
         recording,
-        simulation.trace,
-        simulation=simulation,
+        experiment.trace,
+        experiment=experiment,
     )
     with errors.report_errors():
-        write_with_progress(file, shown, simulation.trace)
+        write_with_progress(file, shown, experiment.trace)

@@ -13,7 +13,7 @@ from robsim._core import Estimate, Frame, RobotModel, RobotParameters, Step
 from robsim.doctor._situations import Situation
 from robsim.doctor._trial import TIME_LIMIT, BadResult, Slot
 from robsim.robots import RobotDefinition, load_robot
-from robsim.simulation._simulation import Simulation
+from robsim.simulation import Experiment, Simulation
 
 _AREA = (64, 64)
 _POSE_AND_COVARIANCE = 12  # entries of an output before the state
@@ -54,13 +54,13 @@ def _read_state(result: Any, before: Floats | None) -> Floats:
     return output
 
 
-def _simulate_state(situation: Situation, callback: Callable[[Step], Any]) -> Simulation:
-    """Return a simulation that replays the measurements of a situation, without its truth."""
+def _replay_state(situation: Situation, callback: Callable[[Step], Any]) -> Experiment:
+    """Return an experiment that replays the measurements of a situation, without its truth."""
     frame = Frame(np.zeros((1, 1, 3), np.uint8))
-    return Simulation(
+    return Experiment(
+        [frame] * len(situation.u),
         robot=_robot(),
         area=_AREA,
-        frames=[frame] * len(situation.u),
         define_model=lambda: RobotModel(RobotParameters(dt=situation.dt)),
         measure=lambda step: situation.measurements[step.k],
         estimate_state=callback,
@@ -114,6 +114,7 @@ def _simulate_parameters(situation: Situation, callback: Callable[[Step], Any]) 
         robot=_robot(),
         area=_AREA,
         boundary="unlimited",
+        start=situation.poses[0],
         define_model=lambda: RobotModel(RobotParameters(dt=situation.dt)),
         evaluate_model=lambda world: situation.poses[world.k],
         estimate_parameters=callback,
@@ -134,7 +135,7 @@ STATE = Slot(
     entry=_state_entry,
     callback=lambda estimator: estimator,
     read=_read_state,
-    simulate=_simulate_state,
+    simulate=_replay_state,
 )
 PARAMETERS = Slot(
     entry=_parameter_entry,

@@ -17,7 +17,7 @@ from robsim._base.checks import Floats
 from robsim._base.source_line import SourceLine, line_of_callable, line_of_frame
 from robsim._core import Step
 from robsim.doctor._situations import Situation
-from robsim.simulation._simulation import Simulation
+from robsim.simulation._runner import Runner
 from robsim.simulation._time_limit import TimeLimit
 
 TIME_LIMIT = 5.0  # s per call; after that it counts as an endless loop
@@ -56,13 +56,13 @@ class Slot:
         ``read(result, previous) -> array``: a result as numbers, given those of the last step or
         None; raises BadResult.
     simulate : callable
-        ``simulate(situation, callback) -> Simulation``.
+        ``simulate(situation, callback) -> Simulation or Experiment``.
     """
 
     entry: Callable[[Any], Callable[..., Any]]
     callback: Callable[[Any], Callable[[Step], Any]]
     read: Callable[[Any, Floats | None], Floats]
-    simulate: Callable[[Situation, Callable[[Step], Any]], Simulation]
+    simulate: Callable[[Situation, Callable[[Step], Any]], Runner]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -101,7 +101,8 @@ def _check(name: str, value: str, known: tuple[str, ...]) -> None:
 def interruptions(trace: Trace, *, over_bounces: bool = False) -> Bools:
     """Return for each step whether the model does not give it from the two before, (N,).
 
-    It does not across a bounce, and not across lost frames, whose inputs are not known.
+    It does not across a bounce, not across lost frames, whose inputs are not known, and not
+    where the robot was stopped in between.
 
     Parameters
     ----------
@@ -117,6 +118,7 @@ def interruptions(trace: Trace, *, over_bounces: bool = False) -> Bools:
     """
     is_break = np.zeros(len(trace), dtype=bool)
     is_break[1:] = model_steps(np.diff(trace.t), trace.info.dt) > 1
+    is_break |= trace.interrupted
     if not over_bounces:
         is_break |= trace.bounced
     return is_break

@@ -1,38 +1,33 @@
-"""Frames from outside the simulation, such as recordings: the option ``frames`` of `Simulation`."""
+"""Frames from outside, such as a recording or a camera, one for each step of an `Experiment`."""
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterable, Mapping
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
-from robsim._core import Frame, RobotModel, RobotParameters
-from robsim.simulation._scene import HEADINGS
+from robsim._core import Arrival, Frame, Observation, RobotModel, RobotParameters
 
 DT_TOLERANCE = 2e-3  # relative; video files round their frame rate
 
-# Options of a simulated world, and their defaults.
-_WORLD = {
-    "boundary": "bounce",
-    "headings": HEADINGS,
-    "noise": None,
-    "dropout": None,
-    "background": None,
-    "start": None,
-    "evaluate_model": None,
-    "adjust_background": None,
-}
+_POLL = 0.05  # s, after which the loop looks whether it was stopped
 
 
 class FrameSource:
-    """An iterable of frames, read one per step by the loop.
+    """An iterable of frames, read one per step by the loop, with a limit on the wait for each.
 
     Parameters
     ----------
-    frames : iterable of Frame
+    frames : iterable of Frame, Observation or None
         The frames. The optional attributes ``area`` and ``dt`` are the size of the work area (px)
         and the time between two frames (s).
+    timeout : float
+        Maximum wait for a frame (s); inf = none.
 
     Raises
     ------
@@ -40,13 +35,18 @@ class FrameSource:
         If `frames` is not iterable.
     """
 
-    def __init__(self, frames: Iterable[Frame]) -> None:
+    def __init__(
+        self, frames: Iterable[Frame | Observation | None], timeout: float = math.inf
+    ) -> None:
         if not isinstance(frames, Iterable):
             raise TypeError(f"frames must be an iterable of Frame objects, got {frames!r}")
         self.area: tuple[int, int] | None = getattr(frames, "area", None)
         self.dt: float | None = getattr(frames, "dt", None)
         self._frames = frames
         self._iterator = iter(frames)
+        self._timeout = timeout
+        self._reader: _Reader | None = None
+        self._failed_at: int | None = None
 
     @property
     def is_single_pass(self) -> bool:
@@ -56,13 +56,39 @@ class FrameSource:
     def restart(self) -> None:
         """Start again with the first frame."""
         self._iterator = iter(self._frames)
+        self._reader = self._failed_at = None
 
-    def take(self, k: int) -> Frame | None:
-        """Return the frame of step k; None = no more frames."""
-        frame = next(self._iterator, None)
-        if frame is not None and not isinstance(frame, Frame):
-            raise TypeError(f"frames must yield Frame objects, got {frame!r} at step {k}")
-        return frame
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Read inside the context, in a thread of its own if there is a time limit."""
+        if math.isinf(self._timeout):
+            yield
+            return
+        if self._reader is None:
+            self._reader = _Reader(self._iterator)
+        with self._reader.running():
+            yield
+
+    def take(self, k: int) -> Frame | Observation | Arrival | None:
+        """Return the frame of step k; `Arrival.END` after the last one."""
+        try:
+            if self._reader is None:
+                taken = next(self._iterator, Arrival.END)
+            else:
+                taken = self._reader.take(self._timeout)
+        except TimeoutError:
+            raise
+        except Exception:
+            self._failed_at = k
+            raise
+        if taken is Arrival.END and self._failed_at is not None:
+            raise EOFError(
+                f"there are no more frames since the exception at step {self._failed_at}: a "
+                "generator that has raised one cannot go on"
+            )
+        if taken is not Arrival.NOTHING_YET:
+            self._failed_at = None
+        return taken
 
     def define_model(self) -> RobotModel:
         """Return the default model, with the dt of the frames."""
@@ -70,10 +96,11 @@ class FrameSource:
 
     def checked(self, define_model: Callable[[], Any]) -> Callable[[], Any]:
         """Return a define_model that raises if the model has another dt than the frames."""
+        dt = self.dt
 
         @functools.wraps(define_model)
         def check() -> Any:
-            model, dt = define_model(), self.dt
+            model = define_model()
             if dt is None or not isinstance(model, RobotModel):
                 return model
             if not math.isclose(model.dt, dt, rel_tol=DT_TOLERANCE):
@@ -86,9 +113,51 @@ class FrameSource:
         return check
 
 
-def check_no_world(options: Mapping[str, Any]) -> None:
-    """Raise ValueError for options of a simulated world that are given together with frames."""
-    for name, default in _WORLD.items():
-        value = options[name]
-        if not (value is default or (isinstance(value, (str, float, int)) and value == default)):
-            raise ValueError(f"{name} is an option of a simulated world, got it with frames=...")
+class _Reader:
+    """Reads an iterator in a thread of its own, an item only when it is asked for one."""
+
+    def __init__(self, iterator: Iterator[Any]) -> None:
+        self._iterator = iterator
+        self._taken: queue.SimpleQueue[tuple[Any, BaseException | None]] = queue.SimpleQueue()
+        self._wanted: queue.SimpleQueue[bool] = queue.SimpleQueue()
+        self._since: float | None = None  # when the item was asked for that has not come yet
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Keep the thread inside the context. One that hangs in the iterator ends with its item."""
+        self._wanted = queue.SimpleQueue()
+        thread = threading.Thread(
+            target=self._read, args=(self._wanted,), name="robsim frames", daemon=True
+        )
+        thread.start()
+        if self._since is not None:
+            self._since = time.monotonic()
+        try:
+            yield
+        finally:
+            self._wanted.put(False)
+            if self._since is None:
+                thread.join()
+
+    def take(self, timeout: float) -> Any:
+        """Return the next item, or `Arrival.NOTHING_YET` after a short while."""
+        if self._since is None:
+            self._since = time.monotonic()
+            self._wanted.put(True)
+        try:
+            item, error = self._taken.get(timeout=min(timeout, _POLL))
+        except queue.Empty:
+            if time.monotonic() - self._since < timeout:
+                return Arrival.NOTHING_YET
+            raise TimeoutError(f"no frame came within frame_timeout = {timeout:g} s") from None
+        self._since = None
+        if error is not None:
+            raise error
+        return item
+
+    def _read(self, wanted: queue.SimpleQueue[bool]) -> None:
+        while wanted.get():
+            try:
+                self._taken.put((next(self._iterator, Arrival.END), None))
+            except BaseException as error:
+                self._taken.put((None, error))

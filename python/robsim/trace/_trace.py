@@ -101,6 +101,7 @@ class Trace:
     view = Column()
     noise = Column()
     hidden = Flag()
+    interrupted = Flag()
 
     def _numbers(self, group: TraceGroup) -> Floats:
         """Return the numbers of a group, or what stands for them where it was not recorded."""

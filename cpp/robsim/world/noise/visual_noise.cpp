@@ -13,7 +13,7 @@ namespace {
 constexpr double highest = 1e6;  // percent; at more, too, all but a few pixels are black or white
 }
 
-VisualNoise::VisualNoise(NoiseKind kind, double percent) {
+VisualNoise::VisualNoise(NoiseKind kind, double percent) : kind_(kind), percent_(percent) {
   if (!(std::isfinite(percent) && percent >= 0)) {
     throw std::invalid_argument("percent must be at least 0 and finite, got " +
                                 std::to_string(percent));

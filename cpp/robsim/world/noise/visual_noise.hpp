@@ -18,6 +18,8 @@ class VisualNoise {
   explicit VisualNoise(NoiseKind kind = NoiseKind::none, double percent = 0);
 
   bool is_off() const { return !gaussian_ && !uniform_; }
+  NoiseKind kind() const { return kind_; }
+  double percent() const { return percent_; }
 
   /// Writes clean + noise to `noisy`, which has the same size and may be the same pixels. The noise
   /// of frame `index` depends on the seed and on the index alone.
@@ -25,6 +27,8 @@ class VisualNoise {
            const WritableView& noisy) const;
 
  private:
+  NoiseKind kind_;
+  double percent_;
   // A pixel is a whole number, so that rounding its sum with the noise is adding a whole number.
   std::optional<GaussianTables> gaussian_;
   std::optional<UniformSteps> uniform_;

@@ -6,7 +6,7 @@ import ast
 import difflib
 import inspect
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
@@ -56,6 +56,8 @@ class CallbackFolder:
     ----------
     folder : path
         The folder.
+    slots : sequence of str
+        The slots that it may fill; files for others are not executed.
 
     Raises
     ------
@@ -63,7 +65,10 @@ class CallbackFolder:
         If `folder` is not a path.
     """
 
-    def __init__(self, folder: str | PathLike[str]) -> None:
+    def __init__(
+        self, folder: str | PathLike[str], slots: Sequence[str] = tuple(ARGUMENTS)
+    ) -> None:
+        self._slots = slots
         self.path = as_folder(folder)
         self._absolute = self.path.absolute()  # valid after a change of directory
         self._modules = FolderModules(self.path, self._absolute, {})
@@ -107,7 +112,7 @@ class CallbackFolder:
         with modules.importable():
             callbacks = {
                 slot: _callback(modules.execute(slot), slot, self.path / f"{slot}.py")
-                for slot in ARGUMENTS
+                for slot in self._slots
                 if slot in sources
             }
         self._modules = modules
@@ -143,7 +148,7 @@ class CallbackFolder:
         # Editors keep temporary files with a leading dot.
         files = [file for file in self._absolute.glob("*.py") if not file.name.startswith(".")]
         sources = {file.stem: file.read_bytes() for file in sorted(files) if file.is_file()}
-        if not sources.keys() & ARGUMENTS.keys():
+        if not sources.keys() & set(self._slots):
             hints = [
                 f"; is {name}.py meant to be {slot}.py?"
                 for name, slot in misspelled(sources).items()

@@ -1,4 +1,4 @@
-#include "robsim/simulation/parameter_estimator.hpp"
+#include "robsim/simulation/robot/parameter_estimator.hpp"
 
 #include <stdexcept>
 #include <utility>

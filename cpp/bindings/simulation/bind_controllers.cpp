@@ -6,7 +6,8 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/model/unicycle.hpp"
-#include "robsim/simulation/controllers.hpp"
+#include "robsim/simulation/robot/controllers.hpp"
+#include "robsim/simulation/world/simulated_world.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -1,4 +1,4 @@
-#include "robsim/simulation/controllers.hpp"
+#include "robsim/simulation/robot/controllers.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "robsim/simulation/step.hpp"
+#include "robsim/simulation/robot/step.hpp"
 
 namespace robsim {
 

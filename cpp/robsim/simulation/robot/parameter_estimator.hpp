@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "robsim/estimation/recursive_least_squares.hpp"
-#include "robsim/simulation/step.hpp"
+#include "robsim/simulation/robot/step.hpp"
 
 namespace robsim {
 

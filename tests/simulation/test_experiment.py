@@ -24,7 +24,7 @@ def run():
 
 def test_the_same_frames_give_the_same_measurements(run):
     frames, simulated = run
-    trace = robsim.Simulation(frames=frames).run()
+    trace = robsim.Experiment(frames).run()
     np.testing.assert_array_equal(trace.pose_measured, simulated.pose_measured)
     np.testing.assert_array_equal(trace.pose_held, simulated.pose_held)
     for color, centroids in simulated.blobs.items():
@@ -32,7 +32,7 @@ def test_the_same_frames_give_the_same_measurements(run):
 
 
 def test_the_truth_is_not_known(run, tmp_path):
-    trace = robsim.Simulation(frames=run[0]).run()
+    trace = robsim.Experiment(run[0]).run()
     assert trace.info.boundary == "recorded"
     assert np.isnan(trace.pose_true).all()
     assert np.isnan(trace.u).all()
@@ -53,8 +53,7 @@ def test_callbacks_get_what_they_get_in_a_simulation(run):
         seen.append((step.k, step.t, step.frame.index, step.measurement.pose[0]))
         return robsim.Estimate(step.measurement.pose, np.eye(3))
 
-    sim = robsim.Simulation(
-        frames=frames, estimate_state=estimate_state, control=lambda step: (0.1, 0.2)
+    sim = robsim.Experiment(frames, estimate_state=estimate_state, control=lambda step: (0.1, 0.2)
     )
     trace = sim.run()
     assert [k for k, *_ in seen] == list(range(20))
@@ -66,10 +65,13 @@ def test_callbacks_get_what_they_get_in_a_simulation(run):
 
 def test_a_run_goes_on_where_the_one_before_ended_and_ends_with_the_frames(run):
     frames, simulated = run
-    sim = robsim.Simulation(frames=frames)
+    sim = robsim.Experiment(frames)
     assert len(sim.run(5)) == 5
     assert sim.step().k == 5
-    assert len(sim.run(100)) == 20
+    with pytest.warns(UserWarning, match="the frames ended after 14 of 100 steps"):
+        assert len(sim.run(100)) == 20
+    with pytest.raises(EOFError, match="there are no more frames"):
+        sim.run(1)
     assert len(sim.run()) == 20
     with pytest.raises(EOFError, match="there are no more frames"):
         sim.step()
@@ -82,7 +84,7 @@ def test_an_error_of_the_source_ends_the_run_and_keeps_the_trace(run):
         yield from run[0][:7]
         raise ValueError("frame 7 is damaged")
 
-    sim = robsim.Simulation(frames=broken())
+    sim = robsim.Experiment(broken())
     with pytest.raises(ValueError, match="frame 7 is damaged"):
         sim.run()
     assert len(sim.trace) == 7
@@ -90,42 +92,42 @@ def test_an_error_of_the_source_ends_the_run_and_keeps_the_trace(run):
 
 
 def test_progress_and_no_frames_at_all(run, capsys):
-    assert len(robsim.Simulation(frames=run[0]).run(progress="look")) == 20
+    assert len(robsim.Experiment(run[0]).run(progress="look")) == 20
     assert "look" in capsys.readouterr().err
-    sim = robsim.Simulation(frames=[])
+    sim = robsim.Experiment([])
     assert len(sim.run()) == 0
     with pytest.raises(RuntimeError, match="there is no frame yet"):
         _ = sim.frame
-    with pytest.raises(RuntimeError, match="are not stored"):
-        sim.render_step(0)
 
 
 @pytest.mark.parametrize(
-    ("options", "error", "message"),
+    ("frames", "options", "error", "message"),
     [
-        ({"frames": 5}, TypeError, "frames must be an iterable of Frame"),
-        ({"frames": [np.zeros((4, 4, 3), np.uint8)]}, TypeError, "frames must yield Frame objects"),
-        ({"frames": [], "measure": False}, ValueError, "measure must be on"),
+        (5, {}, TypeError, "frames must be an iterable of Frame"),
         (
-            {"frames": [], "estimate_parameters": True},
-            ValueError,
-            "estimate_parameters needs the inputs",
+            [np.zeros((4, 4, 3), np.uint8)],
+            {},
+            TypeError,
+            r"frames must give Frame or Observation objects, or None, got array of shape \(4, 4, 3\)",
         ),
-        (
-            {
-                "frames": [],
-                "estimate_parameters": True,
-                "control": robsim.Spin(),
-                "identify_from": "truth",
-            },
-            ValueError,
-            "identify_from='truth' needs a simulated world",
-        ),
+        ([], {"estimate_parameters": True}, ValueError, "estimate_parameters needs the inputs"),
+        ([], {"send": 3}, TypeError, "send must be callable, got 3"),
+        ([], {"send": print, "stop_input": (1,)}, ValueError, r"stop_input must be \(u1, u2\)"),
+        ([], {"frame_timeout": 0}, ValueError, "frame_timeout must be above 0"),
+        ([], {"area": (0, 5)}, ValueError, "area must"),
     ],
 )
-def test_wrong_use(options, error, message):
+def test_wrong_use(frames, options, error, message):
     with pytest.raises(error, match=message):
-        robsim.Simulation(**options).run()
+        robsim.Experiment(frames, **options).run()
+
+
+def test_the_slots_of_the_world_half_are_not_there():
+    experiment = robsim.Experiment([])
+    with pytest.raises(AttributeError, match="Experiment has no slot 'evaluate_model': there are"):
+        experiment.evaluate_model = robsim.Unicycle()
+    with pytest.raises(TypeError, match="unexpected keyword argument 'noise'"):
+        robsim.Experiment([], noise=robsim.GaussianNoise(5))
 
 
 def test_a_simulated_world_needs_a_number_of_steps():
@@ -144,8 +146,7 @@ def test_parameters_can_be_estimated_when_the_inputs_are_known():
     )
     frames = [sim.step().frame for _ in range(40)]
     u = sim.trace.u
-    again = robsim.Simulation(
-        frames=frames, control=lambda step: u[step.k], estimate_parameters=True
+    again = robsim.Experiment(frames, control=lambda step: u[step.k], estimate_parameters=True
     ).run()
     expected = robsim.Simulation(
         measure=True,
@@ -169,7 +170,7 @@ def test_a_model_with_another_time_step_than_the_frames_is_refused(run, tmp_path
         return robsim.RobotModel(robsim.RobotParameters(dt=dt))
 
     dt = 0.2
-    sim = robsim.Simulation(frames=recording, define_model=define_model)
+    sim = robsim.Experiment(recording, define_model=define_model)
     with pytest.raises(ValueError, match=r"model's dt is 0\.2 s, but that of the frames is 0\.1 s"):
         sim.run()
     dt = 0.1
@@ -187,8 +188,7 @@ def timed(frames, times):
 
 def test_the_frames_own_times_are_those_of_the_steps_and_of_the_trace(run, tmp_path):
     seen = []
-    sim = robsim.Simulation(
-        frames=timed(run[0], (0.1, 0.8, 1.5, 2.5)),
+    sim = robsim.Experiment(timed(run[0], (0.1, 0.8, 1.5, 2.5)),
         estimate_state=lambda step: seen.append((step.t, step.dt)) or estimate,
     )
     estimate = robsim.Estimate((0, 0, 0), np.eye(3))
@@ -202,7 +202,7 @@ def test_the_frames_own_times_are_those_of_the_steps_and_of_the_trace(run, tmp_p
 
 
 def test_frames_without_times_are_one_dt_apart(run):
-    trace = robsim.Simulation(frames=timed(run[0], (None, None, None))).run()
+    trace = robsim.Experiment(timed(run[0], (None, None, None))).run()
     np.testing.assert_allclose(trace.t, [0, 0.2, 0.4])
 
 
@@ -214,14 +214,14 @@ def test_zero_is_a_time_like_any_other(run):
 
 
 def test_frames_in_another_order_are_refused_and_the_steps_before_are_kept(run):
-    sim = robsim.Simulation(frames=timed(run[0], (0.5, 1.0, 0.9)))
+    sim = robsim.Experiment(timed(run[0], (0.5, 1.0, 0.9)))
     with pytest.raises(ValueError, match=r"order of their times: that of step 2 is of t = 0\.9"):
         sim.run()
     np.testing.assert_array_equal(sim.trace.t, [0.5, 1.0])
 
 
 def test_frames_that_come_only_once_cannot_be_reset(run):
-    sim = robsim.Simulation(frames=iter(run[0][:3]))
+    sim = robsim.Experiment(iter(run[0][:3]))
     sim.reset()
     assert len(sim.run()) == 3
     with pytest.raises(RuntimeError, match="can be read only once: give a list or a Recording"):
@@ -229,28 +229,9 @@ def test_frames_that_come_only_once_cannot_be_reset(run):
     assert len(sim.trace) == 3
 
 
-@pytest.mark.parametrize(
-    "option",
-    [
-        {"noise": robsim.GaussianNoise(5)},
-        {"dropout": 0.5},
-        {"boundary": "unlimited"},
-        {"start": (1, 2, 3)},
-        {"background": np.zeros((9, 9, 3), np.uint8)},
-        {"evaluate_model": robsim.Unicycle()},
-    ],
-    ids=lambda option: next(iter(option)),
-)
-def test_options_of_the_simulated_world_are_refused(run, option):
-    name = next(iter(option))
-    with pytest.raises(ValueError, match=f"^{name} is an option of a simulated world, got"):
-        robsim.Simulation(frames=run[0], **option)
-
-
 def test_frames_that_are_dt_apart_are_so_to_the_last_digit(run):
     seen = []
-    sim = robsim.Simulation(
-        frames=timed(run[0], [0.2 * k for k in range(8)]),
+    sim = robsim.Experiment(timed(run[0], [0.2 * k for k in range(8)]),
         estimate_state=lambda step: seen.append(step.dt) or robsim.Estimate((0, 0, 0), np.eye(3)),
     )
     sim.run()
@@ -258,6 +239,6 @@ def test_frames_that_are_dt_apart_are_so_to_the_last_digit(run):
 
 
 def test_a_frame_without_a_time_after_later_ones_is_refused(run):
-    sim = robsim.Simulation(frames=timed(run[0], (5.0, None)))
+    sim = robsim.Experiment(timed(run[0], (5.0, None)))
     with pytest.raises(ValueError, match=r"that of step 1 is of t = 0\.2"):
         sim.run()

@@ -1,0 +1,154 @@
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <thread>
+
+#include "python/callbacks.hpp"
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
+#include "robsim/simulation/loop.hpp"
+#include "robsim/simulation/seam/native_work.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+bool is_finalizing() {
+#if PY_VERSION_HEX >= 0x030D0000
+  return Py_IsFinalizing() != 0;
+#else
+  return _Py_IsFinalizing() != 0;
+#endif
+}
+
+void* release_interpreter() { return PyGILState_Check() ? PyEval_SaveThread() : nullptr; }
+
+void acquire_interpreter(void* state) {
+  // A daemon thread that comes back while Python ends would be torn out of this run.
+  while (is_finalizing()) std::this_thread::sleep_for(std::chrono::hours(1));
+  PyEval_RestoreThread(static_cast<PyThreadState*>(state));
+}
+
+// Called between two steps: signals, and a progress callback.
+Loop::Pulse pulse(const py::object& progress) {
+  return [progress](std::int64_t done) {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!progress.is_none()) progress(done);
+  };
+}
+
+std::unique_ptr<SlottedLoop> make_loop(const std::shared_ptr<World>& world,
+                                       const std::vector<ColorClass>& colors,
+                                       const MarkerLayout& markers, std::optional<int> smoothing,
+                                       const std::string& identify_from,
+                                       std::uint64_t controller_seed) {
+  return std::make_unique<SlottedLoop>(
+      world, RobotOptions{colors, markers, smoothing, controller_seed},
+      choice_from<IdentifyFrom>("identify_from", identify_from,
+                                {{"truth", IdentifyFrom::truth},
+                                 {"measurement", IdentifyFrom::measurement},
+                                 {"estimate", IdentifyFrom::estimate}}));
+}
+
+const char* name_of(Stage stage) {
+  constexpr const char* names[] = {"world",          "estimate_parameters", "measure",
+                                   "estimate_state", "control",             "send"};
+  return names[static_cast<int>(stage)];
+}
+
+// Forgets the step's object at the end of its life.
+struct RunScope {
+  explicit RunScope(SlottedLoop& loop) : object(loop.step_object) {}
+  ~RunScope() { object.forget(); }
+  StepObject& object;
+};
+
+// Views of the rows recorded by now; they stay what they are while the run goes on.
+using Columns = py::typing::Dict<py::str, py::array_t<double>>;
+
+Columns columns_of(const SlottedLoop& self) {
+  Columns columns;
+  const Trace::Snapshot trace = self.trace().snapshot();
+  const py::ssize_t rows = trace.rows;
+  for (const Trace::Column& column : trace.columns) {
+    const auto width = static_cast<py::ssize_t>(column.width());
+    auto* memory = new Trace::Memory(column.memory());
+    const py::capsule owner(memory, [](void* p) { delete static_cast<Trace::Memory*>(p); });
+    py::array_t<double> view({rows, width}, (*memory)->data(), owner);
+    view.attr("setflags")(py::arg("write") = false);
+    columns[column.name().c_str()] = view;
+  }
+  return columns;
+}
+
+}  // namespace
+
+void bind_loop(py::module_& module) {
+  set_interpreter_lock({&release_interpreter, &acquire_interpreter});
+
+  py::class_<SlottedLoop>(public_in(module, "robsim._core"), "Loop",
+                          "The loop. Users take robsim.Simulation or robsim.Experiment.",
+                          py::custom_type_setup(&collect_garbage<SlottedLoop>))
+      .def(py::init(&make_loop), py::kw_only(), py::arg("world"), py::arg("colors"),
+           py::arg("markers"), py::arg("smoothing"), py::arg("identify_from"),
+           py::arg("controller_seed"))
+      .def("set_slot", &SlottedLoop::set_slot, py::arg("slot"), py::arg("value"),
+           "Put a callable or a native component into a slot; None = the default.")
+      .def(
+          "set_controller_seed",
+          [](SlottedLoop& self, std::uint64_t seed) { self.robot().set_controller_seed(seed); },
+          py::arg("seed"))
+      .def_property_readonly(
+          "minimum_area",
+          [](SlottedLoop& self) { return self.robot().vision().options().minimum_area; },
+          "int: of the blobs in the newest frame (px).")
+      .def_property_readonly(
+          "maximum_count",
+          [](SlottedLoop& self) { return self.robot().vision().options().maximum_count; },
+          "int: of the blobs of a colour.")
+      .def_property_readonly(
+          "smoothing", [](SlottedLoop& self) { return self.robot().vision().options().smoothing; },
+          "int: window of the newest frame (px); 1 = off.")
+      .def("start", &SlottedLoop::start, "Do what comes once, if that has not been done yet.")
+      .def(
+          "run",
+          [](SlottedLoop& self, std::int64_t steps, const py::object& progress, bool stops_robot) {
+            const RunScope scope(self);
+            return self.run(steps, pulse(progress), stops_robot);
+          },
+          py::arg("steps"), py::arg("progress") = py::none(), py::arg("stops_robot") = true,
+          "Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has come "
+          "to its end.")
+      .def(
+          "step_stage",
+          [](SlottedLoop& self) -> std::optional<std::string> {
+            const RunScope scope(self);
+            const std::optional<Stage> stage = self.step_stage(pulse(py::none()));
+            return stage ? std::optional<std::string>(name_of(*stage)) : std::nullopt;
+          },
+          "Do the next stage that is on and return its name; None = the world has come to its end.")
+      .def("stop", &SlottedLoop::stop, "End the run under way; False if there is none.")
+      .def("stop_robot", &SlottedLoop::stop_robot, "Send the stop input, if there is one.")
+      .def("reset", &SlottedLoop::reset, "Go back to the start.")
+      .def("columns", &columns_of, "Return the columns of the trace: name -> array (rows, width).")
+      .def(
+          "check_thread", [](const SlottedLoop& self) { self.guard().check_thread(); },
+          "Raise RuntimeError while another thread runs the loop.")
+      .def_property_readonly("has_started", &SlottedLoop::has_started)
+      .def_property_readonly(
+          "rows", [](const SlottedLoop& self) { return self.trace().rows(); },
+          "int: steps recorded by now.")
+      .def_property_readonly("is_running",
+                             [](const SlottedLoop& self) { return self.guard().is_running(); })
+      .def_property_readonly(
+          "stage", [](const SlottedLoop& self) { return name_of(self.stage()); },
+          "str: the stage that runs, or comes next.")
+      .def_property_readonly("model", [](const SlottedLoop& self) { return self.robot().model(); })
+      .def_property_readonly(
+          "estimator",
+          [](const SlottedLoop& self) { return to_python(self.robot().estimator()); })
+      .def_property_readonly("last_step",
+                             [](const SlottedLoop& self) { return self.robot().step(); });
+}

@@ -1,0 +1,221 @@
+#include "robsim/simulation/loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "robsim/simulation/seam/native_work.hpp"
+
+namespace robsim {
+
+namespace {
+
+// Says when to look up from the work: every 50 ms or so.
+class Metronome {
+ public:
+  bool is_due(std::int64_t done) {
+    if (done < next_look_) return false;
+    const Clock::time_point now = Clock::now();
+    // A look at the clock costs as much as a part of a step.
+    between_looks_ = now - last_look_ < quick ? std::min(2 * between_looks_, most_between_looks) : 1;
+    next_look_ = done + between_looks_;
+    last_look_ = now;
+    return now >= next_beat_;
+  }
+
+  void beat() { next_beat_ = Clock::now() + between_beats; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds between_beats{50};
+  static constexpr std::chrono::milliseconds quick{1};  // for all the steps between two looks
+  static constexpr std::int64_t most_between_looks = 64;
+
+  Clock::time_point last_look_ = Clock::now();
+  Clock::time_point next_beat_ = last_look_ + between_beats;
+  std::int64_t next_look_ = 0;
+  std::int64_t between_looks_ = 1;
+};
+
+Stage after(Stage stage) {
+  return stage == Stage::send ? Stage::world : static_cast<Stage>(static_cast<int>(stage) + 1);
+}
+
+}  // namespace
+
+Loop::Loop(std::shared_ptr<World> world, const RobotOptions& robot, IdentifyFrom identify_from)
+    : guard_(std::make_shared<RunGuard>()),
+      world_(std::move(world)),
+      robot_(robot, guard_),
+      samples_(identify_from) {}
+
+Stages& Loop::stages() {
+  if (guard_->is_running()) {
+    throw std::runtime_error("a callback cannot be changed while the simulation runs");
+  }
+  return robot_.stages();
+}
+
+void Loop::start() {
+  if (has_started()) return;
+  const RunGuard::Run run(*guard_);
+  prepare();
+}
+
+void Loop::prepare() {
+  if (has_started()) return;
+  robot_.start();
+  try {
+    world_->start(robot_.model());
+  } catch (...) {
+    robot_.reset();
+    throw;
+  }
+  samples_.reset();
+  is_interrupted_ = false;
+  stage_.store(Stage::world, std::memory_order_release);
+  // Before the first step the camera shows where it will begin.
+  robot_.begin_step(0, robot_.model().dt(), {}, world_);
+}
+
+void Loop::reset() {
+  const RunGuard::Run run(*guard_);
+  robot_.reset();
+  world_->reset();
+  recorder_.reset();
+}
+
+bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
+  const RunGuard::Run run(*guard_);
+  is_stopped_ = false;
+  prepare();
+  recorder_.prepare(*world_, robot_, steps);
+  bool is_at_end = false;
+  try {
+    is_at_end = turns(steps, pulse);
+  } catch (...) {
+    stop_robot();
+    throw;
+  }
+  if (stops_robot_after || is_at_end || is_stopped_) stop_robot();
+  return is_at_end;
+}
+
+bool Loop::turns(std::int64_t steps, const Pulse& pulse) {
+  std::optional<NativeWork> native;
+  if (!is_interpreted()) native.emplace();
+  Metronome metronome;
+  for (std::int64_t done = 0; done < steps && !is_stopped_;) {
+    const Arrival arrival = do_stage();
+    if (arrival == Arrival::end) return true;
+    if (arrival == Arrival::step && stage_ != Stage::world) continue;
+    if (arrival == Arrival::step) ++done;
+    if (arrival == Arrival::step && !metronome.is_due(done)) continue;
+    native.reset();
+    pulse(done);
+    metronome.beat();
+    if (!is_interpreted()) native.emplace();
+  }
+  return false;
+}
+
+std::optional<Stage> Loop::step_stage(const Pulse& pulse) {
+  const RunGuard::Run run(*guard_);
+  is_stopped_ = false;
+  prepare();
+  recorder_.prepare(*world_, robot_, 1);
+  const Stage done = stage_;
+  try {
+    Arrival arrival = do_stage();
+    for (; arrival == Arrival::nothing_yet && !is_stopped_; arrival = do_stage()) pulse(0);
+    if (arrival != Arrival::step) {
+      stop_robot();
+      return std::nullopt;
+    }
+    while (stage_ != Stage::world && !is_on(stage_)) do_stage();
+  } catch (...) {
+    stop_robot();
+    throw;
+  }
+  return done;
+}
+
+Arrival Loop::do_stage() {
+  // A stage that throws is done again: nothing before it is done twice.
+  switch (stage_) {
+    case Stage::world:
+      if (const Arrival arrival = begin_step(); arrival != Arrival::step) return arrival;
+      break;
+    case Stage::estimate_parameters:
+      estimate_parameters();
+      break;
+    case Stage::measure:
+      robot_.measure();
+      break;
+    case Stage::estimate_state:
+      robot_.estimate_state();
+      break;
+    case Stage::control:
+      robot_.control();
+      break;
+    case Stage::send:
+      end_step();
+      break;
+  }
+  stage_.store(after(stage_), std::memory_order_release);
+  return Arrival::step;
+}
+
+Arrival Loop::begin_step() {
+  const std::int64_t k = recorder_.rows();
+  Observation observation;
+  const Arrival arrival = world_->next(k, observation);
+  if (arrival != Arrival::step) return arrival;
+  const double dt = robot_.model().dt();
+  const double gap = k > 0 ? observation.t - robot_.step()->t : dt;
+  // Frames that are dt apart are so but for rounding.
+  const bool is_regular = std::abs(gap - dt) < 1e-9 * std::max(1.0, observation.t);
+  robot_.begin_step(k, is_regular ? dt : gap, observation, world_);
+  samples_.begin(*robot_.step(), robot_.model(), observation.last_u);
+  return Arrival::step;
+}
+
+void Loop::estimate_parameters() {
+  if (robot_.stages().estimate_parameters) {
+    samples_.check_interval(*robot_.step(), robot_.model());
+  }
+  robot_.estimate_parameters(samples_.newest(recorder_.rows(), world_->truth()));
+}
+
+void Loop::end_step() {
+  const Step& step = *robot_.step();
+  if (step.u) world_->send(step.k, *step.u);
+  samples_.add(step, world_->truth());
+  recorder_.record(*world_, robot_, is_interrupted_);
+  is_interrupted_ = false;
+}
+
+bool Loop::is_on(Stage stage) const {
+  const Stages& stages = robot_.stages();
+  return stage == Stage::world || (stage == Stage::estimate_parameters && stages.estimate_parameters) ||
+         (stage == Stage::measure && stages.measure) ||
+         (stage == Stage::estimate_state && stages.estimate_state) ||
+         (stage == Stage::control && stages.control);
+}
+
+bool Loop::stop() {
+  is_stopped_ = true;
+  return guard_->is_running();
+}
+
+void Loop::stop_robot() {
+  if (const std::optional<Input> u = world_->stop()) {
+    robot_.set_last_input(*u);
+    samples_.interrupt();
+    is_interrupted_ = true;
+  }
+}
+
+}  // namespace robsim

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "robsim/simulation/recorder.hpp"
+#include "robsim/simulation/robot/robot_software.hpp"
+#include "robsim/simulation/sample_history.hpp"
+#include "robsim/simulation/seam/world.hpp"
+
+namespace robsim {
+
+/// A turn of the loop, part by part: the manual's five stages, and the input goes out.
+enum class Stage { world, estimate_parameters, measure, estimate_state, control, send };
+
+/// Joins the two halves: what the world shows goes to the robot half, its input goes back; what
+/// both know is recorded.
+class Loop {
+ public:
+  /// Called every 50 ms or so, while no native work is under way. May throw, which ends the run.
+  using Pulse = std::function<void(std::int64_t done)>;
+
+  Loop(std::shared_ptr<World> world, const RobotOptions& robot, IdentifyFrom identify_from);
+
+  World& world() { return *world_; }
+  RobotSoftware& robot() { return robot_; }
+  const RobotSoftware& robot() const { return robot_; }
+  const Trace& trace() const { return recorder_.trace(); }
+
+  /// The slots, to be filled between two runs. Throws std::runtime_error during a run.
+  Stages& stages();
+
+  /// Does what comes once, at the start, if that has not been done yet.
+  void start();
+
+  /// So many turns, or until the world ends or somebody stops the run. A stage that throws ends the
+  /// run; what was recorded is kept, and the next run goes on with the stage that threw. True if the
+  /// world has come to its end. `stops_robot`: also where nothing but the number of steps ends it.
+  /// Throws std::runtime_error when it is running already.
+  bool run(std::int64_t steps, const Pulse& pulse, bool stops_robot);
+
+  /// The next stage that is on; nothing at the end of the world.
+  std::optional<Stage> step_stage(const Pulse& pulse);
+
+  /// Ends the run under way between two steps; from any thread. False if there is none.
+  bool stop();
+
+  /// Stops the robot, if somebody has to: between two runs.
+  void stop_robot();
+
+  /// Back to the start: the next run begins anew and gives the same again.
+  void reset();
+
+  bool has_started() const { return robot_.has_started(); }
+  const RunGuard& guard() const { return *guard_; }
+
+  /// The stage that runs now, or that comes next; from any thread.
+  Stage stage() const { return stage_; }
+
+ private:
+  void prepare();
+  bool turns(std::int64_t steps, const Pulse& pulse);
+  Arrival do_stage();
+  Arrival begin_step();
+  void estimate_parameters();
+  void end_step();
+  bool is_on(Stage stage) const;
+  bool is_interpreted() const { return world_->is_interpreted() || robot_.is_interpreted(); }
+
+  std::shared_ptr<RunGuard> guard_;
+  std::shared_ptr<World> world_;
+  RobotSoftware robot_;
+  SampleHistory samples_;
+  Recorder recorder_;
+  bool is_interrupted_ = false;  // the robot was stopped after the last step
+  std::atomic<Stage> stage_{Stage::world};
+  std::atomic<bool> is_stopped_{false};
+};
+
+}  // namespace robsim

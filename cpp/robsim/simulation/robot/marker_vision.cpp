@@ -1,0 +1,33 @@
+#include "robsim/simulation/robot/marker_vision.hpp"
+
+#include <utility>
+
+#include "robsim/simulation/seam/native_work.hpp"
+
+namespace robsim {
+
+namespace {
+
+BlobOptions with_smoothing(BlobOptions options, std::optional<int> smoothing) {
+  if (smoothing) options.smoothing = *smoothing;
+  return options;
+}
+
+}  // namespace
+
+MarkerVision::MarkerVision(std::vector<ColorClass> colors, const MarkerLayout& markers,
+                           std::optional<int> smoothing)
+    : markers_(markers),
+      smoothing_(smoothing),
+      finder_(std::move(colors), with_smoothing({}, smoothing)) {}
+
+BlobsByColor MarkerVision::find(const Frame& frame) {
+  const NativeWork native;
+  const BlobOptions options = with_smoothing(
+      marker_blobs(markers_, frame.plane_map, frame.image.width(), frame.image.height()),
+      smoothing_);
+  if (!(options == finder_.options())) finder_ = BlobFinder(finder_.colors(), options);
+  return finder_.find(frame.image.view());
+}
+
+}  // namespace robsim

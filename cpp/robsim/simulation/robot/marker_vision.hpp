@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "robsim/imaging/frame.hpp"
+#include "robsim/vision/marker_blobs.hpp"
+
+namespace robsim {
+
+/// Finds the blobs of a robot's markers in frames of any size.
+class MarkerVision {
+ public:
+  /// `smoothing` (px), if not as the markers need it.
+  MarkerVision(std::vector<ColorClass> colors, const MarkerLayout& markers,
+               std::optional<int> smoothing);
+
+  const std::vector<ColorClass>& colors() const { return finder_.colors(); }
+  const MarkerLayout& markers() const { return markers_; }
+
+  /// How blobs were found in the last frame.
+  const BlobOptions& options() const { return finder_.options(); }
+
+  BlobsByColor find(const Frame& frame);
+
+ private:
+  MarkerLayout markers_;
+  std::optional<int> smoothing_;
+  BlobFinder finder_;
+};
+
+}  // namespace robsim

@@ -1,0 +1,107 @@
+#include "robsim/simulation/robot/robot_software.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace robsim {
+
+RobotSoftware::RobotSoftware(const RobotOptions& options, std::shared_ptr<const RunGuard> guard)
+    : options_(options),
+      guard_(std::move(guard)),
+      vision_(std::make_shared<MarkerVision>(options.colors, options.markers, options.smoothing)),
+      is_kept_([](const StepPointer& step) { return step.use_count() > 1; }) {}
+
+RobotSoftware::~RobotSoftware() {
+  if (step_) step_->end();
+}
+
+void RobotSoftware::start() {
+  RobotModel model = stages_.define_model();
+  estimator_ = stages_.init_parameter_estimator(model);
+  last_u_ = {};
+  held_.reset();
+  parameters_.reset();
+  state_size_ = 0;
+  model_ = std::move(model);
+}
+
+void RobotSoftware::reset() {
+  if (step_) step_->end();
+  step_.reset();
+  model_.reset();
+  estimator_.reset();
+}
+
+void RobotSoftware::begin_step(std::int64_t k, double dt, const Observation& observation,
+                               const std::shared_ptr<Camera>& camera) {
+  renew_step();
+  step_->begin(camera);
+  step_->k = k;
+  step_->t = observation.t;
+  step_->dt = dt;
+  step_->last_u = observation.last_u.value_or(last_u_);
+  step_->has_frame = observation.has_frame;
+  step_->sample = observation.sample;
+  step_->measurement = observation.measurement;
+  step_->parameters = parameters_;
+  step_->estimator = estimator_;
+  step_->controller_seed = options_.controller_seed;
+}
+
+void RobotSoftware::renew_step() {
+  if (step_ && !is_kept_(step_)) return;
+  if (step_) step_->end();
+  step_ = std::make_shared<Step>(guard_, vision_);
+}
+
+void RobotSoftware::estimate_parameters(const std::optional<Sample>& newest) {
+  if (!step_->sample) step_->sample = newest;
+  if (!stages_.estimate_parameters) return;
+  const std::optional<AxisMatrix> result = stages_.estimate_parameters.call(step_);
+  if (result) parameters_ = result;
+  step_->parameters = parameters_;
+}
+
+void RobotSoftware::measure() {
+  if (stages_.measure && step_->has_frame) {
+    if (!stages_.measure.is_interpreted) step_->find_blobs();
+    step_->measurement = stages_.measure.call(step_);
+    if (step_->frame) step_->find_blobs();  // of a callback that has looked
+  }
+  if (step_->measurement) held_ = step_->measurement->pose;
+}
+
+void RobotSoftware::estimate_state() {
+  if (!stages_.estimate_state) return;
+  Estimate estimate = stages_.estimate_state.call(step_);
+  const std::size_t size = estimate.state.size();
+  if (size > 0 && state_size_ > 0 && size != state_size_) {
+    throw std::invalid_argument("in the callback estimate_state at step " +
+                                std::to_string(step_->k) + ": state must have " +
+                                std::to_string(state_size_) +
+                                " numbers at every step, got " + std::to_string(size));
+  }
+  if (size > 0) state_size_ = size;
+  step_->estimate = std::move(estimate);
+}
+
+void RobotSoftware::control() {
+  if (!stages_.control) return;
+  step_->u = stages_.control.call(step_);
+  last_u_ = *step_->u;
+}
+
+const StepPointer& RobotSoftware::step() const {
+  guard_->check_thread();
+  if (!step_) throw std::runtime_error("this simulation has not started yet");
+  return step_;
+}
+
+bool RobotSoftware::is_interpreted() const {
+  return stages_.estimate_parameters.is_interpreted || stages_.measure.is_interpreted ||
+         stages_.estimate_state.is_interpreted || stages_.control.is_interpreted ||
+         (stages_.estimate_parameters && estimator_->is_interpreted());
+}
+
+}  // namespace robsim

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "robsim/simulation/robot/stages.hpp"
+
+namespace robsim {
+
+struct RobotOptions {
+  std::vector<ColorClass> colors;
+  MarkerLayout markers;          // of the default measurement
+  std::optional<int> smoothing;  // px; otherwise as the markers need it
+  std::uint64_t controller_seed = 0;
+};
+
+/// The robot half: its stages, and what it knows of the newest step. It needs no world of ours: what
+/// it is given is an observation and a camera.
+class RobotSoftware {
+ public:
+  RobotSoftware(const RobotOptions& options, std::shared_ptr<const RunGuard> guard);
+  ~RobotSoftware();
+  RobotSoftware(const RobotSoftware&) = delete;
+  RobotSoftware& operator=(const RobotSoftware&) = delete;
+
+  Stages& stages() { return stages_; }
+  const Stages& stages() const { return stages_; }
+  MarkerVision& vision() const { return *vision_; }
+  void set_controller_seed(std::uint64_t seed) { options_.controller_seed = seed; }
+
+  /// Says of a step that is over whether somebody outside still holds it; otherwise its memory is
+  /// used for the next one.
+  void set_is_kept(std::function<bool(const StepPointer&)> is_kept) { is_kept_ = is_kept; }
+
+  /// Does what comes once, at the start.
+  void start();
+  bool has_started() const { return model_.has_value(); }
+  void reset();
+
+  /// Begins step k with what came over the seam.
+  void begin_step(std::int64_t k, double dt, const Observation& observation,
+                  const std::shared_ptr<Camera>& camera);
+
+  // The stages.
+  void estimate_parameters(const std::optional<Sample>& newest);
+  void measure();
+  void estimate_state();
+  void control();
+
+  /// The model that the robot half believes in, and what identifies it. Only after the start.
+  const RobotModel& model() const { return model_.value(); }
+  const std::shared_ptr<ParameterEstimator>& estimator() const { return estimator_; }
+
+  /// The newest step. Throws std::runtime_error before the first one.
+  const StepPointer& step() const;
+
+  /// The last pose that was measured.
+  const std::optional<Pose>& held() const { return held_; }
+
+  /// Another input than that of the newest step is in force now.
+  void set_last_input(const Input& u) { last_u_ = u; }
+
+  /// True if a stage needs the interpreter.
+  bool is_interpreted() const;
+
+ private:
+  void renew_step();
+
+  RobotOptions options_;
+  std::shared_ptr<const RunGuard> guard_;
+  std::shared_ptr<MarkerVision> vision_;
+  Stages stages_;
+  std::function<bool(const StepPointer&)> is_kept_;
+
+  std::optional<RobotModel> model_;
+  std::shared_ptr<ParameterEstimator> estimator_;
+  StepPointer step_;
+  Input last_u_;
+  std::optional<Pose> held_;
+  std::optional<AxisMatrix> parameters_;
+  std::size_t state_size_ = 0;  // further numbers of the state estimator
+};
+
+}  // namespace robsim

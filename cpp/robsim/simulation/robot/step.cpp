@@ -1,0 +1,55 @@
+#include "robsim/simulation/robot/step.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace robsim {
+
+const Frame* Step::look() {
+  check_thread();
+  if (!has_frame) return nullptr;
+  if (!frame) frame = open_camera("frame").frame();
+  return &*frame;
+}
+
+const BlobsByColor& Step::find_blobs() {
+  check_thread();
+  if (blobs) return *blobs;
+  if (has_frame) {
+    open_camera("blobs");
+    blobs = vision->find(*look());
+  } else {
+    blobs.emplace();
+    for (const ColorClass& color : vision->colors()) (*blobs)[color.name];
+  }
+  return *blobs;
+}
+
+Camera& Step::open_camera(const char* what) const {
+  if (camera) return *camera;
+  throw std::runtime_error("the " + std::string(what) + " of step " + std::to_string(k) +
+                           " was not kept: ask for step." + what + " during the step");
+}
+
+void Step::check_thread() const {
+  if (!is_over) guard->check_thread();
+}
+
+void Step::begin(std::shared_ptr<Camera> the_camera) {
+  sample.reset();
+  parameters.reset();
+  measurement.reset();
+  estimate.reset();
+  u.reset();
+  frame.reset();
+  blobs.reset();
+  camera = std::move(the_camera);
+}
+
+void Step::end() {
+  camera.reset();
+  is_over = true;
+}
+
+}  // namespace robsim

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "robsim/simulation/robot/marker_vision.hpp"
+#include "robsim/simulation/seam/observation.hpp"
+#include "robsim/simulation/seam/run_guard.hpp"
+
+namespace robsim {
+
+class ParameterEstimator;
+
+/// What a state estimator makes of a step.
+struct Estimate {
+  Pose pose;
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> covariance;
+  std::vector<double> state;  // any further state
+};
+
+/// What the robot half may know of a step. It fills up from stage to stage.
+struct Step {
+  Step(std::shared_ptr<const RunGuard> run_guard, std::shared_ptr<MarkerVision> marker_vision)
+      : guard(std::move(run_guard)), vision(std::move(marker_vision)) {}
+
+  std::int64_t k = 0;
+  double t = 0;   // s
+  double dt = 0;  // s
+  Input last_u;   // the input of step k-1
+  std::optional<Sample> sample;
+  std::optional<AxisMatrix> parameters;
+  std::optional<Measurement> measurement;
+  std::optional<Estimate> estimate;
+  std::optional<Input> u;  // the input of this step, as sent
+  std::shared_ptr<ParameterEstimator> estimator;
+  std::uint64_t controller_seed = 0;
+
+  bool has_frame = true;  // one has come
+  std::optional<Frame> frame;
+  std::optional<BlobsByColor> blobs;
+
+  /// The frame, made when first asked for; null if none has come. Throws std::runtime_error if the
+  /// step is over and nobody looked.
+  const Frame* look();
+
+  /// The blobs in it, found when first asked for: none without a frame.
+  const BlobsByColor& find_blobs();
+
+  const MarkerLayout& markers() const { return vision->markers(); }
+
+  /// Throws std::runtime_error while another thread fills the step.
+  void check_thread() const;
+
+  /// Empties what fills up from stage to stage, for the next step.
+  void begin(std::shared_ptr<Camera> the_camera);
+
+  /// The step is over: what nobody looked at is gone.
+  void end();
+
+ private:
+  Camera& open_camera(const char* what) const;
+
+  const std::shared_ptr<const RunGuard> guard;
+  const std::shared_ptr<MarkerVision> vision;
+  std::shared_ptr<Camera> camera;
+  std::atomic<bool> is_over{false};
+};
+
+using StepPointer = std::shared_ptr<Step>;
+
+}  // namespace robsim

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "robsim/simulation/robot/step.hpp"
+#include "robsim/simulation/seam/world.hpp"
+
+namespace robsim {
+
+/// Which data the parameters are estimated from.
+enum class IdentifyFrom { truth, measurement, estimate };
+
+/// Makes the samples for the parameter estimator of the last three poses. A pose that is missing, a
+/// bounce, a gap in time and an input that others gave interrupt the record.
+class SampleHistory {
+ public:
+  explicit SampleHistory(IdentifyFrom identify_from) : identify_from_(identify_from) {}
+
+  void reset();
+
+  /// Begins a step of a model; `last_u` is the input since the last one, if others know it better.
+  void begin(const Step& step, const RobotModel& model, const std::optional<Input>& last_u);
+
+  /// The newest complete sample: that of this step from truth, that of the step before otherwise.
+  std::optional<Sample> newest(std::int64_t k, const Truth* truth) const;
+
+  /// Throws std::invalid_argument if the steps are not those of the model.
+  void check_interval(const Step& step, const RobotModel& model) const;
+
+  /// Ends a step.
+  void add(const Step& step, const Truth* truth);
+
+  /// The next step does not follow from the one before.
+  void interrupt() { is_interrupted_ = true; }
+
+ private:
+  // What is remembered of a step for the samples of the next ones.
+  struct Past {
+    std::optional<Pose> pose;
+    bool is_first = false;  // of a record: it does not follow from the step before
+    Input u;
+  };
+
+  std::optional<Pose> pose_of(const Step& step, const Truth* truth) const;
+
+  IdentifyFrom identify_from_;
+  std::array<Past, 3> past_;  // the newest first
+  bool is_interrupted_ = false;
+  bool follows_ = true;  // this step does from the one before
+  double time_ = 0;           // s, of all steps
+  std::int64_t n_steps_ = 0;  // of the model, in that time
+};
+
+}  // namespace robsim

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "robsim/imaging/frame.hpp"
+#include "robsim/model/robot_model.hpp"
+#include "robsim/vision/locate.hpp"
+
+namespace robsim {
+
+/// One sample for the parameter estimator: that of step k.
+struct Sample {
+  Regression regression;
+  std::int64_t k = 0;
+};
+
+/// What the world half hands over at a step. Its frame is made when somebody looks: see Camera.
+struct Observation {
+  double t = 0;  // s
+  bool has_frame = true;
+
+  // What was found out elsewhere: the input that the robot really got since the last step, where it
+  // was seen, and the sample for the parameter estimator.
+  std::optional<Input> last_u;
+  std::optional<Measurement> measurement;
+  std::optional<Sample> sample;
+};
+
+/// The camera as the robot half knows it.
+class Camera {
+ public:
+  virtual ~Camera() = default;
+
+  /// The frame of the newest step.
+  virtual Frame frame() = 0;
+};
+
+}  // namespace robsim

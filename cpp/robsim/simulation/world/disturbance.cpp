@@ -1,0 +1,28 @@
+#include "robsim/simulation/world/disturbance.hpp"
+
+#include "robsim/random/counter_random.hpp"
+
+namespace robsim {
+
+namespace {
+constexpr std::uint64_t draws_per_step = 5;  // three for the pose, two for the motors
+
+double draw(std::uint64_t seed, std::int64_t k, std::uint64_t i) {
+  return random_normal(seed, draws_per_step * static_cast<std::uint64_t>(k) + i);
+}
+}  // namespace
+
+Input Disturbance::disturbed(const Input& u, std::int64_t k) const {
+  if (input_sigma[0] == 0 && input_sigma[1] == 0) return u;
+  return {u.u1 + input_sigma[0] * draw(seed, k, 3), u.u2 + input_sigma[1] * draw(seed, k, 4)};
+}
+
+Pose Disturbance::disturbed(const Pose& pose, std::int64_t k) const {
+  if (pose_factor.isZero(0)) return pose;
+  // pose + L n
+  const Eigen::Vector3d w =
+      pose_factor * Eigen::Vector3d(draw(seed, k, 0), draw(seed, k, 1), draw(seed, k, 2));
+  return {pose.x + w[0], pose.y + w[1], pose.heading + w[2]};
+}
+
+}  // namespace robsim

@@ -1,0 +1,192 @@
+#include "robsim/simulation/world/simulated_world.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "robsim/random/counter_random.hpp"
+#include "robsim/simulation/seam/native_work.hpp"
+
+namespace robsim {
+
+bool Dropout::hides(std::int64_t k) const {
+  return probability > 0 &&
+         random_uniform(seed, static_cast<std::uint64_t>(k / steps)) < probability;
+}
+
+SimulatedWorld::SimulatedWorld(const WorldOptions& options)
+    : options_(options), noise_(std::make_shared<VisualNoise>(options.noise)) {
+  set_start(options.start);
+}
+
+void SimulatedWorld::set_start(const Pose& start) {
+  if (!is_finite(start)) {
+    throw std::invalid_argument("start must be a finite pose, got NaN or inf");
+  }
+  options_.start = start;
+  options_.start.heading = wrap_angle(start.heading);
+}
+
+void SimulatedWorld::set_noise(const VisualNoise& noise) {
+  noise_ = std::make_shared<VisualNoise>(noise);
+}
+
+void SimulatedWorld::set_dropout(double probability, int steps) {
+  options_.dropout.probability = probability;
+  options_.dropout.steps = steps;
+}
+
+void SimulatedWorld::set_disturbance(const Eigen::Matrix3d& pose_factor,
+                                     std::array<double, 2> input_sigma) {
+  options_.disturbance.pose_factor = pose_factor;
+  options_.disturbance.input_sigma = input_sigma;
+}
+
+void SimulatedWorld::set_seeds(std::uint64_t noise, std::uint64_t dropout,
+                               std::uint64_t disturbance) {
+  options_.noise_seed = noise;
+  options_.dropout.seed = dropout;
+  options_.disturbance.seed = disturbance;
+}
+
+void SimulatedWorld::start(const RobotModel& model) {
+  RobotModel followed = slots_.true_model ? slots_.true_model(model) : model;
+  if (slots_.makes_scene_at_start) renderer();
+  model_ = std::move(followed);
+  truth_ = {};
+  truth_.pose = last_pose_ = options_.start;
+  pan_ = {};
+  sent_.clear();
+  captures_.clear();
+  capture(0);
+}
+
+void SimulatedWorld::reset() {
+  model_.reset();
+  renderer_.reset();
+}
+
+Arrival SimulatedWorld::next(std::int64_t k, Observation& observation) {
+  if (k > 0) {
+    move_robot(k);
+  } else {
+    captures_.clear();
+  }
+  capture(k);
+  observation.t = static_cast<double>(k) * model_->dt();
+  observation.has_frame = newest_capture() != nullptr;
+  return Arrival::step;
+}
+
+void SimulatedWorld::capture(std::int64_t k) {
+  if (has_moving_view()) pan_ = followed_view();
+  // The view is displaced by whole pixels of the camera.
+  const PlaneMap::Matrix& camera = options_.camera.matrix();
+  truth_.view = {camera[0] * pan_.u, camera[4] * pan_.v};
+  truth_.hidden = options_.dropout.hides(k);
+  truth_.gaussian_noise = noise_->kind() == NoiseKind::gaussian ? noise_->percent() : 0;
+  truth_.uniform_noise = noise_->kind() == NoiseKind::uniform ? noise_->percent() : 0;
+  captures_.push_back({k, truth_.pose, truth_.hidden, pan_, noise_});
+  if (captures_.size() > static_cast<std::size_t>(options_.camera_delay) + 1) captures_.pop_front();
+}
+
+void SimulatedWorld::send(std::int64_t, const Input& u) {
+  sent_.push_back(u);
+  if (sent_.size() > static_cast<std::size_t>(options_.motor_delay) + 1) sent_.pop_front();
+}
+
+void SimulatedWorld::move_robot(std::int64_t k) {
+  Pose now = next_pose(k);
+  now.heading = wrap_angle(now.heading);
+  if (!is_finite(now)) {
+    throw std::runtime_error("the robot's pose has grown beyond all bounds at step " +
+                             std::to_string(k) + ": are the inputs bounded?");
+  }
+  last_pose_ = truth_.pose;
+  truth_.pose = now;
+  truth_.bounced = options_.area.boundary == Boundary::bounce &&
+                   bounce(options_.area, options_.robot_radius, truth_.pose, last_pose_);
+}
+
+Pose SimulatedWorld::next_pose(std::int64_t k) const {
+  const bool has_arrived = sent_.size() > static_cast<std::size_t>(options_.motor_delay);
+  const Input sent = has_arrived ? sent_.front() : Input{};
+  const Input u = options_.disturbance.disturbed(sent, k);
+  const double dt = model_->dt();
+  const Pose pose =
+      slots_.evaluate_model
+          ? slots_.evaluate_model.call({k, static_cast<double>(k) * dt, dt, truth_.pose, last_pose_,
+                                        u, *model_})
+          : model_->predict(truth_.pose, last_pose_, u);
+  return options_.disturbance.disturbed(pose, k);
+}
+
+Pan SimulatedWorld::followed_view() const {
+  const PlaneMap& camera = options_.camera;
+  const Point pixel = camera.to_pixel({truth_.pose.x, truth_.pose.y});
+  const double margin = 2 * options_.robot_radius / std::sqrt(camera.area_scale({}));
+  return follow(pan_, pixel, options_.width, options_.height, margin);
+}
+
+const SimulatedWorld::Capture* SimulatedWorld::newest_capture() const {
+  const bool has_arrived = captures_.size() > static_cast<std::size_t>(options_.camera_delay);
+  return has_arrived ? &captures_.front() : nullptr;
+}
+
+SimulatedWorld::Capture SimulatedWorld::capture_of(std::int64_t k, const Truth& truth) const {
+  const PlaneMap::Matrix& camera = options_.camera.matrix();
+  const Pan pan{static_cast<int>(std::lround(truth.view.x / camera[0])),
+                static_cast<int>(std::lround(truth.view.y / camera[4]))};
+  const bool is_gaussian = truth.gaussian_noise > 0;
+  return {k, truth.pose, truth.hidden, pan,
+          std::make_shared<VisualNoise>(is_gaussian ? NoiseKind::gaussian : NoiseKind::uniform,
+                                        is_gaussian ? truth.gaussian_noise : truth.uniform_noise)};
+}
+
+Renderer& SimulatedWorld::renderer() {
+  if (!renderer_) renderer_.emplace(slots_.make_scene());
+  return *renderer_;
+}
+
+Frame SimulatedWorld::frame() {
+  if (const Capture* capture = newest_capture()) return draw(*capture);
+  throw std::runtime_error("there is no frame yet: run a step");
+}
+
+Frame SimulatedWorld::without_noise(const Capture& capture) {
+  Frame frame;
+  frame.t = static_cast<double>(capture.k) * model_->dt();
+  frame.index = capture.k;
+  frame.plane_map = renderer().plane_map(capture.pan);
+  const NativeWork native;
+  frame.image =
+      renderer().render(capture.hidden ? std::nullopt : std::optional(capture.pose), capture.pan);
+  return frame;
+}
+
+Frame SimulatedWorld::draw(const Capture& capture) {
+  Frame frame = without_noise(capture);
+  if (capture.noise->is_off()) return frame;
+  const NativeWork native;
+  Image noisy = noisy_images_.take(frame.image.width(), frame.image.height());
+  capture.noise->add(frame.image.view(), options_.noise_seed,
+                     static_cast<std::uint64_t>(capture.k), noisy.writable_view());
+  frame.image = noisy;
+  return frame;
+}
+
+void SimulatedWorld::draw_into(const Capture& capture, const WritableView& pixels) {
+  const Frame frame = without_noise(capture);
+  if (pixels.width != frame.image.width() || pixels.height != frame.image.height()) {
+    throw std::invalid_argument(
+        "out must have the size of the frames, " + std::to_string(frame.image.width()) + " x " +
+        std::to_string(frame.image.height()) + " px, got " + std::to_string(pixels.width) + " x " +
+        std::to_string(pixels.height));
+  }
+  const NativeWork native;
+  capture.noise->add(frame.image.view(), options_.noise_seed,
+                     static_cast<std::uint64_t>(capture.k), pixels);
+}
+
+}  // namespace robsim

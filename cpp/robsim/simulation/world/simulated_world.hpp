@@ -1,0 +1,133 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "robsim/simulation/seam/run_guard.hpp"
+#include "robsim/simulation/seam/slot.hpp"
+#include "robsim/simulation/seam/world.hpp"
+#include "robsim/simulation/world/disturbance.hpp"
+#include "robsim/world/renderer.hpp"
+#include "robsim/world/work_area.hpp"
+
+namespace robsim {
+
+/// What a robot model gets to compute the pose of step k.
+struct WorldState {
+  std::int64_t k = 0;
+  double t = 0;   // s
+  double dt = 0;  // s
+  Pose pose_1;    // of step k-1
+  Pose pose_2;    // of step k-2
+  Input last_u;   // of step k-1, as the motors got it
+  RobotModel model;
+};
+
+/// Something hides the robot from the camera: with this probability throughout each segment of so
+/// many steps.
+struct Dropout {
+  double probability = 0;
+  int steps = 1;
+  std::uint64_t seed = 0;
+
+  bool hides(std::int64_t k) const;
+};
+
+struct WorldOptions {
+  WorkArea area;
+  PlaneMap camera;           // of the view before it is displaced
+  int width = 0, height = 0;  // of the frames, px
+  double robot_radius = 0;   // of the robot's outline around its centre, work-area px
+  Pose start;
+  VisualNoise noise;
+  std::uint64_t noise_seed = 0;
+  Dropout dropout;
+  Disturbance disturbance;
+  int camera_delay = 0;  // steps
+  int motor_delay = 0;   // steps
+};
+
+/// The slots of the world half.
+struct WorldSlots {
+  Slot<Pose(const WorldState&)> evaluate_model;  // empty: the robot's model
+  std::function<std::shared_ptr<const Scene>()> make_scene;  // called when somebody first looks
+  bool makes_scene_at_start = false;                          // nevertheless
+
+  // The model that the robot follows, from the one that the robot half believes in; empty: the
+  // same.
+  std::function<RobotModel(const RobotModel&)> true_model;
+};
+
+/// The simulated world: a robot on a work area under a camera.
+class SimulatedWorld : public World {
+ public:
+  /// What the camera captured at a step.
+  struct Capture {
+    std::int64_t k = 0;
+    Pose pose;
+    bool hidden = false;
+    Pan pan;
+    std::shared_ptr<const VisualNoise> noise;
+  };
+
+  /// Throws std::invalid_argument unless the start is a finite pose.
+  explicit SimulatedWorld(const WorldOptions& options);
+
+  const WorldOptions& options() const { return options_; }
+  WorldSlots& slots() { return slots_; }
+
+  /// The model that the robot follows. Only after the start.
+  const RobotModel& model() const { return model_.value(); }
+
+  // To be changed before the start, or between two steps.
+  void set_start(const Pose& start);
+  void set_noise(const VisualNoise& noise);
+  void set_dropout(double probability, int steps);
+  void set_disturbance(const Eigen::Matrix3d& pose_factor, std::array<double, 2> input_sigma);
+  void set_seeds(std::uint64_t noise, std::uint64_t dropout, std::uint64_t disturbance);
+
+  /// The capture of an earlier step, from what was recorded of it.
+  Capture capture_of(std::int64_t k, const Truth& truth) const;
+
+  /// What the camera delivers of a capture.
+  Frame draw(const Capture& capture);
+  void draw_into(const Capture& capture, const WritableView& pixels);
+
+  /// The capture that the newest frame shows; nothing if none has come yet.
+  const Capture* newest_capture() const;
+
+  void start(const RobotModel& model) override;
+  void reset() override;
+  Arrival next(std::int64_t k, Observation& observation) override;
+  void send(std::int64_t k, const Input& u) override;
+  const Truth* truth() const override { return &truth_; }
+  bool has_moving_view() const override { return options_.area.boundary == Boundary::unlimited; }
+  bool is_interpreted() const override { return slots_.evaluate_model.is_interpreted; }
+  Frame frame() override;
+
+ private:
+  void move_robot(std::int64_t k);
+  void capture(std::int64_t k);
+  Pose next_pose(std::int64_t k) const;
+  Pan followed_view() const;
+  Renderer& renderer();
+  Frame without_noise(const Capture& capture);
+
+  WorldOptions options_;
+  WorldSlots slots_;
+  std::shared_ptr<const VisualNoise> noise_;
+  std::optional<RobotModel> model_;
+  std::optional<Renderer> renderer_;
+  ImagePool noisy_images_;
+
+  // The last two poses: bounces mirror them together.
+  Pose last_pose_;
+  Truth truth_;
+  Pan pan_;
+  std::deque<Input> sent_;         // the newest last, as many as the motors' delay needs
+  std::deque<Capture> captures_;  // the newest last, as many as the camera's delay needs
+};
+
+}  // namespace robsim

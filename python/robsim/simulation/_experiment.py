@@ -1,0 +1,257 @@
+"""The class `Experiment`: the loop with frames from outside, and inputs to a real robot."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from os import PathLike
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim import _core
+from robsim._base.checks import Floats, check_choice, check_float, check_size
+from robsim._base.seeds import Seed, seed_sequence
+from robsim._core import ColorClass, Controller, Frame, MarkerLayout, Observation, Step
+from robsim.robots import RobotDefinition
+from robsim.robots._lookup import as_robot
+from robsim.simulation._frame_source import FrameSource
+from robsim.simulation._motors import Motors
+from robsim.simulation._options import step_count
+from robsim.simulation._runner import (
+    SOURCES,
+    UNLIMITED,
+    Runner,
+    as_marker_layout,
+    checked_smoothing,
+)
+from robsim.trace import Trace
+from robsim.trace._columns import RECORDED
+from robsim.vision._color_files import as_colors
+
+_AREA = (1200, 1200)
+_FRAME_TIMEOUT = 1.0  # s, where a robot drives
+
+
+class Experiment(Runner):
+    """A robot under a real camera, or its recording, driven by the callbacks of a simulation.
+
+    Each step runs these stages in order: a frame comes; the parameter estimator gets the newest
+    sample; the measurement evaluates the frame; the state estimator updates its estimate; the
+    controller returns an input, which is sent at once.
+
+    Whatever ends a run stops the robot: its last step, the end of the frames, an exception, Ctrl-C,
+    `stop`, a frame that does not come, and the end of a ``with`` block; `step` leaves it driving.
+
+    Parameters
+    ----------
+    frames : iterable of Frame, Observation or None
+        One item for each step; it is asked for when the step before is over. None = no frame in
+        this step: nothing is measured. An `Observation` can bring more than a frame. The times
+        ``t`` of the frames (s) increase, or are all missing: then they are one sample time of the
+        model apart. Optional attributes ``area`` and ``dt`` of the iterable set the area and the
+        dt of the default model.
+    send : callable, optional
+        ``send(u)``: brings an input, array (2,) in V, to the robot.
+    stop_input : sequence of 2 floats, or None
+        What stops the robot (V). None = nothing is sent at the end of a run.
+    frame_timeout : float, optional
+        Maximum wait for a frame (s); after it the robot is stopped and the run ends with a
+        TimeoutError. The frames are then read in a thread of their own. Default: 1 s if `send` is
+        given, otherwise no limit (inf).
+    robot : str, path or RobotDefinition, optional
+        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
+        with ``robsim robots use``, initially ``"lab"``.
+    area : tuple of int, optional
+        Width and height of the work area (px). Default: ``frames.area`` if there is one, or
+        1200 x 1200.
+    seed : int, SeedSequence, Generator or None
+        Seed of the random numbers of controllers and of `rng`. None = unpredictable.
+    colors, markers, smoothing, time_limit
+        As in `Simulation`.
+    identify_from : str
+        Source of the poses in the samples: ``"measurement"`` or ``"estimate"``; ``"truth"``: the
+        samples that the observations bring.
+    define_model, init_parameter_estimator : callable, optional
+        Called once, at the start.
+    estimate_parameters, measure, estimate_state, control : callable or bool, optional
+        As in `Simulation`. Default: the robot is located, and nothing else is done.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape, or is out of range; the message names it.
+
+    Examples
+    --------
+    >>> with robsim.Experiment(camera, send=motors.write) as experiment:
+    ...     experiment.control = robsim.GoToPoint(600, 300)
+    ...     trace = experiment.run(100)
+    """
+
+    _GROUPS = RECORDED
+
+    def __init__(
+        self,
+        frames: Iterable[Frame | Observation | None],
+        *,
+        send: Callable[[Floats], Any] | None = None,
+        stop_input: Sequence[float] | None = (0.0, 0.0),
+        frame_timeout: float | None = None,
+        robot: str | PathLike[str] | RobotDefinition | None = None,
+        area: tuple[int, int] | None = None,
+        seed: Seed = None,
+        colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+        markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None = None,
+        smoothing: int | None = None,
+        identify_from: str = "measurement",
+        time_limit: float | None = None,
+        define_model: Callable[[], _core.RobotModel] | None = None,
+        init_parameter_estimator: Callable[[_core.RobotModel], Any] | None = None,
+        estimate_parameters: Callable[[Step], ArrayLike | None] | bool | None = None,
+        measure: Callable[[Step], _core.Measurement | None] | bool | None = True,
+        estimate_state: Callable[[Step], _core.Estimate] | None = None,
+        control: Callable[[Step], Sequence[float]] | Controller | None = None,
+    ) -> None:
+        given = locals()
+        definition = as_robot(robot)
+        if frame_timeout is None:
+            frame_timeout = math.inf if send is None else _FRAME_TIMEOUT
+        elif frame_timeout != math.inf:
+            check_float("frame_timeout", frame_timeout, "s", exclusive_minimum=0)
+        self._source = FrameSource(frames, frame_timeout)
+        self._motors = None if send is None else Motors(send, stop_input)
+        super().__init__(
+            _core.ExternalWorld(
+                take=self._source.take,
+                send=self._motors and self._motors.send,
+                stop=self._motors and self._motors.stop,
+            ),
+            robot=definition,
+            area=check_size("area", area or self._source.area or _AREA),
+            boundary="recorded",
+            seed=seed_sequence(seed),
+            colors=as_colors(colors),
+            markers=as_marker_layout(definition if markers is None else markers),
+            smoothing=checked_smoothing(smoothing),
+            identify_from=check_choice("identify_from", identify_from, SOURCES),
+            time_limit=time_limit,
+        )
+        self._fill_slots(given)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._core.stop_robot()
+        self._tell_stop_error(error)
+
+    def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
+        """Run some steps, or all; a run continues where the last one ended.
+
+        Parameters
+        ----------
+        steps : int, optional
+            Number of steps. Default: until the frames end.
+        progress : bool or str
+            Show a progress bar; a str is its label.
+
+        Returns
+        -------
+        Trace
+            All steps since the start.
+
+        Raises
+        ------
+        Exception
+            Any exception of a callback, of `frames` or of `send`, with a note that names it and the
+            step. The steps before it are kept in `trace`, and the next run continues from there.
+        EOFError
+            If `steps` is given and there are no more frames.
+        TimeoutError
+            If a frame does not come within `frame_timeout`.
+        RuntimeError
+            If it is already running.
+
+        Warns
+        -----
+        UserWarning
+            If the frames end before `steps` steps are done.
+        """
+        before = self.n_steps
+        wanted = UNLIMITED if steps is None else step_count(steps)
+        is_at_end = self._run(wanted, progress, steps)
+        done = self.n_steps - before
+        if is_at_end and steps is not None and done < steps:
+            if done == 0:
+                raise EOFError("there are no more frames")
+            warnings.warn(f"the frames ended after {done} of {steps} steps", stacklevel=2)
+        return self.trace
+
+    @contextmanager
+    def _guarded(self) -> Iterator[None]:
+        try:
+            with super()._guarded(), self._source.reading():
+                yield
+        except BaseException as error:
+            self._tell_stop_error(error)
+            raise
+        self._tell_stop_error(None)
+
+    def _tell_stop_error(self, error: BaseException | None) -> None:
+        """Raise what went wrong when the robot was stopped, or add it to another exception."""
+        if self._motors is None or self._motors.error is None:
+            return
+        trouble, self._motors.error = self._motors.error, None
+        trouble.add_note("in send, when the robot was to be stopped")
+        if error is None:
+            raise trouble
+        error.add_note(f"the robot could not be stopped: {type(trouble).__name__}: {trouble}")
+
+    def reset(self, *, seed: Seed = None) -> None:
+        """Return to the start; the next run begins with step 0 and the first frame.
+
+        Parameters
+        ----------
+        seed : int, SeedSequence or Generator, optional
+            Seed of the next run. Default: the same again.
+
+        Raises
+        ------
+        RuntimeError
+            If `frames` can be read only once, and some have been read.
+        """
+        if self.n_steps and self._source.is_single_pass:
+            raise RuntimeError(
+                "the frames can be read only once: give a list or a Recording to be able to reset"
+            )
+        super().reset(seed=seed)
+        self._source.restart()
+
+    def _stage(self, slot: str, callback: Any) -> Any:
+        if slot == "define_model" and callable(callback):
+            return self._source.checked(callback)
+        return super()._stage(slot, callback)
+
+    def _default(self, slot: str) -> Any:
+        return self._source.define_model if slot == "define_model" else None
+
+    def _check_stages(self) -> None:
+        super()._check_stages()
+        if self._callbacks["estimate_parameters"] and not self._callbacks["control"]:
+            raise ValueError(
+                "estimate_parameters needs the inputs of the robot: give control=..., or "
+                "control=robsim.Replay(u) for inputs that were recorded with the frames"
+            )
+
+    def _theta_true(self) -> ArrayLike:
+        return np.full((3, 5), np.nan)

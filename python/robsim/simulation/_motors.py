@@ -1,0 +1,65 @@
+"""Where the inputs of an `Experiment` go, and the stop input at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import Floats, as_float_array
+
+
+class Motors:
+    """Sends inputs, and the stop input when a run is over.
+
+    Parameters
+    ----------
+    send : callable
+        ``send(u)``: brings an input (2,), in V, to the robot.
+    stop_input : sequence of 2 floats, or None
+        What stops the robot (V); None = nothing is sent at the end of a run.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape.
+    """
+
+    def __init__(
+        self, send: Callable[[Floats], Any], stop_input: Sequence[float] | None
+    ) -> None:
+        if not callable(send):
+            raise TypeError(f"send must be callable, got {send!r}")
+        self._send = send
+        self._stop_input = None if stop_input is None else as_float_array("stop_input", stop_input)
+        if self._stop_input is not None and self._stop_input.shape != (2,):
+            raise ValueError(f"stop_input must be (u1, u2) in V, or None, got {stop_input!r}")
+        self._has_moved = False
+        #: What went wrong when the robot was stopped.
+        self.error: BaseException | None = None
+
+    def send(self, u: Floats) -> None:
+        """Send an input."""
+        self._has_moved = True  # even if it fails: nobody knows what has arrived
+        self._send(u)
+
+    def stop(self) -> Floats | None:
+        """Send the stop input, unless nothing was sent since the last one; return it.
+
+        It raises nothing: what goes wrong is kept in `error`. A Ctrl-C does not keep it from being
+        sent.
+        """
+        if not self._has_moved or self._stop_input is None:
+            return None
+        for _ in range(3):
+            try:
+                self._send(np.array(self._stop_input))
+                self._has_moved = False
+                break
+            except KeyboardInterrupt as error:
+                self.error = error
+            except BaseException as error:
+                self.error = error
+                break
+        return self._stop_input
