@@ -2,11 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-Seed = int | np.random.SeedSequence | np.random.Generator | None
+
+@dataclass(frozen=True, repr=False)
+class SeedRecord:
+    """A seed that is not a plain int, as a value: what a `numpy.random.SeedSequence` is made of."""
+
+    entropy: int | tuple[int, ...]
+    spawn_key: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.entropy, tuple):
+            _check_numbers("entropy", (self.entropy,))
+        else:
+            _check_numbers("entropy", self.entropy)
+        _check_numbers("spawn_key", self.spawn_key)
+
+    def __repr__(self) -> str:
+        return f"SeedSequence(entropy={self.entropy}, spawn_key={self.spawn_key})"
+
+
+def _check_numbers(name: str, numbers: Any) -> None:
+    if not isinstance(numbers, tuple) or not all(type(n) is int and n >= 0 for n in numbers):
+        raise ValueError(f"{name} must have ints of at least 0, got {numbers!r}")
+
+
+Seed = int | np.random.SeedSequence | np.random.Generator | SeedRecord | None
 
 #: The streams of a run, in the order of their spawn keys.
 STREAMS = ("controller", "noise", "start", "user", "dropout")
@@ -17,7 +42,7 @@ def seed_sequence(seed: Seed) -> np.random.SeedSequence:
 
     Parameters
     ----------
-    seed : int, SeedSequence, Generator or None
+    seed : int, SeedSequence, SeedRecord, Generator or None
         A Generator is asked for a new seed; None = entropy of the operating system.
 
     Raises
@@ -27,6 +52,8 @@ def seed_sequence(seed: Seed) -> np.random.SeedSequence:
     """
     if isinstance(seed, np.random.SeedSequence):
         return seed
+    if isinstance(seed, SeedRecord):
+        return np.random.SeedSequence(seed.entropy, spawn_key=seed.spawn_key)
     if isinstance(seed, np.random.Generator):
         return np.random.SeedSequence(int(seed.integers(2**63)))
     if seed is None:
@@ -36,6 +63,20 @@ def seed_sequence(seed: Seed) -> np.random.SeedSequence:
     if seed < 0:
         raise ValueError(f"seed must be at least 0, got {seed}")
     return np.random.SeedSequence(int(seed))
+
+
+def seed_value(seed: Seed) -> int | SeedRecord | None:
+    """Return a seed as data: an int where that says it all, or a record; None stays None."""
+    if seed is None or (type(seed) is int and seed >= 0):
+        return seed
+    if not isinstance(seed, SeedRecord):
+        record = seed_record(seed_sequence(seed))
+        entropy = record["entropy"]
+        is_int = isinstance(entropy, int)
+        seed = SeedRecord(entropy if is_int else tuple(entropy), tuple(record["spawn_key"]))
+    if isinstance(seed.entropy, int) and not seed.spawn_key:
+        return seed.entropy
+    return seed
 
 
 def stream(seed: np.random.SeedSequence, name: str) -> np.random.SeedSequence:

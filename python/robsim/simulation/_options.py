@@ -1,14 +1,62 @@
-"""Checks of arguments that only `Simulation` takes: steps, start pose, number of headings."""
+"""The options of a simulation, checked and in their normal form: immutable and comparable."""
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import check_int, is_int
+from robsim._base.checks import as_float_array, check_int, check_size, is_int
+from robsim._base.values import FileVersion
+from robsim._core import (
+    ColorClass,
+    DriveAround,
+    MarkerLayout,
+    Replay,
+    RobotModel,
+    RobotParameters,
+    Spin,
+    Unicycle,
+    classify,
+    wrap_angle,
+)
+from robsim.imaging._images import Pixels, load_image
+from robsim.imaging._noise import GaussianNoise, UniformNoise
+from robsim.robots import RobotDefinition
+from robsim.robots._lookup import as_robot
+from robsim.simulation._disturbances import ParameterMismatch, PoseNoise, WheelNoise
+from robsim.simulation._dropout import Dropout
+from robsim.simulation._scene import Floor, as_floor
+from robsim.vision._color_files import as_colors
 
+#: What some of the options take.
+Background = Pixels | Floor | str | PathLike[str] | None
+Colors = str | PathLike[str] | Iterable[ColorClass] | None
+Markers = MarkerLayout | RobotDefinition | str | PathLike[str] | None
+
+#: The options that are values of their own, and their types in the normal form.
+KINDS: dict[str, tuple[type, ...]] = {
+    "robot": (RobotDefinition,),
+    "noise": (GaussianNoise, UniformNoise),
+    "dropout": (Dropout,),
+    "process_noise": (PoseNoise, WheelNoise),
+    "mismatch": (ParameterMismatch,),
+    "background": (Floor,),
+    "markers": (MarkerLayout,),
+    "model": (RobotModel, RobotParameters),
+    "evaluate_model": (Unicycle,),
+    "control": (Spin, DriveAround, Replay),
+}
+
+MAXIMUM_DELAY = 1000  # steps
+
+_PIXEL = np.zeros((1, 1, 3), np.uint8)
 _MAXIMUM_START = 1e6  # work-area px
 
 
@@ -42,3 +90,140 @@ def start_within(start: ArrayLike, area: tuple[int, int] | None) -> ArrayLike:
 def heading_count(headings: int | None) -> int:
     """Return the number of headings that the robot is drawn in; 0 for None (continuous)."""
     return 0 if headings is None else check_int("headings", headings, minimum=1, maximum=360)
+
+
+def background_value(background: Background) -> Floor | None:
+    """Return the option ``background`` as a value, in its own size; None stays None."""
+    if background is None or isinstance(background, Floor):
+        return background
+    if isinstance(background, (str, PathLike)):
+        return _floor_in_file(FileVersion.of(Path(background).resolve()))
+    return as_floor(background, np.shape(background)[1::-1])
+
+
+@lru_cache(maxsize=2)
+def _floor_in_file(file: FileVersion) -> Floor:
+    return Floor(load_image(file.path))
+
+
+def start_value(
+    start: ArrayLike | None, area: tuple[int, int] | None
+) -> tuple[float, float, float] | str | None:
+    """Return the option ``start`` as a pose, ``"random"``, or None = the centre, facing right.
+
+    Parameters
+    ----------
+    start : array (3,), str or None
+        The option.
+    area : tuple of int, or None
+        Where the position must lie (px); None = anywhere.
+    """
+    if start is None:
+        return None
+    if isinstance(start, str):
+        if start != "random":
+            raise ValueError(f"start must be a pose (x, y, heading) or 'random', got {start!r}")
+        return start
+    expected = f"start must be a pose (x, y, heading) in px, px and rad, got {start!r}"
+    try:
+        pose = as_float_array("start", start)
+    except TypeError:
+        raise TypeError(expected) from None
+    if pose.shape != (3,) or not np.isfinite(pose).all():
+        raise ValueError(expected)
+    start_within(pose, area)
+    x, y, heading = pose.tolist()
+    return x, y, wrap_angle(heading)
+
+
+def colors_value(colors: Colors, smoothing: int | None = None) -> tuple[ColorClass, ...]:
+    """Return the option ``colors``; `smoothing`, too, is checked by the native classifier."""
+    classes = as_colors(colors)
+    if not classes:
+        raise ValueError("colors must have at least one ColorClass, got none")
+    classify(_PIXEL, classes, smoothing=1 if smoothing is None else smoothing)
+    return classes
+
+
+def markers_value(markers: Markers) -> MarkerLayout | None:
+    """Return the option ``markers`` as a layout; None = that of the robot."""
+    if markers is None or isinstance(markers, MarkerLayout):
+        return markers
+    if not isinstance(markers, (str, PathLike, RobotDefinition)):
+        raise TypeError(
+            f"markers must be a MarkerLayout, a RobotDefinition, a robot's name or a folder, "
+            f"got {markers!r}"
+        )
+    try:
+        return as_robot(markers).marker_layout()
+    except ValueError as error:
+        raise ValueError(f"markers: {error}") from error
+
+
+def smoothing_value(smoothing: int | None) -> int | None:
+    """Return the option ``smoothing``; None = by the size of the markers."""
+    return None if smoothing is None else check_int("smoothing", smoothing, minimum=1, maximum=15)
+
+
+def resolution_value(resolution: tuple[int, int] | None) -> tuple[int, int] | None:
+    """Return the option ``resolution``; None = the size of the area."""
+    return None if resolution is None else check_size("resolution", resolution)
+
+
+def headings_value(headings: int | None) -> int | None:
+    """Return the option ``headings``; None = continuous."""
+    return None if headings is None else heading_count(headings)
+
+
+def delay_value(name: str, delay: int) -> int:
+    """Return a delay in steps."""
+    return check_int(name, delay, minimum=0, maximum=MAXIMUM_DELAY)
+
+
+def model_value(model: RobotModel | RobotParameters | None) -> RobotModel | RobotParameters | None:
+    """Return the option ``model``; None = that of the default parameters."""
+    if isinstance(model, RobotParameters):
+        RobotModel(model)  # raises if the predictor is unstable
+    elif model is not None and not isinstance(model, RobotModel):
+        raise TypeError(f"model must be a RobotModel, a RobotParameters or None, got {model!r}")
+    return model
+
+
+def switch_value(name: str, value: bool | None) -> bool:
+    """Return whether a stage that may be off is on."""
+    if value is None or isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise TypeError(f"{name} must be True or False in a Scenario, got {value!r}{_no_code(value)}")
+
+
+def check_is_data(name: str, value: Any) -> None:
+    """Raise TypeError if an option is of none of its `KINDS`: a subclass may hold code."""
+    if value is not None and type(value) not in KINDS[name]:
+        names = " or ".join(kind.__name__ for kind in KINDS[name])
+        raise TypeError(f"{name} must be {names} in a Scenario, got {value!r}{_no_code(value)}")
+
+
+def _no_code(value: Any) -> str:
+    return ": code is no data, give it to Simulation itself" if callable(value) else ""
+
+
+def check_names(
+    what: str, given: Iterable[str], known: Iterable[str], error: Callable[[str], Exception]
+) -> None:
+    """Raise an error for the first name that is not known, with the one that was meant.
+
+    Parameters
+    ----------
+    what : str
+        What has the names: ``"a scenario has no option"``.
+    given, known : iterable of str
+        The names that came, and all there are.
+    error : type
+        The exception.
+    """
+    known = list(known)
+    for name in given:
+        if name not in known:
+            close = difflib.get_close_matches(name.lower(), known, 1)
+            hint = f"did you mean {close[0]!r}?" if close else f"there are {', '.join(known)}"
+            raise error(f"{what} {name!r}: {hint}")
