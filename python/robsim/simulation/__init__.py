@@ -14,6 +14,7 @@ from robsim._core import (
 from robsim.simulation._disturbances import ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation._dropout import Dropout
 from robsim.simulation._experiment import Experiment
+from robsim.simulation._scenario import Scenario
 from robsim.simulation._scene import draw_red_square
 from robsim.simulation._simulation import Simulation
 
@@ -27,6 +28,7 @@ __all__ = [
     "Renderer",
     "RobotModel",
     "RobotParameters",
+    "Scenario",
     "Simulation",
     "Step",
     "Unicycle",

@@ -1,0 +1,296 @@
+"""`Scenario`: all that describes a simulated world and its run, as one value."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from robsim._base.checks import check_choice, check_size
+from robsim._base.files import write_whole
+from robsim._base.seeds import Seed, seed_value
+from robsim._core import DriveAround, Replay, RobotModel, RobotParameters, Spin, Unicycle
+from robsim.imaging._noise import Noise, as_native_noise
+from robsim.robots import RobotDefinition
+from robsim.robots._lookup import as_robot
+from robsim.simulation import _options as options
+from robsim.simulation._disturbances import (
+    ParameterMismatch,
+    PoseNoise,
+    WheelNoise,
+    check_mismatch,
+    check_process_noise,
+)
+from robsim.simulation._dropout import Dropout, as_dropout
+from robsim.simulation._scene import HEADINGS, Floor
+from robsim.vision._color_files import as_colors
+
+BOUNDARIES = ("bounce", "unlimited")
+SOURCES = ("truth", "measurement", "estimate")
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Scenario:
+    """All that describes a simulated world and its run: the options of `Simulation` that are data.
+
+    A value: scenarios with the same content are equal, whatever they were made from. What is given
+    as a name or a file is read at once, so that a scenario holds all it needs.
+
+    Parameters
+    ----------
+    robot : str, path or RobotDefinition, optional
+        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
+        with ``robsim robots use``, initially ``"lab"``.
+    area : tuple of int
+        Width and height of the work area (px).
+    resolution : tuple of int, optional
+        Width and height of the frames (px). Default: the same as the area.
+    boundary : str
+        ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
+        view follows the robot.
+    headings : int or None
+        Number of headings that the robot is drawn in: the nearest one, at integer pixels. None:
+        drawn at its exact position and heading.
+    noise : GaussianNoise, UniformNoise or None
+        Camera noise.
+    dropout : Dropout or None
+        Random occlusion of the robot.
+    process_noise : PoseNoise, WheelNoise or None
+        Random disturbance of the robot's motion in every step.
+    mismatch : ParameterMismatch or None
+        How far the parameters of the world differ from those of `model`.
+    camera_delay, motor_delay : int
+        How many steps late a frame reaches the robot's software, and an input the motors, 0..1000.
+    background : array (H, W, 3) of uint8, or path, optional
+        The floor, scaled to the area. Default: the floor that ships with robsim.
+    start : array (3,) or "random", optional
+        The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.
+    seed : int, SeedSequence, Generator or None
+        Seed of all random numbers of the run. None = unpredictable: another one in each run.
+    colors : path or iterable of ColorClass, optional
+        Colour file, or classes, to detect. Default: red and blue as shipped with robsim.
+    markers : MarkerLayout, RobotDefinition, str or path, optional
+        Geometry of the markers for the default measurement, or the robot that has them. Default:
+        `robot`.
+    smoothing : int, optional
+        Width of the averaging window applied before a pixel's colour is classified (px of the
+        frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. 1 =
+        off. Default: 0.28 of the width of the smaller marker, at most 7.
+    identify_from : str
+        Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.
+    model : RobotModel or RobotParameters, optional
+        What the robot's software believes; without `mismatch` the world's, too. Default: that of
+        ``RobotParameters()``.
+    evaluate_model : Unicycle, optional
+        How the robot moves. Default: by the model's own equations.
+    estimate_parameters : bool
+        Whether recursive least squares estimate the parameters.
+    measure : bool
+        Whether the red and the blue marker are located.
+    control : Spin, DriveAround or Replay, optional
+        The controller. Default: `Spin`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape, or is out of range; the message names it.
+
+    Examples
+    --------
+    >>> scenario = robsim.Scenario(measure=True, noise=robsim.GaussianNoise(10), seed=1)
+    >>> scenario.save("noisy.toml")
+    >>> robsim.Scenario.load("noisy.toml") == scenario
+    True
+    >>> others = [scenario.replace(seed=seed) for seed in range(10)]
+    """
+
+    robot: str | PathLike[str] | RobotDefinition | None = None
+    area: tuple[int, int] = (1200, 1200)
+    resolution: tuple[int, int] | None = None
+    boundary: str = "bounce"
+    headings: int | None = HEADINGS
+    noise: Noise | None = None
+    dropout: Dropout | None = None
+    process_noise: PoseNoise | WheelNoise | None = None
+    mismatch: ParameterMismatch | None = None
+    camera_delay: int = 0
+    motor_delay: int = 0
+    background: options.Background = None
+    start: ArrayLike | None = None
+    seed: Seed = None
+    colors: options.Colors = None
+    markers: options.Markers = None
+    smoothing: int | None = None
+    identify_from: str = "truth"
+    model: RobotModel | RobotParameters | None = None
+    evaluate_model: Unicycle | None = None
+    estimate_parameters: bool = False
+    measure: bool = False
+    control: Spin | DriveAround | Replay | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in self._normal_forms().items():
+            object.__setattr__(self, name, value)
+        for name in options.KINDS:
+            options.check_is_data(name, getattr(self, name))
+
+    def _normal_forms(self) -> dict[str, Any]:
+        """Return what is kept in another form than it may be given; raise for what is wrong."""
+        area = check_size("area", self.area)
+        is_bounded = check_choice("boundary", self.boundary, BOUNDARIES) == "bounce"
+        check_choice("identify_from", self.identify_from, SOURCES)
+        as_native_noise(self.noise)
+        as_dropout(self.dropout)
+        check_process_noise(self.process_noise)
+        check_mismatch(self.mismatch)
+        options.model_value(self.model)
+        smoothing = options.smoothing_value(self.smoothing)
+        return {
+            "robot": as_robot(self.robot),
+            "area": area,
+            "resolution": options.resolution_value(self.resolution),
+            "headings": options.headings_value(self.headings),
+            "camera_delay": options.delay_value("camera_delay", self.camera_delay),
+            "motor_delay": options.delay_value("motor_delay", self.motor_delay),
+            "background": options.background_value(self.background),
+            "start": options.start_value(self.start, area if is_bounded else None),
+            "seed": seed_value(self.seed),
+            "colors": options.colors_value(self.colors, smoothing),
+            "markers": options.markers_value(self.markers),
+            "smoothing": smoothing,
+            "estimate_parameters": options.switch_value(
+                "estimate_parameters", self.estimate_parameters
+            ),
+            "measure": options.switch_value("measure", self.measure),
+        }
+
+    def replace(self, **changes: Any) -> Scenario:
+        """Return the scenario with some options changed.
+
+        Parameters
+        ----------
+        **changes
+            Options, as of `Scenario`.
+
+        Returns
+        -------
+        Scenario
+            A new one.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As of `Scenario`; for an option that there is not, with the one that was meant.
+        """
+        options.check_names("a scenario has no option", changes, OPTIONS, TypeError)
+        return dataclasses.replace(self, **changes)
+
+    def changes(self) -> dict[str, Any]:
+        """Return the options that are not at their defaults, in their order.
+
+        Returns
+        -------
+        dict
+            Name to value. `robot` is always there: its default is each user's own.
+        """
+        defaults = {field.name: field.default for field in dataclasses.fields(self)}
+        defaults |= {"robot": None, "colors": as_colors(None)}
+        values = {name: getattr(self, name) for name in defaults}
+        return {name: value for name, value in values.items() if value != defaults[name]}
+
+    def to_toml(self) -> str:
+        """Return the scenario as the text of a TOML file, from which `from_toml` makes it again.
+
+        Only what differs from the defaults is written, and the robot: by name if it ships with
+        robsim. Images and recorded inputs are part of the text, so that it is complete.
+
+        Raises
+        ------
+        ValueError
+            If an image, or the record of inputs, is too large for a file.
+        """
+        from robsim.simulation._scenario_file import to_toml
+
+        return to_toml(self.changes())
+
+    @classmethod
+    def from_toml(cls, text: str) -> Scenario:
+        """Return the scenario of a TOML text.
+
+        Parameters
+        ----------
+        text : str
+            As `to_toml` writes it, or written by hand.
+
+        Raises
+        ------
+        TypeError
+            If `text` is not a str.
+        ValueError
+            If it is not TOML, is too large, or an option is unknown or wrong; the message names it.
+        """
+        from robsim.simulation._scenario_file import from_toml
+
+        return from_toml(cls, text, "scenario")
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the scenario to a file, as `to_toml` has it.
+
+        Parameters
+        ----------
+        path : path
+            The file, such as ``run.toml``; one of that name is replaced.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        ValueError
+            If an image, or the record of inputs, is too large for a file.
+        """
+        write_whole(_as_path(path), self.to_toml().encode())
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Scenario:
+        """Read a scenario from a file.
+
+        The file is data: nothing in it is run, and no other file is read but those of a robot that
+        it names.
+
+        Parameters
+        ----------
+        path : path
+            The file, as `save` writes it, or written by hand.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If it is not TOML, is too large, or an option is unknown or wrong; the message names
+            the file and the option.
+        """
+        from robsim.simulation._scenario_file import from_toml, read_text
+
+        return from_toml(cls, read_text(_as_path(path)), f"scenario file {path}")
+
+    def __repr__(self) -> str:
+        shown = {name: repr(value) for name, value in self.changes().items()}
+        assert isinstance(self.robot, RobotDefinition)
+        shown["robot"] = repr(self.robot.name)
+        if isinstance(self.background, Floor):
+            shown["background"] = f"<array of shape {self.background.pixels.shape}>"
+        return f"Scenario({', '.join(f'{name}={text}' for name, text in shown.items())})"
+
+
+OPTIONS = tuple(field.name for field in dataclasses.fields(Scenario))
+
+
+def _as_path(path: str | PathLike[str]) -> Path:
+    if not isinstance(path, (str, PathLike)):
+        raise TypeError(f"path must be a path, got {path!r}")
+    return Path(path)

@@ -1,0 +1,409 @@
+"""Scenarios as TOML text: complete, exact, and safe to read from a stranger."""
+
+from __future__ import annotations
+
+import base64
+import io
+import reprlib
+import tomllib
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from PIL import Image
+
+from robsim._base.checks import check_choice, check_float, check_int
+from robsim._base.seeds import SeedRecord
+from robsim._core import (
+    ColorClass,
+    DriveAround,
+    MarkerLayout,
+    Replay,
+    RobotModel,
+    RobotParameters,
+    Spin,
+    Unicycle,
+)
+from robsim.imaging._images import Pixels, png_bytes
+from robsim.imaging._noise import GaussianNoise, UniformNoise
+from robsim.robots import RobotDefinition, robot_names
+from robsim.robots._lookup import as_robot, shipped_robots
+from robsim.simulation._disturbances import ParameterMismatch, PoseNoise, WheelNoise
+from robsim.simulation._dropout import Dropout
+from robsim.simulation._options import KINDS, background_value, check_names
+from robsim.simulation._scene import Floor
+
+if TYPE_CHECKING:
+    from tomlkit.items import Item
+
+    from robsim.simulation._scenario import Scenario
+
+MOST_BYTES = 64 * 2**20  # of a file
+MOST_PIXELS = 25_000_000  # of an image
+_MOST_ROWS = 10_000  # of an array that is not in base64, such as a polygon
+_FORMAT = 1
+_HEADER = "A simulated world and a run of robsim: read it with robsim.Scenario.load."
+_CONTINUOUS = "continuous"  # TOML has no None
+
+
+@dataclass(frozen=True)
+class _Key:
+    """A key of a table: how its value is read and written, and its unit."""
+
+    read: Callable[[str, Any], Any]
+    unit: str = ""
+    write: Callable[[Any], Any] = lambda value: value
+    is_needed: bool = False
+
+
+def _number(unit: str = "") -> _Key:
+    return _Key(check_float, unit)
+
+
+def _array(unit: str = "", *, is_needed: bool = False) -> _Key:
+    return _Key(_list, unit, is_needed=is_needed)
+
+
+_COUNT = _Key(partial(check_int, minimum=0, maximum=2**31 - 1))
+
+
+def _list(name: str, value: Any) -> Any:
+    if isinstance(value, list) and len(value) > _MOST_ROWS:
+        raise ValueError(f"{name} must have at most {_MOST_ROWS} rows, got {len(value)}")
+    if isinstance(value, (list, int, float)):
+        return value
+    raise TypeError(f"{name} must be numbers, got {reprlib.repr(value)}")
+
+
+def _text(name: str, value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    raise TypeError(f"{name} must be text, got {reprlib.repr(value)}")
+
+
+def _bytes(name: str, value: Any) -> bytes:
+    try:
+        return base64.b64decode("".join(_text(name, value).split()), validate=True)
+    except ValueError as error:
+        raise ValueError(f"{name} must be base64: {error}") from error
+
+
+def _inputs(name: str, value: Any) -> Any:
+    data = _bytes(name, value)
+    if len(data) % 16:
+        raise ValueError(f"{name} must be pairs of float64, 16 bytes a step, got {len(data)} bytes")
+    return np.frombuffer(data, "<f8").reshape(-1, 2)
+
+
+def _image(name: str, value: Any) -> Pixels:
+    data = _bytes(name, value)
+    try:
+        with Image.open(io.BytesIO(data), formats=("PNG",)) as image:
+            if image.width * image.height <= MOST_PIXELS and image.mode in ("RGB", "RGBA"):
+                return np.array(image)
+            got = f"{image.mode} of {image.width} x {image.height} px"
+    except Exception as error:  # Pillow's decoders raise many types
+        raise ValueError(f"{name} must be a PNG image in base64: {error}") from error
+    raise ValueError(f"{name} must be RGB or RGBA of at most {MOST_PIXELS} px, got {got}")
+
+
+def _numbers_tuple(name: str, value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _png(pixels: Pixels) -> bytes:
+    height, width = pixels.shape[:2]
+    if height * width > MOST_PIXELS:
+        raise ValueError(f"an image must have at most {MOST_PIXELS} px, got {width} x {height}")
+    return png_bytes(pixels)
+
+
+_IMAGE = _Key(_image, "PNG in base64", _png, is_needed=True)
+
+# The values that are tables, and their keys. They are written and made by these names.
+_TABLES: dict[type, dict[str, _Key]] = {
+    GaussianNoise: {"percent": _number("%")},
+    UniformNoise: {"percent": _number("%")},
+    Dropout: {"probability": _number(), "steps": _COUNT},
+    PoseNoise: {"covariance": _array("px^2, px rad, rad^2, a step")},
+    WheelNoise: {"sigma": _array("V")},
+    ParameterMismatch: {"sigma": _number("relative")},
+    Floor: {"pixels": _IMAGE},
+    SeedRecord: {"entropy": _Key(_numbers_tuple), "spawn_key": _Key(_numbers_tuple)},
+    MarkerLayout: {
+        "red": _array("px, forward and right of the centre", is_needed=True),
+        "blue": _array("px", is_needed=True),
+        "red_area": _number("px^2"),
+        "blue_area": _number("px^2"),
+        "distance_tolerance": _number("fraction"),
+        "area_tolerance": _number("ratio"),
+        "maximum_blobs": _COUNT,
+    },
+    RobotModel: {
+        "theta": _array("rows X, Y, P; columns a1, a2, b1, b2, d1", is_needed=True),
+        "dt": _number("s"),
+    },
+    RobotParameters: {
+        "mass": _number("kg"),
+        "inertia": _number("kg m^2"),
+        "linear_friction": _number("N s/m"),
+        "angular_friction": _number("N m s/rad"),
+        "wheel_radius": _number("m"),
+        "wheel_base": _number("m"),
+        "motor_gain": _array("N m/V"),
+        "motor_offset": _array("N m"),
+        "dt": _number("s"),
+    },
+    Unicycle: {},
+    Spin: {"voltage": _number("V")},
+    DriveAround: {"low": _number("V"), "high": _number("V"), "hold": _Key(_COUNT.read, "steps")},
+    Replay: {
+        "u": _Key(_inputs, "V, float64 in base64", lambda u: np.asarray(u, "<f8").tobytes(), True),
+    },
+    RobotDefinition: {
+        "name": _Key(_text),
+        "size": _number("px"),
+        "alignment": _number("degrees"),
+        "centre": _array("px of the image"),
+        "outline": _array(),
+        "red": _array(),
+        "blue": _array(),
+        "maximum_blobs": _COUNT,
+        "image": _IMAGE,
+    },
+}
+_MAKERS: dict[type, Callable[..., Any]] = {
+    RobotModel: RobotModel.from_theta,
+    MarkerLayout: MarkerLayout.from_positions,
+    Floor: lambda pixels: background_value(pixels),
+}
+
+# The options that may be tables, and of which kinds.
+_KINDS = KINDS | {"seed": (SeedRecord,)}
+_UNITS = {
+    "area": "width and height, px",
+    "resolution": "px",
+    "start": "px, px, rad",
+    "smoothing": "px",
+    "camera_delay": "steps",
+    "motor_delay": "steps",
+}
+
+# --- writing
+
+
+def to_toml(changes: dict[str, Any]) -> str:
+    """Return options as the text of a file.
+
+    Parameters
+    ----------
+    changes : dict
+        The options to write, in their normal forms.
+
+    Raises
+    ------
+    ValueError
+        If the text would be larger than what is read.
+    """
+    import tomlkit
+
+    document = tomlkit.document()
+    document.add(tomlkit.comment(_HEADER))
+    document.add("format", tomlkit.item(_FORMAT))
+    written = {name: _written(name, value) for name, value in changes.items()}
+    # Below a table, a plain value would belong to it.
+    for name, value in sorted(written.items(), key=lambda item: isinstance(item[1], dict)):
+        if isinstance(value, dict):
+            document.add(name, value)
+        else:
+            document.add(name, _commented(value, _UNITS.get(name, "")))
+    text = document.as_string()
+    if len(text.encode()) > MOST_BYTES:
+        raise ValueError(
+            f"a scenario must fit into a file of {MOST_BYTES >> 20} MB, got one of "
+            f"{len(text) >> 20} MB: its images or recorded inputs are too large"
+        )
+    return text
+
+
+def _written(name: str, value: Any) -> Any:
+    """Return the value of an option as TOML has it: a table, or a plain value."""
+    if name == "colors":
+        return _colors_table(value)
+    if isinstance(value, RobotDefinition) and (shipped := _shipped_name(value)) is not None:
+        return shipped
+    if type(value) in _TABLES:
+        return _table(value, has_kind=len(_KINDS[name]) > 1 or not _TABLES[type(value)])
+    return _CONTINUOUS if name == "headings" and value is None else _plain(value)
+
+
+def _shipped_name(robot: RobotDefinition) -> str | None:
+    """Return the name of the shipped robot that this one equals, or None."""
+    return next((name for name in shipped_robots() if as_robot(name) == robot), None)
+
+
+def _table(value: Any, has_kind: bool) -> Any:
+    import tomlkit
+
+    table = tomlkit.table()
+    if has_kind:
+        table.add("kind", type(value).__name__)
+    for name, key in _TABLES[type(value)].items():
+        plain = _plain(key.write(getattr(value, name)))
+        if plain is not None and plain == plain:  # NaN = not known
+            table.add(name, _commented(plain, key.unit))
+    return table
+
+
+def _colors_table(colors: Iterable[ColorClass]) -> Any:
+    import tomlkit
+
+    table = tomlkit.table(is_super_table=True)
+    for color in colors:
+        ranges = tomlkit.table()
+        for channel in ("y", "u", "v"):
+            ranges.add(channel, list(getattr(color, channel)))
+        table.add(tomlkit.key(color.name), ranges)
+    return table
+
+
+def _plain(value: Any) -> Any:
+    """Return a value made of what TOML has, its numbers to the last bit."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, (tuple, list)):
+        return [_plain(one) for one in value]
+    return value
+
+
+def _commented(value: Any, unit: str) -> Item:
+    import tomlkit
+
+    if isinstance(value, bytes):
+        lines = base64.encodebytes(value).decode()
+        item: Item = tomlkit.string(f"\n{lines}", multiline=True, literal=True)
+    else:
+        item = tomlkit.item(value)
+    return item.comment(unit) if unit else item
+
+
+# --- reading
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file that is not larger than a scenario may be.
+
+    Raises
+    ------
+    ValueError
+        If it is larger, or not text.
+    """
+    with path.open("rb") as file:
+        content = file.read(MOST_BYTES + 1)
+    if len(content) > MOST_BYTES:
+        raise ValueError(f"scenario file {path} must have at most {MOST_BYTES >> 20} MB")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"scenario file {path} is not a TOML file: it is not UTF-8") from error
+
+
+def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
+    """Return the scenario of a text.
+
+    Parameters
+    ----------
+    cls : type
+        `Scenario`.
+    text : str
+        TOML.
+    source : str
+        Where the text is from: ``"scenario file run.toml"``.
+
+    Raises
+    ------
+    TypeError
+        If `text` is not a str.
+    ValueError
+        If the text is no scenario; the message names the source and the option.
+    """
+    if not isinstance(text, str):
+        raise TypeError(f"text must be a str, got {text!r}")
+    try:
+        if len(text) > MOST_BYTES:
+            raise ValueError(f"text must have at most {MOST_BYTES >> 20} MB")
+        return cls(**_options(_parsed(text), known=cls.__dataclass_fields__))
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ValueError(f"{source}: {error}") from error
+
+
+def _parsed(text: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"this is not TOML: {error}") from error
+
+
+def _options(values: dict[str, Any], known: Iterable[str]) -> dict[str, Any]:
+    if values.pop("format", _FORMAT) != _FORMAT:
+        raise ValueError(f"format must be {_FORMAT}: another one is of a newer robsim")
+    check_names("a scenario has no option", values, known, ValueError)
+    return {name: _read(name, value) for name, value in values.items()}
+
+
+def _read(name: str, value: Any) -> Any:
+    """Return the value of an option that TOML has given."""
+    if name == "colors":
+        return _in_table(name, lambda: _colors_of(value))
+    if name == "robot" and not isinstance(value, dict):
+        return check_choice("robot", value, tuple(robot_names()))
+    if name == "headings" and value == _CONTINUOUS:
+        return None
+    if name not in _KINDS or (name == "seed" and not isinstance(value, dict)):
+        return value
+    if not isinstance(value, dict):
+        raise TypeError(f"{name} must be a table [{name}], got {reprlib.repr(value)}")
+    return _in_table(name, lambda: _value_of(dict(value), _KINDS[name]))
+
+
+def _in_table(name: str, read: Callable[[], Any]) -> Any:
+    try:
+        return read()
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ValueError(f"[{name}] {error}") from error
+
+
+def _value_of(table: dict[str, Any], kinds: tuple[type, ...]) -> Any:
+    by_name = {kind.__name__: kind for kind in kinds}
+    default = kinds[0].__name__ if len(kinds) == 1 else None
+    kind = by_name[check_choice("kind", table.pop("kind", default), tuple(by_name))]
+    keys = _TABLES[kind]
+    check_names("there is no key", table, keys, ValueError)
+    missing = [name for name, key in keys.items() if key.is_needed and name not in table]
+    if missing:
+        raise ValueError(f"{missing[0]} is missing")
+    arguments = {name: keys[name].read(name, value) for name, value in table.items()}
+    return _MAKERS.get(kind, kind)(**arguments)
+
+
+def _colors_of(tables: Any) -> tuple[ColorClass, ...]:
+    if not isinstance(tables, dict):
+        raise TypeError(f"colors must be tables such as [colors.red], got {tables!r}")
+    return tuple(_in_table(name, partial(_color_of, name, table)) for name, table in tables.items())
+
+
+def _color_of(name: str, table: Any) -> ColorClass:
+    if not isinstance(table, dict):
+        raise TypeError(f"a colour must be a table with y, u and v, got {table!r}")
+    check_names("there is no key", table, ("y", "u", "v"), ValueError)
+    return ColorClass(name, **{channel: _range(channel, table[channel]) for channel in table})
+
+
+def _range(name: str, value: Any) -> tuple[int, int]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"{name} must be [lower, upper], two ints, got {reprlib.repr(value)}")
+    lower, upper = (check_int(name, one, minimum=0, maximum=255) for one in value)
+    return lower, upper

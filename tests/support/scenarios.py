@@ -1,0 +1,125 @@
+"""Scenarios to test with: one with all options, and random ones."""
+
+import dataclasses
+
+import numpy as np
+from hypothesis import strategies as st
+
+import robsim
+from robsim import Scenario
+from robsim.vision import MarkerLayout
+
+_RNG = np.random.default_rng(1)
+
+FULL = Scenario(
+    robot=dataclasses.replace(robsim.load_robot("robot2"), name="own"),
+    area=(800, 600),
+    resolution=(400, 300),
+    boundary="unlimited",
+    headings=None,
+    noise=robsim.UniformNoise(10.1),
+    dropout=robsim.Dropout(0.1, 3),
+    process_noise=robsim.WheelNoise((0.02, 0.03)),
+    mismatch=robsim.ParameterMismatch(0.05),
+    camera_delay=2,
+    motor_delay=1,
+    background=_RNG.integers(0, 256, (8, 10, 3)).astype(np.uint8),
+    start=(1, 2.5, 7),
+    seed=np.random.SeedSequence(7).spawn(2)[1],
+    colors=[robsim.ColorClass("dark red", y=(1, 2)), robsim.ColorClass('"blau.ä"\n')],
+    markers=MarkerLayout.from_positions((1, 2), (3, 4), red_area=5),
+    smoothing=3,
+    identify_from="estimate",
+    model=robsim.RobotParameters(mass=0.31),
+    evaluate_model=robsim.Unicycle(),
+    estimate_parameters=True,
+    measure=True,
+    control=robsim.Replay(_RNG.normal(size=(50, 2))),
+)
+
+_FINITE = st.floats(-1e6, 1e6)
+_POSITIVE = st.floats(1e-3, 1e3)
+_SIZE = st.tuples(st.integers(16, 16384), st.integers(16, 16384))
+_RANGE = st.tuples(st.integers(0, 255), st.integers(0, 255)).map(sorted).map(tuple)
+_SEEDS = st.one_of(
+    st.integers(0, 2**200),
+    st.builds(
+        np.random.SeedSequence,
+        st.one_of(st.integers(0, 2**70), st.lists(st.integers(0, 2**32), min_size=1)),
+        spawn_key=st.lists(st.integers(0, 2**31)).map(tuple),
+    ),
+)
+_LAYOUTS = st.builds(
+    MarkerLayout.from_positions,
+    st.tuples(st.floats(1, 100), _FINITE),
+    st.tuples(st.floats(-100, -1), _FINITE),
+    red_area=st.none() | _POSITIVE,
+    blue_area=st.none() | _POSITIVE,
+    distance_tolerance=_POSITIVE,
+    area_tolerance=st.floats(1.01, 1e9),
+    maximum_blobs=st.integers(1, 2**31 - 1),
+)
+_COLORS = st.lists(
+    st.builds(robsim.ColorClass, st.text(min_size=1), y=_RANGE, u=_RANGE, v=_RANGE),
+    min_size=1,
+    max_size=4,
+    unique_by=lambda color: color.name,
+)
+_PARAMETERS = st.builds(
+    robsim.RobotParameters,
+    mass=st.floats(0.1, 10),
+    linear_friction=st.floats(0.01, 10),
+    motor_gain=st.tuples(_POSITIVE, _POSITIVE),
+)
+_CONTROLLERS = st.one_of(
+    st.builds(robsim.Spin, _FINITE),
+    st.builds(
+        robsim.DriveAround,
+        low=st.floats(-1e6, 0),
+        high=st.floats(0, 1e6),
+        hold=st.integers(1, 2**31 - 1),
+    ),
+    st.lists(st.tuples(_FINITE, _FINITE), min_size=1).map(robsim.Replay),
+)
+_DISTURBANCES = st.one_of(
+    st.builds(robsim.PoseNoise.from_sigma, *[st.floats(0, 1e6)] * 3),
+    st.builds(robsim.WheelNoise, st.tuples(st.floats(0, 1e6), st.floats(0, 1e6))),
+)
+_NOISES = st.one_of(
+    st.builds(robsim.GaussianNoise, st.floats(0, 100)), st.builds(robsim.UniformNoise, _POSITIVE)
+)
+
+
+def scenarios():
+    """Random scenarios: any of the options, any others left out."""
+    none = st.none()
+    return st.builds(
+        lambda given: Scenario(**given),
+        st.fixed_dictionaries(
+            {"boundary": st.just("unlimited")},  # a start anywhere
+            optional={
+                "robot": st.sampled_from(["lab", "sheep", FULL.robot]),
+                "area": _SIZE,
+                "resolution": none | _SIZE,
+                "headings": none | st.integers(1, 360),
+                "noise": none | _NOISES,
+                "dropout": none | st.builds(robsim.Dropout, st.floats(0, 1), st.integers(1, 99)),
+                "process_noise": none | _DISTURBANCES,
+                "mismatch": none | st.builds(robsim.ParameterMismatch, st.floats(0, 0.3)),
+                "camera_delay": st.integers(0, 1000),
+                "motor_delay": st.integers(0, 1000),
+                "background": st.none() | st.just(FULL.background),
+                "start": st.one_of(none, st.just("random"), st.tuples(_FINITE, _FINITE, _FINITE)),
+                "seed": none | _SEEDS,
+                "colors": none | _COLORS,
+                "markers": none | _LAYOUTS,
+                "smoothing": none | st.sampled_from(range(1, 16, 2)),
+                "identify_from": st.sampled_from(["truth", "measurement", "estimate"]),
+                "model": none | _PARAMETERS | _PARAMETERS.map(robsim.RobotModel),
+                "evaluate_model": none | st.just(robsim.Unicycle()),
+                "estimate_parameters": st.booleans(),
+                "measure": st.booleans(),
+                "control": none | _CONTROLLERS,
+            },
+        ),
+    )
