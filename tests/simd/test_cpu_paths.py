@@ -127,6 +127,18 @@ def test_the_renderer(robot, headings, rng):
             np.testing.assert_array_equal(other, first)
 
 
+@pytest.mark.long
+def test_headings_are_drawn_once_in_a_scene_and_the_same_in_each():
+    def draw():
+        # An adjust_background of its own makes a scene of its own.
+        scene = renderer(headings=7, resolution=(300, 260), adjust_background=lambda floor: floor)
+        return [scene.render((600.0, 500.0, heading)).copy() for heading in range(7)]
+
+    first, *others = on_each_path(draw)
+    for other in others:
+        np.testing.assert_array_equal(other, first)
+
+
 def test_a_run_in_noise():
     def run():
         sim = robsim.Simulation(
