@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'Frame', 'LeastSquaresFit', 'MarkerLayout', 'Measurement', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'Simulation', 'Spin', 'Step', 'Unicycle', 'VisualNoise', 'WorldState', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'regression', 'rgb_to_yuv', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'model_steps', 'path_sensitivities', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'trace_schema', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -290,21 +290,64 @@ class RobotModel:
         ...
     def __setstate__(self, arg0: typing.Any) -> None:
         ...
-    def predict(self, pose_1: typing.Any, pose_2: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+    def jacobian(self, pose_1: typing.Any, pose_2: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Return the pose of step k.
+        Return the derivatives of the pose of step k by the two poses before.
         
         Parameters
         ----------
-        pose_1, pose_2 : array (3,)
+        pose_1, pose_2 : array (3,) or (N, 3)
             Poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
-        u : array (2,)
+        u : array (2,) or (N, 2)
             Input of step k-1 (V).
         
         Returns
         -------
-        array (3,)
-            The pose, its heading in (-pi, pi].
+        array (3, 6) or (N, 3, 6)
+            Columns 0..2: the derivatives by x, y and heading of `pose_1`; 3..5: by those of `pose_2`.
+        
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not of this type or shape, or not finite.
+        """
+    def predict(self, pose_1: typing.Any, pose_2: typing.Any, u: typing.Any, *, unwrapped: bool = False) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the pose of step k, or those of N steps.
+        
+        Parameters
+        ----------
+        pose_1, pose_2 : array (3,) or (N, 3)
+            Poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
+        u : array (2,) or (N, 2)
+            Input of step k-1 (V).
+        unwrapped : bool
+            Take the headings as they are, without a jump by a full turn, and do not wrap that of the
+            result.
+        
+        Returns
+        -------
+        array (3,) or (N, 3)
+            The pose, its heading in (-pi, pi]. An argument with one row stands for all N.
+        
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not of this type or shape, or not finite.
+        """
+    def steps_in(self, dt: typing.SupportsFloat | typing.SupportsIndex) -> int:
+        """
+        Return the number of the model's steps in a time: several if frames were lost.
+        
+        Parameters
+        ----------
+        dt : float
+            The time between two poses (s), such as ``step.dt``.
+        
+        Raises
+        ------
+        ValueError
+            If it is not a multiple of the model's dt, at least one, within a quarter of that dt.
         """
     @property
     def dt(self) -> float:
@@ -761,7 +804,7 @@ class LeastSquaresFit:
     @property
     def condition(self) -> float:
         """
-        float: condition number of the regressors, scaled to length 1: an estimate from below.
+        float: condition number of the regressors, scaled to length 1.
         """
     @property
     def rank(self) -> int:
@@ -788,6 +831,50 @@ class LeastSquaresFit:
     def theta(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (n,): the parameters, NaN where the samples do not determine them.
+        """
+class TraceGroup:
+    """
+    Columns of a trace that are recorded together.
+    """
+    @property
+    def description(self) -> str:
+        """
+        str: what it is, in one line.
+        """
+    @property
+    def in_recorded(self) -> bool:
+        """
+        bool: the trace of frames from elsewhere must have it.
+        """
+    @property
+    def in_simulated(self) -> bool:
+        """
+        bool: the trace of a simulated run must have it.
+        """
+    @property
+    def is_flag(self) -> bool:
+        """
+        bool: a number above 0 stands for true.
+        """
+    @property
+    def missing(self) -> float:
+        """
+        float: stands where it was not recorded.
+        """
+    @property
+    def name(self) -> str:
+        """
+        str: name of the group.
+        """
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """
+        tuple of int: shape of the numbers of a step.
+        """
+    @property
+    def units(self) -> dict[str, str]:
+        """
+        dict of str to str: unit of each column, in the order of a row.
         """
 class Estimate:
     """
@@ -824,7 +911,18 @@ class Estimate:
 class Sample:
     """
     One sample for the parameter estimator: y = sum(phi * theta, axis=1).
+    
+    Parameters
+    ----------
+    phi : array (3, 5)
+        Regressors of the axes X, Y and P (heading).
+    y : array (3,)
+        Outputs x, y (work-area px) and heading (rad).
+    k : int
+        The step whose output y is.
     """
+    def __init__(self, phi: typing.Any, y: typing.Any, k: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
     def __repr__(self) -> str:
         ...
     @property
@@ -842,46 +940,52 @@ class Sample:
         """
         array (3,): outputs x, y (work-area px) and heading (rad).
         """
-class WorldState:
+class Observation:
     """
-    What the callback `evaluate_model` gets.
+    What a source of frames may give to an `Experiment` in place of a plain frame.
+    
+    Parameters
+    ----------
+    frame : Frame, optional
+        What the camera sees. None = no frame in this step.
+    t : float, optional
+        Time of the step (s). Default: that of the frame, or one sample time after the last step.
+    last_u : array (2,), optional
+        The input that the robot really got since the last step (V), if it is not what the controller
+        returned.
+    measurement : Measurement or array (3,), optional
+        Where the robot was seen, if somebody else has measured it.
+    sample : Sample, optional
+        The sample for the parameter estimator, if somebody else has made it.
     """
+    def __init__(self, frame: Frame | None = None, *, t: typing.SupportsFloat | typing.SupportsIndex | None = None, last_u: typing.Any = None, measurement: typing.Any = None, sample: Sample | None = None) -> None:
+        ...
     def __repr__(self) -> str:
         ...
     @property
-    def dt(self) -> float:
+    def frame(self) -> Frame | None:
         """
-        float: sample time (s).
-        """
-    @property
-    def k(self) -> int:
-        """
-        int: number of the step.
+        Frame or None: what the camera sees.
         """
     @property
-    def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
+    def last_u(self) -> typing.Any:
         """
-        array (2,): the input of step k-1 (V).
-        """
-    @property
-    def model(self) -> RobotModel:
-        """
-        RobotModel: what define_model returned.
+        array (2,) or None: the input since the last step (V).
         """
     @property
-    def pose_1(self) -> numpy.typing.NDArray[numpy.float64]:
+    def measurement(self) -> Measurement | None:
         """
-        array (3,): the pose of step k-1: x, y (work-area px), heading (rad).
-        """
-    @property
-    def pose_2(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (3,): the pose of step k-2.
+        Measurement or None: where the robot was seen.
         """
     @property
-    def t(self) -> float:
+    def sample(self) -> Sample | None:
         """
-        float: time (s).
+        Sample or None: the sample for the parameter estimator.
+        """
+    @property
+    def t(self) -> float | None:
+        """
+        float or None: time of the step (s).
         """
 class Step:
     """
@@ -910,9 +1014,9 @@ class Step:
         The object that init_parameter_estimator made.
         """
     @property
-    def frame(self) -> Frame:
+    def frame(self) -> Frame | None:
         """
-        Frame: what the camera sees.
+        Frame or None: what the camera sees. None if no frame came in this step.
         """
     @property
     def k(self) -> int:
@@ -955,77 +1059,137 @@ class Step:
         """
         array (2,): the input decided in this step, as sent to the motors (V). RuntimeError before that.
         """
-class Simulation:
+class WorldState:
     """
-    The loop. Users take robsim.Simulation.
+    What the callback `evaluate_model` gets.
     """
-    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, start: typing.Any, noise: VisualNoise, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex, noise_seed: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsFloat | typing.SupportsIndex, dropout_length: typing.SupportsInt | typing.SupportsIndex, dropout_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
-        """
-        Return the columns of the trace: name -> array (rows, width).
-        """
-    def render_step(self, k: typing.SupportsInt | typing.SupportsIndex) -> Frame:
-        """
-        Return the frame of a recorded step, drawn anew.
-        """
-    def reset(self) -> None:
-        """
-        Go back to the start.
-        """
-    def run(self, steps: typing.SupportsInt | typing.SupportsIndex, progress: typing.Any = None) -> None:
-        """
-        Run `steps` steps; progress(done) is called every 50 ms or so.
-        """
-    def set_stage(self, slot: str, value: typing.Any) -> None:
-        """
-        Put a callable or a native component into a slot; None = the default.
-        """
-    def start(self) -> None:
-        """
-        Do what comes once, if that has not been done yet.
-        """
-    @property
-    def blobs(self) -> dict[str, list[Blob]]:
+    def __repr__(self) -> str:
         ...
     @property
-    def estimator(self) -> typing.Any:
-        ...
-    @property
-    def frame(self) -> Frame:
-        ...
-    @property
-    def has_started(self) -> bool:
-        ...
-    @property
-    def is_running(self) -> bool:
-        ...
-    @property
-    def last_step(self) -> Step:
-        ...
-    @property
-    def maximum_count(self) -> int:
+    def dt(self) -> float:
         """
-        int: of the blobs of a colour.
+        float: sample time (s).
         """
     @property
-    def minimum_area(self) -> int:
+    def k(self) -> int:
         """
-        int: of the blobs in the newest frame (px).
+        int: number of the step.
+        """
+    @property
+    def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): the input of step k-1 (V).
         """
     @property
     def model(self) -> RobotModel:
+        """
+        RobotModel: what define_model returned.
+        """
+    @property
+    def pose_1(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): the pose of step k-1: x, y (work-area px), heading (rad).
+        """
+    @property
+    def pose_2(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): the pose of step k-2.
+        """
+    @property
+    def t(self) -> float:
+        """
+        float: time (s).
+        """
+class World:
+    """
+    A world half, as the loop sees it.
+    """
+class SimulatedWorld(World):
+    """
+    The simulated world half. Users take robsim.Simulation.
+    """
+    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], resolution: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, camera_delay: typing.SupportsInt | typing.SupportsIndex, motor_delay: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def draw(self, k: typing.SupportsInt | typing.SupportsIndex, pose: typing.Any, view: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], out: typing.Any = None) -> typing.Any:
+        """
+        Return the frame of an earlier step, or write it to `out`.
+        """
+    def draw_newest(self, out: typing.Any = None) -> typing.Any:
+        """
+        Return the newest frame, or write it to `out`.
+        """
+    def set_disturbance(self, pose_factor: typing.Any, input_sigma: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]) -> None:
+        ...
+    def set_dropout(self, probability: typing.SupportsFloat | typing.SupportsIndex, steps: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def set_evaluate_model(self, value: typing.Any) -> None:
+        ...
+    def set_make_scene(self, make: typing.Any, makes_at_start: bool) -> None:
+        ...
+    def set_noise(self, noise: VisualNoise) -> None:
+        ...
+    def set_seeds(self, *, noise: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsInt | typing.SupportsIndex, disturbance: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def set_start(self, start: typing.Any) -> None:
+        ...
+    def set_true_model(self, draw: typing.Any) -> None:
         ...
     @property
-    def rows(self) -> int:
-        """
-        int: steps recorded by now.
-        """
+    def model(self) -> RobotModel:
+        ...
+class Arrival:
+    """
+    What a source of frames may say in place of a frame.
+    
+    Members:
+    
+      NOTHING_YET
+    
+      END
+    """
+    END: typing.ClassVar[Arrival]
+    NOTHING_YET: typing.ClassVar[Arrival]
+    __members__: typing.ClassVar[dict[str, Arrival]]
+    @typing.overload
+    def __eq__(self, other: Arrival) -> bool:
+        ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> int:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __index__(self) -> int:
+        ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __int__(self) -> int:
+        ...
+    @typing.overload
+    def __ne__(self, other: Arrival) -> bool:
+        ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
     @property
-    def smoothing(self) -> int:
-        """
-        int: window of the newest frame (px); 1 = off.
-        """
+    def name(self) -> str:
+        ...
+    @property
+    def value(self) -> int:
+        ...
+class ExternalWorld(World):
+    """
+    The world half outside. Users take robsim.Experiment.
+    """
+    def __init__(self, *, take: typing.Any, send: typing.Any, stop: typing.Any) -> None:
+        ...
 class Unicycle:
     """
     The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
@@ -1165,6 +1329,90 @@ class Replay(Controller):
     def u(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (N, 2): the voltages (V), read-only.
+        """
+class Loop:
+    """
+    The loop. Users take robsim.Simulation or robsim.Experiment.
+    """
+    def __init__(self, *, world: World, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def check_thread(self) -> None:
+        """
+        Raise RuntimeError while another thread runs the loop.
+        """
+    def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+        """
+        Return the columns of the trace: name -> array (rows, width).
+        """
+    def reset(self) -> None:
+        """
+        Go back to the start.
+        """
+    def run(self, steps: typing.SupportsInt | typing.SupportsIndex, progress: typing.Any = None, stops_robot: bool = True) -> bool:
+        """
+        Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has come to its end.
+        """
+    def set_controller_seed(self, seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def set_slot(self, slot: str, value: typing.Any) -> None:
+        """
+        Put a callable or a native component into a slot; None = the default.
+        """
+    def start(self) -> None:
+        """
+        Do what comes once, if that has not been done yet.
+        """
+    def step_stage(self) -> str | None:
+        """
+        Do the next stage that is on and return its name; None = the world has come to its end.
+        """
+    def stop(self) -> bool:
+        """
+        End the run under way; False if there is none.
+        """
+    def stop_robot(self) -> None:
+        """
+        Send the stop input, if there is one.
+        """
+    @property
+    def estimator(self) -> typing.Any:
+        ...
+    @property
+    def has_started(self) -> bool:
+        ...
+    @property
+    def is_running(self) -> bool:
+        ...
+    @property
+    def last_step(self) -> Step:
+        ...
+    @property
+    def maximum_count(self) -> int:
+        """
+        int: of the blobs of a colour.
+        """
+    @property
+    def minimum_area(self) -> int:
+        """
+        int: of the blobs in the newest frame (px).
+        """
+    @property
+    def model(self) -> RobotModel:
+        ...
+    @property
+    def rows(self) -> int:
+        """
+        int: steps recorded by now.
+        """
+    @property
+    def smoothing(self) -> int:
+        """
+        int: window of the newest frame (px); 1 = off.
+        """
+    @property
+    def stage(self) -> str:
+        """
+        str: the stage that runs, or comes next.
         """
 def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, smoothing: typing.SupportsInt | typing.SupportsIndex = 1) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """
@@ -1310,6 +1558,28 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     Measurement or None
         None = not detected: no pair fits, or two fit equally well.
     """
+def model_steps(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], dt: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    Return the number of steps of a model with this dt (s) in each time (s); see RobotModel.steps_in.
+    """
+def path_sensitivities(theta: typing.Any, path: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Return the derivatives of a simulated path.
+    
+    Parameters
+    ----------
+    theta : array (3, 5)
+        The parameters.
+    path : array (n, 3)
+        The path simulated with them.
+    u : array (n, 2)
+        Inputs (V).
+    
+    Returns
+    -------
+    array (n, 3, 21)
+        Derivatives by the first two values of x, of y and of the heading, and by the 15 parameters.
+    """
 def regression(poses: typing.Any, u: typing.Any) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
     """
     Return the samples of the robot model's predictor in an unbroken record.
@@ -1345,6 +1615,33 @@ def rgb_to_yuv(image: typing.Any) -> numpy.typing.NDArray[numpy.uint8]:
     array (H, W, 3) of uint8
         Y, U, V.
     """
+def simulated_path(theta: typing.Any, first: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Return the path of the robot model with any parameters, stable or not.
+    
+    Parameters
+    ----------
+    theta : array (3, 5)
+        Rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
+    first : array (2, 3)
+        The first two poses.
+    u : array (n, 2)
+        Inputs (V), n >= 2.
+    
+    Returns
+    -------
+    array (n, 3)
+        The poses; headings are not wrapped.
+    """
+def trace_schema() -> list[TraceGroup]:
+    """
+    Return the groups of columns of a trace, without `state` and `blobs_<color>`, whose widths vary.
+    
+    Returns
+    -------
+    list of TraceGroup
+        The groups in the order of the documentation.
+    """
 def wrap_angle(angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """
     Return the angle in (-pi, pi] that differs by full turns.
@@ -1359,3 +1656,4 @@ def wrap_angle(angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -
     float or array
         Wrapped angle (rad), of the same shape.
     """
+rank_tolerance: float = 1e-10

@@ -31,7 +31,7 @@ def without(lost, steps):
         robsim.Frame(frames[k].image, t=DT * (k + 1), index=k, plane_map=frames[k].plane_map)
         for k in kept
     ]
-    sim = robsim.Simulation(frames=timed, control=lambda step: simulated.u[step.frame.index])
+    sim = robsim.Experiment(timed, control=lambda step: simulated.u[step.frame.index])
     return sim.run()
 
 

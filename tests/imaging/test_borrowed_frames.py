@@ -78,7 +78,7 @@ def test_a_run_on_borrowed_frames_measures_as_one_on_copies():
         Frame(wider(f.image), copy=False, t=f.t, index=f.index, plane_map=f.plane_map)
         for f in frames
     ]
-    trace = robsim.Simulation(frames=borrowed).run()
+    trace = robsim.Experiment(borrowed).run()
     np.testing.assert_array_equal(trace.pose_measured, sim.trace.pose_measured)
 
 

@@ -68,7 +68,7 @@ class TestFolder:
         assert repr(recording).endswith("5 frames of 32 x 24 px, no times>")
         for dt in (0.2, 0.5):
             model = robsim.RobotModel(robsim.RobotParameters(dt=dt))
-            sim = robsim.Simulation(frames=recording, define_model=lambda model=model: model)
+            sim = robsim.Experiment(recording, define_model=lambda model=model: model)
             np.testing.assert_allclose(sim.run().t, dt * np.arange(5))
 
     def test_other_files_are_ignored(self, folder):

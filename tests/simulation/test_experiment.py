@@ -53,8 +53,7 @@ def test_callbacks_get_what_they_get_in_a_simulation(run):
         seen.append((step.k, step.t, step.frame.index, step.measurement.pose[0]))
         return robsim.Estimate(step.measurement.pose, np.eye(3))
 
-    sim = robsim.Experiment(frames, estimate_state=estimate_state, control=lambda step: (0.1, 0.2)
-    )
+    sim = robsim.Experiment(frames, estimate_state=estimate_state, control=lambda step: (0.1, 0.2))
     trace = sim.run()
     assert [k for k, *_ in seen] == list(range(20))
     assert [t for _, t, *_ in seen] == pytest.approx([0.2 * k for k in range(20)])
@@ -108,12 +107,12 @@ def test_progress_and_no_frames_at_all(run, capsys):
             [np.zeros((4, 4, 3), np.uint8)],
             {},
             TypeError,
-            r"frames must give Frame or Observation objects, or None, got array of shape \(4, 4, 3\)",
+            r"frames must give Frame or Observation objects, or None, got a uint8 array of shape",
         ),
         ([], {"estimate_parameters": True}, ValueError, "estimate_parameters needs the inputs"),
         ([], {"send": 3}, TypeError, "send must be callable, got 3"),
         ([], {"send": print, "stop_input": (1,)}, ValueError, r"stop_input must be \(u1, u2\)"),
-        ([], {"frame_timeout": 0}, ValueError, "frame_timeout must be above 0"),
+        ([], {"frame_timeout": 0}, ValueError, "frame_timeout must be finite and above 0"),
         ([], {"area": (0, 5)}, ValueError, "area must"),
     ],
 )
@@ -146,7 +145,8 @@ def test_parameters_can_be_estimated_when_the_inputs_are_known():
     )
     frames = [sim.step().frame for _ in range(40)]
     u = sim.trace.u
-    again = robsim.Experiment(frames, control=lambda step: u[step.k], estimate_parameters=True
+    again = robsim.Experiment(
+        frames, control=lambda step: u[step.k], estimate_parameters=True
     ).run()
     expected = robsim.Simulation(
         measure=True,
@@ -188,7 +188,8 @@ def timed(frames, times):
 
 def test_the_frames_own_times_are_those_of_the_steps_and_of_the_trace(run, tmp_path):
     seen = []
-    sim = robsim.Experiment(timed(run[0], (0.1, 0.8, 1.5, 2.5)),
+    sim = robsim.Experiment(
+        timed(run[0], (0.1, 0.8, 1.5, 2.5)),
         estimate_state=lambda step: seen.append((step.t, step.dt)) or estimate,
     )
     estimate = robsim.Estimate((0, 0, 0), np.eye(3))
@@ -207,10 +208,10 @@ def test_frames_without_times_are_one_dt_apart(run):
 
 
 def test_zero_is_a_time_like_any_other(run):
-    trace = robsim.Simulation(frames=timed(run[0], (-0.5, 0.0, 0.7))).run()
+    trace = robsim.Experiment(timed(run[0], (-0.5, 0.0, 0.7))).run()
     np.testing.assert_array_equal(trace.t, [-0.5, 0, 0.7])
     with pytest.raises(ValueError, match=r"that of step 1 is of t = 0\.0"):
-        robsim.Simulation(frames=timed(run[0], (0.0, 0.0))).run()
+        robsim.Experiment(timed(run[0], (0.0, 0.0))).run()
 
 
 def test_frames_in_another_order_are_refused_and_the_steps_before_are_kept(run):
@@ -231,7 +232,8 @@ def test_frames_that_come_only_once_cannot_be_reset(run):
 
 def test_frames_that_are_dt_apart_are_so_to_the_last_digit(run):
     seen = []
-    sim = robsim.Experiment(timed(run[0], [0.2 * k for k in range(8)]),
+    sim = robsim.Experiment(
+        timed(run[0], [0.2 * k for k in range(8)]),
         estimate_state=lambda step: seen.append(step.dt) or robsim.Estimate((0, 0, 0), np.eye(3)),
     )
     sim.run()
@@ -240,5 +242,7 @@ def test_frames_that_are_dt_apart_are_so_to_the_last_digit(run):
 
 def test_a_frame_without_a_time_after_later_ones_is_refused(run):
     sim = robsim.Experiment(timed(run[0], (5.0, None)))
-    with pytest.raises(ValueError, match=r"that of step 1 is of t = 0\.2"):
+    with pytest.raises(
+        ValueError, match=r"must all have a time t, or none of them: that of step 1 has none"
+    ):
         sim.run()

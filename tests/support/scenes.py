@@ -3,7 +3,7 @@
 import numpy as np
 
 import robsim
-from robsim.simulation._scene import as_floor, make_renderer
+from robsim.simulation._world.scene import as_floor, make_renderer
 
 AREA = (1200, 1200)
 

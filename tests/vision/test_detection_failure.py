@@ -32,7 +32,7 @@ def test_another_robot():
 
 def test_another_area():
     frames = [robsim.Simulation(**SMALL).frame.image] * 2
-    sim = robsim.Simulation(frames=[robsim.Frame(image) for image in frames], area=(600, 600))
+    sim = robsim.Experiment([robsim.Frame(image) for image in frames], area=(600, 600))
     sim.run()
     assert "43.0 px apart, but the red and blue blobs detected 21." in explain_no_detection(
         sim.trace, sim.markers
@@ -56,7 +56,7 @@ def test_never_in_the_same_frame():
     red, blue = image.copy(), image.copy()
     red[..., 2] = np.minimum(red[..., 2], red[..., 0])
     blue[..., 0] = np.minimum(blue[..., 0], blue[..., 2])
-    sim = robsim.Simulation(frames=[robsim.Frame(red), robsim.Frame(blue)])
+    sim = robsim.Experiment([robsim.Frame(red), robsim.Frame(blue)])
     sim.run()
     assert explain_no_detection(sim.trace, sim.markers) == (
         "red and blue blobs were not detected in the same frame"

@@ -9,8 +9,8 @@ import pytest
 
 import robsim
 from robsim.simulation import Renderer
-from robsim.simulation._scene import as_floor, draw_red_square, make_scene
-from robsim.simulation._scene_cache import SceneCache
+from robsim.simulation._world.scene import as_floor, draw_red_square, make_scene
+from robsim.simulation._world.scene_cache import SceneCache
 from scenes import renderer, small_renderer
 
 POSE = (400.0, 500.0, 0.7)

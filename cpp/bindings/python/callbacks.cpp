@@ -3,7 +3,6 @@
 #include <functional>
 #include <unordered_map>
 
-
 namespace robsim::bindings {
 
 namespace {

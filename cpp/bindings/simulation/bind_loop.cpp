@@ -53,8 +53,8 @@ std::unique_ptr<SlottedLoop> make_loop(const std::shared_ptr<World>& world,
 }
 
 const char* name_of(Stage stage) {
-  constexpr const char* names[] = {"world",          "estimate_parameters", "measure",
-                                   "estimate_state", "control",             "send"};
+  constexpr const char* names[] = {
+      "world", "estimate_parameters", "measure", "estimate_state", "control", "send"};
   return names[static_cast<int>(stage)];
 }
 
@@ -119,7 +119,8 @@ void bind_loop(py::module_& module) {
             return self.run(steps, pulse(progress), stops_robot);
           },
           py::arg("steps"), py::arg("progress") = py::none(), py::arg("stops_robot") = true,
-          "Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has come "
+          "Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has "
+          "come "
           "to its end.")
       .def(
           "step_stage",
@@ -147,8 +148,7 @@ void bind_loop(py::module_& module) {
           "str: the stage that runs, or comes next.")
       .def_property_readonly("model", [](const SlottedLoop& self) { return self.robot().model(); })
       .def_property_readonly(
-          "estimator",
-          [](const SlottedLoop& self) { return to_python(self.robot().estimator()); })
+          "estimator", [](const SlottedLoop& self) { return to_python(self.robot().estimator()); })
       .def_property_readonly("last_step",
                              [](const SlottedLoop& self) { return self.robot().step(); });
 }

@@ -71,8 +71,7 @@ std::shared_ptr<SlottedWorld> make_world(std::pair<int, int> area, std::pair<int
       area.first, area.second,
       choice_from<Boundary>("boundary", boundary,
                             {{"bounce", Boundary::bounce}, {"unlimited", Boundary::unlimited}})};
-  options.camera =
-      PlaneMap::scaled(resolution.first, resolution.second, area.first, area.second);
+  options.camera = PlaneMap::scaled(resolution.first, resolution.second, area.first, area.second);
   options.width = resolution.first;
   options.height = resolution.second;
   options.robot_radius = robot_radius;
@@ -126,7 +125,8 @@ void bind_simulated_world(py::module_& module) {
            py::arg("boundary"), py::arg("robot_radius"), py::arg("camera_delay"),
            py::arg("motor_delay"))
       .def("set_evaluate_model", &SlottedWorld::set_evaluate_model, py::arg("value"))
-      .def("set_make_scene", &SlottedWorld::set_make_scene, py::arg("make"), py::arg("makes_at_start"))
+      .def("set_make_scene", &SlottedWorld::set_make_scene, py::arg("make"),
+           py::arg("makes_at_start"))
       .def("set_true_model", &SlottedWorld::set_true_model, py::arg("draw"))
       .def(
           "set_start",
@@ -168,7 +168,8 @@ void bind_simulated_world(py::module_& module) {
             return drawn(self, self.capture_of(k, truth), out);
           },
           py::arg("k"), py::arg("pose"), py::arg("view"), py::arg("hidden"), py::arg("noise"),
-          py::arg("out") = py::none(), "Return the frame of an earlier step, or write it to `out`.");
+          py::arg("out") = py::none(),
+          "Return the frame of an earlier step, or write it to `out`.");
 }
 
 // Frames from an iterable of Python's, inputs to a callable.

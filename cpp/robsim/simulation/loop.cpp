@@ -19,7 +19,8 @@ class Metronome {
     if (done < next_look_) return false;
     const Clock::time_point now = Clock::now();
     // A look at the clock costs as much as a part of a step.
-    between_looks_ = now - last_look_ < quick ? std::min(2 * between_looks_, most_between_looks) : 1;
+    between_looks_ =
+        now - last_look_ < quick ? std::min(2 * between_looks_, most_between_looks) : 1;
     next_look_ = done + between_looks_;
     last_look_ = now;
     return now >= next_beat_;
@@ -199,7 +200,8 @@ void Loop::end_step() {
 
 bool Loop::is_on(Stage stage) const {
   const Stages& stages = robot_.stages();
-  return stage == Stage::world || (stage == Stage::estimate_parameters && stages.estimate_parameters) ||
+  return stage == Stage::world ||
+         (stage == Stage::estimate_parameters && stages.estimate_parameters) ||
          (stage == Stage::measure && stages.measure) ||
          (stage == Stage::estimate_state && stages.estimate_state) ||
          (stage == Stage::control && stages.control);

@@ -36,9 +36,9 @@ class Loop {
   void start();
 
   /// So many turns, or until the world ends or somebody stops the run. A stage that throws ends the
-  /// run; what was recorded is kept, and the next run goes on with the stage that threw. True if the
-  /// world has come to its end. `stops_robot`: also where nothing but the number of steps ends it.
-  /// Throws std::runtime_error when it is running already.
+  /// run; what was recorded is kept, and the next run goes on with the stage that threw. True if
+  /// the world has come to its end. `stops_robot`: also where nothing but the number of steps ends
+  /// it. Throws std::runtime_error when it is running already.
   bool run(std::int64_t steps, const Pulse& pulse, bool stops_robot);
 
   /// The next stage that is on; nothing at the end of the world.

@@ -40,7 +40,8 @@ std::optional<Sample> SampleHistory::newest(std::int64_t k, const Truth* truth) 
   const bool from_truth = identify_from_ == IdentifyFrom::truth;
   if (from_truth && !truth) return std::nullopt;
   const Past present{from_truth ? std::optional(truth->pose) : std::nullopt,
-                     !follows_ || (truth && truth->bounced), {}};
+                     !follows_ || (truth && truth->bounced),
+                     {}};
   const Past& now = from_truth ? present : past_[0];
   const Past& last = from_truth ? past_[0] : past_[1];
   const Past& before = from_truth ? past_[1] : past_[2];

@@ -47,7 +47,7 @@ class SampleHistory {
   IdentifyFrom identify_from_;
   std::array<Past, 3> past_;  // the newest first
   bool is_interrupted_ = false;
-  bool follows_ = true;  // this step does from the one before
+  bool follows_ = true;       // this step does from the one before
   double time_ = 0;           // s, of all steps
   std::int64_t n_steps_ = 0;  // of the model, in that time
 };

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from robsim._core import Renderer
 from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition, load_robot
-from robsim.simulation._scene import make_renderer, robot_sprite
+from robsim.simulation._world.scene import make_renderer, robot_sprite
 
 AREA = (1200, 1200)  # px
 

@@ -29,7 +29,8 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
         if not isinstance(error, (ValueError, TypeError, OSError, ImportError, RuntimeError)):
             raise
         print_error(_sentence(error))
-        is_callback = "in the callback" in str(error) or getattr(error, "__notes__", None)
+        texts = [str(error), *getattr(error, "__notes__", [])]
+        is_callback = any("in the callback" in text for text in texts)
         raise typer.Exit(code=1 if is_callback else 2) from error
 
 

@@ -109,7 +109,7 @@ def _write_video(experiment: Experiment, recording: Recording, file: Path) -> No
     shown = annotated_frames(
         recording,
         experiment.trace,
-        experiment=experiment,
+        simulation=experiment,
     )
     with errors.report_errors():
         write_with_progress(file, shown, experiment.trace)

@@ -1,4 +1,4 @@
-"""Recorded frames from a video file or a folder of images, for `Simulation(frames=...)`."""
+"""Recorded frames from a video file or a folder of images, for `Experiment`."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Recording:
         Width and height of the work area (px).
     dt : float or None
         Time between two frames (s): frame k has the time k dt. None = unknown: the frames have no
-        times, and a `Simulation` takes the dt of its model.
+        times, and an `Experiment` takes the dt of its model.
     size : tuple of int
         Width and height of the frames (px).
     count : int or None

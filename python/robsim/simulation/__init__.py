@@ -11,12 +11,12 @@ from robsim._core import (
     Unicycle,
     WorldState,
 )
-from robsim.simulation._disturbances import ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation._dropout import Dropout
 from robsim.simulation._experiment import Experiment
 from robsim.simulation._scenario import Scenario
-from robsim.simulation._scene import draw_red_square
 from robsim.simulation._simulation import Simulation
+from robsim.simulation._world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
+from robsim.simulation._world.dropout import Dropout
+from robsim.simulation._world.scene import draw_red_square
 
 __all__ = [
     "Dropout",

@@ -19,9 +19,9 @@ from robsim._base.seeds import Seed, seed_sequence
 from robsim._core import ColorClass, Controller, Frame, MarkerLayout, Observation, Step
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
-from robsim.simulation._frame_source import FrameSource
-from robsim.simulation._motors import Motors
 from robsim.simulation._options import step_count
+from robsim.simulation._outside.frame_source import FrameSource
+from robsim.simulation._outside.motors import Motors
 from robsim.simulation._runner import (
     SOURCES,
     UNLIMITED,

@@ -30,9 +30,9 @@ from robsim.imaging._images import Pixels, load_image
 from robsim.imaging._noise import GaussianNoise, UniformNoise
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
-from robsim.simulation._disturbances import ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation._dropout import Dropout
-from robsim.simulation._scene import Floor, as_floor
+from robsim.simulation._world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
+from robsim.simulation._world.dropout import Dropout
+from robsim.simulation._world.scene import Floor, as_floor
 from robsim.vision._color_files import as_colors
 
 #: What some of the options take.

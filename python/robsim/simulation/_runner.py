@@ -18,7 +18,6 @@ from robsim._core import ColorClass, Controller, Frame, MarkerLayout, Step, Unic
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
 from robsim.simulation import _slots as slots
-from robsim.simulation._options import step_count
 from robsim.simulation._slots import Slot
 from robsim.simulation._time_limit import TimeLimit
 from robsim.trace import RunInfo, Trace
@@ -154,7 +153,9 @@ class Runner(ABC):
 
     def __setattr__(self, name: str, value: Any) -> None:
         is_made = "_core" in self.__dict__
-        is_known = name.startswith("_") or isinstance(getattr(type(self), name, None), (Slot, property))
+        is_known = name.startswith("_") or isinstance(
+            getattr(type(self), name, None), (Slot, property)
+        )
         if is_made and not is_known:
             kind = type(self).__name__
             raise AttributeError(
@@ -195,7 +196,9 @@ class Runner(ABC):
 
     def _limited(self, callback: Any) -> Any:
         # Native stages need no limit.
-        is_native = isinstance(callback, (Controller, Unicycle)) and type(callback).__module__.startswith("robsim")
+        is_native = isinstance(callback, (Controller, Unicycle)) and type(
+            callback
+        ).__module__.startswith("robsim")
         if self._time_limit is None or is_native or not callable(callback):
             return callback
         return self._time_limit.limited(callback)

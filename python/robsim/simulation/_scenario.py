@@ -18,15 +18,15 @@ from robsim.imaging._noise import Noise, as_native_noise
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
 from robsim.simulation import _options as options
-from robsim.simulation._disturbances import (
+from robsim.simulation._world.disturbances import (
     ParameterMismatch,
     PoseNoise,
     WheelNoise,
     check_mismatch,
     check_process_noise,
 )
-from robsim.simulation._dropout import Dropout, as_dropout
-from robsim.simulation._scene import HEADINGS, Floor
+from robsim.simulation._world.dropout import Dropout, as_dropout
+from robsim.simulation._world.scene import HEADINGS, Floor
 from robsim.vision._color_files import as_colors
 
 BOUNDARIES = ("bounce", "unlimited")

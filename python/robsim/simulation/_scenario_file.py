@@ -31,10 +31,10 @@ from robsim.imaging._images import Pixels, png_bytes
 from robsim.imaging._noise import GaussianNoise, UniformNoise
 from robsim.robots import RobotDefinition, robot_names
 from robsim.robots._lookup import as_robot, shipped_robots
-from robsim.simulation._disturbances import ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation._dropout import Dropout
 from robsim.simulation._options import KINDS, background_value, check_names
-from robsim.simulation._scene import Floor
+from robsim.simulation._world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
+from robsim.simulation._world.dropout import Dropout
+from robsim.simulation._world.scene import Floor
 
 if TYPE_CHECKING:
     from tomlkit.items import Item

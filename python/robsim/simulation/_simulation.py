@@ -19,11 +19,11 @@ from robsim.imaging._noise import Noise, as_native_noise
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
 from robsim.simulation import _slots as slots
-from robsim.simulation._dropout import Dropout, as_dropout
 from robsim.simulation._options import heading_count, start_within, step_count
 from robsim.simulation._runner import SOURCES, Runner, as_marker_layout, checked_smoothing
-from robsim.simulation._scene import HEADINGS, as_floor, draw_red_square, make_scene
 from robsim.simulation._slots import Slot
+from robsim.simulation._world.dropout import Dropout, as_dropout
+from robsim.simulation._world.scene import HEADINGS, as_floor, draw_red_square, make_scene
 from robsim.trace import Trace
 from robsim.trace._columns import SIMULATED
 from robsim.vision._color_files import as_colors

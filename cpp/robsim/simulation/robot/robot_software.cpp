@@ -79,8 +79,8 @@ void RobotSoftware::estimate_state() {
   if (size > 0 && state_size_ > 0 && size != state_size_) {
     throw std::invalid_argument("in the callback estimate_state at step " +
                                 std::to_string(step_->k) + ": state must have " +
-                                std::to_string(state_size_) +
-                                " numbers at every step, got " + std::to_string(size));
+                                std::to_string(state_size_) + " numbers at every step, got " +
+                                std::to_string(size));
   }
   if (size > 0) state_size_ = size;
   step_->estimate = std::move(estimate);

@@ -16,8 +16,8 @@ struct RobotOptions {
   std::uint64_t controller_seed = 0;
 };
 
-/// The robot half: its stages, and what it knows of the newest step. It needs no world of ours: what
-/// it is given is an observation and a camera.
+/// The robot half: its stages, and what it knows of the newest step. It needs no world of ours:
+/// what it is given is an observation and a camera.
 class RobotSoftware {
  public:
   RobotSoftware(const RobotOptions& options, std::shared_ptr<const RunGuard> guard);

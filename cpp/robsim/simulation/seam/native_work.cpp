@@ -4,7 +4,7 @@ namespace robsim {
 
 namespace {
 InterpreterLock interpreter_lock{[]() -> void* { return nullptr; }, [](void*) {}};
-}
+}  // namespace
 
 void set_interpreter_lock(const InterpreterLock& lock) { interpreter_lock = lock; }
 

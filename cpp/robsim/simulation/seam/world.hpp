@@ -9,8 +9,8 @@ namespace robsim {
 struct Truth {
   Pose pose;
   bool bounced = false;
-  Point view;           // by which the camera's view is displaced, work-area px
-  bool hidden = false;  // from the camera
+  Point view;                 // by which the camera's view is displaced, work-area px
+  bool hidden = false;        // from the camera
   double gaussian_noise = 0;  // %
   double uniform_noise = 0;   // %
 };

@@ -41,10 +41,10 @@ class ExternalWorld : public World {
   void check_size(std::int64_t k, const Image& image);
 
   ExternalSource source_;
-  double dt_ = 0;                 // s, of the model
-  double last_t_ = 0;             // s
-  bool has_times_ = false;        // the frames bring their times
-  int width_ = 0, height_ = 0;    // of the frames, px; 0 = none yet
+  double dt_ = 0;               // s, of the model
+  double last_t_ = 0;           // s
+  bool has_times_ = false;      // the frames bring their times
+  int width_ = 0, height_ = 0;  // of the frames, px; 0 = none yet
   std::optional<Frame> frame_;
 };
 

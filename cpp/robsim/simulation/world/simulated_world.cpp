@@ -114,11 +114,10 @@ Pose SimulatedWorld::next_pose(std::int64_t k) const {
   const Input sent = has_arrived ? sent_.front() : Input{};
   const Input u = options_.disturbance.disturbed(sent, k);
   const double dt = model_->dt();
-  const Pose pose =
-      slots_.evaluate_model
-          ? slots_.evaluate_model.call({k, static_cast<double>(k) * dt, dt, truth_.pose, last_pose_,
-                                        u, *model_})
-          : model_->predict(truth_.pose, last_pose_, u);
+  const Pose pose = slots_.evaluate_model
+                        ? slots_.evaluate_model.call({k, static_cast<double>(k) * dt, dt,
+                                                      truth_.pose, last_pose_, u, *model_})
+                        : model_->predict(truth_.pose, last_pose_, u);
   return options_.disturbance.disturbed(pose, k);
 }
 
@@ -170,8 +169,8 @@ Frame SimulatedWorld::draw(const Capture& capture) {
   if (capture.noise->is_off()) return frame;
   const NativeWork native;
   Image noisy = noisy_images_.take(frame.image.width(), frame.image.height());
-  capture.noise->add(frame.image.view(), options_.noise_seed,
-                     static_cast<std::uint64_t>(capture.k), noisy.writable_view());
+  capture.noise->add(frame.image.view(), options_.noise_seed, static_cast<std::uint64_t>(capture.k),
+                     noisy.writable_view());
   frame.image = noisy;
   return frame;
 }
@@ -185,8 +184,8 @@ void SimulatedWorld::draw_into(const Capture& capture, const WritableView& pixel
         std::to_string(pixels.height));
   }
   const NativeWork native;
-  capture.noise->add(frame.image.view(), options_.noise_seed,
-                     static_cast<std::uint64_t>(capture.k), pixels);
+  capture.noise->add(frame.image.view(), options_.noise_seed, static_cast<std::uint64_t>(capture.k),
+                     pixels);
 }
 
 }  // namespace robsim

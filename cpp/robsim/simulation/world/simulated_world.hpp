@@ -37,9 +37,9 @@ struct Dropout {
 
 struct WorldOptions {
   WorkArea area;
-  PlaneMap camera;           // of the view before it is displaced
+  PlaneMap camera;            // of the view before it is displaced
   int width = 0, height = 0;  // of the frames, px
-  double robot_radius = 0;   // of the robot's outline around its centre, work-area px
+  double robot_radius = 0;    // of the robot's outline around its centre, work-area px
   Pose start;
   VisualNoise noise;
   std::uint64_t noise_seed = 0;
@@ -51,9 +51,9 @@ struct WorldOptions {
 
 /// The slots of the world half.
 struct WorldSlots {
-  Slot<Pose(const WorldState&)> evaluate_model;  // empty: the robot's model
+  Slot<Pose(const WorldState&)> evaluate_model;              // empty: the robot's model
   std::function<std::shared_ptr<const Scene>()> make_scene;  // called when somebody first looks
-  bool makes_scene_at_start = false;                          // nevertheless
+  bool makes_scene_at_start = false;                         // nevertheless
 
   // The model that the robot follows, from the one that the robot half believes in; empty: the
   // same.
@@ -126,7 +126,7 @@ class SimulatedWorld : public World {
   Pose last_pose_;
   Truth truth_;
   Pan pan_;
-  std::deque<Input> sent_;         // the newest last, as many as the motors' delay needs
+  std::deque<Input> sent_;        // the newest last, as many as the motors' delay needs
   std::deque<Capture> captures_;  // the newest last, as many as the camera's delay needs
 };
 

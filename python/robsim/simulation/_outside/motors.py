@@ -26,9 +26,7 @@ class Motors:
         If an argument has the wrong type or shape.
     """
 
-    def __init__(
-        self, send: Callable[[Floats], Any], stop_input: Sequence[float] | None
-    ) -> None:
+    def __init__(self, send: Callable[[Floats], Any], stop_input: Sequence[float] | None) -> None:
         if not callable(send):
             raise TypeError(f"send must be callable, got {send!r}")
         self._send = send

@@ -16,7 +16,7 @@ from robsim._core import Renderer, Scene
 from robsim.imaging._images import Pixels, load_image, resized
 from robsim.imaging._shading import SHADOW, darkened, lightened
 from robsim.robots import RobotDefinition
-from robsim.simulation._scene_cache import SceneCache
+from robsim.simulation._world.scene_cache import SceneCache
 
 #: Number of headings that the robot is drawn in, as in the program of 2008.
 HEADINGS = 36

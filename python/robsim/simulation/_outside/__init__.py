@@ -1,0 +1,1 @@
+"""What is outside: frames that come, inputs that go."""
