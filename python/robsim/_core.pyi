@@ -1110,11 +1110,11 @@ class SimulatedWorld(World):
     """
     def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], resolution: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, camera_delay: typing.SupportsInt | typing.SupportsIndex, motor_delay: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
-    def draw(self, k: typing.SupportsInt | typing.SupportsIndex, pose: typing.Any, view: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], out: typing.Any = None) -> typing.Any:
+    def draw(self, k: typing.SupportsInt | typing.SupportsIndex, pose: typing.Any, view: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], out: typing.Any = None) -> Frame:
         """
         Return the frame of an earlier step, or write it to `out`.
         """
-    def draw_newest(self, out: typing.Any = None) -> typing.Any:
+    def draw_newest(self, out: typing.Any = None) -> Frame:
         """
         Return the newest frame, or write it to `out`.
         """

@@ -80,7 +80,7 @@ def test_missing_color_and_picture_files(tmp_path):
 
 
 def test_options_are_keywords():
-    with pytest.raises(TypeError, match="positional"):
+    with pytest.raises(TypeError, match="scenario must be a Scenario, got 'lab': give options by"):
         Simulation("lab")
 
 

@@ -76,6 +76,10 @@ void set_define_model(Stages& stages, const py::object& value) {
     stages.define_model = [] { return RobotModel(); };
     return;
   }
+  if (is_exactly<RobotModel>(value)) {
+    stages.define_model = [model = value.cast<RobotModel>()] { return model; };
+    return;
+  }
   stages.define_model = [callback = Callback("define_model", value)] {
     const py::object result = callback(-1);
     return callback.convert(-1, [&] { return model_from(result); });

@@ -85,12 +85,10 @@ Eigen::Matrix3d matrix_from(const py::object& value, const std::string& name) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
 }
 
-// What a capture shows: a new frame, or pixels written to `out`.
-py::object drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture,
-                 const py::object& out) {
-  if (out.is_none()) return py::cast(self.draw(capture));
-  self.draw_into(capture, writable_view(out, "out"));
-  return out;
+// What a capture shows: a new frame, or one that borrows `out`, written anew.
+Frame drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture, const py::object& out) {
+  if (out.is_none()) return self.draw(capture);
+  return self.draw_into(capture, writable_view(out, "out"), borrowed_image(out, "out"));
 }
 
 void bind_world_state(py::module_& module) {

@@ -65,7 +65,7 @@ def as_float_array(name: str, values: Any) -> Floats:
         if given.dtype.kind not in "biufO":
             raise TypeError(given.dtype)
         return given.astype(np.float64, copy=False)
-    except (TypeError, ValueError):  # rows of different lengths, too
+    except (TypeError, ValueError, OverflowError):  # rows of different lengths, too
         message = f"{name} must be an array of numbers, got {reprlib.repr(values)}"
         raise TypeError(message) from None
 

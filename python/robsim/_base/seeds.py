@@ -34,7 +34,7 @@ def _check_numbers(name: str, numbers: Any) -> None:
 Seed = int | np.random.SeedSequence | np.random.Generator | SeedRecord | None
 
 #: The streams of a run, in the order of their spawn keys.
-STREAMS = ("controller", "noise", "start", "user", "dropout")
+STREAMS = ("controller", "noise", "start", "user", "dropout", "disturbance", "mismatch")
 
 
 def seed_sequence(seed: Seed) -> np.random.SeedSequence:

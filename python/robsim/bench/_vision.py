@@ -60,7 +60,8 @@ def scene(kind: str, size: int, smoothing: int | None = None) -> Scene:
         smoothing=smoothing,
         seed=1,
     )
-    frame = simulation.step().frame
+    simulation.step()
+    frame = simulation.frame
     core = simulation._core
     return Scene(frame, simulation.colors, core.minimum_area, core.smoothing)
 

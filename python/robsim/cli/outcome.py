@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from robsim.cli import errors
 
@@ -13,10 +13,11 @@ if TYPE_CHECKING:
 
     from robsim import Frame, Simulation, Trace
     from robsim.imaging._images import Pixels
+    from robsim.simulation._runner import Runner
 
 
 def finish(
-    simulation: Simulation,
+    simulation: Runner,
     out: Path,
     *,
     as_json: bool,
@@ -32,7 +33,8 @@ def finish(
         return
     with errors.report_errors():
         results = write_results(out, simulation)
-        _write_videos(simulation, video, record)
+        if video or record:
+            _write_videos(cast("Simulation", simulation), video, record)
     if as_json:
         print(json.dumps(results.to_dict(), indent=2, allow_nan=False))
         return

@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim import plotting
 from robsim.identification._batch import BatchEstimate, batch_estimate
-from robsim.simulation._simulation import Simulation
+from robsim.simulation._runner import Runner
 from robsim.trace import TrackingStatistics
 
 
@@ -56,14 +56,14 @@ def check_folder(out: Path) -> None:
         raise NotADirectoryError(f"{out} is a file, not a folder: give another name")
 
 
-def write_results(out: Path, simulation: Simulation) -> Results:
+def write_results(out: Path, simulation: Runner) -> Results:
     """Write the figures and the trace of a run.
 
     Parameters
     ----------
     out : Path
         Folder to write to; created if needed.
-    simulation : Simulation
+    simulation : Simulation or Experiment
         A simulation that has run.
 
     Returns
@@ -94,11 +94,11 @@ def write_results(out: Path, simulation: Simulation) -> Results:
     return Results(report=report, tracking=trace.tracking() if is_tracked else None, files=files)
 
 
-def _camera_figure(simulation: Simulation) -> Any:
+def _camera_figure(simulation: Runner) -> Any:
     step = simulation.last_step
     is_tracked = simulation.trace.is_tracked
     axes = plotting.plot_frame(
-        step.frame,
+        simulation.frame,
         blobs=step.blobs if is_tracked else None,
         measurement=step.measurement,
         outline=simulation.robot.to_robot_frame(simulation.robot.outline),
@@ -106,7 +106,7 @@ def _camera_figure(simulation: Simulation) -> Any:
     return axes.get_figure(root=True)
 
 
-def _report(simulation: Simulation) -> BatchEstimate | None:
+def _report(simulation: Runner) -> BatchEstimate | None:
     """Return the batch estimate, if parameters were estimated and the record is long enough."""
     if not np.isfinite(simulation.trace.parameters).any():
         return None

@@ -10,6 +10,7 @@ from robsim._core import Estimate, Frame, Measurement
 from robsim.imaging._clip import Clip
 from robsim.imaging._images import Pixels
 from robsim.plotting._overlay import draw_overlay
+from robsim.simulation._runner import Runner
 from robsim.simulation._simulation import Simulation
 from robsim.trace import Trace
 
@@ -18,7 +19,7 @@ def annotated_frames(
     frames: Iterable[Frame],
     trace: Trace,
     *,
-    simulation: Simulation,
+    simulation: Runner,
 ) -> Iterator[Pixels]:
     """Yield the frames of a run with the measured and estimated poses drawn onto them.
 
@@ -28,8 +29,8 @@ def annotated_frames(
         The frames, one for each step of the trace.
     trace : Trace
         The run.
-    simulation : Simulation
-        The simulation of the run: its robot's outline is drawn, and the blobs that it finds.
+    simulation : Simulation or Experiment
+        What has run: its robot's outline is drawn, and the blobs that it finds.
 
     Yields
     ------

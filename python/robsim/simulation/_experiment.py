@@ -19,19 +19,12 @@ from robsim._base.seeds import Seed, seed_sequence
 from robsim._core import ColorClass, Controller, Frame, MarkerLayout, Observation, Step
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
-from robsim.simulation._options import step_count
+from robsim.simulation._options import colors_value, markers_value, smoothing_value, step_count
 from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.motors import Motors
-from robsim.simulation._runner import (
-    SOURCES,
-    UNLIMITED,
-    Runner,
-    as_marker_layout,
-    checked_smoothing,
-)
+from robsim.simulation._runner import UNLIMITED, Runner
 from robsim.trace import Trace
-from robsim.trace._columns import RECORDED
-from robsim.vision._color_files import as_colors
+from robsim.trace._columns import POSES, RECORDED
 
 _AREA = (1200, 1200)
 _FRAME_TIMEOUT = 1.0  # s, where a robot drives
@@ -135,10 +128,10 @@ class Experiment(Runner):
             area=check_size("area", area or self._source.area or _AREA),
             boundary="recorded",
             seed=seed_sequence(seed),
-            colors=as_colors(colors),
-            markers=as_marker_layout(definition if markers is None else markers),
-            smoothing=checked_smoothing(smoothing),
-            identify_from=check_choice("identify_from", identify_from, SOURCES),
+            colors=colors_value(colors, smoothing_value(smoothing)),
+            markers=markers_value(markers) or definition.marker_layout(),
+            smoothing=smoothing_value(smoothing),
+            identify_from=check_choice("identify_from", identify_from, tuple(POSES)),
             time_limit=time_limit,
         )
         self._fill_slots(given)
@@ -243,7 +236,7 @@ class Experiment(Runner):
         return super()._stage(slot, callback)
 
     def _default(self, slot: str) -> Any:
-        return self._source.define_model if slot == "define_model" else None
+        return self._source.model() if slot == "define_model" else None
 
     def _check_stages(self) -> None:
         super()._check_stages()

@@ -12,22 +12,31 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.checks import check_int
 from robsim._base.seeds import Seed, seed_record, seed_sequence, stream, stream_number
-from robsim._core import ColorClass, Controller, Frame, MarkerLayout, Step, Unicycle
+from robsim._core import (
+    ColorClass,
+    DriveAround,
+    Frame,
+    MarkerLayout,
+    Replay,
+    Spin,
+    Step,
+    Unicycle,
+)
 from robsim.robots import RobotDefinition
-from robsim.robots._lookup import as_robot
 from robsim.simulation import _slots as slots
 from robsim.simulation._slots import Slot
 from robsim.simulation._time_limit import TimeLimit
 from robsim.trace import RunInfo, Trace
-from robsim.trace._columns import POSES, empty_groups
+from robsim.trace._columns import empty_groups
 
 if TYPE_CHECKING:
     from robsim.simulation._folders.callback_folder import CallbackFolder, Callbacks
 
-SOURCES = tuple(POSES)
 UNLIMITED = 2**62 - 1  # steps
+
+#: Stages that run in C++.
+NATIVE = (Spin, DriveAround, Replay, Unicycle)
 
 
 class Runner(ABC):
@@ -196,10 +205,7 @@ class Runner(ABC):
 
     def _limited(self, callback: Any) -> Any:
         # Native stages need no limit.
-        is_native = isinstance(callback, (Controller, Unicycle)) and type(
-            callback
-        ).__module__.startswith("robsim")
-        if self._time_limit is None or is_native or not callable(callback):
+        if self._time_limit is None or not _is_code(callback):
             return callback
         return self._time_limit.limited(callback)
 
@@ -217,6 +223,10 @@ class Runner(ABC):
             The blobs by colour, the largest first.
         """
         return _core.find_blobs(frame, self.colors, markers=self.markers, smoothing=self._smoothing)
+
+    @abstractmethod
+    def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
+        """Run some steps; a run continues where the last one ended."""
 
     def _run(self, steps: int, progress: bool | str, total: int | None) -> bool:
         """Run some steps; return whether the world has come to its end."""
@@ -387,10 +397,16 @@ class Runner(ABC):
             area=self.area,
             boundary=self.boundary,
             robot=self.robot.name,
+            scenario=self._described(),
+            callbacks=tuple(slot for slot, value in self._callbacks.items() if _is_code(value)),
         )
         if self._core.has_started:
             self._run_info = info
         return info
+
+    def _described(self) -> Any:
+        """Return the scenario of the run, None if there is none."""
+        return None
 
     @abstractmethod
     def _theta_true(self) -> ArrayLike:
@@ -416,10 +432,13 @@ class Runner(ABC):
         return self._core.estimator
 
     @property
-    def frame(self) -> Frame | None:
-        """The newest camera frame; None if none came in the last step."""
+    def frame(self) -> Frame:
+        """The newest camera frame. RuntimeError if none came in the last step."""
         self._start()
-        return self._core.last_step.frame
+        frame = self._core.last_step.frame
+        if frame is None:
+            raise RuntimeError(f"no frame came in step {self._core.last_step.k}")
+        return frame
 
     @property
     def last_step(self) -> Step:
@@ -435,31 +454,14 @@ class Runner(ABC):
         )
 
 
+def _is_code(value: Any) -> bool:
+    """Return whether the value of a slot is Python code, and not a native stage."""
+    return callable(value) and type(value) not in NATIVE
+
+
 def _update_estimator(step: Step) -> ArrayLike | None:
     """Update the user's estimator: the stage estimate_parameters=True in Python."""
     if step.sample is None:
         return None
     update: ArrayLike = step.estimator.update(step.sample.phi, step.sample.y)
     return update
-
-
-def checked_smoothing(smoothing: int | None) -> int | None:
-    """Return the option ``smoothing`` after a check."""
-    return None if smoothing is None else check_int("smoothing", smoothing, minimum=1, maximum=15)
-
-
-def as_marker_layout(
-    markers: MarkerLayout | RobotDefinition | str | PathLike[str],
-) -> MarkerLayout:
-    """Return the value of the option ``markers`` as a layout."""
-    if isinstance(markers, MarkerLayout):
-        return markers
-    if not isinstance(markers, (str, PathLike, RobotDefinition)):
-        raise TypeError(
-            f"markers must be a MarkerLayout, a RobotDefinition, a robot's name or a folder, "
-            f"got {markers!r}"
-        )
-    try:
-        return as_robot(markers).marker_layout()
-    except ValueError as error:
-        raise ValueError(f"markers: {error}") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -13,7 +14,16 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import check_choice, check_size
 from robsim._base.files import write_whole
 from robsim._base.seeds import Seed, seed_value
-from robsim._core import DriveAround, Replay, RobotModel, RobotParameters, Spin, Unicycle
+from robsim._core import (
+    ColorClass,
+    DriveAround,
+    MarkerLayout,
+    Replay,
+    RobotModel,
+    RobotParameters,
+    Spin,
+    Unicycle,
+)
 from robsim.imaging._noise import Noise, as_native_noise
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
@@ -27,10 +37,13 @@ from robsim.simulation._world.disturbances import (
 )
 from robsim.simulation._world.dropout import Dropout, as_dropout
 from robsim.simulation._world.scene import HEADINGS, Floor
+from robsim.trace import Trace
+from robsim.trace._columns import POSES
+from robsim.trace._trace import check_trace
 from robsim.vision._color_files import as_colors
 
 BOUNDARIES = ("bounce", "unlimited")
-SOURCES = ("truth", "measurement", "estimate")
+SOURCES = tuple(POSES)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -167,6 +180,75 @@ class Scenario:
             ),
             "measure": options.switch_value("measure", self.measure),
         }
+
+    @property
+    def robot_definition(self) -> RobotDefinition:
+        """The robot, as read."""
+        assert isinstance(self.robot, RobotDefinition)
+        return self.robot
+
+    @property
+    def color_classes(self) -> tuple[ColorClass, ...]:
+        """The colours to detect, as read."""
+        assert isinstance(self.colors, tuple)
+        return self.colors
+
+    @property
+    def marker_layout(self) -> MarkerLayout:
+        """Geometry of the markers for the default measurement."""
+        assert self.markers is None or isinstance(self.markers, MarkerLayout)
+        return self.markers or self.robot_definition.marker_layout()
+
+    @property
+    def floor(self) -> Floor | None:
+        """The floor in its own size; None = the one that ships with robsim."""
+        assert self.background is None or isinstance(self.background, Floor)
+        return self.background
+
+    @classmethod
+    def of(cls, trace: Trace) -> Scenario:
+        """Return the scenario of a recorded run, which gives the same run again.
+
+        Parameters
+        ----------
+        trace : Trace
+            A run of a `Simulation`, from its first step on.
+
+        Returns
+        -------
+        Scenario
+            With the seed of the run. In place of a controller in Python it has the recorded inputs,
+            as a `Replay`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `trace` is not a Trace, or has no scenario; if it begins later.
+
+        Warns
+        -----
+        UserWarning
+            If other slots had callbacks in Python, which are not part of it.
+        """
+        check_trace(trace)
+        scenario = trace.info.scenario
+        if scenario is None:
+            raise ValueError("the trace has no scenario: it is not of a Simulation")
+        if isinstance(scenario, str):
+            scenario = cls.from_toml(scenario)
+        callbacks = set(trace.info.callbacks)
+        if "control" in callbacks:
+            if len(trace) and trace.k[0] != 0:
+                raise ValueError(f"trace must begin with step 0, got step {trace.k[0]}")
+            scenario = scenario.replace(control=Replay(trace.u))
+        if missing := sorted(callbacks - {"control"}):
+            warnings.warn(
+                f"the run had callbacks in Python for {', '.join(missing)}: give them to "
+                "Simulation(scenario, ...) again",
+                stacklevel=2,
+            )
+        assert isinstance(scenario, cls)
+        return scenario
 
     def replace(self, **changes: Any) -> Scenario:
         """Return the scenario with some options changed.

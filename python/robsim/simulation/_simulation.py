@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from os import PathLike
 from typing import Any
@@ -11,89 +11,72 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.checks import check_choice, check_size
 from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
-from robsim._core import ColorClass, Controller, Frame, MarkerLayout, Spin, Step
+from robsim._core import Controller, Frame, RobotModel, RobotParameters, Spin, Step
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import Noise, as_native_noise
 from robsim.robots import RobotDefinition
-from robsim.robots._lookup import as_robot
+from robsim.simulation import _options as options
 from robsim.simulation import _slots as slots
-from robsim.simulation._options import heading_count, start_within, step_count
-from robsim.simulation._runner import SOURCES, Runner, as_marker_layout, checked_smoothing
+from robsim.simulation._runner import Runner
+from robsim.simulation._scenario import OPTIONS, Scenario
 from robsim.simulation._slots import Slot
+from robsim.simulation._world.disturbances import (
+    ParameterMismatch,
+    PoseNoise,
+    WheelNoise,
+    check_process_noise,
+)
 from robsim.simulation._world.dropout import Dropout, as_dropout
-from robsim.simulation._world.scene import HEADINGS, as_floor, draw_red_square, make_scene
+from robsim.simulation._world.scene import draw_red_square, make_scene, scaled_floor
 from robsim.trace import Trace
 from robsim.trace._columns import SIMULATED
-from robsim.vision._color_files import as_colors
 
-_AREA = (1200, 1200)
+
+class _AsInScenario:
+    """Default of an option: that of the scenario."""
+
+    def __repr__(self) -> str:
+        return "<as in the scenario>"
+
+
+_SAME: Any = _AsInScenario()
 
 
 class Simulation(Runner):
     """A robot on a work area under a ceiling camera, driven by callbacks.
 
-    Each step runs these stages in order: the model moves the robot; the parameter estimator gets
-    the newest sample; the measurement evaluates the camera's frame; the state estimator updates
-    its estimate; the controller returns the input of the next step.
+    Each step runs these stages in order: the model moves the robot, from step 1 on; the parameter
+    estimator gets the newest sample; the measurement evaluates the camera's frame; the state
+    estimator updates its estimate; the controller returns the input of the step.
 
     Parameters
     ----------
-    robot : str, path or RobotDefinition, optional
-        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
-        with ``robsim robots use``, initially ``"lab"``.
-    area : tuple of int
-        Width and height of the work area (px).
-    resolution : tuple of int, optional
-        Width and height of the frames (px). Default: the same as the area.
-    boundary : str
-        ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
-        view follows the robot.
-    headings : int or None
-        Number of headings that the robot is drawn in: the nearest one, at integer pixels. None:
-        drawn at its exact position and heading.
-    noise : GaussianNoise, UniformNoise or None
-        Camera noise.
-    dropout : Dropout or None
-        Random occlusion of the robot.
-    background : array (H, W, 3) of uint8, or path, optional
-        The floor, scaled to the area. Default: the floor that ships with robsim.
-    start : array (3,) or "random", optional
-        The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.
-    seed : int, SeedSequence, Generator or None
-        Seed of all random numbers of the run, stored in ``trace.info.seed``. None = unpredictable.
-    colors : path or iterable of ColorClass, optional
-        Colour file, or classes, to detect. Default: red and blue as shipped with robsim.
-    markers : MarkerLayout, RobotDefinition, str or path, optional
-        Geometry of the markers for the default measurement, or the robot that has them. Default:
-        `robot`.
-    smoothing : int, optional
-        Width of the averaging window applied before a pixel's colour is classified (px of the
-        frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. 1 =
-        off, as in the program of 2008. Default: 0.28 of the width of the smaller marker, at most 7.
-    identify_from : str
-        Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.
+    scenario : Scenario, optional
+        What the options have that are not given here. Default: ``Scenario()``.
+    OPTIONS
     time_limit : float, optional
         Maximum duration of a call of a callback, or of the ``update`` of your own estimator (s);
         a call that exceeds it ends the run with a TimeoutError.
-    define_model, init_parameter_estimator, adjust_background : callable, optional
-        Called once, at the start.
-    evaluate_model : callable or Unicycle, optional
-        ``evaluate_model(world) -> (3,)``: the new pose. Default: the model's own equations.
-    estimate_parameters : callable or bool, optional
-        ``estimate_parameters(step) -> (3, 5) or None``. True = recursive least squares.
-    measure : callable or bool, optional
-        ``measure(step) -> Measurement or None``. True = locate the red and the blue marker.
+    define_model : callable, optional
+        ``define_model() -> RobotModel``, in place of `model`.
+    init_parameter_estimator : callable, optional
+        ``init_parameter_estimator(model) -> estimator``, called once, at the start.
+    adjust_background : callable, optional
+        ``adjust_background(background) -> background``, called once, at the start.
     estimate_state : callable, optional
         ``estimate_state(step) -> Estimate``.
-    control : callable or Controller, optional
-        ``control(step) -> (u1, u2)`` in V. Default: `Spin`.
 
     Raises
     ------
     TypeError, ValueError
         If an argument has the wrong type or shape, or is out of range; the message names it.
+
+    Notes
+    -----
+    `evaluate_model`, `estimate_parameters`, `measure` and `control` may be callbacks, too:
+    ``evaluate_model(world) -> (3,)``, the new pose; ``measure(step) -> Measurement or None``;
+    ``estimate_parameters(step) -> (3, 5) or None``; ``control(step) -> (u1, u2)`` in V.
 
     Examples
     --------
@@ -112,87 +95,159 @@ class Simulation(Runner):
 
     def __init__(
         self,
+        scenario: Scenario | None = None,
         *,
-        robot: str | PathLike[str] | RobotDefinition | None = None,
-        area: tuple[int, int] | None = None,
-        resolution: tuple[int, int] | None = None,
-        boundary: str = "bounce",
-        headings: int | None = HEADINGS,
-        noise: Noise | None = None,
-        dropout: Dropout | None = None,
-        background: Pixels | str | PathLike[str] | None = None,
-        start: ArrayLike | str | None = None,
-        seed: Seed = None,
-        colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
-        markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None = None,
-        smoothing: int | None = None,
-        identify_from: str = "truth",
+        robot: str | PathLike[str] | RobotDefinition | None = _SAME,
+        area: tuple[int, int] | None = _SAME,
+        resolution: tuple[int, int] | None = _SAME,
+        boundary: str = _SAME,
+        headings: int | None = _SAME,
+        noise: Noise | None = _SAME,
+        dropout: Dropout | None = _SAME,
+        process_noise: PoseNoise | WheelNoise | None = _SAME,
+        mismatch: ParameterMismatch | None = _SAME,
+        camera_delay: int = _SAME,
+        motor_delay: int = _SAME,
+        background: options.Background = _SAME,
+        start: ArrayLike | str | None = _SAME,
+        seed: Seed = _SAME,
+        colors: options.Colors = _SAME,
+        markers: options.Markers = _SAME,
+        smoothing: int | None = _SAME,
+        identify_from: str = _SAME,
+        model: RobotModel | RobotParameters | None = _SAME,
         time_limit: float | None = None,
-        define_model: Callable[[], _core.RobotModel] | None = None,
-        init_parameter_estimator: Callable[[_core.RobotModel], Any] | None = None,
+        define_model: Callable[[], RobotModel] | None = None,
+        init_parameter_estimator: Callable[[RobotModel], Any] | None = None,
         adjust_background: Callable[[Pixels], Pixels] | None = None,
-        evaluate_model: Callable[[_core.WorldState], ArrayLike] | _core.Unicycle | None = None,
-        estimate_parameters: Callable[[Step], ArrayLike | None] | bool | None = None,
-        measure: Callable[[Step], _core.Measurement | None] | bool | None = None,
+        evaluate_model: Callable[[_core.WorldState], ArrayLike] | _core.Unicycle | None = _SAME,
+        estimate_parameters: Callable[[Step], ArrayLike | None] | bool | None = _SAME,
+        measure: Callable[[Step], _core.Measurement | None] | bool | None = _SAME,
         estimate_state: Callable[[Step], _core.Estimate] | None = None,
-        control: Callable[[Step], Sequence[float]] | Controller | None = None,
+        control: Callable[[Step], Sequence[float]] | Controller | None = _SAME,
     ) -> None:
-        given = locals()
-        definition = as_robot(robot)
-        area = check_size("area", _AREA if area is None else area)
-        self.resolution = area if resolution is None else check_size("resolution", resolution)
-        check_choice("boundary", boundary, ("bounce", "unlimited"))
-        hidden = as_dropout(dropout)
-        self._start_option = start
-        self._world = _core.SimulatedWorld(
-            area=area,
-            resolution=self.resolution,
-            boundary=boundary,
-            robot_radius=definition.radius,
-            camera_delay=0,
-            motor_delay=0,
-        )
-        self._world.set_noise(as_native_noise(noise))
-        self._world.set_dropout(hidden.probability, hidden.steps)
-        self._scene = {
-            "robot": definition,
-            "area": area,
-            "resolution": self.resolution,
-            "headings": heading_count(headings),
-            "background": as_floor(background, area),
+        given = {name: value for name, value in locals().items() if value is not _SAME}
+        if scenario is not None and not isinstance(scenario, Scenario):
+            raise TypeError(f"scenario must be a Scenario, got {scenario!r}: give options by name")
+        data = {name: given[name] for name in OPTIONS if name in given}
+        code = {
+            name: data.pop(name) for name in _STAGES if name in data and not _is_data(name, data)
         }
+        if data.get("area", _SAME) is None:
+            del data["area"]
+        base = Scenario(**data) if scenario is None else scenario.replace(**data)
+        self._seed = seed_sequence(base.seed)
+        self._scenario = base.replace(**dict.fromkeys(code)) if code else base
+        self.resolution = self._scenario.resolution or self._scenario.area
+        self._world = _core.SimulatedWorld(
+            area=self._scenario.area,
+            resolution=self.resolution,
+            boundary=self._scenario.boundary,
+            robot_radius=self._scenario.robot_definition.radius,
+            camera_delay=self._scenario.camera_delay,
+            motor_delay=self._scenario.motor_delay,
+        )
         super().__init__(
             self._world,
-            robot=definition,
-            area=area,
-            boundary=boundary,
-            seed=seed_sequence(seed),
-            colors=as_colors(colors),
-            markers=as_marker_layout(definition if markers is None else markers),
-            smoothing=checked_smoothing(smoothing),
-            identify_from=check_choice("identify_from", identify_from, SOURCES),
+            robot=self._scenario.robot_definition,
+            area=self._scenario.area,
+            boundary=self._scenario.boundary,
+            seed=self._seed,
+            colors=self._scenario.color_classes,
+            markers=self._scenario.marker_layout,
+            smoothing=self._scenario.smoothing,
+            identify_from=self._scenario.identify_from,
             time_limit=time_limit,
         )
         self._seed_core()
-        self._fill_slots(given)
+        self._apply_noise()
+        self._apply_dropout()
+        self._apply_process_noise()
+        native = {name: getattr(self._scenario, name) or None for name in _STAGES}
+        given_stages = {
+            name: given[name] for name in _STAGES if name in given and given[name] is False
+        }
+        self._fill_slots(dict.fromkeys(self.SLOTS) | given | native | given_stages | code)
+
+    @property
+    def scenario(self) -> Scenario:
+        """All that describes the world and the run, with the seed that is used."""
+        stages = {
+            name: value if _is_data(name, {name: value}) else None
+            for name, value in self._callbacks.items()
+            if name in _STAGES
+        }
+        return self._scenario.replace(seed=self._seed, **stages)
+
+    def _described(self) -> Scenario:
+        return self.scenario
+
+    @property
+    def noise(self) -> Noise | None:
+        """Camera noise; a change applies to the frames from the next step on."""
+        return self._scenario.noise
+
+    @noise.setter
+    def noise(self, noise: Noise | None) -> None:
+        self._change(noise=noise)
+        self._apply_noise()
+
+    @property
+    def dropout(self) -> Dropout | None:
+        """Random occlusion of the robot; a change applies from the next step on."""
+        return self._scenario.dropout
+
+    @dropout.setter
+    def dropout(self, dropout: Dropout | None) -> None:
+        self._change(dropout=dropout)
+        self._apply_dropout()
+
+    @property
+    def process_noise(self) -> PoseNoise | WheelNoise | None:
+        """Random disturbance of the robot's motion; a change applies from the next step on."""
+        return self._scenario.process_noise
+
+    @process_noise.setter
+    def process_noise(self, process_noise: PoseNoise | WheelNoise | None) -> None:
+        self._change(process_noise=process_noise)
+        self._apply_process_noise()
+
+    def _change(self, **changes: Any) -> None:
+        self._core.check_thread()
+        self._scenario = self._scenario.replace(**changes)
+
+    def _apply_noise(self) -> None:
+        self._world.set_noise(as_native_noise(self._scenario.noise))
+
+    def _apply_dropout(self) -> None:
+        dropout = as_dropout(self._scenario.dropout)
+        self._world.set_dropout(dropout.probability, dropout.steps)
+
+    def _apply_process_noise(self) -> None:
+        noise = check_process_noise(self._scenario.process_noise)
+        factor = noise.factor if isinstance(noise, PoseNoise) else np.zeros((3, 3))
+        sigma = noise.sigma if isinstance(noise, WheelNoise) else 0.0
+        self._world.set_disturbance(factor, np.broadcast_to(sigma, 2).tolist())
 
     def _seed_core(self) -> None:
         super()._seed_core()
         self._world.set_seeds(
             noise=stream_number(self._seed, "noise"),
             dropout=stream_number(self._seed, "dropout"),
-            disturbance=0,
+            disturbance=stream_number(self._seed, "disturbance"),
         )
-        self._world.set_start(self._start_pose(self._start_option))
+        self._world.set_start(self._start_pose())
+        mismatch = self._scenario.mismatch
+        draw = mismatch and partial(_drawn, mismatch, stream(self._seed, "mismatch"))
+        self._world.set_true_model(draw)
 
-    def _start_pose(self, start: ArrayLike | str | None) -> ArrayLike:
+    def _start_pose(self) -> ArrayLike:
         width, height = self.area
+        start = self._scenario.start
         if start is None:
             return (width / 2, height / 2, 0.0)
         if not isinstance(start, str):
-            return start_within(start, self.area if self.boundary == "bounce" else None)
-        if start != "random":
-            raise ValueError(f"start must be a pose (x, y, heading) or 'random', got {start!r}")
+            return start
         margin = min(self.robot.radius, width / 2, height / 2)
         random = np.random.default_rng(stream(self._seed, "start"))
         x = random.uniform(margin, width - 1 - margin)
@@ -200,7 +255,12 @@ class Simulation(Runner):
         return (x, y, random.uniform(-np.pi, np.pi))
 
     def _default(self, slot: str) -> Any:
-        return Spin() if slot == "control" else None
+        if slot == "control":
+            return Spin()
+        model = self._scenario.model
+        if slot != "define_model" or model is None:
+            return None
+        return RobotModel(model) if isinstance(model, RobotParameters) else model
 
     def _put(self, slot: str, value: Any) -> None:
         if slot == "evaluate_model":
@@ -209,7 +269,7 @@ class Simulation(Runner):
             if value is not None and not callable(value):
                 raise TypeError(f"adjust_background must be callable, got {value!r}")
             adjust = self._limited(value) or draw_red_square
-            make = partial(make_scene, **self._scene, adjust_background=adjust)
+            make = partial(_scene_of, self._scenario, adjust)
             # A callback of the user's is called at the start, whether somebody looks or not.
             self._world.set_make_scene(make, makes_at_start=value is not None)
         else:
@@ -223,8 +283,14 @@ class Simulation(Runner):
                 f"it, got {self.area}"
             )
 
+    @property
+    def true_model(self) -> RobotModel:
+        """The model that the robot of the world follows; the robot half believes in `model`."""
+        self._start()
+        return self._world.model
+
     def _theta_true(self) -> ArrayLike:
-        return (self._world.model if self._core.has_started else _core.RobotModel()).theta
+        return (self._world.model if self._core.has_started else RobotModel()).theta
 
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Run some steps; a run continues where the last one ended.
@@ -251,10 +317,10 @@ class Simulation(Runner):
         """
         if steps is None:
             raise TypeError("steps must be an int: a simulated world has no end")
-        self._run(step_count(steps), progress, steps)
+        self._run(options.step_count(steps), progress, steps)
         return self.trace
 
-    def render_step(self, k: int, *, out: Pixels | None = None) -> Frame | Pixels:
+    def render_step(self, k: int, *, out: Pixels | None = None) -> Frame:
         """Return the frame of a step, rendered again.
 
         Parameters
@@ -262,37 +328,84 @@ class Simulation(Runner):
         k : int
             Number of the step, from 0; in a callback that of the step under way, too.
         out : array (H, W, 3) of uint8, optional
-            Where to write the pixels; it is returned.
+            Where to write the pixels, such as shared memory; the frame borrows it.
 
         Returns
         -------
-        Frame or array
+        Frame
             The frame, identical to that of the run.
 
         Raises
         ------
         IndexError
-            If there is no such step, or no frame came in it.
+            If there is no such step, or its frame has not come yet.
         RuntimeError
             While another thread runs the simulation.
         """
         self._start()
         self._core.check_thread()
         newest = self._core.last_step.k
-        if k == newest:
-            return self._world.draw_newest(out)
-        if not 0 <= k < newest:
+        if not 0 <= k <= newest:
             raise IndexError(f"there are steps 0..{newest}, got k = {k}")
+        captured = k - self._scenario.camera_delay
+        if captured < 0:
+            raise IndexError(f"no frame has come in step {k}: camera_delay is {k - captured} steps")
+        if k == newest:
+            newest_frame: Frame = self._world.draw_newest(out)
+            return newest_frame
         columns = self._core.columns()
 
         def recorded(name: str, width: int) -> list[float]:
-            return np.nan_to_num(columns[name][k]).tolist() if name in columns else [0.0] * width
+            row = columns[name][captured] if name in columns else np.zeros(width)
+            return [0.0 if np.isnan(number) else float(number) for number in row]
 
-        return self._world.draw(
-            k,
-            columns["pose_true"][k],
+        frame: Frame = self._world.draw(
+            captured,
+            columns["pose_true"][captured],
             recorded("view", 2),
             recorded("hidden", 1)[0] > 0,
             recorded("noise", 2),
             out,
         )
+        return frame
+
+
+#: The slots whose native stages are part of a scenario.
+_STAGES = ("evaluate_model", "estimate_parameters", "measure", "control")
+
+
+def _is_data(name: str, values: dict[str, Any]) -> bool:
+    """Return whether the value of a slot is part of a scenario."""
+    value = values[name]
+    if name in slots.SWITCHES:
+        return value is None or isinstance(value, bool)
+    return value is None or type(value) in options.KINDS[name]
+
+
+def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.Scene:
+    """Return what the camera of a scenario looks at."""
+    return make_scene(
+        robot=scenario.robot_definition,
+        area=scenario.area,
+        resolution=scenario.resolution or scenario.area,
+        headings=options.heading_count(scenario.headings),
+        background=scaled_floor(scenario.floor, scenario.area),
+        adjust_background=adjust,
+    )
+
+
+def _drawn(
+    mismatch: ParameterMismatch, seed: np.random.SeedSequence, model: RobotModel
+) -> RobotModel:
+    """Return the model of a world that differs from the one that the robot half believes in."""
+    return mismatch.draw(model, np.random.default_rng(seed))
+
+
+def _documented_options() -> str:
+    """Return the documentation of the options, which stands in `Scenario`."""
+    text = Scenario.__doc__ or ""
+    start = text.index("    robot : ")
+    return text[start : text.index("\n    Raises\n")].rstrip() + "\n"
+
+
+Simulation.__doc__ = (Simulation.__doc__ or "").replace("    OPTIONS\n", _documented_options())

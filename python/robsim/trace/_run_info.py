@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,10 @@ class RunInfo:
         ``"bounce"`` or ``"unlimited"``, or ``"recorded"``: the frames were not simulated.
     robot : str
         Name of the robot definition.
+    scenario : Scenario or str, optional
+        What the run was made from, or that as a TOML text; see `robsim.Scenario.of`.
+    callbacks : tuple of str
+        The slots that were filled with Python code, which is not part of the scenario.
     """
 
     dt: float
@@ -42,6 +46,8 @@ class RunInfo:
     area: tuple[int, int] = (1200, 1200)
     boundary: str = "bounce"
     robot: str = ""
+    scenario: Any = field(default=None, compare=False, repr=False)
+    callbacks: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         is_number = isinstance(self.dt, (int, float)) and not isinstance(self.dt, bool)
@@ -60,3 +66,18 @@ class RunInfo:
         for name in ("identify_from", "boundary", "robot"):
             if not isinstance(getattr(self, name), str):
                 raise ValueError(f"{name} must be text, got {getattr(self, name)!r}")
+        slots = self.callbacks
+        if not isinstance(slots, tuple) or not all(isinstance(slot, str) for slot in slots):
+            raise ValueError(f"callbacks must be a tuple of texts, got {slots!r}")
+        if not (self.scenario is None or isinstance(self.scenario, str) or self._has_text()):
+            raise ValueError(f"scenario must be a Scenario or its text, got {self.scenario!r}")
+
+    def _has_text(self) -> bool:
+        return callable(getattr(self.scenario, "to_toml", None))
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the values as a file stores them."""
+        record = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        if self.scenario is not None and self._has_text():
+            record["scenario"] = self.scenario.to_toml()
+        return record

@@ -8,7 +8,6 @@ import tokenize
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
@@ -35,7 +34,7 @@ def write_trace(path: str | PathLike[str], content: Content) -> None:
         "format": FORMAT,
         "groups": list(groups),
         "first_step": first_step,
-        **asdict(run_info),
+        **run_info.as_record(),
     }
     text = np.array(json.dumps(info))
     archive = io.BytesIO()
@@ -91,4 +90,5 @@ def _from_members(members: Mapping[str, NDArray[Any]]) -> Content:
         if values.dtype != np.float64 or values.ndim != 2:
             raise ValueError(f"{name} is {values.dtype} of shape {values.shape}")
     info["area"] = tuple(info["area"])
+    info["callbacks"] = tuple(info.get("callbacks", ()))
     return groups, RunInfo(**info), first_step

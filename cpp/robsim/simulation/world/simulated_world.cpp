@@ -175,8 +175,9 @@ Frame SimulatedWorld::draw(const Capture& capture) {
   return frame;
 }
 
-void SimulatedWorld::draw_into(const Capture& capture, const WritableView& pixels) {
-  const Frame frame = without_noise(capture);
+Frame SimulatedWorld::draw_into(const Capture& capture, const WritableView& pixels,
+                               const Image& borrowed) {
+  Frame frame = without_noise(capture);
   if (pixels.width != frame.image.width() || pixels.height != frame.image.height()) {
     throw std::invalid_argument(
         "out must have the size of the frames, " + std::to_string(frame.image.width()) + " x " +
@@ -186,6 +187,8 @@ void SimulatedWorld::draw_into(const Capture& capture, const WritableView& pixel
   const NativeWork native;
   capture.noise->add(frame.image.view(), options_.noise_seed, static_cast<std::uint64_t>(capture.k),
                      pixels);
+  frame.image = borrowed;
+  return frame;
 }
 
 }  // namespace robsim

@@ -93,7 +93,9 @@ class SimulatedWorld : public World {
 
   /// What the camera delivers of a capture.
   Frame draw(const Capture& capture);
-  void draw_into(const Capture& capture, const WritableView& pixels);
+
+  /// The same, written to these pixels, which `borrowed` shows.
+  Frame draw_into(const Capture& capture, const WritableView& pixels, const Image& borrowed);
 
   /// The capture that the newest frame shows; nothing if none has come yet.
   const Capture* newest_capture() const;

@@ -90,7 +90,7 @@ class FrameSource:
             self._failed_at = None
         return taken
 
-    def define_model(self) -> RobotModel:
+    def model(self) -> RobotModel:
         """Return the default model, with the dt of the frames."""
         return RobotModel(RobotParameters() if self.dt is None else RobotParameters(dt=self.dt))
 

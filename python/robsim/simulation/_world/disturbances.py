@@ -84,6 +84,17 @@ class PoseNoise:
         return np.array(self.covariance)
 
     @property
+    def factor(self) -> Floats:
+        """Array (3, 3): the lower triangular L with L L' = Q."""
+        Q, L = self.Q, np.zeros((3, 3))
+        for j in range(3):
+            # L(j, j)^2 = Q(j, j) - sum_m L(j, m)^2;  a column of zeros where nothing is left
+            rest = Q[j:, j] - L[j:, :j] @ L[j, :j]
+            if rest[0] > 1e-12 * Q[j, j]:
+                L[j:, j] = rest / np.sqrt(rest[0])
+        return L
+
+    @property
     def sigma(self) -> Floats:
         """Array (3,): standard deviations of x, y (px) and the heading (rad) in a step."""
         return np.sqrt(np.diag(self.Q))

@@ -215,6 +215,14 @@ def as_floor(
 
 
 @lru_cache(maxsize=2)
+def scaled_floor(floor: Floor | None, area: tuple[int, int]) -> Floor | None:
+    """Return a floor scaled to the work area; None stays None."""
+    if floor is None or floor.pixels.shape[1::-1] == area:
+        return floor
+    return Floor(resized(floor.pixels, *area))
+
+
+@lru_cache(maxsize=2)
 def _floor_in_file(file: FileVersion, area: tuple[int, int]) -> Floor:
     return Floor(resized(load_image(file.path), *area))
 
