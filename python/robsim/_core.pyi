@@ -1137,6 +1137,11 @@ class SimulatedWorld(World):
     @property
     def model(self) -> RobotModel:
         ...
+    @property
+    def scene(self) -> Scene:
+        """
+        Scene or None: what the camera looks at; None if nobody has looked yet.
+        """
 class Arrival:
     """
     What a source of frames may say in place of a frame.

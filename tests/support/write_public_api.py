@@ -70,7 +70,7 @@ def members(name, cls):
             continue
         value = inspect.getattr_static(cls, member, None)
         function = getattr(cls, member, None)
-        if isinstance(value, property) or not callable(function):
+        if member in fields or isinstance(value, property) or not callable(function):
             yield f"{name}.{member}"
         elif native:
             yield call(f"{name}.{member}", native_arguments(cls.__name__, member) or [])

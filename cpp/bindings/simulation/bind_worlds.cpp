@@ -144,6 +144,10 @@ void bind_simulated_world(py::module_& module) {
       .def("set_seeds", &SlottedWorld::set_seeds, py::kw_only(), py::arg("noise"),
            py::arg("dropout"), py::arg("disturbance"))
       .def_property_readonly("model", [](const SlottedWorld& self) { return self.model(); })
+      .def_property_readonly(
+          "scene",
+          [](const SlottedWorld& self) { return std::const_pointer_cast<Scene>(self.scene()); },
+          "Scene or None: what the camera looks at; None if nobody has looked yet.")
       .def(
           "draw_newest",
           [](SlottedWorld& self, const py::object& out) {

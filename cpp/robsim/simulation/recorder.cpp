@@ -76,7 +76,7 @@ void Recorder::record_truth(const Truth& truth) {
     view[0] = truth.view.x;
     view[1] = truth.view.y;
   }
-  // What is not there is not recorded: NaN is 0.
+  // What is 0 throughout the run takes no column.
   if (truth.hidden) *trace_.writable(trace_.column("hidden")) = 1;
   if (truth.gaussian_noise > 0 || truth.uniform_noise > 0) {
     double* noise = trace_.writable(trace_.column("noise"));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 
 #include "robsim/simulation/trace_columns.hpp"
 
@@ -11,15 +10,14 @@ namespace robsim {
 namespace {
 
 constexpr std::int64_t fewest_rows = 64;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-Trace::Memory make_memory(std::int64_t rows, std::size_t width) {
-  return std::make_shared<std::vector<double>>(static_cast<std::size_t>(rows) * width, nan);
+Trace::Memory make_memory(std::int64_t rows, std::size_t width, double missing) {
+  return std::make_shared<std::vector<double>>(static_cast<std::size_t>(rows) * width, missing);
 }
 
 }  // namespace
 
-Trace::Column& Trace::column(const std::string& name, std::size_t width) {
+Trace::Column& Trace::column(const std::string& name, std::size_t width, double missing) {
   const auto found = std::find_if(columns_.begin(), columns_.end(),
                                   [&](const Column& c) { return c.name() == name; });
   if (found != columns_.end() && found->is_listed_) return *found;
@@ -28,16 +26,17 @@ Trace::Column& Trace::column(const std::string& name, std::size_t width) {
     found->is_listed_ = true;
     if (found->width_ == width) return *found;
     found->width_ = width;
-    found->memory_ = make_memory(capacity_, width);
+    found->memory_ = make_memory(capacity_, width, missing);
     return *found;
   }
-  columns_.emplace_back(name, width);
-  columns_.back().memory_ = make_memory(capacity_, width);
+  columns_.emplace_back(name, width, missing);
+  columns_.back().memory_ = make_memory(capacity_, width, missing);
   return columns_.back();
 }
 
 Trace::Column& Trace::column(const std::string& name) {
-  return column(name, trace_group(name).width());
+  const TraceGroup& group = trace_group(name);
+  return column(name, group.width(), group.missing);
 }
 
 Trace::Snapshot Trace::snapshot() const {
@@ -53,7 +52,7 @@ void Trace::reserve(std::int64_t rows) {
   rows = std::max({rows, 2 * capacity_, fewest_rows});  // doubles: single steps stay cheap
   const std::lock_guard<std::mutex> lock(mutex_);
   for (Column& column : columns_) {
-    Memory larger = make_memory(rows, column.width_);
+    Memory larger = make_memory(rows, column.width_, column.missing_);
     const auto used =
         static_cast<std::ptrdiff_t>(this->rows()) * static_cast<std::ptrdiff_t>(column.width_);
     std::copy_n(column.memory_->begin(), used, larger->begin());
@@ -77,9 +76,9 @@ void Trace::clear() {
   for (Column& column : columns_) {
     column.is_listed_ = false;
     if (column.memory_.use_count() > 1) {
-      column.memory_ = make_memory(capacity_, column.width_);
+      column.memory_ = make_memory(capacity_, column.width_, column.missing_);
     } else {
-      std::fill(column.memory_->begin(), column.memory_->end(), nan);
+      std::fill(column.memory_->begin(), column.memory_->end(), column.missing_);
     }
   }
   rows_.store(0, std::memory_order_release);

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -20,7 +21,8 @@ class Trace {
 
   class Column {
    public:
-    Column(std::string name, std::size_t width) : name_(std::move(name)), width_(width) {}
+    Column(std::string name, std::size_t width, double missing)
+        : name_(std::move(name)), width_(width), missing_(missing) {}
 
     const std::string& name() const { return name_; }
     std::size_t width() const { return width_; }
@@ -30,12 +32,13 @@ class Trace {
     friend class Trace;
     std::string name_;
     std::size_t width_;
+    double missing_;  // stands where nothing is written
     Memory memory_;
     bool is_listed_ = true;  // false after clear(), until it is asked for again
   };
 
   /// The column of this name, made with this width if there is none yet. The reference stays good.
-  Column& column(const std::string& name, std::size_t width);
+  Column& column(const std::string& name, std::size_t width, double missing = nan);
 
   /// The same for a group of the schema, with its width.
   Column& column(const std::string& name);
@@ -52,7 +55,7 @@ class Trace {
   /// Makes room for so many rows in all, so that appending them allocates nothing.
   void reserve(std::int64_t rows);
 
-  /// The numbers of the row that is being written, all NaN at first.
+  /// The numbers of the row that is being written, all missing at first.
   double* writable(Column& column);
 
   /// Ends the row that is being written.
@@ -62,6 +65,8 @@ class Trace {
   void clear();
 
  private:
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
   mutable std::mutex mutex_;  // of the list of columns and of where their memory is
   std::deque<Column> columns_;
   std::int64_t capacity_ = 0;

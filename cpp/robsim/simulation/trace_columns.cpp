@@ -51,6 +51,7 @@ TraceGroup group(std::string name, std::vector<std::size_t> shape, Fields fields
 TraceGroup flag(const std::string& name, std::string description) {
   TraceGroup flag = group(name, {}, {{name, ""}}, std::move(description));
   flag.is_flag = true;
+  flag.missing = 0;
   return flag;
 }
 

@@ -42,6 +42,8 @@ from robsim.trace._columns import POSES
 from robsim.trace._trace import check_trace
 from robsim.vision._color_files import as_colors
 
+_CONTROL = Spin()
+
 BOUNDARIES = ("bounce", "unlimited")
 SOURCES = tuple(POSES)
 
@@ -104,8 +106,8 @@ class Scenario:
         Whether recursive least squares estimate the parameters.
     measure : bool
         Whether the red and the blue marker are located.
-    control : Spin, DriveAround or Replay, optional
-        The controller. Default: `Spin`.
+    control : Spin, DriveAround or Replay
+        The controller.
 
     Raises
     ------
@@ -143,7 +145,7 @@ class Scenario:
     evaluate_model: Unicycle | None = None
     estimate_parameters: bool = False
     measure: bool = False
-    control: Spin | DriveAround | Replay | None = None
+    control: Spin | DriveAround | Replay | None = _CONTROL
 
     def __post_init__(self) -> None:
         for name, value in self._normal_forms().items():
@@ -179,28 +181,29 @@ class Scenario:
                 "estimate_parameters", self.estimate_parameters
             ),
             "measure": options.switch_value("measure", self.measure),
+            "control": _CONTROL if self.control is None else self.control,
         }
 
     @property
-    def robot_definition(self) -> RobotDefinition:
+    def _robot_definition(self) -> RobotDefinition:
         """The robot, as read."""
         assert isinstance(self.robot, RobotDefinition)
         return self.robot
 
     @property
-    def color_classes(self) -> tuple[ColorClass, ...]:
+    def _color_classes(self) -> tuple[ColorClass, ...]:
         """The colours to detect, as read."""
         assert isinstance(self.colors, tuple)
         return self.colors
 
     @property
-    def marker_layout(self) -> MarkerLayout:
+    def _marker_layout(self) -> MarkerLayout:
         """Geometry of the markers for the default measurement."""
         assert self.markers is None or isinstance(self.markers, MarkerLayout)
-        return self.markers or self.robot_definition.marker_layout()
+        return self.markers or self._robot_definition.marker_layout()
 
     @property
-    def floor(self) -> Floor | None:
+    def _floor(self) -> Floor | None:
         """The floor in its own size; None = the one that ships with robsim."""
         assert self.background is None or isinstance(self.background, Floor)
         return self.background

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
-from robsim._core import Controller, Frame, RobotModel, RobotParameters, Spin, Step
+from robsim._core import Controller, Frame, RobotModel, RobotParameters, Step
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import Noise, as_native_noise
 from robsim.robots import RobotDefinition
@@ -143,18 +143,18 @@ class Simulation(Runner):
             area=self._scenario.area,
             resolution=self.resolution,
             boundary=self._scenario.boundary,
-            robot_radius=self._scenario.robot_definition.radius,
+            robot_radius=self._scenario._robot_definition.radius,
             camera_delay=self._scenario.camera_delay,
             motor_delay=self._scenario.motor_delay,
         )
         super().__init__(
             self._world,
-            robot=self._scenario.robot_definition,
+            robot=self._scenario._robot_definition,
             area=self._scenario.area,
             boundary=self._scenario.boundary,
             seed=self._seed,
-            colors=self._scenario.color_classes,
-            markers=self._scenario.marker_layout,
+            colors=self._scenario._color_classes,
+            markers=self._scenario._marker_layout,
             smoothing=self._scenario.smoothing,
             identify_from=self._scenario.identify_from,
             time_limit=time_limit,
@@ -163,11 +163,13 @@ class Simulation(Runner):
         self._apply_noise()
         self._apply_dropout()
         self._apply_process_noise()
-        native = {name: getattr(self._scenario, name) or None for name in _STAGES}
-        given_stages = {
-            name: given[name] for name in _STAGES if name in given and given[name] is False
-        }
-        self._fill_slots(dict.fromkeys(self.SLOTS) | given | native | given_stages | code)
+        stages = {name: given.get(name, self._not_default(name)) for name in _STAGES}
+        self._fill_slots(dict.fromkeys(self.SLOTS) | given | stages)
+
+    def _not_default(self, stage: str) -> Any:
+        """Return the stage of the scenario, None if it is the default."""
+        value = getattr(self._scenario, stage)
+        return None if value == getattr(Scenario, stage) else value
 
     @property
     def scenario(self) -> Scenario:
@@ -256,7 +258,7 @@ class Simulation(Runner):
 
     def _default(self, slot: str) -> Any:
         if slot == "control":
-            return Spin()
+            return Scenario.control
         model = self._scenario.model
         if slot != "define_model" or model is None:
             return None
@@ -385,11 +387,11 @@ def _is_data(name: str, values: dict[str, Any]) -> bool:
 def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.Scene:
     """Return what the camera of a scenario looks at."""
     return make_scene(
-        robot=scenario.robot_definition,
+        robot=scenario._robot_definition,
         area=scenario.area,
         resolution=scenario.resolution or scenario.area,
         headings=options.heading_count(scenario.headings),
-        background=scaled_floor(scenario.floor, scenario.area),
+        background=scaled_floor(scenario._floor, scenario.area),
         adjust_background=adjust,
     )
 

@@ -176,7 +176,7 @@ Frame SimulatedWorld::draw(const Capture& capture) {
 }
 
 Frame SimulatedWorld::draw_into(const Capture& capture, const WritableView& pixels,
-                               const Image& borrowed) {
+                                const Image& borrowed) {
   Frame frame = without_noise(capture);
   if (pixels.width != frame.image.width() || pixels.height != frame.image.height()) {
     throw std::invalid_argument(

@@ -88,6 +88,9 @@ class SimulatedWorld : public World {
   void set_disturbance(const Eigen::Matrix3d& pose_factor, std::array<double, 2> input_sigma);
   void set_seeds(std::uint64_t noise, std::uint64_t dropout, std::uint64_t disturbance);
 
+  /// What the camera looks at; null if nobody has looked yet.
+  std::shared_ptr<const Scene> scene() const { return renderer_ ? renderer_->scene() : nullptr; }
+
   /// The capture of an earlier step, from what was recorded of it.
   Capture capture_of(std::int64_t k, const Truth& truth) const;
 

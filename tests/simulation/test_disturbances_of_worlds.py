@@ -1,0 +1,221 @@
+"""Process noise, parameter mismatch and delays of the simulated world."""
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim import Dropout, GaussianNoise, ParameterMismatch, PoseNoise, Simulation, WheelNoise
+
+SMALL = {"resolution": (240, 240), "boundary": "unlimited"}
+
+
+def prediction_errors(trace, model):
+    """Return the pose minus what the model predicts from the two before, (N - 2, 3)."""
+    poses = trace.pose_true
+    errors = poses[2:] - model.predict(poses[1:-1], poses[:-2], trace.u[1:-1])
+    errors[:, 2] = robsim.wrap_angle(errors[:, 2])
+    return errors
+
+
+def mean_square(errors, Q):
+    """Return the mean of e' Q^-1 e, which is 3 for errors of covariance Q."""
+    return np.einsum("ki,ij,kj->k", errors, np.linalg.inv(Q), errors).mean()
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.8])
+def test_pose_noise_has_the_covariance_that_was_given(rng, rho):
+    Q = np.array([[0.25, rho * 0.2, 0], [rho * 0.2, 0.16, 0.001], [0, 0.001, 1e-4]])
+    noise = PoseNoise(Q)
+    sim = Simulation(seed=int(rng.integers(2**32)), process_noise=noise, **SMALL)
+    errors = prediction_errors(sim.run(4000), sim.model)
+    # 3 +- 5 standard deviations of a mean of 4000 chi-square numbers with 3 degrees of freedom
+    assert mean_square(errors, noise.Q) == pytest.approx(3, abs=5 * np.sqrt(6 / 4000))
+    np.testing.assert_allclose(noise.factor @ noise.factor.T, Q, atol=1e-15)
+    shifted = np.corrcoef(errors[1:, 0], errors[:-1, 0])[0, 1]
+    assert abs(shifted) < 5 / np.sqrt(4000)
+
+
+def test_a_singular_covariance_disturbs_only_where_it_says():
+    sim = Simulation(seed=1, process_noise=PoseNoise.from_sigma(0.5, 0, 0), **SMALL)
+    errors = prediction_errors(sim.run(200), sim.model)
+    assert errors[:, 0].std() == pytest.approx(0.5, rel=0.3)
+    np.testing.assert_allclose(errors[:, 1:], 0, atol=1e-9)
+
+
+def test_wheel_noise_moves_the_pose_as_its_covariance_says(rng):
+    noise = WheelNoise((0.05, 0.1))
+    sim = Simulation(
+        seed=int(rng.integers(2**32)),
+        process_noise=noise,
+        control=robsim.DriveAround(),
+        **SMALL,
+    )
+    trace = sim.run(4000)
+    errors = prediction_errors(trace, sim.model)
+    along = [noise.Q(sim.model, heading) for heading in trace.pose_true[1:-1, 2]]
+    measured = errors.T @ errors / len(errors)
+    np.testing.assert_allclose(measured[2, 2], np.mean([Q[2, 2] for Q in along]), rtol=0.15)
+    np.testing.assert_allclose(np.trace(measured), np.mean([np.trace(Q) for Q in along]), rtol=0.15)
+
+
+def test_the_streams_do_not_disturb_each_other():
+    options = {"seed": 5, "control": robsim.DriveAround(), "process_noise": WheelNoise(0.1)}
+    path = Simulation(**options).run(50).pose_true
+    noisy = Simulation(
+        **options, noise=GaussianNoise(10), dropout=Dropout(0.5), resolution=(120, 120)
+    )
+    np.testing.assert_array_equal(noisy.run(50).pose_true, path)
+    assert (Simulation(**{**options, "seed": 6}).run(50).pose_true != path).any()
+    undisturbed = Simulation(**{**options, "process_noise": None}).run(50)
+    assert (undisturbed.pose_true[2:] != path[2:]).any(axis=1).all()
+    np.testing.assert_array_equal(undisturbed.u, Simulation(**options).run(50).u)
+
+
+def test_the_robot_stands_at_the_start_in_step_0():
+    start = (200.0, 300.0, 0.5)
+    for noise in (None, PoseNoise.from_sigma(5, 5, 0.1)):
+        trace = Simulation(start=start, process_noise=noise, seed=1).run(2)
+        np.testing.assert_array_equal(trace.pose_true[0], start)
+        assert not trace.bounced[0]
+
+
+def test_the_parameters_of_the_world_differ_from_those_that_the_robot_believes_in():
+    sim = Simulation(mismatch=ParameterMismatch(0.1), seed=3, control=robsim.DriveAround(), **SMALL)
+    trace = sim.run(300)
+    np.testing.assert_array_equal(sim.model.theta, robsim.RobotModel().theta)
+    assert (sim.true_model.theta[:, 0] != sim.model.theta[:, 0]).all()
+    np.testing.assert_array_equal(trace.info.theta_true, sim.true_model.theta)
+    np.testing.assert_allclose(prediction_errors(trace, sim.true_model), 0, atol=1e-9)
+    again = Simulation(mismatch=ParameterMismatch(0.1), seed=3)
+    np.testing.assert_array_equal(again.true_model.theta, sim.true_model.theta)
+    found = robsim.batch_estimate(trace, identify_from="truth").batch
+    np.testing.assert_allclose(found, sim.true_model.theta, atol=1e-5)
+
+
+def test_the_model_is_an_option_and_a_slot():
+    heavy = robsim.RobotParameters(mass=0.6)
+    by_option = Simulation(model=heavy)
+    np.testing.assert_array_equal(by_option.model.theta, robsim.RobotModel(heavy).theta)
+    np.testing.assert_array_equal(by_option.true_model.theta, by_option.model.theta)
+    by_slot = Simulation(define_model=lambda: robsim.RobotModel(heavy))
+    assert by_slot.run(20).pose_true.tobytes() == by_option.run(20).pose_true.tobytes()
+    assert by_slot.trace.info.callbacks == ("define_model",)
+    assert by_option.trace.info.callbacks == ()
+
+
+def test_the_motors_get_their_inputs_late():
+    u = robsim.Simulation(control=robsim.DriveAround(), seed=1).run(30).u
+    prompt = Simulation(control=robsim.Replay(u)).run(30).pose_true
+    late = Simulation(control=robsim.Replay(u), motor_delay=3).run(30)
+    np.testing.assert_array_equal(late.u, u)
+    model = robsim.RobotModel()
+    at_rest = model.predict(late.pose_true[0], late.pose_true[0], (0, 0))
+    np.testing.assert_array_equal(late.pose_true[1], at_rest)
+    # Until the first input arrives only the offset of the motors moves the robot.
+    np.testing.assert_allclose(late.pose_true[4:], prompt[1:-3], atol=1e-3)
+    assert np.abs(late.pose_true[4:] - prompt[4:]).max() > 1
+
+
+def test_the_frames_come_late_and_say_when_they_were_taken():
+    options = {"control": robsim.DriveAround(), "measure": True, "headings": None, "seed": 2}
+    prompt = Simulation(**options)
+    late = Simulation(**options, camera_delay=2, noise=GaussianNoise(5), dropout=Dropout(0.3))
+    expected, seen = prompt.run(12), []
+    frames = []
+
+    @late.estimate_state
+    def estimate_state(step):
+        seen.append((step.t, step.frame and step.frame.t, step.measurement is not None))
+        frames.append(step.frame and step.frame.image.copy())
+        return robsim.Estimate((0, 0, 0), np.eye(3))
+
+    trace = late.run(12)
+    np.testing.assert_array_equal(trace.pose_true, expected.pose_true)
+    assert [frame_t for _, frame_t, _ in seen[:2]] == [None, None]
+    np.testing.assert_allclose([t - frame_t for t, frame_t, _ in seen[2:]], 0.4)
+    assert not trace.seen[:2].any()
+    assert trace.seen[2:].any()
+    errors = (trace.pose_measured[2:] - trace.pose_true[:-2])[trace.seen[2:]]
+    assert np.abs(errors[:, :2]).max() < 3
+    for k in range(2, 12):
+        np.testing.assert_array_equal(late.render_step(k).image, frames[k])
+    with pytest.raises(IndexError, match="no frame has come in step 1: camera_delay is 2 steps"):
+        late.render_step(1)
+
+
+def test_noise_and_dropout_change_between_steps_and_the_past_is_drawn_as_it_was():
+    sim = Simulation(seed=4, resolution=(200, 200), measure=True)
+    images = []
+
+    def run(steps):
+        for _ in range(steps):
+            images.append(sim.step().frame.image.copy())
+
+    run(3)
+    sim.noise = GaussianNoise(20)
+    run(3)
+    sim.noise, sim.dropout = robsim.UniformNoise(8), Dropout(1.0)
+    run(2)
+    sim.noise = sim.dropout = None
+    run(2)
+    trace = sim.trace
+    np.testing.assert_array_equal(trace.noise[:, 0], [0] * 3 + [20] * 3 + [0] * 4)
+    np.testing.assert_array_equal(trace.noise[:, 1], [0] * 6 + [8] * 2 + [0] * 2)
+    np.testing.assert_array_equal(trace.hidden, [False] * 6 + [True] * 2 + [False] * 2)
+    for k, image in enumerate(images):
+        np.testing.assert_array_equal(sim.render_step(k).image, image)
+    assert sim.scenario.noise is None
+
+
+def test_process_noise_changes_between_steps_from_a_callback_too():
+    sim = Simulation(seed=4, **SMALL)
+
+    @sim.control
+    def control(step):
+        if step.k == 10:
+            sim.process_noise = PoseNoise.from_sigma(1, 1, 0.01)
+        return 0.1, 0.1
+
+    errors = prediction_errors(sim.run(20), sim.model)
+    np.testing.assert_allclose(errors[:9], 0, atol=1e-9)
+    assert np.abs(errors[9:, 0]).min() > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("noise", 5, "noise must be"),
+        ("dropout", 0.5, "dropout must be a Dropout or None"),
+        ("process_noise", 0.5, "process_noise must be"),
+    ],
+)
+def test_wrong_changes(name, value, message):
+    sim = Simulation()
+    with pytest.raises(TypeError, match=message):
+        setattr(sim, name, value)
+    sim.run(1)
+
+
+@pytest.mark.parametrize("name", ["camera_delay", "motor_delay"])
+def test_wrong_delays(name):
+    for delay in (-1, 1001):
+        with pytest.raises(ValueError, match=f"^{name} must"):
+            Simulation(**{name: delay})
+
+
+def test_without_disturbance_dead_reckoning_is_exact_and_with_it_is_not():
+    def error(process_noise):
+        sim = Simulation(
+            process_noise=process_noise,
+            boundary="unlimited",
+            control=robsim.DriveAround(),
+            seed=1,
+        )
+        trace = sim.run(100)
+        poses = [trace.pose_true[0], trace.pose_true[0]]
+        for u in trace.u[:-1]:
+            poses.append(sim.model.predict(poses[-1], poses[-2], u))
+        return np.abs(np.array(poses[1:]) - trace.pose_true)[:, :2].max()
+
+    assert error(None) < 1e-9
+    assert error(PoseNoise.from_sigma(0.5, 0.5, 0.005)) > 10

@@ -1,0 +1,151 @@
+"""Simulations from scenarios, again and again: what is rebuilt, reset and given back."""
+
+import gc
+import pickle
+import weakref
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim import Dropout, GaussianNoise, Replay, Scenario, Simulation, WheelNoise
+
+NOISY = Scenario(
+    measure=True,
+    estimate_parameters=True,
+    control=robsim.DriveAround(),
+    resolution=(240, 240),
+    noise=GaussianNoise(5),
+    dropout=Dropout(0.2, steps=2),
+    process_noise=WheelNoise(0.02),
+    mismatch=robsim.ParameterMismatch(0.05),
+    start="random",
+    seed=8,
+)
+
+
+def same(one, other):
+    """Whether two traces have the same bytes."""
+    return one._groups.keys() == other._groups.keys() and all(
+        values.tobytes() == other._groups[name].tobytes() for name, values in one._groups.items()
+    )
+
+
+def test_keywords_and_a_scenario_are_the_same_thing():
+    given = {"measure": True, "noise": GaussianNoise(5), "resolution": (240, 240), "seed": 3}
+    by_keywords = Simulation(**given)
+    by_scenario = Simulation(Scenario(**given))
+    assert by_keywords.scenario == by_scenario.scenario == Scenario(**given)
+    assert same(by_keywords.run(5), by_scenario.run(5))
+    mixed = Simulation(Scenario(**given), noise=None, seed=4)
+    assert mixed.scenario == Scenario(measure=True, resolution=(240, 240), seed=4)
+
+
+def test_a_trace_rebuilds_its_run_alone(tmp_path):
+    trace = Simulation(NOISY).run(12)
+    trace.save(tmp_path / "trace.npz")
+    again = Scenario.of(robsim.Trace.load(tmp_path / "trace.npz"))
+    assert again == NOISY == Scenario.of(trace)
+    assert same(Simulation(again).run(12), trace)
+    assert same(Simulation(pickle.loads(pickle.dumps(again))).run(12), trace)
+
+
+def test_an_unpredictable_seed_is_known_afterwards():
+    trace = Simulation(NOISY, seed=None).run(5)
+    assert same(Simulation(Scenario.of(trace)).run(5), trace)
+    assert not same(Simulation(NOISY, seed=None).run(5), trace)
+
+
+def test_the_inputs_of_a_controller_in_python_are_replayed():
+    sim = Simulation(NOISY, control=lambda step: (0.3, 0.2 + 0.01 * step.k))
+    trace = sim.run(10)
+    scenario = Scenario.of(trace)
+    assert scenario == NOISY.replace(control=Replay(trace.u))
+    assert same(Simulation(scenario).run(10), trace)
+    with pytest.raises(ValueError, match="trace must begin with step 0, got step 3"):
+        Scenario.of(trace[3:])
+
+
+def test_other_callbacks_are_named():
+    trace = Simulation(NOISY, measure=lambda step: None).run(3)
+    with pytest.warns(UserWarning, match="the run had callbacks in Python for measure"):
+        Scenario.of(trace)
+
+
+def test_a_trace_of_an_experiment_has_no_scenario():
+    frames = [Simulation(NOISY).step().frame]
+    with pytest.raises(ValueError, match="the trace has no scenario"):
+        Scenario.of(robsim.Experiment(frames).run())
+
+
+def test_a_new_seed_gives_the_run_of_a_new_simulation():
+    sim = Simulation(NOISY)
+    first = sim.run(6)
+    sim.reset(seed=21)
+    second = sim.run(6)
+    assert same(second, Simulation(NOISY, seed=21).run(6))
+    assert Scenario.of(second) == NOISY.replace(seed=21)
+    sim.reset()
+    assert same(sim.run(6), second)
+    sim.reset(seed=8)
+    assert same(sim.run(6), first)
+
+
+def test_a_reset_forgets_nothing_that_was_taken_out_before():
+    sim = Simulation(NOISY)
+    trace = sim.run(6)
+    kept = {name: values.copy() for name, values in trace._groups.items()}
+    sim.reset(seed=1)
+    sim.run(6)
+    for name, values in kept.items():
+        np.testing.assert_array_equal(trace._groups[name], values)
+
+
+@pytest.mark.parametrize("has_looked", [False, True])
+def test_a_simulation_is_given_back_without_the_garbage_collector(has_looked):
+    gc.collect()
+    gc.disable()
+    try:
+        sim = Simulation(NOISY)
+        sim.run(3)
+        if has_looked:
+            assert sim.frame.image.shape == (240, 240, 3)
+        gone, core = weakref.ref(sim), weakref.ref(sim._core)
+        del sim
+        assert gone() is None
+        assert core() is None
+    finally:
+        gc.enable()
+
+
+def test_an_experiment_is_given_back_without_the_garbage_collector():
+    frames = [Simulation(NOISY).step().frame]
+    gc.collect()
+    gc.disable()
+    try:
+        experiment = robsim.Experiment(frames, send=lambda u: None, control=robsim.Spin())
+        experiment.run()
+        gone = weakref.ref(experiment)
+        del experiment
+        assert gone() is None
+    finally:
+        gc.enable()
+
+
+def test_simulations_of_one_scene_share_it():
+    options = {"resolution": (333, 222), "area": (999, 666)}
+    scenes = set()
+    for seed in range(3):
+        sim = Simulation(**options, seed=seed)
+        sim.run(1)
+        _ = sim.frame
+        scenes.add(id(sim._world.scene))
+    assert len(scenes) == 1
+
+
+def test_no_scene_is_made_unless_somebody_looks():
+    sim = Simulation(resolution=(231, 231))
+    sim.run(5)
+    assert sim._world.scene is None
+    _ = sim.frame
+    assert sim._world.scene is not None
