@@ -162,3 +162,64 @@ def test_a_callback_that_is_false_is_one_all_the_same(tmp_path):
     )
     trace = robsim.Simulation.from_folder(tmp_path).run(3)
     np.testing.assert_array_equal(trace.u, [(0.5, 0.5)] * 3)
+
+
+def test_only_the_slots_that_are_wanted_are_filled_and_executed(tmp_path):
+    write(tmp_path, "control", "def control(step):\n    return 0.5, 0.25")
+    write(tmp_path, "evaluate_model", "raise SystemExit('executed')")
+    write(tmp_path, "measure", "def measure(step):\n    return (1, 2, 3)")
+    sim = robsim.Simulation.from_folder(tmp_path, slots=("control",), measure=True)
+    trace = sim.run(3)
+    np.testing.assert_array_equal(trace.u, [[0.5, 0.25]] * 3)
+    np.testing.assert_array_equal(
+        trace.pose_true, robsim.Simulation(control=lambda step: (0.5, 0.25)).run(3).pose_true
+    )
+    assert trace.seen.all()
+    assert (trace.pose_measured[:, 0] > 500).all()
+    # An edit of a file that is not wanted is none.
+    write(tmp_path, "evaluate_model", "raise SystemExit('executed again')")
+    sim.run(1)
+
+
+@pytest.mark.parametrize("slots", ["controll", ("control", "evaluate")])
+def test_unknown_slots_are_named(tmp_path, slots):
+    with pytest.raises(ValueError, match="slots must be among define_model, .*, got '(controll|ev)"):
+        robsim.Simulation.from_folder(tmp_path, slots=slots)
+
+
+def test_a_folder_without_a_file_for_a_wanted_slot(tmp_path):
+    write(tmp_path, "measure", "def measure(step):\n    return None")
+    with pytest.raises(ValueError, match="has no callback files"):
+        robsim.Simulation.from_folder(tmp_path, slots="control")
+
+
+def test_the_default_can_be_asked_for(tmp_path):
+    write(tmp_path, "control", "def control(step):\n    return 0.5, 0.25")
+    write(tmp_path, "evaluate_model", "def evaluate_model(world):\n    return (900, 300, 0)")
+    write(tmp_path, "measure", "def measure(step):\n    return (1, 2, 3)")
+    sim = robsim.Simulation.from_folder(
+        tmp_path, evaluate_model="default", measure="default", control="default", headings=None
+    )
+    expected = robsim.Simulation(measure=True, headings=None).run(4)
+    trace = sim.run(4)
+    np.testing.assert_array_equal(trace.pose_true, expected.pose_true)
+    np.testing.assert_array_equal(trace.pose_measured, expected.pose_measured)
+    sim.control = lambda step: (0.1, 0.1)
+    sim.run(1)
+    sim.control = "default"
+    np.testing.assert_array_equal(sim.run(1).u[-2:], [(0.1, 0.1), (0.05, -0.05)])
+
+
+def test_an_experiment_takes_the_robot_half_of_a_folder(tmp_path):
+    write(tmp_path, "control", "def control(step):\n    return 0.5, 0.25")
+    write(tmp_path, "evaluate_model", "raise SystemExit('executed')")
+    write(tmp_path, "adjust_background", "raise SystemExit('executed')")
+    source = robsim.Simulation(resolution=(240, 240))
+    frames = [source.step().frame for _ in range(3)]
+    sent = []
+    experiment = robsim.Experiment.from_folder(tmp_path, frames=frames, send=sent.append)
+    trace = experiment.run()
+    assert trace.seen.all()
+    np.testing.assert_array_equal(sent, [(0.5, 0.25)] * 3 + [(0, 0)])
+    with pytest.raises(ValueError, match="slots must be among .*, got 'evaluate_model'"):
+        robsim.Experiment.from_folder(tmp_path, frames=frames, slots="evaluate_model")

@@ -12,10 +12,6 @@ RobotSoftware::RobotSoftware(const RobotOptions& options, std::shared_ptr<const 
       vision_(std::make_shared<MarkerVision>(options.colors, options.markers, options.smoothing)),
       is_kept_([](const StepPointer& step) { return step.use_count() > 1; }) {}
 
-RobotSoftware::~RobotSoftware() {
-  if (step_) step_->end();
-}
-
 void RobotSoftware::start() {
   RobotModel model = stages_.define_model();
   estimator_ = stages_.init_parameter_estimator(model);

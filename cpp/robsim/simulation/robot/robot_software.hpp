@@ -21,7 +21,6 @@ struct RobotOptions {
 class RobotSoftware {
  public:
   RobotSoftware(const RobotOptions& options, std::shared_ptr<const RunGuard> guard);
-  ~RobotSoftware();
   RobotSoftware(const RobotSoftware&) = delete;
   RobotSoftware& operator=(const RobotSoftware&) = delete;
 
