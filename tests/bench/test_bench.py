@@ -39,7 +39,8 @@ def test_all_cases_have_numbers():
     for name in ("render_480", "step_gaussian_480"):
         assert set(numbers[name]) == {"ours_ms", "opencv_ms", "ratio"}
     assert set(numbers["recursive_update"]) == {"ours_ns", "numpy_ns", "ratio"}
-    assert set(numbers["batch_10000x5"]) == {"ours_us", "numpy_us", "ratio"}
+    for name in ("batch_10000x5", "new_run_100", "reset_run_100"):
+        assert set(numbers[name]) == {"ours_us", "numpy_us", "ratio"}
     rates = [name for name, value in numbers.items() if "steps_per_second" in value]
     assert rates == [
         *("tracking_smoothing_off", "tracking_default"),

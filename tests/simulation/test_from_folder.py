@@ -183,7 +183,9 @@ def test_only_the_slots_that_are_wanted_are_filled_and_executed(tmp_path):
 
 @pytest.mark.parametrize("slots", ["controll", ("control", "evaluate")])
 def test_unknown_slots_are_named(tmp_path, slots):
-    with pytest.raises(ValueError, match="slots must be among define_model, .*, got '(controll|ev)"):
+    with pytest.raises(
+        ValueError, match="slots must be among define_model, .*, got '(controll|ev)"
+    ):
         robsim.Simulation.from_folder(tmp_path, slots=slots)
 
 

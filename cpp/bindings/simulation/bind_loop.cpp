@@ -150,5 +150,5 @@ void bind_loop(py::module_& module) {
       .def_property_readonly(
           "estimator", [](const SlottedLoop& self) { return to_python(self.robot().estimator()); })
       .def_property_readonly("last_step",
-                             [](const SlottedLoop& self) { return self.robot().step(); });
+                             [](const SlottedLoop& self) { return self.last_step(); });
 }

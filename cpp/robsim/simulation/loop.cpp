@@ -49,6 +49,7 @@ Stage after(Stage stage) {
 Loop::Loop(std::shared_ptr<World> world, const RobotOptions& robot, IdentifyFrom identify_from)
     : guard_(std::make_shared<RunGuard>()),
       world_(std::move(world)),
+      camera_(world_),
       robot_(robot, guard_),
       samples_(identify_from) {}
 
@@ -78,7 +79,7 @@ void Loop::prepare() {
   is_interrupted_ = false;
   stage_.store(Stage::world, std::memory_order_release);
   // Before the first step the camera shows where it will begin.
-  robot_.begin_step(0, robot_.model().dt(), {}, world_);
+  robot_.begin_step(0, robot_.model().dt(), {}, camera_);
 }
 
 void Loop::reset() {
@@ -178,7 +179,7 @@ Arrival Loop::begin_step() {
   const double gap = k > 0 ? observation.t - robot_.step()->t : dt;
   // Frames that are dt apart are so but for rounding.
   const bool is_regular = std::abs(gap - dt) < 1e-9 * std::max(1.0, observation.t);
-  robot_.begin_step(k, is_regular ? dt : gap, observation, world_);
+  robot_.begin_step(k, is_regular ? dt : gap, observation, camera_);
   samples_.begin(*robot_.step(), robot_.model(), observation.last_u);
   return Arrival::step;
 }
@@ -205,6 +206,12 @@ bool Loop::is_on(Stage stage) const {
          (stage == Stage::measure && stages.measure) ||
          (stage == Stage::estimate_state && stages.estimate_state) ||
          (stage == Stage::control && stages.control);
+}
+
+const StepPointer& Loop::last_step() const {
+  guard_->check_thread();
+  if (!robot_.step()) throw std::runtime_error("this simulation has not started yet");
+  return robot_.step();
 }
 
 bool Loop::stop() {

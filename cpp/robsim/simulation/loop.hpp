@@ -56,6 +56,9 @@ class Loop {
   bool has_started() const { return robot_.has_started(); }
   const RunGuard& guard() const { return *guard_; }
 
+  /// The newest step. Throws std::runtime_error before the start, and while another thread runs.
+  const StepPointer& last_step() const;
+
   /// The stage that runs now, or that comes next; from any thread.
   Stage stage() const { return stage_; }
 
@@ -71,6 +74,7 @@ class Loop {
 
   std::shared_ptr<RunGuard> guard_;
   std::shared_ptr<World> world_;
+  std::shared_ptr<Camera> camera_;  // of the world
   RobotSoftware robot_;
   SampleHistory samples_;
   Recorder recorder_;

@@ -15,7 +15,8 @@ void SampleHistory::reset() { *this = SampleHistory(identify_from_); }
 
 void SampleHistory::begin(const Step& step, const RobotModel& model,
                           const std::optional<Input>& last_u) {
-  const std::int64_t n = std::llround(step.dt / model.dt());
+  const bool is_exact = step.dt == model.dt();
+  const std::int64_t n = is_exact ? 1 : std::llround(step.dt / model.dt());
   follows_ = n == 1 && !is_interrupted_;
   if (step.k > 0 && !is_interrupted_) {
     time_ += step.dt;
@@ -26,6 +27,7 @@ void SampleHistory::begin(const Step& step, const RobotModel& model,
 }
 
 void SampleHistory::check_interval(const Step& step, const RobotModel& model) const {
+  if (step.dt == model.dt()) return;
   model.steps_in(step.dt);
   if (n_steps_ < steps_of_a_mean) return;
   const double mean = time_ / static_cast<double>(n_steps_);

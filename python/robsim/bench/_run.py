@@ -19,6 +19,8 @@ from robsim.bench._estimation import (
 from robsim.bench._noise import gaussian_calls, uniform_calls
 from robsim.bench._noisy_step import step_calls
 from robsim.bench._render import render_calls
+from robsim.bench._set_up import STEPS as STEPS_OF_A_RUN
+from robsim.bench._set_up import set_up_calls
 from robsim.bench._vision import detect_calls, scene
 from robsim.imaging._opencv import load_opencv
 from robsim.simulation._simulation import Simulation
@@ -62,7 +64,7 @@ def run_bench(
         cases = [case for size in sizes for case in _frame_cases(cv2, size, rounds)]
     finally:
         cv2.setNumThreads(threads)
-    cases += _estimation_cases(rounds)
+    cases += _estimation_cases(rounds) + _set_up_cases(rounds)
     rates = {**_tracking_rates(frames), **_loop_rates(steps)}
     return BenchResult(cpu_path=cpu_path(), cases=tuple(cases), rates=rates)
 
@@ -89,6 +91,13 @@ def _estimation_cases(rounds: int) -> list[Case]:
         "recursive_update", recursive_calls(), rounds, unit="ns", repeats=RECURSIVE_SAMPLES
     )
     return [recursive, timed("batch_10000x5", batch_calls(), 4 * rounds, unit="us")]
+
+
+def _set_up_cases(rounds: int) -> list[Case]:
+    return [
+        timed(f"{name}_run_{STEPS_OF_A_RUN}", set_up_calls(is_new=is_new), 10 * rounds, unit="us")
+        for name, is_new in (("new", True), ("reset", False))
+    ]
 
 
 def _tracking_rates(frames: int) -> dict[str, float]:

@@ -41,7 +41,7 @@ void RobotSoftware::begin_step(std::int64_t k, double dt, const Observation& obs
   step_->sample = observation.sample;
   step_->measurement = observation.measurement;
   step_->parameters = parameters_;
-  step_->estimator = estimator_;
+  if (step_->estimator != estimator_) step_->estimator = estimator_;
   step_->controller_seed = options_.controller_seed;
 }
 
@@ -86,12 +86,6 @@ void RobotSoftware::control() {
   if (!stages_.control) return;
   step_->u = stages_.control.call(step_);
   last_u_ = *step_->u;
-}
-
-const StepPointer& RobotSoftware::step() const {
-  guard_->check_thread();
-  if (!step_) throw std::runtime_error("this simulation has not started yet");
-  return step_;
 }
 
 bool RobotSoftware::is_interpreted() const {

@@ -52,8 +52,8 @@ class RobotSoftware {
   const RobotModel& model() const { return model_.value(); }
   const std::shared_ptr<ParameterEstimator>& estimator() const { return estimator_; }
 
-  /// The newest step. Throws std::runtime_error before the first one.
-  const StepPointer& step() const;
+  /// The newest step. Only after the start.
+  const StepPointer& step() const { return step_; }
 
   /// The last pose that was measured.
   const std::optional<Pose>& held() const { return held_; }

@@ -36,7 +36,7 @@ void Step::check_thread() const {
   if (!is_over) guard->check_thread();
 }
 
-void Step::begin(std::shared_ptr<Camera> the_camera) {
+void Step::begin(const std::shared_ptr<Camera>& the_camera) {
   sample.reset();
   parameters.reset();
   measurement.reset();
@@ -44,7 +44,7 @@ void Step::begin(std::shared_ptr<Camera> the_camera) {
   u.reset();
   frame.reset();
   blobs.reset();
-  camera = std::move(the_camera);
+  if (camera != the_camera) camera = the_camera;  // counting references costs time
 }
 
 void Step::end() {

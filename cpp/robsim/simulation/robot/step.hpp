@@ -55,7 +55,7 @@ struct Step {
   void check_thread() const;
 
   /// Empties what fills up from stage to stage, for the next step.
-  void begin(std::shared_ptr<Camera> the_camera);
+  void begin(const std::shared_ptr<Camera>& the_camera);
 
   /// The step is over: what nobody looked at is gone.
   void end();

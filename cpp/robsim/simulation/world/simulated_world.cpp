@@ -10,6 +10,16 @@
 
 namespace robsim {
 
+namespace {
+
+// What is remembered of a step, in a ring.
+template <typename Ring>
+auto& at_step(Ring& ring, std::int64_t k) {
+  return ring[static_cast<std::size_t>(k) % ring.size()];
+}
+
+}  // namespace
+
 bool Dropout::hides(std::int64_t k) const {
   return probability > 0 &&
          random_uniform(seed, static_cast<std::uint64_t>(k / steps)) < probability;
@@ -57,8 +67,8 @@ void SimulatedWorld::start(const RobotModel& model) {
   truth_ = {};
   truth_.pose = last_pose_ = options_.start;
   pan_ = {};
-  sent_.clear();
-  captures_.clear();
+  sent_.assign(static_cast<std::size_t>(options_.motor_delay) + 1, {});
+  captures_.assign(static_cast<std::size_t>(options_.camera_delay) + 1, {});
   capture(0);
 }
 
@@ -68,11 +78,7 @@ void SimulatedWorld::reset() {
 }
 
 Arrival SimulatedWorld::next(std::int64_t k, Observation& observation) {
-  if (k > 0) {
-    move_robot(k);
-  } else {
-    captures_.clear();
-  }
+  if (k > 0) move_robot(k);
   capture(k);
   observation.t = static_cast<double>(k) * model_->dt();
   observation.has_frame = newest_capture() != nullptr;
@@ -87,14 +93,16 @@ void SimulatedWorld::capture(std::int64_t k) {
   truth_.hidden = options_.dropout.hides(k);
   truth_.gaussian_noise = noise_->kind() == NoiseKind::gaussian ? noise_->percent() : 0;
   truth_.uniform_noise = noise_->kind() == NoiseKind::uniform ? noise_->percent() : 0;
-  captures_.push_back({k, truth_.pose, truth_.hidden, pan_, noise_});
-  if (captures_.size() > static_cast<std::size_t>(options_.camera_delay) + 1) captures_.pop_front();
+  k_ = k;
+  Capture& capture = at_step(captures_, k);
+  capture.k = k;
+  capture.pose = truth_.pose;
+  capture.hidden = truth_.hidden;
+  capture.pan = pan_;
+  if (capture.noise != noise_) capture.noise = noise_;  // counting references costs time
 }
 
-void SimulatedWorld::send(std::int64_t, const Input& u) {
-  sent_.push_back(u);
-  if (sent_.size() > static_cast<std::size_t>(options_.motor_delay) + 1) sent_.pop_front();
-}
+void SimulatedWorld::send(std::int64_t k, const Input& u) { at_step(sent_, k) = u; }
 
 void SimulatedWorld::move_robot(std::int64_t k) {
   Pose now = next_pose(k);
@@ -110,9 +118,9 @@ void SimulatedWorld::move_robot(std::int64_t k) {
 }
 
 Pose SimulatedWorld::next_pose(std::int64_t k) const {
-  const bool has_arrived = sent_.size() > static_cast<std::size_t>(options_.motor_delay);
-  const Input sent = has_arrived ? sent_.front() : Input{};
-  const Input u = options_.disturbance.disturbed(sent, k);
+  const std::int64_t arrived = k - 1 - options_.motor_delay;
+  const Input u =
+      options_.disturbance.disturbed(arrived < 0 ? Input{} : at_step(sent_, arrived), k);
   const double dt = model_->dt();
   const Pose pose = slots_.evaluate_model
                         ? slots_.evaluate_model.call({k, static_cast<double>(k) * dt, dt,
@@ -129,8 +137,8 @@ Pan SimulatedWorld::followed_view() const {
 }
 
 const SimulatedWorld::Capture* SimulatedWorld::newest_capture() const {
-  const bool has_arrived = captures_.size() > static_cast<std::size_t>(options_.camera_delay);
-  return has_arrived ? &captures_.front() : nullptr;
+  const std::int64_t arrived = k_ - options_.camera_delay;
+  return arrived < 0 ? nullptr : &at_step(captures_, arrived);
 }
 
 SimulatedWorld::Capture SimulatedWorld::capture_of(std::int64_t k, const Truth& truth) const {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "robsim/simulation/seam/run_guard.hpp"
 #include "robsim/simulation/seam/slot.hpp"
@@ -131,8 +131,9 @@ class SimulatedWorld : public World {
   Pose last_pose_;
   Truth truth_;
   Pan pan_;
-  std::deque<Input> sent_;        // the newest last, as many as the motors' delay needs
-  std::deque<Capture> captures_;  // the newest last, as many as the camera's delay needs
+  std::vector<Input> sent_;        // those of the last steps, that of step k at k modulo the size
+  std::vector<Capture> captures_;  // the same
+  std::int64_t k_ = 0;             // the newest step
 };
 
 }  // namespace robsim
