@@ -200,6 +200,24 @@ Arrival arrival_of(const py::object& taken, Arrived& arrived, std::int64_t k) {
   return Arrival::step;
 }
 
+// Stops the robot even where a Ctrl-C comes in between: that is put off.
+std::optional<Input> stopped(const py::handle& stop) {
+  bool is_interrupted = false;
+  py::object u = py::none();
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    try {
+      u = stop();
+      break;
+    } catch (py::error_already_set& error) {
+      is_interrupted = is_interrupted || error.matches(PyExc_KeyboardInterrupt);
+      error.discard_as_unraisable("stop");
+    }
+  }
+  if (is_interrupted) PyErr_SetInterrupt();
+  if (u.is_none()) return std::nullopt;
+  return input_from(u, "stop_input");
+}
+
 ExternalSource PythonSource::source(const py::object& take, const py::object& send,
                                     const py::object& stop) {
   ExternalSource source;
@@ -211,13 +229,7 @@ ExternalSource PythonSource::source(const py::object& take, const py::object& se
       callback(k, to_array(u));
     };
   }
-  if (!stop.is_none()) {
-    source.stop = [stop = py::handle(stop)]() -> std::optional<Input> {
-      const py::object u = stop();
-      if (u.is_none()) return std::nullopt;
-      return input_from(u, "stop_input");
-    };
-  }
+  if (!stop.is_none()) source.stop = [stop = py::handle(stop)] { return stopped(stop); };
   return source;
 }
 

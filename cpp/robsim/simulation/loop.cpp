@@ -40,6 +40,14 @@ class Metronome {
   std::int64_t between_looks_ = 1;
 };
 
+// The time (s) of a step that came `gap` after the one before, at t.
+double interval(double gap, double t, double dt, bool follows_stop) {
+  // The robot stood still, as long as somebody liked: no multiple of dt, which estimators count in.
+  if (follows_stop) return dt * std::max(1.0, std::round(gap / dt));
+  // Frames that are dt apart are so but for rounding.
+  return std::abs(gap - dt) < 1e-9 * std::max(1.0, t) ? dt : gap;
+}
+
 Stage after(Stage stage) {
   return stage == Stage::send ? Stage::world : static_cast<Stage>(static_cast<int>(stage) + 1);
 }
@@ -76,7 +84,7 @@ void Loop::prepare() {
     throw;
   }
   samples_.reset();
-  is_interrupted_ = false;
+  is_interrupted_ = follows_stop_ = false;
   stage_.store(Stage::world, std::memory_order_release);
   // Before the first step the camera shows where it will begin.
   robot_.begin_step(0, robot_.model().dt(), {}, camera_);
@@ -84,6 +92,7 @@ void Loop::prepare() {
 
 void Loop::reset() {
   const RunGuard::Run run(*guard_);
+  stop_robot();
   robot_.reset();
   world_->reset();
   recorder_.reset();
@@ -91,7 +100,6 @@ void Loop::reset() {
 
 bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
   const RunGuard::Run run(*guard_);
-  is_stopped_ = false;
   prepare();
   recorder_.prepare(*world_, robot_, steps);
   bool is_at_end = false;
@@ -101,7 +109,7 @@ bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
     stop_robot();
     throw;
   }
-  if (stops_robot_after || is_at_end || is_stopped_) stop_robot();
+  if (stops_robot_after || is_at_end || guard_->is_stopped()) stop_robot();
   return is_at_end;
 }
 
@@ -109,7 +117,8 @@ bool Loop::turns(std::int64_t steps, const Pulse& pulse) {
   std::optional<NativeWork> native;
   if (!is_interpreted()) native.emplace();
   Metronome metronome;
-  for (std::int64_t done = 0; done < steps && !is_stopped_;) {
+  for (std::int64_t done = 0; done < steps;) {
+    if (stage_ == Stage::world && guard_->is_stopped()) break;
     const Arrival arrival = do_stage();
     if (arrival == Arrival::end) return true;
     if (arrival == Arrival::step && stage_ != Stage::world) continue;
@@ -125,18 +134,18 @@ bool Loop::turns(std::int64_t steps, const Pulse& pulse) {
 
 std::optional<Stage> Loop::step_stage(const Pulse& pulse) {
   const RunGuard::Run run(*guard_);
-  is_stopped_ = false;
   prepare();
   recorder_.prepare(*world_, robot_, 1);
   const Stage done = stage_;
   try {
     Arrival arrival = do_stage();
-    for (; arrival == Arrival::nothing_yet && !is_stopped_; arrival = do_stage()) pulse(0);
-    if (arrival != Arrival::step) {
-      stop_robot();
-      return std::nullopt;
+    for (; arrival == Arrival::nothing_yet; arrival = do_stage()) {
+      if (guard_->is_stopped()) throw std::runtime_error("stop() was called before a frame came");
+      pulse(0);
     }
     while (stage_ != Stage::world && !is_on(stage_)) do_stage();
+    if (arrival == Arrival::end || guard_->is_stopped()) stop_robot();
+    if (arrival == Arrival::end) return std::nullopt;
   } catch (...) {
     stop_robot();
     throw;
@@ -177,10 +186,9 @@ Arrival Loop::begin_step() {
   if (arrival != Arrival::step) return arrival;
   const double dt = robot_.model().dt();
   const double gap = k > 0 ? observation.t - robot_.step()->t : dt;
-  // Frames that are dt apart are so but for rounding.
-  const bool is_regular = std::abs(gap - dt) < 1e-9 * std::max(1.0, observation.t);
-  robot_.begin_step(k, is_regular ? dt : gap, observation, camera_);
-  samples_.begin(*robot_.step(), robot_.model(), observation.last_u);
+  follows_stop_ = std::exchange(is_interrupted_, false);
+  robot_.begin_step(k, interval(gap, observation.t, dt, follows_stop_), observation, camera_);
+  samples_.begin(*robot_.step(), robot_.model(), observation.last_u, follows_stop_);
   return Arrival::step;
 }
 
@@ -193,10 +201,12 @@ void Loop::estimate_parameters() {
 
 void Loop::end_step() {
   const Step& step = *robot_.step();
-  if (step.u) world_->send(step.k, *step.u);
+  if (step.u) {
+    world_->send(step.k, *step.u);
+    robot_.set_last_input(*step.u);
+  }
   samples_.add(step, world_->truth());
-  recorder_.record(*world_, robot_, is_interrupted_);
-  is_interrupted_ = false;
+  recorder_.record(*world_, robot_, follows_stop_);
 }
 
 bool Loop::is_on(Stage stage) const {
@@ -214,15 +224,9 @@ const StepPointer& Loop::last_step() const {
   return robot_.step();
 }
 
-bool Loop::stop() {
-  is_stopped_ = true;
-  return guard_->is_running();
-}
-
 void Loop::stop_robot() {
   if (const std::optional<Input> u = world_->stop()) {
     robot_.set_last_input(*u);
-    samples_.interrupt();
     is_interrupted_ = true;
   }
 }

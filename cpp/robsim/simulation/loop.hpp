@@ -41,16 +41,17 @@ class Loop {
   /// it. Throws std::runtime_error when it is running already.
   bool run(std::int64_t steps, const Pulse& pulse, bool stops_robot);
 
-  /// The next stage that is on; nothing at the end of the world.
+  /// The next stage that is on; nothing at the end of the world. Throws std::runtime_error if it
+  /// is stopped before a frame has come.
   std::optional<Stage> step_stage(const Pulse& pulse);
 
   /// Ends the run under way between two steps; from any thread. False if there is none.
-  bool stop();
+  bool stop() { return guard_->stop(); }
 
   /// Stops the robot, if somebody has to: between two runs.
   void stop_robot();
 
-  /// Back to the start: the next run begins anew and gives the same again.
+  /// Back to the start, with the robot stopped: the next run begins anew and gives the same again.
   void reset();
 
   bool has_started() const { return robot_.has_started(); }
@@ -78,9 +79,9 @@ class Loop {
   RobotSoftware robot_;
   SampleHistory samples_;
   Recorder recorder_;
-  bool is_interrupted_ = false;  // the robot was stopped after the last step
+  bool is_interrupted_ = false;  // the robot was stopped since the newest step began
+  bool follows_stop_ = false;    // the newest step began after that
   std::atomic<Stage> stage_{Stage::world};
-  std::atomic<bool> is_stopped_{false};
 };
 
 }  // namespace robsim

@@ -14,15 +14,14 @@ constexpr double mean_tolerance = 0.05;  // of the model's dt; single frames may
 void SampleHistory::reset() { *this = SampleHistory(identify_from_); }
 
 void SampleHistory::begin(const Step& step, const RobotModel& model,
-                          const std::optional<Input>& last_u) {
+                          const std::optional<Input>& last_u, bool is_interrupted) {
   const bool is_exact = step.dt == model.dt();
   const std::int64_t n = is_exact ? 1 : std::llround(step.dt / model.dt());
-  follows_ = n == 1 && !is_interrupted_;
-  if (step.k > 0 && !is_interrupted_) {
+  follows_ = n == 1 && !is_interrupted;
+  if (step.k > 0 && !is_interrupted) {
     time_ += step.dt;
     n_steps_ += n;
   }
-  is_interrupted_ = false;
   if (last_u) past_[0].u = *last_u;
 }
 

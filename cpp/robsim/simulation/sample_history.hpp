@@ -20,7 +20,9 @@ class SampleHistory {
   void reset();
 
   /// Begins a step of a model; `last_u` is the input since the last one, if others know it better.
-  void begin(const Step& step, const RobotModel& model, const std::optional<Input>& last_u);
+  /// `is_interrupted`: the robot was stopped since the last one.
+  void begin(const Step& step, const RobotModel& model, const std::optional<Input>& last_u,
+             bool is_interrupted);
 
   /// The newest complete sample: that of this step from truth, that of the step before otherwise.
   std::optional<Sample> newest(std::int64_t k, const Truth* truth) const;
@@ -30,9 +32,6 @@ class SampleHistory {
 
   /// Ends a step.
   void add(const Step& step, const Truth* truth);
-
-  /// The next step does not follow from the one before.
-  void interrupt() { is_interrupted_ = true; }
 
  private:
   // What is remembered of a step for the samples of the next ones.
@@ -46,7 +45,6 @@ class SampleHistory {
 
   IdentifyFrom identify_from_;
   std::array<Past, 3> past_;  // the newest first
-  bool is_interrupted_ = false;
   bool follows_ = true;       // this step does from the one before
   double time_ = 0;           // s, of all steps
   std::int64_t n_steps_ = 0;  // of the model, in that time

@@ -145,8 +145,8 @@ class Experiment(Runner):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        self._core.stop_robot()
-        self._tell_stop_error(error)
+        if not self.stop():  # a run in another thread stops the robot itself
+            self._stop_robot(error)
 
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Run some steps, or all; a run continues where the last one ended.
@@ -200,18 +200,31 @@ class Experiment(Runner):
             raise
         self._tell_stop_error(None)
 
+    def _prepare(self) -> None:
+        try:
+            super()._prepare()
+        except BaseException as error:
+            if not self.is_running:  # step may have left the robot driving
+                self._stop_robot(error)
+            raise
+
+    def _stop_robot(self, error: BaseException | None) -> None:
+        self._core.stop_robot()
+        self._tell_stop_error(error)
+
     def _tell_stop_error(self, error: BaseException | None) -> None:
         """Raise what went wrong when the robot was stopped, or add it to another exception."""
         if self._motors is None or self._motors.error is None:
             return
         trouble, self._motors.error = self._motors.error, None
-        trouble.add_note("in send, when the robot was to be stopped")
         if error is None:
+            trouble.add_note("in send, when the robot was to be stopped")
             raise trouble
-        error.add_note(f"the robot could not be stopped: {type(trouble).__name__}: {trouble}")
+        if self._motors.has_moved:
+            error.add_note(f"the robot could not be stopped: {type(trouble).__name__}: {trouble}")
 
     def reset(self, *, seed: Seed = None) -> None:
-        """Return to the start; the next run begins with step 0 and the first frame.
+        """Stop the robot and return to the start; the next run begins with the first frame.
 
         Parameters
         ----------
@@ -223,12 +236,13 @@ class Experiment(Runner):
         RuntimeError
             If `frames` can be read only once, and some have been read.
         """
-        if self.n_steps and self._source.is_single_pass:
+        if self._source.is_spent:
             raise RuntimeError(
                 "the frames can be read only once: give a list or a Recording to be able to reset"
             )
         super().reset(seed=seed)
         self._source.restart()
+        self._tell_stop_error(None)
 
     def _stage(self, slot: str, callback: Any) -> Any:
         if slot == "define_model" and callable(callback):

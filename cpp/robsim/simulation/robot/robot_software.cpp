@@ -60,7 +60,8 @@ void RobotSoftware::estimate_parameters(const std::optional<Sample>& newest) {
 }
 
 void RobotSoftware::measure() {
-  if (stages_.measure && step_->has_frame) {
+  const bool is_done = step_->measurement && !stages_.measure.is_interpreted;
+  if (stages_.measure && step_->has_frame && !is_done) {
     if (!stages_.measure.is_interpreted) step_->find_blobs();
     step_->measurement = stages_.measure.call(step_);
     if (step_->frame) step_->find_blobs();  // of a callback that has looked
@@ -85,7 +86,6 @@ void RobotSoftware::estimate_state() {
 void RobotSoftware::control() {
   if (!stages_.control) return;
   step_->u = stages_.control.call(step_);
-  last_u_ = *step_->u;
 }
 
 bool RobotSoftware::is_interpreted() const {

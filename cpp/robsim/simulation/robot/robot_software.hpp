@@ -42,7 +42,8 @@ class RobotSoftware {
   void begin_step(std::int64_t k, double dt, const Observation& observation,
                   const std::shared_ptr<Camera>& camera);
 
-  // The stages.
+  // The stages. A measurement or a sample that came over the seam stands: only a callback measures
+  // again.
   void estimate_parameters(const std::optional<Sample>& newest);
   void measure();
   void estimate_state();
@@ -58,7 +59,7 @@ class RobotSoftware {
   /// The last pose that was measured.
   const std::optional<Pose>& held() const { return held_; }
 
-  /// Another input than that of the newest step is in force now.
+  /// Says what was sent to the robot: the last_u of the next step.
   void set_last_input(const Input& u) { last_u_ = u; }
 
   /// True if a stage needs the interpreter.

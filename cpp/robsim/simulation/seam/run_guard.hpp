@@ -5,7 +5,7 @@
 
 namespace robsim {
 
-/// Lets one thread run the loop at a time.
+/// Lets one thread run the loop at a time, and any thread ask it to stop.
 class RunGuard {
  public:
   /// Marks the loop as running for its life.
@@ -21,13 +21,21 @@ class RunGuard {
     RunGuard& guard_;
   };
 
-  bool is_running() const { return running_; }
+  bool is_running() const { return state_ != State::idle; }
+
+  /// Asks the run under way to end, and no later one; false if there is none.
+  bool stop();
+
+  /// True if the run under way was asked to end.
+  bool is_stopped() const { return state_ == State::stopping; }
 
   /// Throws std::runtime_error while another thread runs the loop.
   void check_thread() const;
 
  private:
-  std::atomic<bool> running_{false};
+  enum class State { idle, running, stopping };
+
+  std::atomic<State> state_{State::idle};
   std::atomic<std::thread::id> runner_{};
 };
 

@@ -61,9 +61,8 @@ void SimulatedWorld::set_seeds(std::uint64_t noise, std::uint64_t dropout,
 }
 
 void SimulatedWorld::start(const RobotModel& model) {
-  RobotModel followed = slots_.true_model ? slots_.true_model(model) : model;
+  model_ = slots_.true_model ? slots_.true_model(model) : model;
   if (slots_.makes_scene_at_start) renderer();
-  model_ = std::move(followed);
   truth_ = {};
   truth_.pose = last_pose_ = options_.start;
   pan_ = {};

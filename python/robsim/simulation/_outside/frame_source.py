@@ -46,40 +46,47 @@ class FrameSource:
         self._iterator = iter(frames)
         self._timeout = timeout
         self._reader: _Reader | None = None
+        self._reading = threading.Lock()
+        self._has_begun = False
         self._failed_at: int | None = None
 
     @property
-    def is_single_pass(self) -> bool:
-        """Whether the frames can be read only once."""
-        return self._iterator is self._frames
+    def is_spent(self) -> bool:
+        """Whether the frames can be read only once, and some have been."""
+        return self._has_begun and self._iterator is self._frames
 
     def restart(self) -> None:
         """Start again with the first frame."""
         self._iterator = iter(self._frames)
+        self._has_begun = False
         self._reader = self._failed_at = None
 
     @contextmanager
     def reading(self) -> Iterator[None]:
         """Read inside the context, in a thread of its own if there is a time limit."""
-        if math.isinf(self._timeout):
+        # A second run beside the first one, which the loop refuses, must not touch its thread.
+        if math.isinf(self._timeout) or not self._reading.acquire(blocking=False):
             yield
             return
-        if self._reader is None:
-            self._reader = _Reader(self._iterator)
-        with self._reader.running():
-            yield
+        try:
+            if self._reader is None:
+                self._reader = _Reader(self._iterator)
+            with self._reader.running():
+                yield
+        finally:
+            self._reading.release()
 
     def take(self, k: int) -> Frame | Observation | Arrival | None:
         """Return the frame of step k; `Arrival.END` after the last one."""
+        self._has_begun = True
         try:
             if self._reader is None:
                 taken = next(self._iterator, Arrival.END)
             else:
                 taken = self._reader.take(self._timeout)
-        except TimeoutError:
-            raise
-        except Exception:
-            self._failed_at = k
+        except BaseException:
+            if self._reader is None or not self._reader.is_waiting:
+                self._failed_at = k
             raise
         if taken is Arrival.END and self._failed_at is not None:
             raise EOFError(
@@ -121,6 +128,11 @@ class _Reader:
         self._taken: queue.SimpleQueue[tuple[Any, BaseException | None]] = queue.SimpleQueue()
         self._wanted: queue.SimpleQueue[bool] = queue.SimpleQueue()
         self._since: float | None = None  # when the item was asked for that has not come yet
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether an item was asked for that has not come yet."""
+        return self._since is not None
 
     @contextmanager
     def running(self) -> Iterator[None]:

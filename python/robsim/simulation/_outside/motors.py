@@ -37,6 +37,11 @@ class Motors:
         #: What went wrong when the robot was stopped.
         self.error: BaseException | None = None
 
+    @property
+    def has_moved(self) -> bool:
+        """Whether an input was sent since the last stop input."""
+        return self._has_moved
+
     def send(self, u: Floats) -> None:
         """Send an input."""
         self._has_moved = True  # even if it fails: nobody knows what has arrived
@@ -55,9 +60,8 @@ class Motors:
                 self._send(np.array(self._stop_input))
                 self._has_moved = False
                 break
-            except KeyboardInterrupt as error:
-                self.error = error
             except BaseException as error:
                 self.error = error
-                break
+                if not isinstance(error, KeyboardInterrupt):
+                    break
         return self._stop_input
