@@ -209,8 +209,11 @@ std::optional<Input> stopped(const py::handle& stop) {
       u = stop();
       break;
     } catch (py::error_already_set& error) {
-      is_interrupted = is_interrupted || error.matches(PyExc_KeyboardInterrupt);
-      error.discard_as_unraisable("stop");
+      if (error.matches(PyExc_KeyboardInterrupt)) {
+        is_interrupted = true;
+      } else {
+        error.discard_as_unraisable("stop");
+      }
     }
   }
   if (is_interrupted) PyErr_SetInterrupt();

@@ -25,7 +25,7 @@ void Recorder::prepare(const World& world, const RobotSoftware& robot, std::int6
   if (has_truth) columns_.pose_true = &trace_.column("pose_true");
   if (stages.control) columns_.u = &trace_.column("u");
   if (has_truth) columns_.bounced = &trace_.column("bounced");
-  if (stages.measure) prepare_measurement(robot);
+  if (stages.measure || !has_truth) prepare_measurement(robot);
   if (stages.estimate_parameters) {
     columns_.parameters = &trace_.column("parameters");
     if (robot.estimator()->has_standard_errors())
