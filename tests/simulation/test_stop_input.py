@@ -1,0 +1,591 @@
+"""Whatever ends the run of an experiment, the last thing that is sent stops the robot."""
+
+import _thread
+import math
+import queue
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.simulation._outside.motors import Motors
+
+IMAGE = np.zeros((6, 8, 3), np.uint8)
+STOP = (0.0, 0.0)
+SOON = 10  # s, for what comes at once
+
+
+@pytest.fixture(autouse=True)
+def _no_thread_survives():
+    before = set(threading.enumerate())
+    yield
+    for thread in set(threading.enumerate()) - before:
+        thread.join(SOON)
+        assert not thread.is_alive()
+
+
+def frame(k):
+    return robsim.Frame(IMAGE, index=k)
+
+
+def input_of(k):
+    return (k + 1.0, 0.5)
+
+
+class Robot:
+    """Remembers what it was sent; the calls numbered in `failing` raise."""
+
+    def __init__(self, failing=(), error=None):
+        self.sent = []
+        self.calls = 0
+        self.failing = failing
+        self.error = error or OSError("the cable is loose")
+
+    def __call__(self, u):
+        call, self.calls = self.calls, self.calls + 1
+        if call in self.failing:
+            raise self.error
+        self.sent.append(tuple(u))
+
+    @property
+    def drives(self):
+        return bool(self.sent) and self.sent[-1] != STOP
+
+
+def estimate(step):
+    return robsim.Estimate((0, 0, 0), np.eye(3))
+
+
+RESULTS = {
+    "estimate_parameters": lambda step: None,
+    "measure": lambda step: None,
+    "estimate_state": estimate,
+    "control": lambda step: input_of(step.k),
+}
+
+
+def experiment(robot, frames=6, **options):
+    if isinstance(frames, int):
+        frames = [frame(k) for k in range(frames)]
+    given = {"measure": False, "identify_from": "truth", "control": RESULTS["control"]} | options
+    return robsim.Experiment(frames, send=robot, **given)
+
+
+class Once:
+    """Does something the first time that step 3 comes."""
+
+    def __init__(self, act, then=lambda step: None):
+        self.act = act
+        self.then = then
+        self.is_done = False
+
+    def __call__(self, step):
+        if step.k == 3 and not self.is_done:
+            self.is_done = True
+            self.act()
+        return self.then(step)
+
+
+def fail():
+    raise ZeroDivisionError("of the test")
+
+
+def interrupt():
+    signal.raise_signal(signal.SIGINT)
+
+
+def dawdle():
+    end = time.monotonic() + SOON
+    while time.monotonic() < end:
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("frame_timeout", [math.inf, SOON])
+def test_an_input_is_sent_the_moment_that_it_is_decided(frame_timeout):
+    events = []
+
+    def frames():
+        for k in range(4):
+            events.append(("asked for", k))
+            yield frame(k)
+
+    def control(step):
+        events.append(("decided", step.k))
+        return input_of(step.k)
+
+    def send(u):
+        events.append(("sent", *u))
+
+    trace = experiment(send, frames(), control=control, frame_timeout=frame_timeout).run()
+    expected = []
+    for k in range(4):
+        expected += [("asked for", k), ("decided", k), ("sent", *input_of(k))]
+    assert events == [*expected, ("sent", *STOP)]
+    np.testing.assert_array_equal(trace.u, [input_of(k) for k in range(4)])
+    assert not trace.interrupted.any()
+
+
+@pytest.mark.parametrize("steps", [None, 4, 6])
+def test_an_ordinary_end_stops_the_robot(steps):
+    robot = Robot()
+    experiment(robot).run(steps)
+    assert robot.sent == [*map(input_of, range(steps or 6)), STOP]
+
+
+@pytest.mark.parametrize("slot", RESULTS)
+@pytest.mark.parametrize(
+    ("act", "error"),
+    [
+        (fail, ZeroDivisionError),
+        (interrupt, KeyboardInterrupt),
+        (lambda: (_ for _ in ()).throw(SystemExit(1)), SystemExit),
+    ],
+    ids=["exception", "Ctrl-C", "exit"],
+)
+def test_what_a_stage_raises_stops_the_robot(slot, act, error):
+    robot = Robot()
+    sim = experiment(robot, **{slot: Once(act, RESULTS[slot])})
+    with pytest.raises(error) as raised:
+        sim.run()
+    assert f"in the callback {slot} at step 3" in raised.value.__notes__
+    assert robot.sent == [*map(input_of, range(3)), STOP]
+    assert len(sim.trace) == 3
+    # The next run goes on with the stage that was interrupted.
+    trace = sim.run()
+    assert robot.sent[4:] == [*map(input_of, range(3, 6)), STOP]
+    np.testing.assert_array_equal(trace.u, [input_of(k) for k in range(6)])
+    # The frame of step 3 came before the stop, that of step 4 after it.
+    np.testing.assert_array_equal(np.flatnonzero(trace.interrupted), [4])
+
+
+def test_an_exceeded_time_limit_stops_the_robot():
+    robot = Robot()
+    sim = experiment(robot, control=Once(dawdle, RESULTS["control"]), time_limit=0.05)
+    with pytest.raises(TimeoutError, match="time_limit"):
+        sim.run()
+    assert robot.sent == [*map(input_of, range(3)), STOP]
+
+
+@pytest.mark.parametrize("slot", ["define_model", "init_parameter_estimator"])
+def test_nothing_is_sent_before_the_start(slot):
+    robot = Robot()
+    sim = experiment(robot, **{slot: lambda *_: fail()})
+    with sim, pytest.raises(ZeroDivisionError):
+        sim.run()
+    assert robot.calls == 0
+
+
+def test_nothing_is_stopped_that_was_not_sent_anything():
+    robot = Robot()
+    with experiment(robot, control=None) as sim:
+        sim.run()
+    with experiment(robot):
+        pass
+    assert robot.calls == 0
+
+
+class Frames:
+    """Frames of which one fails the first time."""
+
+    def __init__(self, failing, error):
+        self.k = 0
+        self.failing = failing
+        self.error = error
+
+    def __iter__(self):
+        return self
+
+    def __next__(self):
+        if self.k == 6:
+            raise StopIteration
+        if self.k == self.failing:
+            self.failing = None
+            raise self.error
+        self.k += 1
+        return frame(self.k - 1)
+
+
+@pytest.mark.parametrize("frame_timeout", [math.inf, SOON])
+@pytest.mark.parametrize("error", [OSError("no camera"), TimeoutError("no light"), SystemExit()])
+def test_what_the_source_raises_stops_the_robot(frame_timeout, error):
+    robot = Robot()
+    sim = experiment(robot, Frames(3, error), frame_timeout=frame_timeout)
+    with pytest.raises(type(error)) as raised:
+        sim.run()
+    assert raised.value is error
+    assert "in frames at step 3" in error.__notes__
+    assert robot.sent == [*map(input_of, range(3)), STOP]
+    trace = sim.run()
+    assert robot.sent[4:] == [*map(input_of, range(3, 6)), STOP]
+    np.testing.assert_array_equal(np.flatnonzero(trace.interrupted), [3])
+
+
+@pytest.mark.parametrize("frame_timeout", [math.inf, SOON])
+@pytest.mark.parametrize(
+    "error", [OSError("no camera"), TimeoutError("no light"), KeyboardInterrupt()]
+)
+def test_a_generator_that_has_raised_says_that_it_cannot_go_on(frame_timeout, error):
+    robot = Robot()
+
+    def frames():
+        yield frame(0)
+        raise error
+
+    sim = experiment(robot, frames(), frame_timeout=frame_timeout)
+    with pytest.raises(type(error)):
+        sim.run()
+    for _ in range(2):
+        with pytest.raises(EOFError, match="since the exception at step 1: a generator that has"):
+            sim.run()
+    assert robot.sent == [input_of(0), STOP]
+
+
+def test_an_input_that_cannot_be_sent_stops_the_robot():
+    robot = Robot(failing=[3])
+    sim = experiment(robot)
+    with pytest.raises(OSError, match="the cable") as raised:
+        sim.run()
+    assert raised.value.__notes__ == ["in send at step 3"]
+    assert robot.sent == [*map(input_of, range(3)), STOP]
+    # It is sent again, and what was sent last is the last input of the next step.
+    assert len(sim.trace) == 3
+    assert sim.step().k == 3
+    np.testing.assert_array_equal(sim.step().last_u, input_of(3))
+    np.testing.assert_array_equal(sim.trace.interrupted, [0, 0, 0, 0, 1])
+
+
+def test_a_robot_that_cannot_be_stopped_either_is_told():
+    robot = Robot(failing=range(3, 100))
+    sim = experiment(robot)
+    with pytest.raises(OSError, match="the cable") as raised:
+        sim.run()
+    assert raised.value.__notes__ == [
+        "in send at step 3",
+        "the robot could not be stopped: OSError: the cable is loose",
+    ]
+    assert robot.calls == 5
+    robot.error = OSError("still loose")
+    with pytest.raises(OSError, match="still loose") as raised, sim:
+        pass
+    assert raised.value.__notes__ == ["in send, when the robot was to be stopped"]
+    robot.failing = []
+    with sim:
+        pass
+    assert robot.sent[-1] == STOP
+
+
+def test_a_stop_that_fails_at_the_end_of_a_run_is_an_error():
+    robot = Robot(failing=[6])
+    sim = experiment(robot)
+    with pytest.raises(OSError, match="the cable") as raised:
+        sim.run()
+    assert raised.value.__notes__ == ["in send, when the robot was to be stopped"]
+    assert len(sim.trace) == 6
+    with sim:  # tries again
+        pass
+    assert robot.sent[-1] == STOP
+
+
+def test_the_stop_input_is_sent_in_spite_of_ctrl_c():
+    robot = Robot(failing=[6], error=KeyboardInterrupt())
+    with pytest.raises(KeyboardInterrupt):
+        experiment(robot).run()
+    assert robot.sent[-1] == STOP
+    robot = Robot(failing=[4], error=KeyboardInterrupt())
+    with pytest.raises(ZeroDivisionError) as raised:
+        experiment(robot, control=Once(fail, RESULTS["control"])).run()
+    assert robot.sent[-1] == STOP
+    assert raised.value.__notes__ == ["in the callback control at step 3"]
+
+
+def test_the_stop_input_is_sent_in_spite_of_ctrl_c_between_two_lines(monkeypatch):
+    stop = Motors.stop
+    interrupts = [KeyboardInterrupt()]
+
+    def interrupted(motors):
+        if interrupts:
+            raise interrupts.pop()
+        return stop(motors)
+
+    monkeypatch.setattr(Motors, "stop", interrupted)
+    robot = Robot()
+    with pytest.raises(KeyboardInterrupt):
+        experiment(robot).run()
+    assert robot.sent == [*map(input_of, range(6)), STOP]
+
+
+def test_a_step_leaves_the_robot_driving_until_its_block_is_left():
+    robot = Robot()
+    with experiment(robot) as sim:
+        sim.step()
+        sim.step()
+        assert robot.sent == [input_of(0), input_of(1)]
+    assert robot.sent == [input_of(0), input_of(1), STOP]
+    sim.step()
+    with pytest.raises(ZeroDivisionError) as raised, sim:
+        fail()
+    assert robot.sent[3:] == [input_of(2), STOP]
+    assert not hasattr(raised.value, "__notes__")
+    with sim:
+        for stage in ("world", "control"):
+            assert sim.step_stage() == stage
+        assert robot.drives
+    assert robot.sent[5:] == [input_of(3), STOP]
+    np.testing.assert_array_equal(np.flatnonzero(sim.trace.interrupted), [2, 3])
+
+
+def test_whatever_else_ends_a_series_of_steps_stops_the_robot(tmp_path):
+    robot = Robot()
+    sim = experiment(robot, 1)
+    sim.step()
+    with pytest.raises(EOFError):
+        sim.step()
+    assert robot.sent == [input_of(0), STOP]
+
+    (tmp_path / "control.py").write_text("def control(step):\n    return 1, 1\n")
+    robot = Robot()
+    frames = [frame(k) for k in range(6)]
+    sim = robsim.Experiment.from_folder(tmp_path, frames=frames, send=robot, measure=False)
+    sim.step()
+    assert robot.drives
+    (tmp_path / "control.py").write_text("def control(step)\n    return 100, 100\n")
+    with pytest.raises(SyntaxError):
+        sim.step()
+    assert not robot.drives
+
+    robot = Robot()
+    sim = experiment(robot)
+    sim.step()
+    sim.reset()
+    assert robot.sent == [input_of(0), STOP]
+    np.testing.assert_array_equal(sim.step().last_u, STOP)
+    assert not sim.trace.interrupted.any()
+
+
+def test_after_a_stop_the_last_input_is_the_stop_input():
+    robot = Robot()
+    seen = []
+    control = RESULTS["control"]
+    sim = experiment(robot, control=lambda step: seen.append(tuple(step.last_u)) or control(step))
+    sim.run(2)
+    trace = sim.run()
+    assert seen == [STOP, input_of(0), STOP, input_of(2), input_of(3), input_of(4)]
+    np.testing.assert_array_equal(trace.interrupted, [0, 0, 1, 0, 0, 0])
+    # What was sent is recorded, the stop is not an input of a step.
+    np.testing.assert_array_equal(trace.u, [input_of(k) for k in range(6)])
+
+
+def test_another_stop_input():
+    robot = Robot()
+    sim = experiment(robot, stop_input=(-0.1, 0.2))
+    sim.run(2)
+    assert robot.sent == [input_of(0), input_of(1), (-0.1, 0.2)]
+    np.testing.assert_array_equal(sim.step().last_u, (-0.1, 0.2))
+
+
+def test_no_stop_input():
+    robot = Robot()
+    with experiment(robot, stop_input=None, control=Once(fail, RESULTS["control"])) as sim:
+        with pytest.raises(ZeroDivisionError):
+            sim.run()
+        trace = sim.run()
+    assert robot.sent == [input_of(k) for k in range(6)]
+    assert not trace.interrupted.any()
+
+
+def test_samples_do_not_span_a_stop():
+    poses = np.cumsum(np.full((9, 3), (3.0, 2.0, 0.1)), axis=0)
+    samples = []
+
+    def estimate_parameters(step):
+        if step.sample:
+            samples.append(step.sample.k)
+
+    observations = [robsim.Observation(measurement=pose) for pose in poses]
+    options = {"identify_from": "measurement", "measure": True}
+    sim = experiment(Robot(), observations, estimate_parameters=estimate_parameters, **options)
+    sim.run(4)
+    trace = sim.run()
+    assert samples == [2, 3, 6, 7]
+    np.testing.assert_array_equal(robsim.identification.regression_of(trace).k, [2, 3, 6, 7, 8])
+
+
+def test_a_pause_after_a_stop_may_have_any_length():
+    """The robot stood still: that the pause is no multiple of dt matters to nobody."""
+    times = (0, 0.2, 0.4, 3.69, 3.89)
+    frames = [robsim.Observation(measurement=(10.0 * t, 5, 0), t=t) for t in times]
+    steps = []
+
+    def control(step):
+        steps.append((step.t, step.dt))
+        return 0.1, 0.1
+
+    sim = experiment(
+        Robot(),
+        frames,
+        control=control,
+        measure=True,
+        identify_from="measurement",
+        estimate_parameters=True,
+        estimate_state=robsim.reference.ExtendedKalmanFilter(),
+    )
+    sim.run(3)
+    sim.run()
+    t, dt = np.transpose(steps)
+    np.testing.assert_array_equal(t, times)
+    np.testing.assert_allclose(dt, [0.2, 0.2, 0.2, 3.2, 0.2])
+
+
+def waits(condition):
+    end = time.monotonic() + SOON
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
+def blocking(arrivals):
+    """Yield what a queue brings; None ends it."""
+    while (arrived := arrivals.get()) is not None:
+        yield arrived
+
+
+class Stalled:
+    """An experiment whose frames stop coming after three."""
+
+    def __init__(self, frame_timeout):
+        self.robot = Robot()
+        self.arrivals = queue.SimpleQueue()
+        for k in range(3):
+            self.arrivals.put(frame(k))
+        self.sim = experiment(self.robot, blocking(self.arrivals), frame_timeout=frame_timeout)
+
+    def is_waiting(self):
+        return self.sim.is_running and self.sim.n_steps == 3
+
+    def check_stopped(self):
+        assert self.robot.sent == [*map(input_of, range(3)), STOP]
+
+    def check_that_nothing_is_lost(self):
+        seen = []
+        self.sim.estimate_state = lambda step: seen.append(step.frame.index) or estimate(step)
+        for arrival in (*map(frame, range(3, 6)), None):
+            self.arrivals.put(arrival)
+        trace = self.sim.run()
+        assert seen == [3, 4, 5]
+        np.testing.assert_array_equal(trace.u, [input_of(k) for k in range(6)])
+        np.testing.assert_array_equal(np.flatnonzero(trace.interrupted), [3])
+        assert self.robot.sent[4:] == [*map(input_of, range(3, 6)), STOP]
+
+
+@pytest.mark.parametrize("twice", [False, True])
+def test_a_frame_that_does_not_come_stops_the_robot_and_then_says_so(twice):
+    stalled = Stalled(frame_timeout=0.06)
+    for _ in range(1 + twice):
+        with pytest.raises(TimeoutError, match=r"within frame_timeout = 0\.06 s") as raised:
+            stalled.sim.run()
+        assert raised.value.__notes__ == ["in frames at step 3"]
+        stalled.check_stopped()
+    stalled.check_that_nothing_is_lost()
+
+
+def in_a_thread(act):
+    thread = threading.Thread(target=act)
+    thread.start()
+    return thread
+
+
+def test_another_thread_can_stop_a_run_that_waits_for_a_frame():
+    stalled = Stalled(frame_timeout=SOON)
+    answers = []
+
+    def stop():
+        waits(stalled.is_waiting)
+        answers.append(stalled.sim.stop())
+
+    thread = in_a_thread(stop)
+    assert len(stalled.sim.run()) == 3
+    thread.join()
+    assert answers == [True]
+    stalled.check_stopped()
+    assert not stalled.sim.stop()
+    stalled.check_that_nothing_is_lost()
+
+
+def test_another_thread_can_stop_a_stage_that_waits_for_a_frame():
+    stalled = Stalled(frame_timeout=SOON)
+    for _ in range(3):
+        stalled.sim.step()
+
+    def stop():
+        waits(stalled.is_waiting)
+        stalled.sim.stop()
+
+    thread = in_a_thread(stop)
+    with pytest.raises(RuntimeError, match=r"stop\(\) was called before a frame came"):
+        stalled.sim.step_stage()
+    thread.join()
+    stalled.check_stopped()
+    stalled.check_that_nothing_is_lost()
+
+
+def test_ctrl_c_ends_the_wait_for_a_frame():
+    stalled = Stalled(frame_timeout=SOON)
+
+    def press():
+        waits(stalled.is_waiting)
+        _thread.interrupt_main()
+
+    thread = in_a_thread(press)
+    with pytest.raises(KeyboardInterrupt):
+        stalled.sim.run()
+    thread.join()
+    stalled.check_stopped()
+    stalled.check_that_nothing_is_lost()
+
+
+def test_the_end_of_a_block_stops_a_run_in_another_thread():
+    stalled = Stalled(frame_timeout=SOON)
+    with stalled.sim:
+        thread = in_a_thread(stalled.sim.run)
+        waits(stalled.is_waiting)
+    thread.join()
+    stalled.check_stopped()
+    stalled.check_that_nothing_is_lost()
+
+
+def test_a_callback_that_stops_the_run_ends_it_after_the_step():
+    robot = Robot()
+    sim = experiment(robot)
+    sim.estimate_state = Once(lambda: sim.stop(), estimate)
+    assert len(sim.run()) == 4
+    assert robot.sent == [*map(input_of, range(4)), STOP]
+    assert len(sim.run()) == 6
+    # The same in a step, which would leave the robot driving otherwise.
+    sim.reset()
+    robot.sent.clear()
+    sim.estimate_state = Once(lambda: sim.stop(), estimate)
+    for _ in range(4):
+        assert not robot.sent or robot.drives
+        sim.step()
+    assert robot.sent == [*map(input_of, range(4)), STOP]
+
+
+@pytest.mark.parametrize("frame_timeout", [math.inf, SOON])
+def test_a_second_run_is_refused_and_the_first_one_goes_on(frame_timeout):
+    robot = Robot()
+    refused = []
+
+    def control(step):
+        for again in (sim.run, sim.step, sim.step_stage, sim.reset):
+            with pytest.raises(RuntimeError, match="already running"):
+                again()
+            refused.append(step.k)
+        return input_of(step.k)
+
+    sim = experiment(robot, control=control, frame_timeout=frame_timeout)
+    assert len(sim.run()) == 6
+    assert len(refused) == 24
+    assert robot.sent == [*map(input_of, range(6)), STOP]
