@@ -246,3 +246,99 @@ def test_a_frame_without_a_time_after_later_ones_is_refused(run):
         ValueError, match=r"must all have a time t, or none of them: that of step 1 has none"
     ):
         sim.run()
+
+
+def test_a_step_without_a_frame_is_not_measured(run):
+    frames, simulated = run
+    seen = []
+
+    def estimate_state(step):
+        seen.append((step.frame, step.measurement, step.blobs))
+        return robsim.Estimate((0, 0, 0), np.eye(3))
+
+    measured = []
+
+    def measure(step):
+        measured.append(step.k)
+        return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
+
+    given = [frames[0], None, robsim.Observation(None, t=0.4), frames[3]]
+    sim = robsim.Experiment(given, measure=measure, estimate_state=estimate_state)
+    trace = sim.run()
+    assert measured == [0, 3]
+    assert seen[1] == seen[2] == (None, None, {"blue": [], "red": []})
+    assert seen[3][0].index == 3
+    np.testing.assert_allclose(trace.t, [0, 0.2, 0.4, 0.6])
+    np.testing.assert_array_equal(trace.seen, [True, False, False, True])
+    np.testing.assert_array_equal(trace.pose_held[1:3], trace.pose_measured[[0, 0]])
+    np.testing.assert_array_equal(trace.pose_measured[3], simulated.pose_measured[3])
+    for centroids in trace.blobs.values():
+        np.testing.assert_array_equal(np.isnan(centroids).all(axis=(1, 2)), [0, 1, 1, 0])
+
+
+def test_a_time_that_is_observed_stands_before_that_of_the_frame(run):
+    frame = timed(run[0], (7.0,))[0]
+    observed = [robsim.Observation(frame, t=0.1), robsim.Observation(t=0.3), frame]
+    seen = []
+    sim = robsim.Experiment(
+        observed,
+        estimate_state=lambda step: seen.append(step.t) or robsim.Estimate((0, 0, 0), np.eye(3)),
+    )
+    np.testing.assert_array_equal(sim.run().t, [0.1, 0.3, 7.0])
+    assert seen == [0.1, 0.3, 7.0]
+
+
+def test_frames_of_another_size_are_refused_and_the_run_goes_on_behind_them(run):
+    frames = run[0]
+    small = robsim.Frame(frames[0].image[:40, :50])
+    sim = robsim.Experiment([frames[0], None, small, frames[3]])
+    with pytest.raises(ValueError, match="that of step 2 is 50 x 40 px, those before 600 x 600 px"):
+        sim.run()
+    trace = sim.run()
+    np.testing.assert_array_equal(trace.pose_measured[2], run[1].pose_measured[3])
+    sim = robsim.Experiment([small])
+    assert not sim.run().seen.any()
+
+
+def test_a_part_of_the_frames_has_times(run):
+    untimed, late = timed(run[0], (None, 0.7))
+    np.testing.assert_allclose(robsim.Experiment([untimed, late]).run().t, [0, 0.7])
+    # A step without a frame needs none.
+    trace = robsim.Experiment([None, late, None, robsim.Observation(t=1.1)]).run()
+    np.testing.assert_allclose(trace.t, [0, 0.7, 0.9, 1.1])
+    sim = robsim.Experiment([late, robsim.Observation(untimed), robsim.Observation(untimed, t=0.9)])
+    with pytest.raises(ValueError, match="that of step 1 has none"):
+        sim.run()
+    np.testing.assert_allclose(sim.run().t, [0.7, 0.9])
+
+
+@pytest.mark.parametrize(
+    ("frames", "step"), [([None, 5], 1), ([np.zeros((4, 4, 3), np.uint8)], 0), (["a", None], 0)]
+)
+def test_what_is_no_frame_is_refused_with_its_step(frames, step):
+    sim = robsim.Experiment(frames)
+    with pytest.raises(TypeError, match=f"frames must give Frame or .* at step {step}"):
+        sim.run()
+
+
+def test_frames_that_are_read_once_cannot_be_reset_after_a_part_of_a_step(run):
+    sim = robsim.Experiment(iter(run[0][:3]))
+    assert sim.step_stage() == "world"
+    with pytest.raises(RuntimeError, match="can be read only once"):
+        sim.reset()
+    assert len(sim.run()) == 3
+
+
+def test_a_trace_of_frames_that_nobody_measures(run):
+    trace = robsim.Experiment(timed(run[0], (0.1, 0.3)), measure=False).run()
+    np.testing.assert_array_equal(trace.t, [0.1, 0.3])
+    assert not trace.seen.any()
+
+
+def test_a_reset_repeats_the_run_with_its_own_inputs(run):
+    sim = robsim.Experiment(run[0], control=robsim.DriveAround(), seed=1)
+    u = sim.run(5).u
+    sim.reset()
+    np.testing.assert_array_equal(sim.run(5).u, u)
+    sim.reset(seed=2)
+    assert not np.array_equal(sim.run(5).u, u)
