@@ -1,0 +1,155 @@
+"""What the times of the frames mean for the samples of the parameter estimator."""
+
+import functools
+
+import numpy as np
+import pytest
+
+import robsim
+
+DT = 0.2
+B1X = 2
+
+
+@functools.cache
+def driven(steps):
+    """Return the poses and inputs of a drive around without walls."""
+    sim = robsim.Simulation(boundary="unlimited", control=robsim.DriveAround(), seed=3)
+    trace = sim.run(steps)
+    return trace.pose_true, trace.u
+
+
+def observed(times, poses):
+    return [robsim.Observation(t=t, measurement=pose) for t, pose in zip(times, poses, strict=True)]
+
+
+def identified(observations, u, **options):
+    """Return an experiment on them, and the list that its samples are put into."""
+    samples = []
+    estimator = robsim.RecursiveLeastSquares(5, n_filters=3)
+
+    def estimate_parameters(step):
+        if step.sample is None:
+            return None
+        samples.append((step.sample.phi, step.sample.y))
+        return estimator.update(step.sample.phi, step.sample.y)
+
+    given = {
+        "estimate_parameters": estimate_parameters,
+        "control": lambda step: u[round(step.t / DT)],
+    }
+    return robsim.Experiment(observations, **(given | options)), samples
+
+
+def lost_steps(steps):
+    return np.random.default_rng(1).choice(np.arange(1, steps), steps // 10, replace=False)
+
+
+@pytest.mark.parametrize("lost", [[20], [20, 21], [20, 22], [2], lost_steps(60)], ids=str)
+def test_a_gap_interrupts_the_record_as_a_missing_measurement_does(lost):
+    poses, u = driven(60)
+    kept = np.setdiff1d(np.arange(60), lost)
+    times = DT * np.arange(60)
+    unseen = [robsim.Observation(t=t) if k in lost else o for k, (t, o) in _numbered(times, poses)]
+    full, samples = identified(unseen, u)
+    short, samples_over_gaps = identified(observed(times[kept], poses[kept]), u)
+    full.run()
+    short.run()
+    assert 0 < len(samples) < 57
+    # Sample by sample the same.
+    np.testing.assert_array_equal(
+        [phi for phi, _ in samples], [phi for phi, _ in samples_over_gaps]
+    )
+    np.testing.assert_array_equal([y for _, y in samples], [y for _, y in samples_over_gaps])
+    np.testing.assert_array_equal(full.trace.parameters[-1], short.trace.parameters[-1])
+    # The record gives the same ones, and that of its last step.
+    recorded = robsim.identification.regression_of(short.trace)
+    np.testing.assert_array_equal(recorded.phi[: len(samples)], [phi for phi, _ in samples])
+    np.testing.assert_array_equal(recorded.y[: len(samples)], [y for _, y in samples])
+    assert len(recorded.k) == len(samples) + 1
+
+
+def _numbered(times, poses):
+    return enumerate(zip(times, observed(times, poses), strict=True))
+
+
+def test_a_tenth_of_lost_frames_spoils_no_estimate():
+    poses, u = driven(600)
+    kept = np.setdiff1d(np.arange(600), lost_steps(600))
+    sim, _ = identified(observed(DT * kept, poses[kept]), u, estimate_parameters=True)
+    trace = sim.run()
+    truth = robsim.RobotModel().theta
+    assert trace.parameters[-1, 0, B1X] == pytest.approx(truth[0, B1X], rel=1e-3)
+    np.testing.assert_allclose(trace.parameters[-1], truth, atol=1e-3)
+    np.testing.assert_allclose(robsim.batch_estimate(trace).batch, truth, atol=1e-9)
+
+
+def test_the_input_that_the_robot_really_got_is_in_the_sample():
+    poses, u = driven(60)
+    observations = [
+        robsim.Observation(t=t, measurement=pose, last_u=last_u)
+        for t, pose, last_u in zip(DT * np.arange(60), poses, [(0, 0), *u[:-1]], strict=True)
+    ]
+    other, samples = identified(observations, 0 * u)
+    told, expected = identified(observed(DT * np.arange(60), poses), u)
+    told.run()
+    other.run()
+    np.testing.assert_array_equal([phi for phi, _ in samples], [phi for phi, _ in expected])
+    np.testing.assert_array_equal(other.trace.parameters, told.trace.parameters)
+
+
+def run_at(times, **options):
+    poses, u = driven(60)
+    sim = robsim.Experiment(
+        observed(times, poses[: len(times)]), control=robsim.Replay(u), **options
+    )
+    return sim, sim.run
+
+
+STAGES = {
+    "estimate_parameters": lambda: True,
+    "estimate_state": robsim.reference.ExtendedKalmanFilter,
+}
+
+
+@pytest.mark.parametrize("stage", STAGES)
+@pytest.mark.parametrize("interval", [0.033, 0.1, 0.3, 0.5])
+def test_frames_at_another_rate_are_refused_in_one_sentence(stage, interval):
+    sim, run = run_at(np.arange(30) * interval, **{stage: STAGES[stage]()})
+    with pytest.raises(ValueError, match="step") as refused:
+        run()
+    assert len(sim.trace) == 1
+    assert str(refused.value) == (
+        f"step.dt must be a multiple of the model's dt, 0.2 s, got {interval}: the model must have "
+        "the dt of the frames, as sim.model has that of the run"
+    )
+
+
+@pytest.mark.parametrize("interval", [0.16, 0.22])
+def test_frames_of_nearly_the_rate_are_refused_by_the_parameter_estimator_soon(interval):
+    sim, run = run_at(np.arange(60) * interval, estimate_parameters=True)
+    with pytest.raises(
+        ValueError, match=rf"the model's dt, 0\.2 s, on average, got {interval}: give define_model"
+    ):
+        run()
+    assert len(sim.trace) <= 12
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_jitter_of_a_twentieth_is_accepted(stage):
+    jitter = np.random.default_rng(1).uniform(-0.05, 0.05, 60)
+    sim, run = run_at(DT * (np.arange(60) + jitter), **{stage: STAGES[stage]()})
+    run()
+    assert len(sim.trace) == 60
+
+
+def test_the_rate_of_the_frames_can_be_told():
+    rate = robsim.RobotModel(robsim.RobotParameters(dt=0.033))
+    sim, run = run_at(
+        0.033 * np.arange(30),
+        define_model=lambda: rate,
+        estimate_parameters=True,
+        estimate_state=robsim.reference.ExtendedKalmanFilter(rate),
+    )
+    run()
+    assert len(sim.trace) == 30
