@@ -7,6 +7,7 @@ processes map.
 import math
 import multiprocessing
 import struct
+from multiprocessing.shared_memory import SharedMemory
 
 import numpy as np
 
@@ -146,7 +147,7 @@ class RemoteHalf:
 
 def seen_in(name, resolution, replies):
     """A process: say what a frame in shared memory shows."""
-    memory = multiprocessing.shared_memory.SharedMemory(name)
+    memory = SharedMemory(name)
     shape = (resolution[1], resolution[0], 3)
     frame = robsim.Frame(memory.buf[: math.prod(shape)].cast("B", shape), copy=False)
     blobs = robsim.find_blobs(frame, robsim.load_colors())
