@@ -954,7 +954,7 @@ class Observation:
         The input that the robot really got since the last step (V), if it is not what the controller
         returned.
     measurement : Measurement or array (3,), optional
-        Where the robot was seen, if somebody else has measured it.
+        Where the robot was seen, if somebody else has measured it: ``measure=True`` leaves it as it is.
     sample : Sample, optional
         The sample for the parameter estimator, if somebody else has made it.
     """
@@ -1001,7 +1001,8 @@ class Step:
     @property
     def dt(self) -> float:
         """
-        float: sample time (s).
+        float: time since the step before (s); if the robot was stopped in between,
+        rounded to sample times of the model.
         """
     @property
     def estimate(self) -> Estimate | None:

@@ -133,7 +133,7 @@ last_u : array (2,), optional
     The input that the robot really got since the last step (V), if it is not what the controller
     returned.
 measurement : Measurement or array (3,), optional
-    Where the robot was seen, if somebody else has measured it.
+    Where the robot was seen, if somebody else has measured it: ``measure=True`` leaves it as it is.
 sample : Sample, optional
     The sample for the parameter estimator, if somebody else has made it.
 )")
@@ -166,7 +166,9 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
 )")
       .def_readonly("k", &Step::k, "int: number of the step, from 0.")
       .def_readonly("t", &Step::t, "float: time (s).")
-      .def_readonly("dt", &Step::dt, "float: sample time (s).")
+      .def_readonly("dt", &Step::dt,
+                    "float: time since the step before (s); if the robot was stopped in between,\n"
+                    "rounded to sample times of the model.")
       .def_property_readonly(
           "last_u", [](const Step& self) { return to_array(readable(self).last_u); },
           "array (2,): the input of the step before, u1 left and u2 right (V).")
