@@ -291,6 +291,85 @@ def test_the_innovation_is_as_large_as_its_covariance_says(rng):
     assert (kalman.innovation, kalman.S) == (None, None)
 
 
+# --- the process noise of a simulation
+
+
+class OnWheels(ExtendedKalmanFilter):
+    """The extended filter with the covariance of noise on the wheels, at the estimated heading."""
+
+    noise = robsim.WheelNoise((0.2, 0.3))
+
+    def predict(self, u, dt):
+        self.Q = self.noise.Q(self.motion.model, self.mean[2])
+        super().predict(u, dt)
+
+
+POSE_NOISE = robsim.PoseNoise.from_sigma(0.3, 0.2, 0.01)
+CORRELATED = robsim.PoseNoise([[0.09, 0.05, 0], [0.05, 0.04, 0], [0, 0, 1e-4]])
+
+
+def in_world_with(process_noise, rng, make, runs=RUNS):
+    """How consistent a filter is in a simulation with a process noise, and ideal measurements."""
+    traces = [
+        robsim.Simulation(
+            boundary="unlimited",
+            control=robsim.DriveAround(),
+            process_noise=process_noise,
+            seed=int(rng.integers(2**31)),
+        ).run(100)
+        for _ in range(runs)
+    ]
+    errors, covariances = [], []
+    for trace in traces:
+        z = trace.pose_true + rng.normal(0, (0.4, 0.4, 0.02), (100, 3))
+        poses, P, _ = filtered(make(), z, inputs_before(trace))
+        errors.append(error_of(poses, trace.pose_true)[10:])  # after the prior is forgotten
+        covariances.append(P[10:])
+    return robsim.evaluation.nees_consistency(np.array(errors), np.array(covariances))
+
+
+R = {"measurement_sigma": (0.4, 0.4, 0.02)}
+
+
+def with_covariance(kind, Q):
+    made = kind(**R)
+    made.Q = Q
+    return made
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("process_noise", "make"),
+    [
+        (POSE_NOISE, lambda: ExtendedKalmanFilter(process_sigma=POSE_NOISE.sigma, **R)),
+        (POSE_NOISE, lambda: UnscentedKalmanFilter(process_sigma=POSE_NOISE.sigma, **R)),
+        (CORRELATED, lambda: with_covariance(ExtendedKalmanFilter, CORRELATED.Q)),
+        (CORRELATED, lambda: with_covariance(UnscentedKalmanFilter, CORRELATED.Q)),
+        (OnWheels.noise, lambda: OnWheels(**R)),
+    ],
+)
+def test_with_the_noise_of_the_world_it_is_consistent(process_noise, make, rng):
+    report = in_world_with(process_noise, rng, make)
+    assert report.mean == pytest.approx(3, rel=0.15)
+    assert report.inside > 0.7
+
+
+@pytest.mark.long
+def test_without_process_noise_it_is_wrong_in_a_world_that_has_some(rng):
+    report = in_world_with(POSE_NOISE, rng, lambda: ExtendedKalmanFilter(process_sigma=(0, 0, 0)))
+    assert report.verdict == "optimistic"
+    assert report.mean > 30
+
+
+def test_without_disturbances_dead_reckoning_is_exact():
+    trace = robsim.Simulation(boundary="unlimited", control=robsim.DriveAround(), seed=1).run(100)
+    model, pose_1 = robsim.RobotModel(), trace.pose_true[0]
+    pose_2 = pose_1
+    for u, pose in zip(trace.u, trace.pose_true[1:], strict=False):
+        pose_1, pose_2 = model.predict(pose_1, pose_2, u), pose_1
+        np.testing.assert_array_equal(pose_1, pose)
+
+
 # --- not seen
 
 

@@ -12,7 +12,8 @@ from robsim._base.checks import Floats, check_float
 #: Of a pose measured from frames with 36 drawn headings: px, px, rad.
 MEASUREMENT_SIGMA = (0.4, 0.4, 0.05)
 
-#: Of the process noise of the pose in each step: px, px, rad.
+#: Of the process noise of the pose in each step: px, px, rad. With it the filters are consistent
+#: where the parameters of the world are off by 5 % (`ParameterMismatch`).
 PROCESS_SIGMA = (0.1, 0.1, 0.005)
 
 

@@ -29,6 +29,11 @@ class UnscentedKalmanFilter(KalmanFilter):
         Spread of the sigma points: sqrt(6 + kappa) standard deviations. At least 0, so that no
         weight is negative.
 
+    Attributes
+    ----------
+    Q : array (3, 3)
+        As of `ExtendedKalmanFilter`.
+
     Raises
     ------
     TypeError, ValueError
