@@ -1,8 +1,9 @@
-"""The model of the simulated robot.
+"""The model of the robot: what the robot's software knows of it.
 
 Called once, at the start. Has no argument.
-Returns a RobotModel, by which the simulated world moves the robot. Of the other callbacks only
-evaluate_model and init_parameter_estimator get it.
+Returns a RobotModel. The simulated world moves the robot by it, too, unless the world is to differ:
+robsim.Simulation(mismatch=...). Of the other callbacks evaluate_model and init_parameter_estimator
+get it.
 """
 
 import robsim

@@ -3,7 +3,8 @@
 Called at every step, before the measurement. Gets `step`, of which you need:
     step.sample      the newest sample: regressor step.sample.phi (3, 5), output step.sample.y (3,),
                      y = sum(phi * parameters, axis=1); rows x, y (px) and heading (rad).
-                     None at the start, after a bounce and when the robot was not seen
+                     None at the start, after a bounce, after lost frames, and when the robot
+                     was not seen
     step.estimator   the object that init_parameter_estimator returned
 Returns the parameters, (3, 5): rows x, y, heading, columns a1, a2, b1, b2, d1, as explained in
 help(robsim.RobotModel). None: no update.

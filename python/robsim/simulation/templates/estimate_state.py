@@ -5,7 +5,7 @@ Called at every step, after the measurement. Gets `step`, of which you need:
                        None: not seen, or ENABLED = False in measure.py
     step.parameters    what estimate_parameters returned last, (3, 5), or None
     step.last_u        the voltages of the step before: left, right motor (V)
-    step.dt            the time between two steps (s)
+    step.dt            the time since the step before (s)
 Returns an Estimate: the pose, x, y (px), heading (rad), and its covariance, (3, 3).
 """
 

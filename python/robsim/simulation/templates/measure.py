@@ -1,6 +1,6 @@
 """Measurement: the pose of the robot in the camera image.
 
-Called at every step, with a new frame. Gets `step`, of which you need:
+Called at every step that has a frame. Gets `step`, of which you need:
     step.frame.image       the image: an array (H, W, 3) of uint8, RGB, read-only
     step.frame.plane_map   map from pixels to the work area: to_world((u, v)) gives (x, y) in px
     step.blobs             the blobs of each colour, the largest first: step.blobs["red"] and
