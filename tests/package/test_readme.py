@@ -38,9 +38,36 @@ def test_the_grading_passes_the_default_callbacks_and_fails_wrong_ones(tmp_path)
     grade = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(tmp_path))
     passed = python(*grade, cwd=tmp_path)
     assert "3 passed" in passed.stdout, passed.stdout
+    for file in ("evaluate_model.py", "define_model.py", "control.py"):  # none of theirs
+        (tmp_path / "mine" / file).write_text("raise SystemExit('I own the world')\n")
+    passed = python(*grade, cwd=tmp_path)
+    assert "3 passed" in passed.stdout, passed.stdout
     wrong = "import robsim\n\n\ndef measure(step):\n    return robsim.Measurement((0, 0, 0))\n"
     (tmp_path / "mine/measure.py").write_text(wrong)
     assert "3 failed" in python(*grade, cwd=tmp_path).stdout
+
+
+def test_the_verdict_on_the_filter_is_not_a_matter_of_luck():
+    (block,) = (block for block in PROGRAMS if "pose_consistency" in block)
+    for first in (20, 40):
+        other = block.replace("range(20)", f"range({first}, {first + 20})")
+        assert other != block
+        names = {}
+        exec(other, names)
+        report = names["robsim"].pose_consistency(names["traces"])
+        assert report.verdict == "consistent"
+        assert report.inside > 0.85
+
+
+def test_the_robot_of_the_experiment_arrives_and_is_stopped():
+    (block,) = (block for block in PROGRAMS if "send=send" in block)
+    names = {}
+    exec(block, names)
+    score = names["robsim"].score_path(names["trace"], [(600, 300)])
+    assert score.final_distance < 10
+    assert names["trace"].u.any()
+    assert [tuple(u) for u in names["voltages"][-1:]] == [(0, 0)]
+    assert len(names["voltages"]) == 102  # at first, 100 steps, the stop
 
 
 def test_the_first_block_is_five_lines_and_ends_with_a_picture():
