@@ -405,6 +405,10 @@ ValueError
   define_model_value(model);
 
   public_in(module, "robsim.identification")
+      .def("check_mean_interval", &check_mean_interval, py::arg("time"), py::arg("n_steps"),
+           py::arg("dt"),
+           "Raise ValueError if so many steps in a time (s), 10 or more, are not dt long on "
+           "average.")
       .def("model_steps", py::vectorize(&model_steps), py::arg("time"), py::arg("dt"), R"(
 Return the number of steps of a model with this dt (s) in each time (s); see RobotModel.steps_in.
 )")

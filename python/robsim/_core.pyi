@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'model_steps', 'path_sensitivities', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'trace_schema', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'check_mean_interval', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'model_steps', 'path_sensitivities', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'trace_schema', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -1079,12 +1079,12 @@ class WorldState:
     @property
     def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): the input of step k-1 (V).
+        array (2,): what the motors got since step k-1 (V): with noise and delay, if there are any.
         """
     @property
     def model(self) -> RobotModel:
         """
-        RobotModel: what define_model returned.
+        RobotModel: the one that this world follows.
         """
     @property
     def pose_1(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1420,6 +1420,10 @@ class Loop:
         """
         str: the stage that runs, or comes next.
         """
+def check_mean_interval(time: typing.SupportsFloat | typing.SupportsIndex, n_steps: typing.SupportsInt | typing.SupportsIndex, dt: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    """
+    Raise ValueError if so many steps in a time (s), 10 or more, are not dt long on average.
+    """
 def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, smoothing: typing.SupportsInt | typing.SupportsIndex = 1) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """
     Return which pixels belong to which colour class: the masks that `find_blobs` works on.

@@ -184,7 +184,7 @@ def test_only_the_slots_that_are_wanted_are_filled_and_executed(tmp_path):
 @pytest.mark.parametrize("slots", ["controll", ("control", "evaluate")])
 def test_unknown_slots_are_named(tmp_path, slots):
     with pytest.raises(
-        ValueError, match="slots must be among define_model, .*, got '(controll|ev)"
+        ValueError, match=r"slots must be among define_model, .*, got '(controll|ev)"
     ):
         robsim.Simulation.from_folder(tmp_path, slots=slots)
 
@@ -223,5 +223,5 @@ def test_an_experiment_takes_the_robot_half_of_a_folder(tmp_path):
     trace = experiment.run()
     assert trace.seen.all()
     np.testing.assert_array_equal(sent, [(0.5, 0.25)] * 3 + [(0, 0)])
-    with pytest.raises(ValueError, match="slots must be among .*, got 'evaluate_model'"):
+    with pytest.raises(ValueError, match=r"slots must be among .*, got 'evaluate_model'"):
         robsim.Experiment.from_folder(tmp_path, frames=frames, slots="evaluate_model")

@@ -125,14 +125,21 @@ def test_frames_at_another_rate_are_refused_in_one_sentence(stage, interval):
     )
 
 
+@pytest.mark.parametrize("stage", STAGES)
 @pytest.mark.parametrize("interval", [0.16, 0.22])
-def test_frames_of_nearly_the_rate_are_refused_by_the_parameter_estimator_soon(interval):
-    sim, run = run_at(np.arange(60) * interval, estimate_parameters=True)
-    with pytest.raises(
-        ValueError, match=rf"the model's dt, 0\.2 s, on average, got {interval}: give define_model"
-    ):
+def test_frames_of_nearly_the_rate_are_refused_soon(stage, interval):
+    sim, run = run_at(np.arange(60) * interval, **{stage: STAGES[stage]()})
+    message = rf"multiple of the model's dt, 0\.2 s, got {interval} on average: the model must"
+    with pytest.raises(ValueError, match=message):
         run()
-    assert len(sim.trace) <= 12
+    assert len(sim.trace) <= 13
+
+
+@pytest.mark.parametrize("interval", [0.16, 0.22])
+def test_a_batch_estimate_refuses_frames_of_nearly_the_rate(interval):
+    _, run = run_at(np.arange(60) * interval)
+    with pytest.raises(ValueError, match=rf"got {interval} on average"):
+        robsim.batch_estimate(run(), identify_from="measurement")
 
 
 @pytest.mark.parametrize("stage", STAGES)

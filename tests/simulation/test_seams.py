@@ -285,7 +285,9 @@ def test_the_newest_frame_can_be_written_into_memory_of_others(tmp_path):
     frames, written = [], []
 
     def control(step):
-        assert sim.render_step(step.k, out=out) is out
+        frame = sim.render_step(step.k, out=out)
+        assert np.shares_memory(frame.image, out)
+        assert (frame.index, frame.t) == (step.k, step.t)
         written.append(out.tobytes())
         if step.k:
             assert sim.render_step(step.k - 1).image.tobytes() == frames[-1]

@@ -149,6 +149,5 @@ void bind_loop(py::module_& module) {
       .def_property_readonly("model", [](const SlottedLoop& self) { return self.robot().model(); })
       .def_property_readonly(
           "estimator", [](const SlottedLoop& self) { return to_python(self.robot().estimator()); })
-      .def_property_readonly("last_step",
-                             [](const SlottedLoop& self) { return self.last_step(); });
+      .def_property_readonly("last_step", [](const SlottedLoop& self) { return self.last_step(); });
 }

@@ -88,7 +88,8 @@ Eigen::Matrix3d matrix_from(const py::object& value, const std::string& name) {
 // What a capture shows: a new frame, or one that borrows `out`, written anew.
 Frame drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture, const py::object& out) {
   if (out.is_none()) return self.draw(capture);
-  return self.draw_into(capture, writable_view(out, "out"), borrowed_image(out, "out"));
+  const py::object pixels = PyObject_CheckBuffer(out.ptr()) ? py::object(py::array(out)) : out;
+  return self.draw_into(capture, writable_view(pixels, "out"), borrowed_image(pixels, "out"));
 }
 
 void bind_world_state(py::module_& module) {
@@ -105,10 +106,11 @@ void bind_world_state(py::module_& module) {
           "array (3,): the pose of step k-2.")
       .def_property_readonly(
           "last_u", [](const WorldState& self) { return to_array(self.last_u); },
-          "array (2,): the input of step k-1 (V).")
+          "array (2,): what the motors got since step k-1 (V): with noise and delay, if there are "
+          "any.")
       .def_property_readonly(
           "model", [](const WorldState& self) { return self.model; },
-          "RobotModel: what define_model returned.")
+          "RobotModel: the one that this world follows.")
       .def("__repr__", [](const WorldState& self) {
         return "<WorldState of step " + std::to_string(self.k) + ">";
       });

@@ -151,6 +151,18 @@ PoseJacobian RobotModel::jacobian(const UnwrappedPose& pose_1, const Input& u) c
   return robsim::jacobian(theta_, pose_1, u);
 }
 
+void check_mean_interval(double time, std::int64_t n_steps, double dt) {
+  constexpr std::int64_t fewest_steps = 10;
+  constexpr double tolerance = 0.05;  // of dt
+  const double mean = time / static_cast<double>(n_steps);
+  if (n_steps < fewest_steps || std::abs(mean - dt) <= tolerance * dt) return;
+  std::ostringstream message;
+  message << "step.dt must be a multiple of the model's dt, " << dt << " s, got " << mean
+          << " on average: the model must have the dt of the frames, as sim.model has that of the "
+             "run";
+  throw std::invalid_argument(message.str());
+}
+
 int RobotModel::steps_in(double time) const { return model_steps(time, dt_); }
 
 }  // namespace robsim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "robsim/geometry/pose.hpp"
 #include "robsim/model/robot_parameters.hpp"
@@ -49,6 +50,10 @@ Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, 
 /// The number of steps of a model with this dt (s) in a time (s): several if frames were lost.
 /// Throws std::invalid_argument if the time is not a multiple of dt, at least one, within dt / 4.
 int model_steps(double time, double dt);
+
+/// Single frames may jitter; throws std::invalid_argument if so many steps in a time (s), 10 or
+/// more, are not dt long on average.
+void check_mean_interval(double time, std::int64_t n_steps, double dt);
 
 /// One-step predictor of a differential-drive robot, linear in its 15 parameters theta.
 /// Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only

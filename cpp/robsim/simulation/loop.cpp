@@ -189,6 +189,7 @@ Arrival Loop::begin_step() {
   follows_stop_ = std::exchange(is_interrupted_, false);
   robot_.begin_step(k, interval(gap, observation.t, dt, follows_stop_), observation, camera_);
   samples_.begin(*robot_.step(), robot_.model(), observation.last_u, follows_stop_);
+  received_ = observation.last_u;
   return Arrival::step;
 }
 
@@ -206,7 +207,7 @@ void Loop::end_step() {
     robot_.set_last_input(*step.u);
   }
   samples_.add(step, world_->truth());
-  recorder_.record(*world_, robot_, follows_stop_);
+  recorder_.record(*world_, robot_, received_, follows_stop_);
 }
 
 bool Loop::is_on(Stage stage) const {

@@ -79,8 +79,9 @@ class Loop {
   RobotSoftware robot_;
   SampleHistory samples_;
   Recorder recorder_;
-  bool is_interrupted_ = false;  // the robot was stopped since the newest step began
-  bool follows_stop_ = false;    // the newest step began after that
+  bool is_interrupted_ = false;    // the robot was stopped since the newest step began
+  std::optional<Input> received_;  // since the last step, if the world knows it
+  bool follows_stop_ = false;      // the newest step began after that
   std::atomic<Stage> stage_{Stage::world};
 };
 

@@ -51,15 +51,19 @@ void Recorder::prepare_measurement(const RobotSoftware& robot) {
   }
 }
 
-void Recorder::record(const World& world, const RobotSoftware& robot, bool interrupted) {
+void Recorder::write_input(Trace::Column& column, const Input& u) {
+  double* numbers = trace_.writable(column);
+  numbers[0] = u.u1;
+  numbers[1] = u.u2;
+}
+
+void Recorder::record(const World& world, const RobotSoftware& robot,
+                      const std::optional<Input>& received, bool interrupted) {
   const Step& step = *robot.step();
   if (const Truth* truth = world.truth()) record_truth(*truth);
   if (columns_.t) *trace_.writable(*columns_.t) = step.t;
-  if (step.u) {
-    double* u = trace_.writable(*columns_.u);
-    u[0] = step.u->u1;
-    u[1] = step.u->u2;
-  }
+  if (step.u) write_input(*columns_.u, *step.u);
+  if (received) write_input(trace_.column("last_u"), *received);
   if (interrupted) *trace_.writable(trace_.column("interrupted")) = 1;
   record_parameters(robot);
   if (step.measurement && !columns_.measured) prepare_measurement(robot);

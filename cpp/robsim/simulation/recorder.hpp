@@ -17,8 +17,10 @@ class Recorder {
   /// Makes room for so many rows more, and the columns of what is to come.
   void prepare(const World& world, const RobotSoftware& robot, std::int64_t steps);
 
-  /// Writes the newest step; `interrupted`: it does not follow from the input of the one before.
-  void record(const World& world, const RobotSoftware& robot, bool interrupted);
+  /// Writes the newest step. `received`: the input that the robot got since the one before, if the
+  /// world knew better. `interrupted`: it was stopped in between.
+  void record(const World& world, const RobotSoftware& robot, const std::optional<Input>& received,
+              bool interrupted);
 
   /// Forgets everything.
   void reset();
@@ -40,6 +42,7 @@ class Recorder {
     std::vector<Trace::Column*> blobs;  // in the order of the colours' names
   };
 
+  void write_input(Trace::Column& column, const Input& u);
   void prepare_measurement(const RobotSoftware& robot);
   void record_truth(const Truth& truth);
   void record_parameters(const RobotSoftware& robot);

@@ -1,15 +1,8 @@
 #include "robsim/simulation/sample_history.hpp"
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 
 namespace robsim {
-
-namespace {
-constexpr std::int64_t steps_of_a_mean = 10;
-constexpr double mean_tolerance = 0.05;  // of the model's dt; single frames may jitter by more
-}  // namespace
 
 void SampleHistory::reset() { *this = SampleHistory(identify_from_); }
 
@@ -28,13 +21,7 @@ void SampleHistory::begin(const Step& step, const RobotModel& model,
 void SampleHistory::check_interval(const Step& step, const RobotModel& model) const {
   if (step.dt == model.dt()) return;
   model.steps_in(step.dt);
-  if (n_steps_ < steps_of_a_mean) return;
-  const double mean = time_ / static_cast<double>(n_steps_);
-  if (std::abs(mean - model.dt()) <= mean_tolerance * model.dt()) return;
-  std::ostringstream message;
-  message << "step.dt must be the model's dt, " << model.dt() << " s, on average, got " << mean
-          << ": give define_model the dt of the frames";
-  throw std::invalid_argument(message.str());
+  check_mean_interval(time_, n_steps_, model.dt());
 }
 
 std::optional<Sample> SampleHistory::newest(std::int64_t k, const Truth* truth) const {

@@ -94,6 +94,9 @@ std::vector<TraceGroup> make_schema() {
                                "unlimited (work-area px).")),
       zero_where_missing(group("noise", {2}, {{"noise_gaussian", "%"}, {"noise_uniform", "%"}},
                                "Noise of the camera (N, 2): Gaussian and uniform (%).")),
+      group("last_u", {2}, {{"last_u1", "V"}, {"last_u2", "V"}},
+            "Input that the robot got since the step before (N, 2), if the source of the frames "
+            "knew better than the controller (V); otherwise NaN."),
       flag("hidden", "The robot was hidden from the camera in this step (N,)."),
       flag("interrupted",
            "The robot was stopped after the step before: this one does not follow from its input "

@@ -13,7 +13,12 @@ from robsim._base.checks import Floats
 from robsim._core import least_squares
 from robsim.identification._fits import METHODS
 from robsim.identification._identifiability import Identifiability, judge
-from robsim.identification._regression import Regression, interruptions, regression_of
+from robsim.identification._regression import (
+    Regression,
+    inputs_of,
+    interruptions,
+    regression_of,
+)
 from robsim.trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
@@ -325,7 +330,7 @@ def _fitted(
     record = trace[start - first : stop - first]
     poses = record.poses_from(found.identify_from)
     breaks = interruptions(record, over_bounces=select == "all")
-    fit = METHODS[method](poses, record.u, breaks=breaks)
+    fit = METHODS[method](poses, inputs_of(record), breaks=breaks)
     sigma = np.maximum(fit.residual_rms, np.finfo(float).tiny)
     return {
         "batch": fit.theta,

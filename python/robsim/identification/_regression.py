@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
-from robsim._core import model_steps, regression
+from robsim._core import check_mean_interval, model_steps, regression
 from robsim.trace import Trace
 from robsim.trace._columns import POSES
 from robsim.trace._trace import Bools, check_trace, longest_run
@@ -83,7 +83,7 @@ def regression_of(
     phi, y = np.empty((0, 3, 5)), np.empty((0, 3))
     if is_whole.any():
         known = np.where(np.isfinite(poses).all(axis=1, keepdims=True), poses, 0.0)
-        phi, y = (rows[is_whole] for rows in regression(known, np.nan_to_num(trace.u)))
+        phi, y = (rows[is_whole] for rows in regression(known, np.nan_to_num(inputs_of(trace))))
     return Regression(
         phi=phi,
         y=y,
@@ -96,6 +96,15 @@ def regression_of(
 def _check(name: str, value: str, known: tuple[str, ...]) -> None:
     if value not in known:
         raise ValueError(f"{name} must be one of {', '.join(map(repr, known))}, got {value!r}")
+
+
+def inputs_of(trace: Trace) -> Floats:
+    """Return the inputs (N, 2) that the robot got, in V: where nobody knows better, those sent."""
+    u = trace.u.copy()
+    received = trace.last_u[1:]
+    is_known = np.isfinite(received).all(axis=1)
+    u[:-1][is_known] = received[is_known]
+    return u
 
 
 def interruptions(trace: Trace, *, over_bounces: bool = False) -> Bools:
@@ -117,7 +126,11 @@ def interruptions(trace: Trace, *, over_bounces: bool = False) -> Bools:
         If the time between two steps is not a multiple of the model's dt.
     """
     is_break = np.zeros(len(trace), dtype=bool)
-    is_break[1:] = model_steps(np.diff(trace.t), trace.info.dt) > 1
+    # While the robot was stopped, time passed as somebody liked.
+    intervals = np.diff(trace.t)[~trace.interrupted[1:]]
+    steps = model_steps(intervals, trace.info.dt)
+    check_mean_interval(intervals.sum(), steps.sum(), trace.info.dt)
+    is_break[1:][~trace.interrupted[1:]] = steps > 1
     is_break |= trace.interrupted
     if not over_bounces:
         is_break |= trace.bounced

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._core import Estimate, Step
+from robsim._core import Estimate, Step, check_mean_interval
+from robsim.reference._motion import RobotMotion
 from robsim.reference._noise import check_vector3
 
 
@@ -86,6 +87,7 @@ class StateEstimator(ABC):
         self.mean, self.P = self.prior.mean, self.prior.P
         self._has_seen = False
         self._last_step = -1
+        self._time, self._n_steps = 0.0, 0
 
     def __call__(self, step: Step) -> Estimate:
         """Return the pose of a step, its covariance, and the velocity as further state."""
@@ -103,6 +105,14 @@ class StateEstimator(ABC):
             self._has_seen = True
         self._last_step = step.k
         return Estimate(self.mean[:3], self.P[:3, :3], self.mean[3:])
+
+    def _steps_in(self, dt: float, motion: RobotMotion) -> int:
+        """Return the number of model steps in a time (s); ValueError if it is none of the model."""
+        n_steps = motion.steps_in(dt)
+        self._time += dt
+        self._n_steps += n_steps
+        check_mean_interval(self._time, self._n_steps, motion.T)
+        return n_steps
 
     @abstractmethod
     def predict(self, u: Floats, dt: float) -> None:

@@ -78,7 +78,7 @@ class ExtendedKalmanFilter(KalmanFilter):
     def predict(self, u: Floats, dt: float) -> None:
         """Predict the state dt (s) ahead, one or more steps of the model, with the input u (V)."""
         G = self.motion.G
-        for _ in range(self.motion.steps_in(dt)):
+        for _ in range(self._steps_in(dt, self.motion)):
             # F = df/dx at the estimate
             F = self.motion.jacobian(self.mean, u)
             # x = f(x, u),  P = F P F' + G Q G'

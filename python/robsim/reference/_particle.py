@@ -98,7 +98,7 @@ class ParticleFilter(StateEstimator):
         """Predict the state dt (s) ahead, one or more steps of the model, with the input u (V)."""
         if self.effective_sample_size < self.n_particles / 2:
             self.resample()
-        for _ in range(self.motion.steps_in(dt)):
+        for _ in range(self._steps_in(dt, self.motion)):
             # x_i = f(x_i, u) + G w_i
             w = self.process_sigma * self._rng.standard_normal((self.n_particles, 3))
             self.particles = self.motion.move(self.particles, u) + w @ self.motion.G.T

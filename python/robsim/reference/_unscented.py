@@ -80,7 +80,7 @@ class UnscentedKalmanFilter(KalmanFilter):
     def predict(self, u: Floats, dt: float) -> None:
         """Predict the state dt (s) ahead, one or more steps of the model, with the input u (V)."""
         G = self.motion.G
-        for _ in range(self.motion.steps_in(dt)):
+        for _ in range(self._steps_in(dt, self.motion)):
             points, weights = self.sigma_points()
             # The headings of the sigma points are unwrapped: their plain mean is correct.
             points = self.motion.move(points, u)

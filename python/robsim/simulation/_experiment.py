@@ -16,10 +16,25 @@ from numpy.typing import ArrayLike
 from robsim import _core
 from robsim._base.checks import Floats, check_choice, check_float, check_size
 from robsim._base.seeds import Seed, seed_sequence
-from robsim._core import ColorClass, Controller, Frame, MarkerLayout, Observation, Step
+from robsim._core import (
+    ColorClass,
+    Controller,
+    Frame,
+    MarkerLayout,
+    Observation,
+    RobotModel,
+    RobotParameters,
+    Step,
+)
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
-from robsim.simulation._options import colors_value, markers_value, smoothing_value, step_count
+from robsim.simulation._options import (
+    colors_value,
+    markers_value,
+    model_value,
+    smoothing_value,
+    step_count,
+)
 from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.motors import Motors
 from robsim.simulation._runner import UNLIMITED, Runner
@@ -53,9 +68,9 @@ class Experiment(Runner):
     stop_input : sequence of 2 floats, or None
         What stops the robot (V). None = nothing is sent at the end of a run.
     frame_timeout : float, optional
-        Maximum wait for a frame (s); after it the robot is stopped and the run ends with a
-        TimeoutError. The frames are then read in a thread of their own. Default: 1 s if `send` is
-        given, otherwise no limit (inf).
+        Maximum wait for a frame (s), ten times as long for the first one; after it the robot is
+        stopped and the run ends with a TimeoutError. The frames are then read in a thread of their
+        own. Default: 1 s if `send` is given, otherwise no limit (inf).
     robot : str, path or RobotDefinition, optional
         Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
         with ``robsim robots use``, initially ``"lab"``.
@@ -69,6 +84,9 @@ class Experiment(Runner):
     identify_from : str
         Source of the poses in the samples: ``"measurement"`` or ``"estimate"``; ``"truth"``: the
         samples that the observations bring.
+    model : RobotModel or RobotParameters, optional
+        The model of the robot, in place of `define_model`. Default: that of ``RobotParameters()``,
+        with the ``dt`` of the frames, if they have one.
     define_model, init_parameter_estimator : callable, optional
         Called once, at the start.
     estimate_parameters, measure, estimate_state, control : callable or bool, optional
@@ -102,9 +120,10 @@ class Experiment(Runner):
         markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None = None,
         smoothing: int | None = None,
         identify_from: str = "measurement",
+        model: RobotModel | RobotParameters | None = None,
         time_limit: float | None = None,
-        define_model: Callable[[], _core.RobotModel] | None = None,
-        init_parameter_estimator: Callable[[_core.RobotModel], Any] | None = None,
+        define_model: Callable[[], RobotModel] | None = None,
+        init_parameter_estimator: Callable[[RobotModel], Any] | None = None,
         estimate_parameters: Callable[[Step], ArrayLike | None] | bool | None = None,
         measure: Callable[[Step], _core.Measurement | None] | bool | None = True,
         estimate_state: Callable[[Step], _core.Estimate] | None = None,
@@ -117,6 +136,7 @@ class Experiment(Runner):
         elif frame_timeout != math.inf:
             check_float("frame_timeout", frame_timeout, "s", exclusive_minimum=0)
         self._source = FrameSource(frames, frame_timeout)
+        self._model = model_value(model)
         self._motors = None if send is None else Motors(send, stop_input)
         super().__init__(
             _core.ExternalWorld(
@@ -250,11 +270,17 @@ class Experiment(Runner):
         return super()._stage(slot, callback)
 
     def _default(self, slot: str) -> Any:
-        return self._source.model() if slot == "define_model" else None
+        if slot != "define_model":
+            return None
+        model = self._model
+        if model is None:
+            return self._source.model()
+        return RobotModel(model) if isinstance(model, RobotParameters) else model
 
-    def _check_stages(self) -> None:
-        super()._check_stages()
-        if self._callbacks["estimate_parameters"] and not self._callbacks["control"]:
+    def _check_source(self) -> None:
+        if self.identify_from == "estimate":
+            super()._check_source()  # measurements and samples may come with the frames
+        if not self._callbacks["control"]:
             raise ValueError(
                 "estimate_parameters needs the inputs of the robot: give control=..., or "
                 "control=robsim.Replay(u) for inputs that were recorded with the frames"

@@ -255,13 +255,17 @@ class Runner(ABC):
         ------
         EOFError
             If there are no more frames.
+        RuntimeError
+            If another thread calls `stop` before one comes, or runs it already.
         """
         self._prepare()
         before = self._core.rows
         with self._guarded():
-            self._core.run(1, stops_robot=False)
-        if self._core.rows == before:
+            is_at_end = self._core.run(1, stops_robot=False)
+        if is_at_end:
             raise EOFError("there are no more frames")
+        if self._core.rows == before:
+            raise RuntimeError("stop() was called before a frame came")
         return self._core.last_step
 
     def step_stage(self) -> str:
@@ -374,8 +378,13 @@ class Runner(ABC):
             raise ValueError(
                 f"colors must have red and blue for the default measurement, got {names}"
             )
+        if self._callbacks["estimate_parameters"]:
+            self._check_source()
+
+    def _check_source(self) -> None:
+        """Raise ValueError if nothing gives the poses that the parameters are estimated from."""
         needed = {"measurement": "measure", "estimate": "estimate_state"}.get(self.identify_from)
-        if needed and self._callbacks["estimate_parameters"] and not self._callbacks[needed]:
+        if needed and not self._callbacks[needed]:
             raise ValueError(
                 f"identify_from={self.identify_from!r} needs the stage {needed}, which is off: "
                 f"give {needed}=..."
@@ -400,7 +409,7 @@ class Runner(ABC):
             scenario=self._described(),
             callbacks=tuple(slot for slot, value in self._callbacks.items() if _is_code(value)),
         )
-        if self._core.has_started:
+        if self._core.has_started and not self._core.is_running:  # a start may fail yet
             self._run_info = info
         return info
 

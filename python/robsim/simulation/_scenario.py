@@ -98,7 +98,8 @@ class Scenario:
     identify_from : str
         Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.
     model : RobotModel or RobotParameters, optional
-        What the robot's software believes; without `mismatch` the world's, too. Default: that of
+        The model of the world, but for `mismatch`, and what the robot's software believes, unless
+        ``define_model`` says otherwise. Default: what ``define_model`` returns, or that of
         ``RobotParameters()``.
     evaluate_model : Unicycle, optional
         How the robot moves. Default: by the model's own equations.
@@ -189,6 +190,11 @@ class Scenario:
         """The robot, as read."""
         assert isinstance(self.robot, RobotDefinition)
         return self.robot
+
+    @property
+    def _model(self) -> RobotModel | None:
+        """The model; None = that of the default parameters, unless a callback says otherwise."""
+        return RobotModel(self.model) if isinstance(self.model, RobotParameters) else self.model
 
     @property
     def _color_classes(self) -> tuple[ColorClass, ...]:

@@ -239,9 +239,7 @@ class Simulation(Runner):
             disturbance=stream_number(self._seed, "disturbance"),
         )
         self._world.set_start(self._start_pose())
-        mismatch = self._scenario.mismatch
-        draw = mismatch and partial(_drawn, mismatch, stream(self._seed, "mismatch"))
-        self._world.set_true_model(draw)
+        self._world.set_true_model(partial(_true_model, self._scenario, self._seed))
 
     def _start_pose(self) -> ArrayLike:
         width, height = self.area
@@ -259,10 +257,7 @@ class Simulation(Runner):
     def _default(self, slot: str) -> Any:
         if slot == "control":
             return Scenario.control
-        model = self._scenario.model
-        if slot != "define_model" or model is None:
-            return None
-        return RobotModel(model) if isinstance(model, RobotParameters) else model
+        return self._scenario._model if slot == "define_model" else None
 
     def _put(self, slot: str, value: Any) -> None:
         if slot == "evaluate_model":
@@ -396,11 +391,17 @@ def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.S
     )
 
 
-def _drawn(
-    mismatch: ParameterMismatch, seed: np.random.SeedSequence, model: RobotModel
-) -> RobotModel:
-    """Return the model of a world that differs from the one that the robot half believes in."""
-    return mismatch.draw(model, np.random.default_rng(seed))
+def _true_model(scenario: Scenario, seed: np.random.SeedSequence, belief: RobotModel) -> RobotModel:
+    """Return the model of the world: that of the scenario, or what the robot half believes in."""
+    model = scenario._model or belief
+    if model.dt != belief.dt:
+        raise ValueError(
+            f"define_model must give a model with the dt of the world, {model.dt:g} s, got "
+            f"{belief.dt:g}"
+        )
+    if scenario.mismatch is None:
+        return model
+    return scenario.mismatch.draw(model, np.random.default_rng(stream(seed, "mismatch")))
 
 
 def _documented_options() -> str:

@@ -100,6 +100,7 @@ class Trace:
     standard_errors_unscaled = Column()
     view = Column()
     noise = Column()
+    last_u = Column()
     hidden = Flag()
     interrupted = Flag()
 

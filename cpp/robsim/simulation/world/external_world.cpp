@@ -37,7 +37,8 @@ Arrival ExternalWorld::next(std::int64_t k, Observation& observation) {
   if (arrived.frame) check_size(k, arrived.frame->image);
   arrived.known.t = time_of(k, arrived);
   arrived.known.has_frame = arrived.frame.has_value();
-  has_times_ = has_times_ || own_time(arrived);
+  is_guessed_ = !own_time(arrived);
+  has_times_ = has_times_ || !is_guessed_;
   last_t_ = arrived.known.t;
   frame_ = std::move(arrived.frame);
   observation = std::move(arrived.known);
@@ -52,9 +53,10 @@ double ExternalWorld::time_of(std::int64_t k, const Arrived& arrived) const {
   }
   if (!own) return has_times_ ? last_t_ + dt_ : static_cast<double>(k) * dt_;
   if (k > 0 && !(*own > last_t_)) {
-    throw std::invalid_argument("frames must come in the order of their times: that of step " +
-                                std::to_string(k) + " is of " + seconds(*own) +
-                                ", the one before of " + seconds(last_t_));
+    throw std::invalid_argument(
+        "frames must come in the order of their times: that of step " + std::to_string(k) +
+        " is of " + seconds(*own) + ", the one before of " + seconds(last_t_) +
+        (is_guessed_ ? ", for want of its own: give it with Observation(t=...)" : ""));
   }
   return *own;
 }

@@ -42,6 +42,7 @@ class ExternalWorld : public World {
 
   ExternalSource source_;
   double dt_ = 0;               // s, of the model
+  bool is_guessed_ = false;     // the time of the last step was
   double last_t_ = 0;           // s
   bool has_times_ = false;      // the frames bring their times
   int width_ = 0, height_ = 0;  // of the frames, px; 0 = none yet

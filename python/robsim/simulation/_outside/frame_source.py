@@ -83,7 +83,8 @@ class FrameSource:
             if self._reader is None:
                 taken = next(self._iterator, Arrival.END)
             else:
-                taken = self._reader.take(self._timeout)
+                # A camera may have to warm up, and the robot stands as yet.
+                taken = self._reader.take(self._timeout * (10 if k == 0 else 1))
         except BaseException:
             if self._reader is None or not self._reader.is_waiting:
                 self._failed_at = k
