@@ -79,7 +79,7 @@ class RobotSoftwareTest : public ::testing::Test {
   // A step as a loop takes it.
   Input turn(std::int64_t k, const Observation& observation = {}) {
     robot.begin_step(k, 0.2, observation, camera);
-    robot.estimate_parameters(std::nullopt);
+    robot.estimate_parameters();
     robot.measure();
     robot.estimate_state();
     robot.control();
@@ -180,14 +180,15 @@ TEST_F(RobotSoftwareTest, ASampleThatIsBroughtIsTakenBeforeOneThatIsMade) {
   Observation observation;
   observation.sample = brought;
   robot.begin_step(0, 0.2, observation, camera);
-  robot.estimate_parameters(made);
+  robot.estimate_parameters();
   EXPECT_EQ(robot.step()->sample->k, 4);
   EXPECT_EQ(*robot.step()->parameters, theta);
   robot.begin_step(1, 0.2, {}, camera);
   EXPECT_EQ(*robot.step()->parameters, theta);  // until there are newer ones
-  robot.estimate_parameters(std::nullopt);
+  robot.estimate_parameters();
   EXPECT_EQ(*robot.step()->parameters, theta);
-  robot.estimate_parameters(made);
+  robot.step()->sample = made;
+  robot.estimate_parameters();
   EXPECT_NE(*robot.step()->parameters, theta);
 }
 

@@ -46,7 +46,8 @@ std::vector<std::optional<Sample>> samples_from(IdentifyFrom identify_from,
     truth.pose = pose_of(step.k);
     truth.bounced = row.bounced;
     history.begin(step, model, row.last_u, row.is_interrupted);
-    samples.push_back(history.newest(step.k, &truth));
+    history.write_newest(step, &truth);
+    samples.push_back(step.sample);
     if (row.is_seen) step.measurement = Measurement{pose_of(step.k)};
     step.u = input_of(step.k);
     history.add(step, &truth);
@@ -109,7 +110,9 @@ TEST(SampleHistory, TheInputThatTheRobotReallyGotCounts) {
 }
 
 TEST(SampleHistory, NobodyKnowsTheTruthOutside) {
-  EXPECT_FALSE(SampleHistory(IdentifyFrom::truth).newest(5, nullptr));
+  Step step(std::make_shared<RunGuard>(), nullptr);
+  SampleHistory(IdentifyFrom::truth).write_newest(step, nullptr);
+  EXPECT_FALSE(step.sample);
 }
 
 // The step at which times are refused, -1 = never.

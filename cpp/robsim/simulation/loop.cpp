@@ -119,9 +119,8 @@ bool Loop::turns(std::int64_t steps, const Pulse& pulse) {
   Metronome metronome;
   for (std::int64_t done = 0; done < steps;) {
     if (stage_ == Stage::world && guard_->is_stopped()) break;
-    const Arrival arrival = do_stage();
+    const Arrival arrival = turn();
     if (arrival == Arrival::end) return true;
-    if (arrival == Arrival::step && stage_ != Stage::world) continue;
     if (arrival == Arrival::step) ++done;
     if (arrival == Arrival::step && !metronome.is_due(done)) continue;
     native.reset();
@@ -153,9 +152,17 @@ std::optional<Stage> Loop::step_stage(const Pulse& pulse) {
   return done;
 }
 
+Arrival Loop::turn() {
+  do {
+    if (const Arrival arrival = do_stage(); arrival != Arrival::step) return arrival;
+  } while (stage_.load(std::memory_order_relaxed) != Stage::world);
+  return Arrival::step;
+}
+
 Arrival Loop::do_stage() {
   // A stage that throws is done again: nothing before it is done twice.
-  switch (stage_) {
+  const Stage stage = stage_.load(std::memory_order_relaxed);
+  switch (stage) {
     case Stage::world:
       if (const Arrival arrival = begin_step(); arrival != Arrival::step) return arrival;
       break;
@@ -175,21 +182,20 @@ Arrival Loop::do_stage() {
       end_step();
       break;
   }
-  stage_.store(after(stage_), std::memory_order_release);
+  stage_.store(after(stage), std::memory_order_release);
   return Arrival::step;
 }
 
 Arrival Loop::begin_step() {
   const std::int64_t k = recorder_.rows();
-  Observation observation;
-  const Arrival arrival = world_->next(k, observation);
+  observation_.clear();
+  const Arrival arrival = world_->next(k, observation_);
   if (arrival != Arrival::step) return arrival;
-  const double dt = robot_.model().dt();
-  const double gap = k > 0 ? observation.t - robot_.step()->t : dt;
+  const double t = observation_.t, dt = robot_.model().dt();
+  const double gap = k > 0 ? t - robot_.step()->t : dt;
   follows_stop_ = std::exchange(is_interrupted_, false);
-  robot_.begin_step(k, interval(gap, observation.t, dt, follows_stop_), observation, camera_);
-  samples_.begin(*robot_.step(), robot_.model(), observation.last_u, follows_stop_);
-  received_ = observation.last_u;
+  robot_.begin_step(k, interval(gap, t, dt, follows_stop_), observation_, camera_);
+  samples_.begin(*robot_.step(), robot_.model(), observation_.last_u, follows_stop_);
   return Arrival::step;
 }
 
@@ -197,7 +203,8 @@ void Loop::estimate_parameters() {
   if (robot_.stages().estimate_parameters) {
     samples_.check_interval(*robot_.step(), robot_.model());
   }
-  robot_.estimate_parameters(samples_.newest(recorder_.rows(), world_->truth()));
+  samples_.write_newest(*robot_.step(), world_->truth());
+  robot_.estimate_parameters();
 }
 
 void Loop::end_step() {
@@ -207,7 +214,7 @@ void Loop::end_step() {
     robot_.set_last_input(*step.u);
   }
   samples_.add(step, world_->truth());
-  recorder_.record(*world_, robot_, received_, follows_stop_);
+  recorder_.record(*world_, robot_, observation_.last_u, follows_stop_);
 }
 
 bool Loop::is_on(Stage stage) const {

@@ -66,6 +66,7 @@ class Loop {
  private:
   void prepare();
   bool turns(std::int64_t steps, const Pulse& pulse);
+  Arrival turn();
   Arrival do_stage();
   Arrival begin_step();
   void estimate_parameters();
@@ -79,9 +80,9 @@ class Loop {
   RobotSoftware robot_;
   SampleHistory samples_;
   Recorder recorder_;
-  bool is_interrupted_ = false;    // the robot was stopped since the newest step began
-  std::optional<Input> received_;  // since the last step, if the world knows it
-  bool follows_stop_ = false;      // the newest step began after that
+  bool is_interrupted_ = false;  // the robot was stopped since the newest step began
+  Observation observation_;      // of the newest step
+  bool follows_stop_ = false;    // the newest step began after that
   std::atomic<Stage> stage_{Stage::world};
 };
 

@@ -24,17 +24,17 @@ void SampleHistory::check_interval(const Step& step, const RobotModel& model) co
   check_mean_interval(time_, n_steps_, model.dt());
 }
 
-std::optional<Sample> SampleHistory::newest(std::int64_t k, const Truth* truth) const {
+void SampleHistory::write_newest(Step& step, const Truth* truth) const {
   const bool from_truth = identify_from_ == IdentifyFrom::truth;
-  if (from_truth && !truth) return std::nullopt;
-  const Past present{from_truth ? std::optional(truth->pose) : std::nullopt,
-                     !follows_ || (truth && truth->bounced),
-                     {}};
-  const Past& now = from_truth ? present : past_[0];
-  const Past& last = from_truth ? past_[0] : past_[1];
-  const Past& before = from_truth ? past_[1] : past_[2];
-  if (!now.pose || !last.pose || !before.pose || now.is_first || last.is_first) return std::nullopt;
-  return Sample{regression(*now.pose, *last.pose, *before.pose, last.u), k - (from_truth ? 0 : 1)};
+  if (step.sample || (from_truth && !truth)) return;
+  const Past& last = past_[from_truth ? 0 : 1];
+  const Past& before = past_[from_truth ? 1 : 2];
+  const std::optional<Pose>& seen = past_[0].pose;
+  const Pose* const now = from_truth ? &truth->pose : seen ? &*seen : nullptr;
+  const bool is_first = from_truth ? !follows_ || truth->bounced : past_[0].is_first;
+  if (!now || !last.pose || !before.pose || is_first || last.is_first) return;
+  step.sample.emplace(
+      Sample{regression(*now, *last.pose, *before.pose, last.u), step.k - (from_truth ? 0 : 1)});
 }
 
 void SampleHistory::add(const Step& step, const Truth* truth) {

@@ -24,8 +24,9 @@ class SampleHistory {
   void begin(const Step& step, const RobotModel& model, const std::optional<Input>& last_u,
              bool is_interrupted);
 
-  /// The newest complete sample: that of this step from truth, that of the step before otherwise.
-  std::optional<Sample> newest(std::int64_t k, const Truth* truth) const;
+  /// Gives a step the newest complete sample, unless it has one: that of this step from truth, that
+  /// of the step before otherwise.
+  void write_newest(Step& step, const Truth* truth) const;
 
   /// Throws std::invalid_argument if the steps are not those of the model.
   void check_interval(const Step& step, const RobotModel& model) const;

@@ -51,8 +51,7 @@ void RobotSoftware::renew_step() {
   step_ = std::make_shared<Step>(guard_, vision_);
 }
 
-void RobotSoftware::estimate_parameters(const std::optional<Sample>& newest) {
-  if (!step_->sample) step_->sample = newest;
+void RobotSoftware::estimate_parameters() {
   if (!stages_.estimate_parameters) return;
   const std::optional<AxisMatrix> result = stages_.estimate_parameters.call(step_);
   if (result) parameters_ = result;

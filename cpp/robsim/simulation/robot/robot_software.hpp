@@ -44,7 +44,7 @@ class RobotSoftware {
 
   // The stages. A measurement or a sample that came over the seam stands: only a callback measures
   // again.
-  void estimate_parameters(const std::optional<Sample>& newest);
+  void estimate_parameters();
   void measure();
   void estimate_state();
   void control();

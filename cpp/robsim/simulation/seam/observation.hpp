@@ -25,6 +25,14 @@ struct Observation {
   std::optional<Input> last_u;
   std::optional<Measurement> measurement;
   std::optional<Sample> sample;
+
+  /// Empties it for the next step: making a new one takes longer.
+  void clear() {
+    has_frame = true;
+    last_u.reset();
+    measurement.reset();
+    sample.reset();
+  }
 };
 
 /// The camera as the robot half knows it.

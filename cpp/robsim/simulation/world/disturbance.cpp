@@ -13,12 +13,12 @@ double draw(std::uint64_t seed, std::int64_t k, std::uint64_t i) {
 }  // namespace
 
 Input Disturbance::disturbed(const Input& u, std::int64_t k) const {
-  if (input_sigma[0] == 0 && input_sigma[1] == 0) return u;
+  if (!is_on) return u;
   return {u.u1 + input_sigma[0] * draw(seed, k, 3), u.u2 + input_sigma[1] * draw(seed, k, 4)};
 }
 
 Pose Disturbance::disturbed(const Pose& pose, std::int64_t k) const {
-  if (pose_factor.isZero(0)) return pose;
+  if (!is_on) return pose;
   // pose + L n
   const Eigen::Vector3d w =
       pose_factor * Eigen::Vector3d(draw(seed, k, 0), draw(seed, k, 1), draw(seed, k, 2));

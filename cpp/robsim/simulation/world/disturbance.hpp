@@ -12,6 +12,7 @@ namespace robsim {
 struct Disturbance {
   Eigen::Matrix3d pose_factor = Eigen::Matrix3d::Zero();  // L, covariance of a step = L L'
   std::array<double, 2> input_sigma = {0, 0};             // V
+  bool is_on = false;                                     // one of them is not 0
   std::uint64_t seed = 0;
 
   /// What the motors get in step k in place of u.

@@ -15,7 +15,7 @@ namespace {
 // What is remembered of a step, in a ring.
 template <typename Ring>
 auto& at_step(Ring& ring, std::int64_t k) {
-  return ring[static_cast<std::size_t>(k) % ring.size()];
+  return ring[ring.size() == 1 ? 0 : static_cast<std::size_t>(k) % ring.size()];  // % is slow
 }
 
 }  // namespace
@@ -51,6 +51,7 @@ void SimulatedWorld::set_disturbance(const Eigen::Matrix3d& pose_factor,
                                      std::array<double, 2> input_sigma) {
   options_.disturbance.pose_factor = pose_factor;
   options_.disturbance.input_sigma = input_sigma;
+  options_.disturbance.is_on = !pose_factor.isZero(0) || input_sigma[0] != 0 || input_sigma[1] != 0;
 }
 
 void SimulatedWorld::set_seeds(std::uint64_t noise, std::uint64_t dropout,
