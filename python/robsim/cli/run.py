@@ -43,6 +43,13 @@ def new(
 
 def run(
     folder: Annotated[Path | None, typer.Argument(help="Folder with your callbacks.")] = None,
+    scenario: Annotated[
+        Path | None,
+        typer.Option(
+            "--scenario",
+            help="TOML file of a scenario, as Scenario.save writes it; other options change it.",
+        ),
+    ] = None,
     steps: Annotated[int, typer.Option("--steps", help="Number of steps.")] = 500,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of the run.")] = None,
     measure: Annotated[
@@ -72,15 +79,19 @@ def run(
         ),
     ] = None,
     boundary: Annotated[
-        str,
-        typer.Option("--boundary", help="bounce: walls. unlimited: the view follows the robot."),
-    ] = "bounce",
-    headings: Annotated[
-        str,
+        str | None,
         typer.Option(
-            "--headings", help="Number of headings that the robot is drawn in, or: continuous."
+            "--boundary",
+            help="bounce: walls, the default. unlimited: the view follows the robot.",
         ),
-    ] = "36",
+    ] = None,
+    headings: Annotated[
+        str | None,
+        typer.Option(
+            "--headings",
+            help="Number of headings that the robot is drawn in, or: continuous. Default: 36.",
+        ),
+    ] = None,
     robot: Robot = None,
     markers: Annotated[
         str | None, typer.Option("--markers", help="Robot whose markers vision looks for.")
@@ -114,7 +125,7 @@ def run(
     from robsim.cli.results import check_folder
     from robsim.control._excitation import controller_named
     from robsim.imaging._video import VideoWriter
-    from robsim.simulation._simulation import Simulation
+    from robsim.simulation import Scenario, Simulation
 
     with errors.report_errors(folder):
         options: dict[str, Any] = {
@@ -125,7 +136,6 @@ def run(
             "area": parse_size("--area", area),
             "resolution": parse_size("--resolution", resolution),
             "boundary": boundary,
-            "headings": parse_headings("--headings", headings),
             "noise": parse_noise("--noise", noise),
             "dropout": parse_dropout("--dropout", dropout),
             "seed": seed,
@@ -133,7 +143,11 @@ def run(
             "measure": measure or None,
             "estimate_parameters": estimate_parameters or None,
             "control": None if control is None else controller_named(control),
+            "scenario": None if scenario is None else Scenario.load(scenario),
         }
+        options = {name: value for name, value in options.items() if value is not None}
+        if headings is not None:
+            options["headings"] = parse_headings("--headings", headings)
         if folder is None:
             simulation = Simulation(**options)
         else:

@@ -38,10 +38,10 @@ from robsim.simulation._options import (
 from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.motors import Motors
 from robsim.simulation._runner import UNLIMITED, Runner
+from robsim.simulation._scenario import Scenario
 from robsim.trace import Trace
 from robsim.trace._columns import POSES, RECORDED
 
-_AREA = (1200, 1200)
 _FRAME_TIMEOUT = 1.0  # s, where a robot drives
 
 
@@ -145,7 +145,7 @@ class Experiment(Runner):
                 stop=self._motors and self._motors.stop,
             ),
             robot=definition,
-            area=check_size("area", area or self._source.area or _AREA),
+            area=check_size("area", area or self._source.area or Scenario.area),
             boundary="recorded",
             seed=seed_sequence(seed),
             colors=colors_value(colors, smoothing_value(smoothing)),
