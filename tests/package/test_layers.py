@@ -24,8 +24,8 @@ CPP = {
     "vision/color": {"imaging"},
     "vision/pixels": {"simd", "imaging", "vision/color"},
     "vision": {"geometry", "imaging", "vision/color", "vision/pixels"},
-    "simulation/seam": {"imaging", "model", "vision", "world/noise"},
-    "simulation/world": {"random", "model", "world", "simulation/seam"},
+    "simulation/seam": {"imaging", "model", "vision"},
+    "simulation/world": {"random", "model", "world", "world/noise", "simulation/seam"},
     "simulation/robot": {
         *("random", "estimation", "imaging", "model", "vision"),
         "simulation/seam",

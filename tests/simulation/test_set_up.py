@@ -149,3 +149,49 @@ def test_no_scene_is_made_unless_somebody_looks():
     assert sim._world.scene is None
     _ = sim.frame
     assert sim._world.scene is not None
+
+
+def test_the_trace_knows_what_was_changed_after_it_was_looked_at():
+    sim = Simulation(NOISY)
+    sim.run(3)
+    assert sim.trace.info.callbacks == sim.trace.info.changed == ()
+    sim.noise = GaussianNoise(9)
+    sim.measure = lambda step: None
+    trace = sim.run(3)
+    assert trace.info.callbacks == ("measure",)
+    assert trace.info.changed == ("noise",)
+    with (
+        pytest.warns(UserWarning, match="^noise changed in the run: the scenario has what came"),
+        pytest.warns(UserWarning, match="callbacks in Python for measure"),
+    ):
+        scenario = Scenario.of(trace)
+    assert scenario.noise == GaussianNoise(9)
+    sim.reset()
+    assert sim.run(1).info.changed == ()
+
+
+def test_the_world_cannot_be_exchanged_during_a_run():
+    sim = Simulation()
+
+    @sim.control
+    def control(step):
+        sim.evaluate_model = robsim.Unicycle()
+        return 0, 0
+
+    with pytest.raises(RuntimeError, match="a callback cannot be changed while the simulation"):
+        sim.run(3)
+
+
+def test_an_experiment_that_its_own_motors_know_is_collected():
+    class Motors:
+        def __call__(self, u):
+            pass
+
+    motors = Motors()
+    frames = [Simulation(NOISY).step().frame]
+    motors.experiment = robsim.Experiment(frames, send=motors, control=robsim.Spin())
+    motors.experiment.run()
+    gone = weakref.ref(motors)
+    del motors
+    gc.collect()
+    assert gone() is None

@@ -19,6 +19,14 @@ SOON = 10  # s, for what comes at once
 
 
 @pytest.fixture(autouse=True)
+def _ctrl_c():
+    # What a shell starts in the background ignores it.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture(autouse=True)
 def _no_thread_survives():
     before = set(threading.enumerate())
     yield
@@ -589,3 +597,40 @@ def test_a_second_run_is_refused_and_the_first_one_goes_on(frame_timeout):
     assert len(sim.run()) == 6
     assert len(refused) == 24
     assert robot.sent == [*map(input_of, range(6)), STOP]
+
+
+@pytest.mark.parametrize("stop_input", [(math.nan, 0), (0, math.inf), (1,)])
+def test_a_stop_input_that_stops_nothing_is_refused(stop_input):
+    with pytest.raises(ValueError, match=r"stop_input must be \(u1, u2\), finite, in V"):
+        robsim.Experiment([], send=print, stop_input=stop_input)
+
+
+def test_a_reset_that_is_refused_stops_the_robot_all_the_same():
+    robot = Robot()
+    experiment = robsim.Experiment(
+        (frame(k) for k in range(5)), send=robot, control=lambda step: input_of(step.k)
+    )
+    experiment.step()
+    assert robot.drives
+    with pytest.raises(RuntimeError, match="can be read only once"):
+        experiment.reset()
+    assert not robot.drives
+
+
+def test_the_end_of_a_with_block_waits_for_the_run_of_another_thread():
+    robot, frames = Robot(), queue.Queue()
+    frames.put(frame(0))
+    with robsim.Experiment(
+        iter(frames.get, None),
+        send=robot,
+        control=lambda step: input_of(step.k),
+        frame_timeout=math.inf,
+    ) as experiment:
+        thread = threading.Thread(target=experiment.run)
+        thread.start()
+        while not robot.drives:
+            time.sleep(0.001)
+    assert not experiment.is_running
+    assert not robot.drives
+    thread.join(SOON)
+    frames.put(None)

@@ -60,9 +60,12 @@ const char* name_of(Stage stage) {
 
 // Forgets the step's object at the end of its life.
 struct RunScope {
-  explicit RunScope(SlottedLoop& loop) : object(loop.step_object) {}
-  ~RunScope() { object.forget(); }
-  StepObject& object;
+  explicit RunScope(SlottedLoop& loop)
+      : object(loop.guard().is_running() ? nullptr : &loop.step_object) {}
+  ~RunScope() {
+    if (object) object->forget();
+  }
+  StepObject* object;  // null: another run is under way, whose it is
 };
 
 // Views of the rows recorded by now; they stay what they are while the run goes on.
@@ -131,7 +134,8 @@ void bind_loop(py::module_& module) {
           },
           "Do the next stage that is on and return its name; None = the world has come to its end.")
       .def("stop", &SlottedLoop::stop, "End the run under way; False if there is none.")
-      .def("stop_robot", &SlottedLoop::stop_robot, "Send the stop input, if there is one.")
+      .def("stop_robot", &SlottedLoop::stop_robot_between_runs,
+           "Send the stop input, if there is one.")
       .def("reset", &SlottedLoop::reset, "Go back to the start.")
       .def("columns", &columns_of, "Return the columns of the trace: name -> array (rows, width).")
       .def(

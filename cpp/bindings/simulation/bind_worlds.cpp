@@ -20,10 +20,13 @@ class SlottedWorld : public SimulatedWorld, public SlotValues {
  public:
   using SimulatedWorld::SimulatedWorld;
 
+  const RunGuard& loop_guard() const { return guard(); }
+
   void set_evaluate_model(const py::object& value);
 
   // Called from work that does not hold the interpreter, too.
   void set_make_scene(const py::object& make, bool makes_at_start) {
+    guard().check_idle("a callback");
     slots().makes_scene_at_start = makes_at_start;
     slots().make_scene = [make = py::handle(make)] {
       const py::gil_scoped_acquire interpreter;
@@ -44,6 +47,7 @@ class SlottedWorld : public SimulatedWorld, public SlotValues {
 };
 
 void SlottedWorld::set_evaluate_model(const py::object& value) {
+  guard().check_idle("a callback");
   if (value.is_none()) {
     slots().evaluate_model = {};
   } else if (py::type::of(value).is(py::type::of<Unicycle>())) {
@@ -87,6 +91,7 @@ Eigen::Matrix3d matrix_from(const py::object& value, const std::string& name) {
 
 // What a capture shows: a new frame, or one that borrows `out`, written anew.
 Frame drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture, const py::object& out) {
+  const RunGuard::Look look(self.loop_guard());
   if (out.is_none()) return self.draw(capture);
   const py::object pixels = PyObject_CheckBuffer(out.ptr()) ? py::object(py::array(out)) : out;
   return self.draw_into(capture, writable_view(pixels, "out"), borrowed_image(pixels, "out"));
@@ -218,9 +223,10 @@ std::optional<Input> stopped(const py::handle& stop) {
       }
     }
   }
+  std::optional<Input> sent;
+  if (!u.is_none()) sent = input_from(u, "stop_input");  // finite: Motors has seen to that
   if (is_interrupted) PyErr_SetInterrupt();
-  if (u.is_none()) return std::nullopt;
-  return input_from(u, "stop_input");
+  return sent;
 }
 
 ExternalSource PythonSource::source(const py::object& take, const py::object& send,

@@ -59,12 +59,12 @@ Loop::Loop(std::shared_ptr<World> world, const RobotOptions& robot, IdentifyFrom
       world_(std::move(world)),
       camera_(world_),
       robot_(robot, guard_),
-      samples_(identify_from) {}
+      samples_(identify_from) {
+  world_->set_guard(guard_);
+}
 
 Stages& Loop::stages() {
-  if (guard_->is_running()) {
-    throw std::runtime_error("a callback cannot be changed while the simulation runs");
-  }
+  guard_->check_idle("a callback");
   return robot_.stages();
 }
 
@@ -96,6 +96,7 @@ void Loop::reset() {
   robot_.reset();
   world_->reset();
   recorder_.reset();
+  stage_.store(Stage::world, std::memory_order_release);
 }
 
 bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
@@ -230,6 +231,11 @@ const StepPointer& Loop::last_step() const {
   guard_->check_thread();
   if (!robot_.step()) throw std::runtime_error("this simulation has not started yet");
   return robot_.step();
+}
+
+void Loop::stop_robot_between_runs() {
+  const RunGuard::Run run(*guard_);
+  stop_robot();
 }
 
 void Loop::stop_robot() {

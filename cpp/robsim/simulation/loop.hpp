@@ -24,7 +24,6 @@ class Loop {
 
   Loop(std::shared_ptr<World> world, const RobotOptions& robot, IdentifyFrom identify_from);
 
-  World& world() { return *world_; }
   RobotSoftware& robot() { return robot_; }
   const RobotSoftware& robot() const { return robot_; }
   const Trace& trace() const { return recorder_.trace(); }
@@ -49,7 +48,7 @@ class Loop {
   bool stop() { return guard_->stop(); }
 
   /// Stops the robot, if somebody has to: between two runs.
-  void stop_robot();
+  void stop_robot_between_runs();
 
   /// Back to the start, with the robot stopped: the next run begins anew and gives the same again.
   void reset();
@@ -65,6 +64,7 @@ class Loop {
 
  private:
   void prepare();
+  void stop_robot();
   bool turns(std::int64_t steps, const Pulse& pulse);
   Arrival turn();
   Arrival do_stage();

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -135,7 +136,7 @@ class Experiment(Runner):
             frame_timeout = math.inf if send is None else _FRAME_TIMEOUT
         elif frame_timeout != math.inf:
             check_float("frame_timeout", frame_timeout, "s", exclusive_minimum=0)
-        self._source = FrameSource(frames, frame_timeout)
+        self._source = FrameSource(frames, frame_timeout, is_polled=send is not None)
         self._model = model_value(model)
         self._motors = None if send is None else Motors(send, stop_input)
         super().__init__(
@@ -165,8 +166,10 @@ class Experiment(Runner):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if not self.stop():  # a run in another thread stops the robot itself
-            self._stop_robot(error)
+        if self.stop():  # a run in another thread: it stops the robot itself
+            while self.is_running:
+                time.sleep(0.01)
+        self._stop_robot(error)
 
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Run some steps, or all; a run continues where the last one ended.
@@ -256,6 +259,7 @@ class Experiment(Runner):
         RuntimeError
             If `frames` can be read only once, and some have been read.
         """
+        self._stop_robot(None)
         if self._source.is_spent:
             raise RuntimeError(
                 "the frames can be read only once: give a list or a Recording to be able to reset"
@@ -275,7 +279,8 @@ class Experiment(Runner):
         model = self._model
         if model is None:
             return self._source.model()
-        return RobotModel(model) if isinstance(model, RobotParameters) else model
+        given = RobotModel(model) if isinstance(model, RobotParameters) else model
+        return self._source.checked(lambda: given)()
 
     def _check_source(self) -> None:
         if self.identify_from == "estimate":

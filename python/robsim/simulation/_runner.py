@@ -82,8 +82,10 @@ class Runner(ABC):
         self._seed = seed
         self._rng: np.random.Generator | None = None
         self._run_info: RunInfo | None = None
+        self._changed: tuple[str, ...] = ()  # options, in the middle of the run
         self._callbacks: dict[str, Any] = dict.fromkeys(self.SLOTS)
         self._given: dict[str, Any] = dict(self._callbacks)
+        self._world_half = world  # here the garbage collector sees into it
         self._core = _core.Loop(
             world=world,
             colors=colors,
@@ -183,6 +185,7 @@ class Runner(ABC):
             value = True
         self._put(slot, value)
         self._callbacks[slot] = value
+        self._run_info = None
         update = self._callbacks["estimate_parameters"]
         if slot == "init_parameter_estimator" and value and (update is None or update is True):
             # An estimator of the user's is meant to be used.
@@ -323,7 +326,11 @@ class Runner(ABC):
                 self._core.start()
 
     def _prepare(self) -> None:
-        if self._folder is not None and (changed := self._folder.changed):
+        if (
+            self._folder is not None
+            and not self._core.is_running
+            and (changed := self._folder.changed)
+        ):
             late = changed & slots.ONCE.keys() if self._core.has_started else set()
             for slot in late:
                 raise RuntimeError(
@@ -366,6 +373,7 @@ class Runner(ABC):
         if callbacks is not None:
             self._use(callbacks)
         self._rng = self._run_info = None
+        self._changed = ()
 
     def _seed_core(self) -> None:
         """Give the C++ core the random streams of the seed."""
@@ -407,6 +415,7 @@ class Runner(ABC):
             boundary=self.boundary,
             robot=self.robot.name,
             scenario=self._described(),
+            changed=self._changed,
             callbacks=tuple(slot for slot, value in self._callbacks.items() if _is_code(value)),
         )
         if self._core.has_started and not self._core.is_running:  # a start may fail yet

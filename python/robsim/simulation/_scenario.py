@@ -237,7 +237,8 @@ class Scenario:
         Warns
         -----
         UserWarning
-            If other slots had callbacks in Python, which are not part of it.
+            If other slots had callbacks in Python, which are not part of it, or if options were
+            changed in the middle of the run.
         """
         check_trace(trace)
         scenario = trace.info.scenario
@@ -250,6 +251,12 @@ class Scenario:
             if len(trace) and trace.k[0] != 0:
                 raise ValueError(f"trace must begin with step 0, got step {trace.k[0]}")
             scenario = scenario.replace(control=Replay(trace.u))
+        if trace.info.changed:
+            warnings.warn(
+                f"{', '.join(trace.info.changed)} changed in the run: the scenario has what came "
+                "last",
+                stacklevel=2,
+            )
         if missing := sorted(callbacks - {"control"}):
             warnings.warn(
                 f"the run had callbacks in Python for {', '.join(missing)}: give them to "

@@ -217,6 +217,9 @@ class Simulation(Runner):
     def _change(self, **changes: Any) -> None:
         self._core.check_thread()
         self._scenario = self._scenario.replace(**changes)
+        self._run_info = None
+        if self._core.rows or self._core.is_running:
+            self._changed = tuple(sorted({*self._changed, *changes}))
 
     def _apply_noise(self) -> None:
         self._world.set_noise(as_native_noise(self._scenario.noise))

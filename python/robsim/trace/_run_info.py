@@ -37,6 +37,8 @@ class RunInfo:
         What the run was made from, or that as a TOML text; see `robsim.Scenario.of`.
     callbacks : tuple of str
         The slots that were filled with Python code, which is not part of the scenario.
+    changed : tuple of str
+        Options that were changed in the middle of the run; the scenario has the last values.
     """
 
     dt: float
@@ -48,6 +50,7 @@ class RunInfo:
     robot: str = ""
     scenario: Any = field(default=None, compare=False, repr=False)
     callbacks: tuple[str, ...] = field(default=(), compare=False, repr=False)
+    changed: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         is_number = isinstance(self.dt, (int, float)) and not isinstance(self.dt, bool)
@@ -66,9 +69,10 @@ class RunInfo:
         for name in ("identify_from", "boundary", "robot"):
             if not isinstance(getattr(self, name), str):
                 raise ValueError(f"{name} must be text, got {getattr(self, name)!r}")
-        slots = self.callbacks
-        if not isinstance(slots, tuple) or not all(isinstance(slot, str) for slot in slots):
-            raise ValueError(f"callbacks must be a tuple of texts, got {slots!r}")
+        for name in ("callbacks", "changed"):
+            texts = getattr(self, name)
+            if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
+                raise ValueError(f"{name} must be a tuple of texts, got {texts!r}")
         if not (self.scenario is None or isinstance(self.scenario, str) or self._has_text()):
             raise ValueError(f"scenario must be a Scenario or its text, got {self.scenario!r}")
 

@@ -90,5 +90,6 @@ def _from_members(members: Mapping[str, NDArray[Any]]) -> Content:
         if values.dtype != np.float64 or values.ndim != 2:
             raise ValueError(f"{name} is {values.dtype} of shape {values.shape}")
     info["area"] = tuple(info["area"])
-    info["callbacks"] = tuple(info.get("callbacks", ()))
+    for name in ("callbacks", "changed"):
+        info[name] = tuple(info.get(name, ()))
     return groups, RunInfo(**info), first_step

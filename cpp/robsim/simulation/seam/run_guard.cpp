@@ -1,6 +1,9 @@
 #include "robsim/simulation/seam/run_guard.hpp"
 
 #include <stdexcept>
+#include <string>
+
+#include "robsim/simulation/seam/native_work.hpp"
 
 namespace robsim {
 
@@ -11,6 +14,9 @@ RunGuard::Run::Run(RunGuard& guard) : guard_(guard) {
         "this simulation is already running: a callback or another thread cannot run it too");
   }
   guard_.runner_ = std::this_thread::get_id();
+  // Whoever still looks may need the interpreter for it.
+  const NativeWork native;
+  const std::lock_guard<std::recursive_mutex> nobody_looks(guard_.looking_);
 }
 
 RunGuard::Run::~Run() { guard_.state_ = State::idle; }
@@ -18,6 +24,22 @@ RunGuard::Run::~Run() { guard_.state_ = State::idle; }
 bool RunGuard::stop() {
   State running = State::running;
   return state_.compare_exchange_strong(running, State::stopping) || running == State::stopping;
+}
+
+RunGuard::Look::Look(const RunGuard& guard) {
+  guard.check_thread();
+  if (guard.is_running()) return;  // by this thread
+  {
+    const NativeWork native;
+    lock_ = std::unique_lock<std::recursive_mutex>(guard.looking_);
+  }
+  guard.check_thread();  // a run may have begun
+}
+
+void RunGuard::check_idle(const char* what) const {
+  if (is_running()) {
+    throw std::runtime_error(std::string(what) + " cannot be changed while the simulation runs");
+  }
 }
 
 void RunGuard::check_thread() const {

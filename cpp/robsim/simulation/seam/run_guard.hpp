@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
 #include <thread>
 
 namespace robsim {
@@ -21,7 +22,21 @@ class RunGuard {
     RunGuard& guard_;
   };
 
+  /// Lets one thread look at what a run would change, for its life: the one that runs it, or any
+  /// other while none does. A run that begins waits for it.
+  class Look {
+   public:
+    /// Throws std::runtime_error while another thread runs the loop.
+    explicit Look(const RunGuard& guard);
+
+   private:
+    std::unique_lock<std::recursive_mutex> lock_;
+  };
+
   bool is_running() const { return state_ != State::idle; }
+
+  /// Throws std::runtime_error that says what cannot be changed, if a run is under way.
+  void check_idle(const char* what) const;
 
   /// Asks the run under way to end, and no later one; false if there is none.
   bool stop();
@@ -37,6 +52,7 @@ class RunGuard {
 
   std::atomic<State> state_{State::idle};
   std::atomic<std::thread::id> runner_{};
+  mutable std::recursive_mutex looking_;
 };
 
 }  // namespace robsim

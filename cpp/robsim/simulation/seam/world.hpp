@@ -1,7 +1,11 @@
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <utility>
+
 #include "robsim/simulation/seam/observation.hpp"
-#include "robsim/world/noise/visual_noise.hpp"
+#include "robsim/simulation/seam/run_guard.hpp"
 
 namespace robsim {
 
@@ -21,7 +25,10 @@ enum class Arrival { step, nothing_yet, end };
 /// The world half: simulated, recorded, live or in another process.
 class World : public Camera {
  public:
-  /// Called once, at the start of a run, with the model that the robot half believes in.
+  /// The guard of the loop that the world belongs to.
+  void set_guard(std::shared_ptr<const RunGuard> guard) { guard_ = std::move(guard); }
+
+  /// Called once, before the first step, with the model that the robot half believes in.
   virtual void start(const RobotModel& model) = 0;
 
   /// Back to the start.
@@ -34,8 +41,8 @@ class World : public Camera {
   /// Takes the input of step k, the moment that it is decided.
   virtual void send(std::int64_t k, const Input& u) = 0;
 
-  /// Called when a run is over, whatever ended it: stops the robot, if somebody has to, and returns
-  /// the input that did.
+  /// Stops the robot, if somebody has to, and returns the input that did: at the end of a run,
+  /// whatever ended it, and at a reset.
   virtual std::optional<Input> stop() noexcept { return std::nullopt; }
 
   /// The truth of the newest step, null if nobody knows it.
@@ -46,6 +53,12 @@ class World : public Camera {
 
   /// True if it needs the interpreter.
   virtual bool is_interpreted() const = 0;
+
+ protected:
+  const RunGuard& guard() const { return *guard_; }
+
+ private:
+  std::shared_ptr<const RunGuard> guard_ = std::make_shared<RunGuard>();
 };
 
 }  // namespace robsim

@@ -39,16 +39,19 @@ void SimulatedWorld::set_start(const Pose& start) {
 }
 
 void SimulatedWorld::set_noise(const VisualNoise& noise) {
+  guard().check_thread();
   noise_ = std::make_shared<VisualNoise>(noise);
 }
 
 void SimulatedWorld::set_dropout(double probability, int steps) {
+  guard().check_thread();
   options_.dropout.probability = probability;
   options_.dropout.steps = steps;
 }
 
 void SimulatedWorld::set_disturbance(const Eigen::Matrix3d& pose_factor,
                                      std::array<double, 2> input_sigma) {
+  guard().check_thread();
   options_.disturbance.pose_factor = pose_factor;
   options_.disturbance.input_sigma = input_sigma;
   options_.disturbance.is_on = !pose_factor.isZero(0) || input_sigma[0] != 0 || input_sigma[1] != 0;

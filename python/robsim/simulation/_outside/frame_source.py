@@ -28,6 +28,8 @@ class FrameSource:
         and the time between two frames (s).
     timeout : float
         Maximum wait for a frame (s); inf = none.
+    is_polled : bool
+        Whether a run can be stopped while it waits for a frame, though there is no maximum.
 
     Raises
     ------
@@ -36,7 +38,11 @@ class FrameSource:
     """
 
     def __init__(
-        self, frames: Iterable[Frame | Observation | None], timeout: float = math.inf
+        self,
+        frames: Iterable[Frame | Observation | None],
+        timeout: float = math.inf,
+        *,
+        is_polled: bool = False,
     ) -> None:
         if not isinstance(frames, Iterable):
             raise TypeError(f"frames must be an iterable of Frame objects, got {frames!r}")
@@ -45,6 +51,7 @@ class FrameSource:
         self._frames = frames
         self._iterator = iter(frames)
         self._timeout = timeout
+        self._is_polled = is_polled or not math.isinf(timeout)
         self._reader: _Reader | None = None
         self._reading = threading.Lock()
         self._has_begun = False
@@ -63,9 +70,9 @@ class FrameSource:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Read inside the context, in a thread of its own if there is a time limit."""
+        """Read inside the context, in a thread of its own if the loop must not wait for a frame."""
         # A second run beside the first one, which the loop refuses, must not touch its thread.
-        if math.isinf(self._timeout) or not self._reading.acquire(blocking=False):
+        if not self._is_polled or not self._reading.acquire(blocking=False):
             yield
             return
         try:

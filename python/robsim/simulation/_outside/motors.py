@@ -31,8 +31,10 @@ class Motors:
             raise TypeError(f"send must be callable, got {send!r}")
         self._send = send
         self._stop_input = None if stop_input is None else as_float_array("stop_input", stop_input)
-        if self._stop_input is not None and self._stop_input.shape != (2,):
-            raise ValueError(f"stop_input must be (u1, u2) in V, or None, got {stop_input!r}")
+        if self._stop_input is not None and not _is_input(self._stop_input):
+            raise ValueError(
+                f"stop_input must be (u1, u2), finite, in V, or None, got {stop_input!r}"
+            )
         self._has_moved = False
         #: What went wrong when the robot was stopped.
         self.error: BaseException | None = None
@@ -48,7 +50,7 @@ class Motors:
         self._send(u)
 
     def stop(self) -> Floats | None:
-        """Send the stop input, unless nothing was sent since the last one; return it.
+        """Send the stop input, unless nothing was sent since the last one; return what was sent.
 
         It raises nothing: what goes wrong is kept in `error`. A Ctrl-C does not keep it from being
         sent.
@@ -59,9 +61,13 @@ class Motors:
             try:
                 self._send(np.array(self._stop_input))
                 self._has_moved = False
-                break
+                return self._stop_input
             except BaseException as error:
                 self.error = error
                 if not isinstance(error, KeyboardInterrupt):
                     break
-        return self._stop_input
+        return None
+
+
+def _is_input(u: Floats) -> bool:
+    return u.shape == (2,) and bool(np.isfinite(u).all())
