@@ -7,6 +7,8 @@ import pytest
 
 import robsim
 
+pytestmark = pytest.mark.long
+
 DT = 0.2
 B1X = 2
 METHODS = ("least_squares", "instrumental_variables", "output_error")

@@ -91,6 +91,7 @@ def test_it_shows_what_is_in_the_memory_now():
     assert copy.image[3, 4, 0] == 0
 
 
+@pytest.mark.long
 def test_the_memory_lives_as_long_as_the_frame_and_its_images():
     class Memory(np.ndarray):
         pass

@@ -42,6 +42,7 @@ def test_a_singular_covariance_disturbs_only_where_it_says():
     np.testing.assert_allclose(errors[:, 1:], 0, atol=1e-9)
 
 
+@pytest.mark.long
 def test_wheel_noise_moves_the_pose_as_its_covariance_says(rng):
     noise = WheelNoise((0.05, 0.1))
     sim = Simulation(
@@ -116,6 +117,7 @@ def test_the_motors_get_their_inputs_late():
     assert np.abs(late.pose_true[4:] - prompt[4:]).max() > 1
 
 
+@pytest.mark.long
 def test_the_frames_come_late_and_say_when_they_were_taken():
     options = {"control": robsim.DriveAround(), "measure": True, "headings": None, "seed": 2}
     prompt = Simulation(**options)

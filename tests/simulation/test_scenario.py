@@ -22,6 +22,7 @@ def child_seed():
 # --- a value
 
 
+@pytest.mark.long
 @given(scenarios())
 def test_scenarios_of_the_same_content_are_equal(scenario):
     again = Scenario(**{f.name: getattr(scenario, f.name) for f in dataclasses.fields(scenario)})

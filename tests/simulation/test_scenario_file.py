@@ -17,6 +17,7 @@ from scenarios import FULL, scenarios
 # --- there and back
 
 
+@pytest.mark.long
 @given(scenarios())
 def test_a_file_gives_the_scenario_again(scenario):
     text = scenario.to_toml()
