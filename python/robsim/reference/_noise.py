@@ -1,4 +1,4 @@
-"""Default standard deviations of the filters' noises, and the checks of a user's own."""
+"""The filters' noises: default standard deviations, checks of a user's own, roots."""
 
 from __future__ import annotations
 
@@ -50,3 +50,17 @@ def covariance(
     return np.diag(
         check_vector3(name, sigma, minimum=minimum, exclusive_minimum=exclusive_minimum) ** 2
     )
+
+
+def root(P: Floats) -> Floats:
+    """Return L with L L' = P, the same on every processor.
+
+    Eigenvectors alone are not: for equal eigenvalues any basis is valid, and linear-algebra
+    kernels differ in the one they return.
+    """
+    try:
+        return np.asarray(np.linalg.cholesky(P), dtype=np.float64)
+    except np.linalg.LinAlgError:  # P is singular but for rounding, as without process noise
+        # P^(1/2) = V sqrt(D) V' is unique, whatever V is
+        eigenvalues, V = np.linalg.eigh(P)
+        return np.asarray((V * np.sqrt(np.maximum(eigenvalues, 0))) @ V.T, dtype=np.float64)

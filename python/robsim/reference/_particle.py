@@ -12,7 +12,7 @@ from robsim._core import RobotModel, wrap_angle
 from robsim.reference._estimator import Prior, StateEstimator
 from robsim.reference._kalman import innovation_of, kalman_update
 from robsim.reference._motion import RobotMotion
-from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, check_vector3
+from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, check_vector3, root
 
 #: With a smaller effective sample size after a measurement, the particles are drawn anew.
 MINIMUM_SAMPLE_SIZE = 200
@@ -125,7 +125,7 @@ class ParticleFilter(StateEstimator):
     def _draw(self, mean: Floats, P: Floats) -> None:
         """Draw the particles from a normal distribution."""
         # x_i = mean + L n_i with L L' = P and n_i of unit covariance
-        self.particles = mean + self._rng.standard_normal((self.n_particles, 6)) @ _root(P).T
+        self.particles = mean + self._rng.standard_normal((self.n_particles, 6)) @ root(P).T
         self.weights = np.full(self.n_particles, 1 / self.n_particles)
 
     def resample(self) -> None:
@@ -146,17 +146,3 @@ class ParticleFilter(StateEstimator):
         deviation = self.particles - self.mean
         deviation[:, 2] = wrap_angle(deviation[:, 2])
         self.P = (self.weights * deviation.T) @ deviation
-
-
-def _root(P: Floats) -> Floats:
-    """Return L with L L' = P, the same on every processor.
-
-    Eigenvectors alone are not: for equal eigenvalues any basis is valid, and linear-algebra
-    kernels differ in the one they return.
-    """
-    try:
-        return np.asarray(np.linalg.cholesky(P), dtype=np.float64)
-    except np.linalg.LinAlgError:  # the particles have collapsed: P is singular
-        # P^(1/2) = V sqrt(D) V' is unique, whatever V is
-        eigenvalues, V = np.linalg.eigh(P)
-        return np.asarray((V * np.sqrt(np.maximum(eigenvalues, 0))) @ V.T, dtype=np.float64)

@@ -11,7 +11,7 @@ from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
 from robsim.reference._motion import RobotMotion
-from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, covariance
+from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, covariance, root
 
 
 class UnscentedKalmanFilter(KalmanFilter):
@@ -70,7 +70,7 @@ class UnscentedKalmanFilter(KalmanFilter):
         """Return the sigma points, (13, 6), and their weights, (13,)."""
         n, kappa = 6, self.kappa
         # columns of L with L L' = (n + kappa) P
-        L = np.linalg.cholesky((n + kappa) * self.P)
+        L = root((n + kappa) * self.P)
         # x_0 = x,  x_i = x + L_i,  x_n+i = x - L_i
         points = self.mean + np.vstack((np.zeros(n), L.T, -L.T))
         # W_0 = kappa / (n + kappa),  W_i = 1 / (2 (n + kappa))
