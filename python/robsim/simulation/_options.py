@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import lru_cache
 from os import PathLike
 from pathlib import Path
@@ -205,25 +204,3 @@ def check_is_data(name: str, value: Any) -> None:
 
 def _no_code(value: Any) -> str:
     return ": code is no data, give it to Simulation itself" if callable(value) else ""
-
-
-def check_names(
-    what: str, given: Iterable[str], known: Iterable[str], error: Callable[[str], Exception]
-) -> None:
-    """Raise an error for the first name that is not known, with the one that was meant.
-
-    Parameters
-    ----------
-    what : str
-        What has the names: ``"a scenario has no option"``.
-    given, known : iterable of str
-        The names that came, and all there are.
-    error : type
-        The exception.
-    """
-    known = list(known)
-    for name in given:
-        if name not in known:
-            close = difflib.get_close_matches(name.lower(), known, 1)
-            hint = f"did you mean {close[0]!r}?" if close else f"there are {', '.join(known)}"
-            raise error(f"{what} {name!r}: {hint}")

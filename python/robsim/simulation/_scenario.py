@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import check_choice, check_size
 from robsim._base.files import write_whole
 from robsim._base.seeds import Seed, seed_value
+from robsim._base.spelling import check_names
 from robsim._core import (
     ColorClass,
     DriveAround,
@@ -284,7 +285,7 @@ class Scenario:
         TypeError, ValueError
             As of `Scenario`; for an option that there is not, with the one that was meant.
         """
-        options.check_names("a scenario has no option", changes, OPTIONS, TypeError)
+        check_names("a scenario has no option", changes, OPTIONS, TypeError)
         return dataclasses.replace(self, **changes)
 
     def changes(self) -> dict[str, Any]:

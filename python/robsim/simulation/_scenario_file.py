@@ -17,6 +17,7 @@ from PIL import Image
 
 from robsim._base.checks import check_choice, check_float, check_int
 from robsim._base.seeds import SeedRecord
+from robsim._base.spelling import check_names
 from robsim._core import (
     ColorClass,
     DriveAround,
@@ -31,7 +32,7 @@ from robsim.imaging._images import Pixels, png_bytes
 from robsim.imaging._noise import GaussianNoise, UniformNoise
 from robsim.robots import RobotDefinition, robot_names
 from robsim.robots._lookup import as_robot, shipped_robots
-from robsim.simulation._options import KINDS, background_value, check_names
+from robsim.simulation._options import KINDS, background_value
 from robsim.simulation._world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation._world.dropout import Dropout
 from robsim.simulation._world.scene import Floor
