@@ -3,7 +3,8 @@
 import numpy as np
 
 import robsim
-from robsim.simulation._world.scene import as_floor, make_renderer
+from robsim.simulation._options import background_value
+from robsim.simulation._world.scene import make_scene, scaled_floor
 
 AREA = (1200, 1200)
 
@@ -12,14 +13,15 @@ def renderer(
     *, resolution=AREA, headings=0, adjust_background=robsim.simulation.draw_red_square, **options
 ):
     area = options.get("area", AREA)
-    return make_renderer(
+    scene = make_scene(
         robot=options.get("robot", robsim.load_robot()),
         area=area,
         resolution=resolution,
         headings=headings,
-        background=as_floor(options.get("background"), area),
+        background=scaled_floor(background_value(options.get("background")), area),
         adjust_background=adjust_background,
     )
+    return robsim.simulation.Renderer(scene)
 
 
 def small_renderer(**changed):

@@ -9,7 +9,8 @@ import pytest
 
 import robsim
 from robsim.simulation import Renderer
-from robsim.simulation._world.scene import as_floor, draw_red_square, make_scene
+from robsim.simulation._options import background_value
+from robsim.simulation._world.scene import as_floor, draw_red_square, make_scene, scaled_floor
 from robsim.simulation._world.scene_cache import SceneCache
 from scenes import renderer, small_renderer
 
@@ -22,9 +23,9 @@ def scene(**changed):
     return make_scene(**(options | changed))
 
 
-def floor(seed, size=(400, 300)):
-    pixels = np.random.default_rng(seed).integers(0, 256, (*size[::-1], 3), dtype=np.uint8)
-    return as_floor(pixels, size)
+def floor(seed):
+    pixels = np.random.default_rng(seed).integers(0, 256, (300, 400, 3), dtype=np.uint8)
+    return as_floor(pixels)
 
 
 def test_renderers_of_one_scene_draw_the_same_and_do_not_disturb_each_other(rng):
@@ -99,19 +100,28 @@ def test_an_own_adjust_background_is_called_each_time():
 
 def test_a_floor_does_not_change_with_the_array_it_was_made_of():
     pixels = np.full((300, 400, 3), 90, np.uint8)
-    floor = as_floor(pixels, (400, 300))
+    floor = as_floor(pixels)
     pixels[:] = 200
     assert (floor.pixels == 90).all()
-    assert floor == as_floor(np.full((300, 400, 3), 90, np.uint8), (400, 300))
+    assert floor == as_floor(np.full((300, 400, 3), 90, np.uint8))
+
+
+def test_a_floor_is_scaled_once():
+    small = as_floor(np.full((3, 4, 3), 90, np.uint8))
+    scaled = scaled_floor(small, (400, 300))
+    assert scaled.pixels.shape == (300, 400, 3)
+    assert scaled_floor(as_floor(small.pixels), (400, 300)) is scaled
+    assert scaled_floor(scaled, (400, 300)) is scaled
+    assert scaled_floor(None, (400, 300)) is None
 
 
 def test_a_changed_file_is_another_floor(tmp_path):
     file = tmp_path / "floor.png"
     robsim.imaging.save_image(file, np.full((3, 4, 3), 90, np.uint8))
-    first = as_floor(file, (400, 300))
-    assert as_floor(file, (400, 300)) is first
+    first = background_value(file)
+    assert background_value(file) is first
     robsim.imaging.save_image(file, np.full((6, 8, 3), 120, np.uint8))
-    assert (as_floor(str(file), (400, 300)).pixels == 120).all()
+    assert (background_value(str(file)).pixels == 120).all()
 
 
 @pytest.mark.parametrize("background", [None, floor(2)], ids=["shipped", "own"])

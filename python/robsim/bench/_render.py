@@ -13,7 +13,7 @@ import numpy.typing as npt
 from robsim._core import Renderer
 from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition, load_robot
-from robsim.simulation._world.scene import make_renderer, robot_sprite
+from robsim.simulation._world.scene import make_scene, robot_sprite
 
 AREA = (1200, 1200)  # px
 
@@ -48,7 +48,7 @@ def render_calls(cv2: Any, size: int) -> dict[str, Callable[[], Pixels]]:
         If the two frames of a pose differ.
     """
     robot = load_robot("lab")
-    renderer = make_renderer(
+    scene = make_scene(
         robot=robot,
         area=AREA,
         resolution=(size, size),
@@ -56,6 +56,7 @@ def render_calls(cv2: Any, size: int) -> dict[str, Callable[[], Pixels]]:
         background=None,
         adjust_background=lambda background: background,
     )
+    renderer = Renderer(scene)
     opencv = _opencv_renderer(cv2, robot, renderer, size)
     for pose in _POSES[::10]:
         _check_same(renderer.render(pose), opencv(pose), pose)

@@ -97,7 +97,7 @@ def background_value(background: Background) -> Floor | None:
         return background
     if isinstance(background, (str, PathLike)):
         return _floor_in_file(FileVersion.of(Path(background).resolve()))
-    return as_floor(background, np.shape(background)[1::-1])
+    return as_floor(background)
 
 
 @lru_cache(maxsize=2)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import inspect
+import reprlib
 from collections.abc import Callable
 from functools import cache, cached_property, lru_cache
-from os import PathLike
-from pathlib import Path
 
 import numpy as np
 
 from robsim._base.shipped import ASSETS
-from robsim._base.values import FileVersion, digest, frozen
+from robsim._base.values import digest, frozen
 from robsim._core import Renderer, Scene
 from robsim.imaging._images import Pixels, load_image, resized
 from robsim.imaging._shading import SHADOW, darkened, lightened
@@ -111,28 +110,6 @@ def make_scene(
     return _cache.get((robot, area, resolution, headings, background), make)
 
 
-def make_renderer(
-    *,
-    robot: RobotDefinition,
-    area: tuple[int, int],
-    resolution: tuple[int, int],
-    headings: int,
-    background: Floor | None,
-    adjust_background: Callable[[Pixels], Pixels],
-) -> Renderer:
-    """Return a renderer of the scene that `make_scene` returns for the same arguments."""
-    return Renderer(
-        make_scene(
-            robot=robot,
-            area=area,
-            resolution=resolution,
-            headings=headings,
-            background=background,
-            adjust_background=adjust_background,
-        )
-    )
-
-
 def _composed(
     robot: RobotDefinition,
     area: tuple[int, int],
@@ -185,33 +162,30 @@ def _home(
     return home, shadowed_home
 
 
-def as_floor(
-    background: Pixels | str | PathLike[str] | None, area: tuple[int, int]
-) -> Floor | None:
-    """Return a user's floor scaled to the work area; None stays None.
+def as_floor(pixels: Pixels) -> Floor:
+    """Return a user's floor, in its own size.
 
     Parameters
     ----------
-    background : array (H, W, 3) of uint8, path, or None
-        The floor.
-    area : tuple of int
-        Width and height of the work area (px).
+    pixels : array (H, W, 3) of uint8
+        The option ``background``, which the messages name.
 
     Raises
     ------
     TypeError, ValueError
-        If `background` has the wrong type or shape, or the file is not an image.
+        If it has the wrong type or shape.
     """
-    if background is None:
-        return None
-    if isinstance(background, (str, PathLike)):
-        return _floor_in_file(FileVersion.of(Path(background)), area)
-    pixels = background
     if not isinstance(pixels, np.ndarray) or pixels.dtype != np.uint8:
-        raise TypeError(f"background must be a uint8 array or a file, got {type(pixels).__name__}")
+        raise TypeError(f"background must be a uint8 array or a file, got {_described(pixels)}")
     if pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
         raise ValueError(f"background must have the shape (H, W, 3), got {pixels.shape}")
-    return Floor(resized(np.ascontiguousarray(pixels), *area))
+    return Floor(pixels)
+
+
+def _described(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return f"a {value.dtype} array of shape {value.shape}"
+    return reprlib.repr(value)
 
 
 @lru_cache(maxsize=2)
@@ -220,11 +194,6 @@ def scaled_floor(floor: Floor | None, area: tuple[int, int]) -> Floor | None:
     if floor is None or floor.pixels.shape[1::-1] == area:
         return floor
     return Floor(resized(floor.pixels, *area))
-
-
-@lru_cache(maxsize=2)
-def _floor_in_file(file: FileVersion, area: tuple[int, int]) -> Floor:
-    return Floor(resized(load_image(file.path), *area))
 
 
 def _shipped_floor(area: tuple[int, int]) -> Pixels:
