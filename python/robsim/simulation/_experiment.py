@@ -30,6 +30,7 @@ from robsim._core import (
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
 from robsim.simulation._options import (
+    UNLIMITED,
     colors_value,
     markers_value,
     model_value,
@@ -38,7 +39,7 @@ from robsim.simulation._options import (
 )
 from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.motors import Motors
-from robsim.simulation._runner import UNLIMITED, Runner
+from robsim.simulation._runner import Runner
 from robsim.simulation._scenario import Scenario
 from robsim.trace import Trace
 from robsim.trace._columns import POSES, RECORDED

@@ -54,6 +54,7 @@ KINDS: dict[str, tuple[type, ...]] = {
 }
 
 MAXIMUM_DELAY = 1000  # steps
+UNLIMITED = 2**62 - 1  # steps
 
 _PIXEL = np.zeros((1, 1, 3), np.uint8)
 _MAXIMUM_START = 1e6  # work-area px
@@ -63,32 +64,9 @@ def step_count(steps: Any) -> int:
     """Return `steps` as an int of at least 0; else raise TypeError or ValueError."""
     if not is_int(steps):
         raise TypeError(f"steps must be an int, got {steps!r}")
-    if not 0 <= steps < 2**62:
+    if not 0 <= steps <= UNLIMITED:
         raise ValueError(f"steps must be at least 0 and below 2**62, got {steps}")
     return int(steps)
-
-
-def start_within(start: ArrayLike, area: tuple[int, int] | None) -> ArrayLike:
-    """Return a start pose after a check of its position; the C++ core checks the rest."""
-    try:
-        numbers = np.asarray(start)
-    except ValueError:
-        return start
-    if numbers.shape != (3,) or numbers.dtype.kind not in "iuf":
-        return start
-    x, y, _ = numbers.astype(float)
-    if area and not (0 <= x <= area[0] - 1 and 0 <= y <= area[1] - 1):
-        raise ValueError(
-            f"start must lie within the area of {area[0]} x {area[1]} px, got {start!r}"
-        )
-    if max(abs(x), abs(y)) > _MAXIMUM_START:
-        raise ValueError(f"start must lie within {_MAXIMUM_START:g} px, got {start!r}")
-    return start
-
-
-def heading_count(headings: int | None) -> int:
-    """Return the number of headings that the robot is drawn in; 0 for None (continuous)."""
-    return 0 if headings is None else check_int("headings", headings, minimum=1, maximum=360)
 
 
 def background_value(background: Background) -> Floor | None:
@@ -130,8 +108,13 @@ def start_value(
         raise TypeError(expected) from None
     if pose.shape != (3,) or not np.isfinite(pose).all():
         raise ValueError(expected)
-    start_within(pose, area)
     x, y, heading = pose.tolist()
+    if area and not (0 <= x <= area[0] - 1 and 0 <= y <= area[1] - 1):
+        raise ValueError(
+            f"start must lie within the area of {area[0]} x {area[1]} px, got {start!r}"
+        )
+    if max(abs(x), abs(y)) > _MAXIMUM_START:
+        raise ValueError(f"start must lie within {_MAXIMUM_START:g} px, got {start!r}")
     return x, y, wrap_angle(heading)
 
 
@@ -171,7 +154,7 @@ def resolution_value(resolution: tuple[int, int] | None) -> tuple[int, int] | No
 
 def headings_value(headings: int | None) -> int | None:
     """Return the option ``headings``; None = continuous."""
-    return None if headings is None else heading_count(headings)
+    return None if headings is None else check_int("headings", headings, minimum=1, maximum=360)
 
 
 def delay_value(name: str, delay: int) -> int:

@@ -33,8 +33,6 @@ from robsim.trace._columns import empty_groups
 if TYPE_CHECKING:
     from robsim.simulation._folders.callback_folder import CallbackFolder, Callbacks
 
-UNLIMITED = 2**62 - 1  # steps
-
 #: Stages that run in C++.
 NATIVE = (Spin, DriveAround, Replay, Unicycle)
 

@@ -388,7 +388,7 @@ def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.S
         robot=scenario._robot_definition,
         area=scenario.area,
         resolution=scenario.resolution or scenario.area,
-        headings=options.heading_count(scenario.headings),
+        headings=scenario.headings or 0,
         background=scaled_floor(scenario._floor, scenario.area),
         adjust_background=adjust,
     )
