@@ -16,18 +16,50 @@ using namespace robsim::bindings;
 namespace {
 
 std::string repr(const Blob& blob) {
-  return "<Blob " + blob.color + ": area " + std::to_string(blob.area) + " px, centroid (" +
-         std::to_string(blob.centroid.x) + ", " + std::to_string(blob.centroid.y) + ")>";
+  return py::str("<Blob {}: area {} px, centroid ({:.2f}, {:.2f})>")
+      .format(blob.color, blob.area, blob.centroid.x, blob.centroid.y)
+      .cast<std::string>();
 }
 
-PlaneMap plane_map_of(const py::object& image) {
+using Box = std::tuple<int, int, int, int>;
+
+Box box_of(const Blob& blob) {
+  return {blob.box.left, blob.box.top, blob.box.right - 1, blob.box.bottom - 1};
+}
+
+Blob make_blob(const std::string& color, std::int64_t area, const ArrayLike& centroid,
+               const Region& bounding_box, bool at_border) {
+  if (area < 1) throw py::value_error("area must be at least 1 px");
+  const PixelBox box = region_from(bounding_box, "bounding_box");
+  if (box.left >= box.right || box.top >= box.bottom) {
+    throw py::value_error("bounding_box must have u_min <= u_max and v_min <= v_max, got " +
+                          describe(bounding_box));
+  }
+  return {color, area, point_from(centroid, "centroid"), box, at_border};
+}
+
+void define_blob_value(Class<Blob>& cls) {
+  const auto make = [](const std::string& color, std::int64_t area, std::pair<double, double> at,
+                       const Box& box, bool at_border) {
+    return make_blob(color, area, ArrayLike(py::cast(at)), Region(py::cast(box)), at_border);
+  };
+  const auto centroid = [](const Blob& b) { return std::pair(b.centroid.x, b.centroid.y); };
+  const Fields fields(make, Field("color", &Blob::color), Field("area", &Blob::area),
+                      Field("centroid", centroid), Field("bounding_box", &box_of),
+                      Field("at_border", &Blob::at_border));
+  define_equality(cls, fields);
+  define_hash(cls, fields);
+  define_pickle(cls, fields);
+}
+
+PlaneMap plane_map_of(const ImageLike& image) {
   return py::isinstance<Frame>(image) ? image.cast<const Frame&>().plane_map : PlaneMap();
 }
 
-BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors,
+BlobsByColor find(const ImageLike& image, const std::vector<ColorClass>& colors,
                   const std::optional<MarkerLayout>& markers,
                   std::optional<std::int64_t> minimum_area, std::optional<int> maximum_count,
-                  std::optional<int> smoothing, const py::object& region) {
+                  std::optional<int> smoothing, const std::optional<Region>& region) {
   const ImageView view = view_from(image, "image");
   BlobOptions options;
   if (markers) options = marker_blobs(*markers, plane_map_of(image), view.width, view.height);
@@ -36,12 +68,12 @@ BlobsByColor find(const py::object& image, const std::vector<ColorClass>& colors
   if (smoothing) options.smoothing = *smoothing;
   BlobFinder finder(colors, options);
   const PixelBox part =
-      region.is_none() ? PixelBox{0, 0, view.width, view.height} : region_from(region, "region");
+      region ? region_from(*region, "region") : PixelBox{0, 0, view.width, view.height};
   const py::gil_scoped_release native;
   return finder.find(view, part);
 }
 
-std::map<std::string, py::array_t<bool>> masks_of(const py::object& image,
+std::map<std::string, py::array_t<bool>> masks_of(const ImageLike& image,
                                                   const std::vector<ColorClass>& colors,
                                                   int smoothing) {
   const ImageView view = view_from(image, "image");
@@ -86,11 +118,11 @@ MarkerLayout layout_from(Place red, Place blue, std::optional<double> red_area,
   return with_options(markers, distance_tolerance, area_tolerance, maximum_blobs);
 }
 
-void bind_layout_value(py::class_<MarkerLayout>& layout) {
+void bind_layout_value(Class<MarkerLayout>& layout) {
   const MarkerLayout defaults;
   layout.def_static(
       "from_positions",
-      [](const py::object& red, const py::object& blue, std::optional<double> red_area,
+      [](const ArrayLike& red, const ArrayLike& blue, std::optional<double> red_area,
          std::optional<double> blue_area, double distance_tolerance, double area_tolerance,
          int maximum_blobs) {
         const Point r = point_from(red, "red");
@@ -135,7 +167,7 @@ distance_tolerance, area_tolerance, maximum_blobs
 
 void bind_marker_layout(py::module_& module) {
   const MarkerLayout defaults;
-  py::class_<MarkerLayout> layout(public_in(module, "robsim.vision"), "MarkerLayout", R"(
+  Class<MarkerLayout> layout(public_in(module, "robsim.vision"), "MarkerLayout", R"(
 The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
 
 The line from blue to red is perpendicular to the heading, red on the robot's right. For other
@@ -167,7 +199,7 @@ maximum_blobs : int
            py::arg("maximum_blobs") = defaults.maximum_blobs)
       .def_static(
           "from_markers",
-          [](const py::object& red, const py::object& blue, double distance_tolerance,
+          [](const ArrayLike& red, const ArrayLike& blue, double distance_tolerance,
              double area_tolerance, int maximum_blobs) {
             return with_options(
                 MarkerLayout::from_markers(polygon_from(red, "red"), polygon_from(blue, "blue")),
@@ -206,24 +238,35 @@ distance_tolerance, area_tolerance, maximum_blobs
 }
 
 void bind_find_blobs(py::module_& module) {
-  py::class_<Blob>(public_in(module, "robsim.vision"), "Blob", R"(
+  Class<Blob> blob(public_in(module, "robsim.vision"), "Blob", R"(
 A connected component (8 neighbours) of pixels of one colour class, in pixels of its frame.
-)")
+
+Parameters
+----------
+color : str
+    Name of the colour class.
+area : int
+    Number of pixels.
+centroid : array (2,)
+    Mean (u, v) of its pixels.
+bounding_box : tuple of int
+    (u_min, v_min, u_max, v_max), all included.
+at_border : bool
+    Whether it touches the edge of the frame and may continue beyond it.
+)");
+  blob.def(py::init(&make_blob), py::arg("color"), py::kw_only(), py::arg("area"),
+           py::arg("centroid"), py::arg("bounding_box"), py::arg("at_border") = false)
       .def_readonly("color", &Blob::color, "str: name of the colour class.")
       .def_readonly("area", &Blob::area, "int: number of pixels.")
       .def_property_readonly(
           "centroid", [](const Blob& self) { return to_array(self.centroid); },
           "array (2,): mean (u, v) of its pixels.")
-      .def_property_readonly(
-          "bounding_box",
-          [](const Blob& self) {
-            return std::make_tuple(self.box.left, self.box.top, self.box.right - 1,
-                                   self.box.bottom - 1);
-          },
-          "tuple of int: (u_min, v_min, u_max, v_max), all included.")
+      .def_property_readonly("bounding_box", &box_of,
+                             "tuple of int: (u_min, v_min, u_max, v_max), all included.")
       .def_readonly("at_border", &Blob::at_border,
                     "bool: it touches the edge of the frame and may continue beyond it.")
       .def("__repr__", py::overload_cast<const Blob&>(&repr));
+  define_blob_value(blob);
 
   const BlobOptions defaults;
   public_in(module, "robsim")
@@ -293,23 +336,27 @@ TypeError, ValueError
 }
 
 void bind_locate(py::module_& module) {
-  py::class_<Measurement>(public_in(module, "robsim"), "Measurement", R"(
+  Class<Measurement> measurement(public_in(module, "robsim"), "Measurement", R"(
 The pose of a detected robot. A frame without a detection gives None instead.
 
 Parameters
 ----------
 pose : array (3,)
     x, y (work-area px), heading (rad).
-)")
-      .def(py::init([](const py::object& pose) { return Measurement{pose_from(pose, "pose")}; }),
+)");
+  measurement
+      .def(py::init([](const ArrayLike& pose) { return Measurement{pose_from(pose, "pose")}; }),
            py::arg("pose"))
       .def_property_readonly(
           "pose", [](const Measurement& self) { return to_array(self.pose); },
-          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).")
-      .def("__repr__", [](const Measurement& self) {
-        return "Measurement(" + py::repr(to_array(self.pose).attr("tolist")()).cast<std::string>() +
-               ")";
-      });
+          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).");
+  const auto pose = [](const Measurement& m) {
+    return std::make_tuple(m.pose.x, m.pose.y, m.pose.heading);
+  };
+  const auto make = [](const std::tuple<double, double, double>& values) {
+    return Measurement{pose_from(py::cast(values), "pose")};
+  };
+  define_value(measurement, Fields(make, Field("", pose)));
 
   public_in(module, "robsim")
       .def(

@@ -28,7 +28,7 @@ Range range_of(const ColorClass& color, std::size_t channel) {
   return {color.lower[channel], color.upper[channel]};
 }
 
-py::array_t<std::uint8_t> yuv_of(const py::object& image) {
+py::array_t<std::uint8_t> yuv_of(const PixelArray& image) {
   const ImageView view = image_view(image, "image");
   py::array_t<std::uint8_t> result({view.height, view.width, 3});
   std::uint8_t* to = result.mutable_data();
@@ -43,7 +43,7 @@ py::array_t<std::uint8_t> yuv_of(const py::object& image) {
   return result;
 }
 
-ColorHistograms histograms_from(const py::object& histograms) {
+ColorHistograms histograms_from(const ArrayLike& histograms) {
   const std::string expected = "counts of shape (3, 256), as from color_histograms";
   const Doubles counts = doubles_from(histograms, "histograms", Shape{3, 256}, expected);
   ColorHistograms result{};
@@ -59,7 +59,7 @@ ColorHistograms histograms_from(const py::object& histograms) {
   return result;
 }
 
-py::array_t<std::int64_t> histograms_of(const py::object& image, const py::object& region) {
+py::array_t<std::int64_t> histograms_of(const ImageLike& image, const Region& region) {
   const ColorHistograms histograms =
       color_histograms(view_from(image, "image"), region_from(region, "region"));
   py::array_t<std::int64_t> result({3, 256});
@@ -69,13 +69,13 @@ py::array_t<std::int64_t> histograms_of(const py::object& image, const py::objec
   return result;
 }
 
-void bind_training(py::module_& module, py::class_<ColorClass>& color_class) {
+void bind_training(py::module_& module, Class<ColorClass>& color_class) {
   const TrainingOptions defaults;
   color_class
       .def_static(
           "from_region",
-          [](const py::object& image, const py::object& region, const py::str& name,
-             double percentile, int margin, bool limit_y) {
+          [](const ImageLike& image, const Region& region, const py::str& name, double percentile,
+             int margin, bool limit_y) {
             return color_from_histograms(
                 name, color_histograms(view_from(image, "image"), region_from(region, "region")),
                 {percentile, margin, limit_y});
@@ -116,7 +116,7 @@ the class, however large the margin.
 )")
       .def_static(
           "from_histograms",
-          [](const py::object& histograms, const py::str& name, double percentile, int margin,
+          [](const ArrayLike& histograms, const py::str& name, double percentile, int margin,
              bool limit_y) {
             return color_from_histograms(name, histograms_from(histograms),
                                          {percentile, margin, limit_y});
@@ -174,7 +174,7 @@ TypeError, ValueError
 }  // namespace
 
 void bind_color(py::module_& module) {
-  py::class_<ColorClass> color_class(public_in(module, "robsim"), "ColorClass", R"(
+  Class<ColorClass> color_class(public_in(module, "robsim"), "ColorClass", R"(
 A named colour: a pixel belongs to it when its Y, U and V lie within the ranges.
 
 Parameters

@@ -1,7 +1,11 @@
 #include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <variant>
 
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
+#include "python/values.hpp"
 #include "robsim/estimation/least_squares.hpp"
 #include "robsim/estimation/rank.hpp"
 #include "robsim/estimation/recursive_least_squares.hpp"
@@ -48,11 +52,13 @@ py::array_t<double> covariance_of(const RecursiveLeastSquares& self) {
   return to_array(values.data(), shape);
 }
 
-py::object sample_counts_of(const RecursiveLeastSquares& self) {
-  if (self.n_filters() == 1) return py::int_(self.samples(0));
+using Counts = std::variant<std::int64_t, py::array_t<std::int64_t>>;
+
+Counts sample_counts_of(const RecursiveLeastSquares& self) {
+  if (self.n_filters() == 1) return self.samples(0);
   py::array_t<std::int64_t> samples(self.n_filters());
   for (int i = 0; i < self.n_filters(); ++i) samples.mutable_at(i) = self.samples(i);
-  return std::move(samples);
+  return samples;
 }
 
 std::string text_of(const Shape& shape) {
@@ -60,7 +66,7 @@ std::string text_of(const Shape& shape) {
 }
 
 // Regressors or outputs of one sample or, with a dimension more, of many.
-Doubles samples_from(const py::object& value, const char* name, const char* what, Shape single) {
+Doubles samples_from(const ArrayLike& value, const char* name, const char* what, Shape single) {
   Shape many = single;
   many.insert(many.begin(), -1);
   const std::string one = single.empty() ? "a number" : text_of(single);
@@ -72,8 +78,8 @@ Doubles samples_from(const py::object& value, const char* name, const char* what
   return numbers_from(value, name, is_many ? many : single, expected);
 }
 
-py::array_t<double> update(RecursiveLeastSquares& self, const py::object& phi_value,
-                           const py::object& y_value) {
+py::array_t<double> update(RecursiveLeastSquares& self, const ArrayLike& phi_value,
+                           const ArrayLike& y_value) {
   const Shape single = theta_shape(self);
   const Doubles phi = samples_from(phi_value, "phi", "regressors", single);
   Shape outputs(phi.shape(), phi.shape() + phi.ndim() - 1);
@@ -86,12 +92,104 @@ py::array_t<double> update(RecursiveLeastSquares& self, const py::object& phi_va
   return read_only(history);
 }
 
-LeastSquaresFit fit(const py::object& phi_value, const py::object& y_value) {
+LeastSquaresFit fit(const ArrayLike& phi_value, const ArrayLike& y_value) {
   const Doubles phi = numbers_from(phi_value, "phi", Shape{-1, -1}, "regressors of shape (N, n)");
   const Doubles y =
       numbers_from(y_value, "y", Shape{phi.shape(0)}, "one output a sample, shape (N,)");
   return least_squares(Eigen::Map<const Rows>(phi.data(), phi.shape(0), phi.shape(1)),
                        Eigen::Map<const Eigen::VectorXd>(y.data(), y.size()));
+}
+
+using RecursiveClass = Class<RecursiveLeastSquares, std::shared_ptr<RecursiveLeastSquares>>;
+
+// It changes with each update: equal are filters that go on alike. There is no hash.
+void define_recursive_value(RecursiveClass& cls) {
+  using Rls = RecursiveLeastSquares;
+  const auto make = [](int n_parameters, int n_filters, double forgetting, double covariance,
+                       const std::vector<double>& state) {
+    auto filter = std::make_shared<Rls>(n_parameters, n_filters, forgetting, covariance);
+    filter->restore(state);
+    return filter;
+  };
+  const Fields fields(make, Field("n_parameters", &Rls::n_parameters),
+                      Field("n_filters", &Rls::n_filters), Field("forgetting", &Rls::forgetting),
+                      Field("initial_covariance", &Rls::initial_covariance),
+                      Field("state", &Rls::state));
+  define_equality(cls, fields);
+  define_pickle(cls, fields);
+  cls.def("__repr__", [](const Rls& self) {
+    return "<RecursiveLeastSquares: " + std::to_string(self.n_parameters()) + " parameters, " +
+           std::to_string(self.n_filters()) + (self.n_filters() == 1 ? " filter, " : " filters, ") +
+           py::str(py::cast(sample_counts_of(self))).cast<std::string>() + " samples>";
+  });
+}
+
+void bind_fit(py::module_& module) {
+  Class<LeastSquaresFit> fit(public_in(module, "robsim.identification"), "LeastSquaresFit",
+                             "Result of `least_squares`.");
+  fit.def_property_readonly(
+         "theta",
+         [](const LeastSquaresFit& self) {
+           return to_array(self.theta.data(), {self.theta.size()});
+         },
+         "array (n,): the parameters, NaN where the samples do not determine them.")
+      .def_readonly("rank", &LeastSquaresFit::rank, "int: number of independent regressors.")
+      .def_readonly("condition", &LeastSquaresFit::condition,
+                    "float: condition number of the regressors, scaled to length 1.")
+      .def_readonly("residual_rms", &LeastSquaresFit::residual_rms,
+                    "float: root mean square of y - phi theta.")
+      .def_property_readonly(
+          "standard_errors_unscaled",
+          [](const LeastSquaresFit& self) {
+            return to_array(self.standard_errors_unscaled.data(),
+                            {self.standard_errors_unscaled.size()});
+          },
+          "array (n,): standard errors of theta in units of the standard deviation of the noise;\n"
+          "inf where the samples do not determine them.")
+      .def_property_readonly(
+          "standard_errors",
+          [](const LeastSquaresFit& self) {
+            return to_array(self.standard_errors.data(), {self.standard_errors.size()});
+          },
+          "array (n,): standard errors of theta, with the noise estimated from the residuals.")
+      .def("__repr__", [](const LeastSquaresFit& self) {
+        const py::object theta = to_array(self.theta.data(), {self.theta.size()});
+        return py::str(
+                   "<LeastSquaresFit: theta {}, rank {}, condition {:.3g}, residual rms {:.3g}>")
+            .format(theta, self.rank, self.condition, self.residual_rms)
+            .cast<std::string>();
+      });
+  using Numbers = std::vector<double>;
+  const auto numbers = [](Eigen::VectorXd LeastSquaresFit::* member) {
+    return [member](const LeastSquaresFit& self) {
+      const Eigen::VectorXd& v = self.*member;
+      return Numbers(v.data(), v.data() + v.size());
+    };
+  };
+  const auto vector = [](const Numbers& values) {
+    return Eigen::VectorXd(
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  };
+  const auto make = [vector](const Numbers& theta, int rank, double condition, double residual_rms,
+                             const Numbers& unscaled, const Numbers& errors) {
+    LeastSquaresFit result;
+    result.theta = vector(theta);
+    result.rank = rank;
+    result.condition = condition;
+    result.residual_rms = residual_rms;
+    result.standard_errors_unscaled = vector(unscaled);
+    result.standard_errors = vector(errors);
+    return result;
+  };
+  const Fields fields(
+      make, Field("theta", numbers(&LeastSquaresFit::theta)), Field("rank", &LeastSquaresFit::rank),
+      Field("condition", &LeastSquaresFit::condition),
+      Field("residual_rms", &LeastSquaresFit::residual_rms),
+      Field("standard_errors_unscaled", numbers(&LeastSquaresFit::standard_errors_unscaled)),
+      Field("standard_errors", numbers(&LeastSquaresFit::standard_errors)));
+  define_equality(fit, fields);
+  define_hash(fit, fields);
+  define_pickle(fit, fields);
 }
 
 }  // namespace
@@ -100,8 +198,7 @@ void bind_estimation(py::module_& module) {
   module.attr("rank_tolerance") = rank_tolerance;
 
   const RecursiveLeastSquares defaults(1);
-  py::class_<RecursiveLeastSquares, std::shared_ptr<RecursiveLeastSquares>>(
-      public_in(module, "robsim"), "RecursiveLeastSquares", R"(
+  RecursiveClass recursive(public_in(module, "robsim"), "RecursiveLeastSquares", R"(
 Recursive least squares with forgetting, for one filter or any number side by side.
 
 Parameters
@@ -133,7 +230,8 @@ variances D of single columns of U are limited. This adds information along thes
 estimates do not change, excited directions are forgotten as before, and when excitation returns the
 filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
 filter follows a change of the parameters more and more slowly as samples accumulate.
-)")
+)");
+  recursive
       .def(py::init<int, int, double, double>(), py::arg("n_parameters"), py::kw_only(),
            py::arg("n_filters") = 1, py::arg("forgetting") = defaults.forgetting(),
            py::arg("initial_covariance") = defaults.initial_covariance())
@@ -177,35 +275,9 @@ TypeError, ValueError
       .def_property_readonly("initial_covariance", &RecursiveLeastSquares::initial_covariance,
                              "float: the initial P is this times the identity matrix.")
       .def("reset", &RecursiveLeastSquares::reset, "Return to the initial state.");
+  define_recursive_value(recursive);
 
-  py::class_<LeastSquaresFit>(public_in(module, "robsim.identification"), "LeastSquaresFit",
-                              "Result of `least_squares`.")
-      .def_property_readonly(
-          "theta",
-          [](const LeastSquaresFit& self) {
-            return to_array(self.theta.data(), {self.theta.size()});
-          },
-          "array (n,): the parameters, NaN where the samples do not determine them.")
-      .def_readonly("rank", &LeastSquaresFit::rank, "int: number of independent regressors.")
-      .def_readonly("condition", &LeastSquaresFit::condition,
-                    "float: condition number of the regressors, scaled to length 1.")
-      .def_readonly("residual_rms", &LeastSquaresFit::residual_rms,
-                    "float: root mean square of y - phi theta.")
-      .def_property_readonly(
-          "standard_errors_unscaled",
-          [](const LeastSquaresFit& self) {
-            return to_array(self.standard_errors_unscaled.data(),
-                            {self.standard_errors_unscaled.size()});
-          },
-          "array (n,): standard errors of theta in units of the standard deviation of the noise;\n"
-          "inf where the samples do not determine them.")
-      .def_property_readonly(
-          "standard_errors",
-          [](const LeastSquaresFit& self) {
-            return to_array(self.standard_errors.data(), {self.standard_errors.size()});
-          },
-          "array (n,): standard errors of theta, with the noise estimated from the residuals.");
-
+  bind_fit(module);
   public_in(module, "robsim.identification")
       .def("least_squares", &fit, py::arg("phi"), py::arg("y"), R"(
 Return the theta that minimises the sum of squares of y - phi theta.

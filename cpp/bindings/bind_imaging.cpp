@@ -4,6 +4,7 @@
 
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
+#include "python/values.hpp"
 #include "robsim/imaging/frame.hpp"
 
 namespace py = pybind11;
@@ -12,8 +13,9 @@ using namespace robsim::bindings;
 
 namespace {
 
-PlaneMap plane_map_from(py::handle matrix) {
-  const Doubles m = doubles_from(matrix, "matrix", Shape{3, 3}, "a homography, shape (3, 3)");
+PlaneMap plane_map_from(const std::optional<ArrayLike>& matrix) {
+  if (!matrix) return PlaneMap();
+  const Doubles m = doubles_from(*matrix, "matrix", Shape{3, 3}, "a homography, shape (3, 3)");
   PlaneMap::Matrix values;
   std::copy_n(m.data(), 9, values.begin());
   return PlaneMap(values);
@@ -54,10 +56,16 @@ py::array_t<double> map_points(py::handle value, const std::string& name, const 
   return result;
 }
 
-}  // namespace
+Frame make_frame(const PixelArray& image, bool copy, std::optional<double> t, std::int64_t index,
+                 const PlaneMap& plane_map) {
+  if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
+  if (index < 0) throw py::value_error("index must be at least 0");
+  return {copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t, index,
+          plane_map};
+}
 
-void bind_imaging(py::module_& module) {
-  py::class_<PlaneMap>(public_in(module, "robsim.imaging"), "PlaneMap", R"(
+void bind_plane_map(py::module_& module) {
+  Class<PlaneMap> plane_map(public_in(module, "robsim.imaging"), "PlaneMap", R"(
 Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
 
 Parameters
@@ -69,9 +77,8 @@ Raises
 ------
 ValueError
     If the matrix is not finite or has no inverse.
-)")
-      .def(py::init<>())
-      .def(py::init(&plane_map_from), py::arg("matrix"))
+)");
+  plane_map.def(py::init(&plane_map_from), py::arg("matrix") = py::none())
       .def_static(
           "scaled",
           [](std::pair<int, int> resolution, std::pair<double, double> area) {
@@ -97,7 +104,7 @@ area : tuple of float
 )")
       .def_static(
           "from_points",
-          [](const py::object& pixels, const py::object& positions) {
+          [](const ArrayLike& pixels, const ArrayLike& positions) {
             return PlaneMap::from_points(four_points(pixels, "pixels"),
                                          four_points(positions, "positions"));
           },
@@ -133,7 +140,7 @@ Examples
           "array (3, 3): the homography from pixels to the work area.")
       .def(
           "to_world",
-          [](const PlaneMap& self, const py::object& pixels) {
+          [](const PlaneMap& self, const ArrayLike& pixels) {
             return map_points(pixels, "pixels", [&](const Point& p) { return self.to_world(p); });
           },
           py::arg("pixels"), R"(
@@ -151,7 +158,7 @@ array (2,) or (N, 2)
 )")
       .def(
           "to_pixel",
-          [](const PlaneMap& self, const py::object& positions) {
+          [](const PlaneMap& self, const ArrayLike& positions) {
             return map_points(positions, "positions",
                               [&](const Point& p) { return self.to_pixel(p); });
           },
@@ -169,8 +176,15 @@ array (2,) or (N, 2)
     Pixels (u, v).
 )")
       .def("__repr__", &repr);
+  const Fields fields([](const PlaneMap::Matrix& matrix) { return PlaneMap(matrix); },
+                      Field("matrix", &PlaneMap::matrix));
+  define_equality(plane_map, fields);
+  define_hash(plane_map, fields);
+  define_pickle(plane_map, fields);
+}
 
-  py::class_<Frame>(public_in(module, "robsim"), "Frame", R"(
+void bind_frame(py::module_& module) {
+  Class<Frame> frame(public_in(module, "robsim"), "Frame", R"(
 A camera image with its time: all that the robot half gets to know of the world.
 
 Parameters
@@ -193,17 +207,10 @@ A frame in shared memory, which then stays open as long as the frame (under a me
 ``np.ndarray(..., buffer=shared.buf)`` it could be closed):
 
 >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
-)")
-      .def(py::init([](const py::object& image, bool copy, std::optional<double> t,
-                       std::int64_t index, const PlaneMap& plane_map) {
-             if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
-             if (index < 0) throw py::value_error("index must be at least 0");
-             return Frame{
-                 copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t,
-                 index, plane_map};
-           }),
-           py::arg("image"), py::kw_only(), py::arg("copy") = true, py::arg("t") = py::none(),
-           py::arg("index") = 0, py::arg("plane_map") = PlaneMap())
+)");
+  frame
+      .def(py::init(&make_frame), py::arg("image"), py::kw_only(), py::arg("copy") = true,
+           py::arg("t") = py::none(), py::arg("index") = 0, py::arg("plane_map") = PlaneMap())
       .def_property_readonly(
           "image", [](const Frame& self) { return image_array(self.image); },
           "array (H, W, 3) of uint8: RGB, read-only; unless it was made with ``copy=False``,\n"
@@ -221,8 +228,25 @@ A frame in shared memory, which then stays open as long as the frame (under a me
           "Return the image as a PNG file: a frame shows itself in a notebook.")
       .def("__repr__", [](const Frame& self) {
         const std::string time =
-            self.t ? ", t = " + py::str(py::float_(*self.t)).cast<std::string>() + " s" : "";
+            self.t ? py::str(", t = {:g} s").format(*self.t).cast<std::string>() : "";
         return "<Frame " + std::to_string(self.index) + ": " + std::to_string(self.image.width()) +
                " x " + std::to_string(self.image.height()) + " px" + time + ">";
       });
+  const auto make = [](const py::array& image, std::optional<double> t, std::int64_t index,
+                       const PlaneMap& plane_map) {
+    return make_frame(PixelArray(image), true, t, index, plane_map);
+  };
+  const Fields fields(make, Field("image", [](const Frame& f) { return image_array(f.image); }),
+                      Field("t", &Frame::t), Field("index", &Frame::index),
+                      Field("plane_map", &Frame::plane_map));
+  define_equality(frame, fields);
+  define_hash(frame, fields);
+  define_pickle(frame, fields);
+}
+
+}  // namespace
+
+void bind_imaging(py::module_& module) {
+  bind_plane_map(module);
+  bind_frame(module);
 }

@@ -21,9 +21,9 @@ std::pair<double, double> pair_of(const std::array<double, 2>& values) {
 
 RobotParameters parameters_from(double mass, double inertia, double linear_friction,
                                 double angular_friction, double wheel_radius, double wheel_base,
-                                const py::object& motor_gain, const py::object& motor_offset,
+                                const ArrayLike& motor_gain, const ArrayLike& motor_offset,
                                 double dt) {
-  const auto pair = [](const py::object& value, const std::string& name) {
+  const auto pair = [](const ArrayLike& value, const std::string& name) {
     const Doubles two =
         doubles_from(value, name, Shape{2}, "two numbers, for the left and the right motor");
     return std::array<double, 2>{two.at(0), two.at(1)};
@@ -43,7 +43,7 @@ RobotParameters parameters_from(double mass, double inertia, double linear_frict
 
 using Pair = std::pair<double, double>;
 
-void define_parameters_value(py::class_<RobotParameters>& cls) {
+void define_parameters_value(Class<RobotParameters>& cls) {
   const auto pair = [](std::array<double, 2> RobotParameters::* member) {
     return [member](const RobotParameters& p) { return pair_of(p.*member); };
   };
@@ -64,7 +64,7 @@ void define_parameters_value(py::class_<RobotParameters>& cls) {
                            Field("dt", &RobotParameters::dt)));
 }
 
-void define_model_value(py::class_<RobotModel>& cls) {
+void define_model_value(Class<RobotModel>& cls) {
   using Theta = std::array<double, 15>;
   const auto theta = [](const RobotModel& model) {
     Theta values;
@@ -155,8 +155,8 @@ bool is_one(py::handle value) {
          (py::isinstance<Doubles>(value) && py::reinterpret_borrow<Doubles>(value).ndim() == 1);
 }
 
-py::array_t<double> predict_of(const RobotModel& model, const py::object& pose_1,
-                               const py::object& pose_2, const py::object& u, bool unwrapped) {
+py::array_t<double> predict_of(const RobotModel& model, const ArrayLike& pose_1,
+                               const ArrayLike& pose_2, const ArrayLike& u, bool unwrapped) {
   // A callback predicts one pose a step.
   if (!unwrapped && is_one(pose_1) && is_one(pose_2) && is_one(u)) {
     return to_array(model.predict(pose_from(pose_1, "pose_1"), pose_from(pose_2, "pose_2"),
@@ -165,8 +165,8 @@ py::array_t<double> predict_of(const RobotModel& model, const py::object& pose_1
   return predict_many(model, Steps(pose_1, pose_2, u), unwrapped);
 }
 
-py::array_t<double> jacobian_of(const RobotModel& model, const py::object& pose_1,
-                                const py::object& pose_2, const py::object& u) {
+py::array_t<double> jacobian_of(const RobotModel& model, const ArrayLike& pose_1,
+                                const ArrayLike& pose_2, const ArrayLike& u) {
   const Steps steps(pose_1, pose_2, u);
   py::array_t<double> result = steps.results({3, 6});
   for (py::ssize_t i = 0; i < steps.count; ++i) {
@@ -196,8 +196,8 @@ struct PathArguments {
   Eigen::Map<const Inputs> inputs() const { return {u.data(), u.shape(0), 2}; }
 };
 
-py::array_t<double> simulated_path_of(const py::object& theta, const py::object& first,
-                                      const py::object& u) {
+py::array_t<double> simulated_path_of(const ArrayLike& theta, const ArrayLike& first,
+                                      const ArrayLike& u) {
   const PathArguments given(theta, first, "first", 2, u);
   const Path path = simulated_path(
       given.theta,
@@ -206,8 +206,8 @@ py::array_t<double> simulated_path_of(const py::object& theta, const py::object&
   return py::array_t<double>({path.rows(), path.cols()}, path.data());
 }
 
-py::array_t<double> path_sensitivities_of(const py::object& theta, const py::object& path,
-                                          const py::object& u) {
+py::array_t<double> path_sensitivities_of(const ArrayLike& theta, const ArrayLike& path,
+                                          const ArrayLike& u) {
   const PathArguments given(theta, path, "path", -1, u);
   auto* kept = new std::vector<PathDerivatives>(path_sensitivities(
       given.theta, Eigen::Map<const Path>(given.poses.data(), given.poses.shape(0), 3),
@@ -221,7 +221,7 @@ py::array_t<double> path_sensitivities_of(const py::object& theta, const py::obj
 // The samples of an unbroken record of N poses: N - 2 regressors and outputs.
 using Arrays = py::typing::Tuple<py::array_t<double>, py::array_t<double>>;
 
-Arrays regression_of(py::handle poses_value, py::handle u_value) {
+Arrays regression_of(const ArrayLike& poses_value, const ArrayLike& u_value) {
   const Doubles poses = doubles_from(poses_value, "poses", Shape{-1, 3}, "poses, shape (N, 3)");
   const py::ssize_t n = poses.shape(0);
   const Doubles u = doubles_from(u_value, "u", Shape{n, 2}, "one input a pose, shape (N, 2)");
@@ -242,7 +242,7 @@ Arrays regression_of(py::handle poses_value, py::handle u_value) {
 
 void bind_parameters(py::module_& module) {
   const RobotParameters defaults;
-  py::class_<RobotParameters> parameters(public_in(module, "robsim"), "RobotParameters", R"(
+  Class<RobotParameters> parameters(public_in(module, "robsim"), "RobotParameters", R"(
 The physical robot; the defaults are those of the original program.
 
 Parameters
@@ -300,7 +300,7 @@ ValueError
 void bind_model(py::module_& module) {
   bind_parameters(module);
 
-  py::class_<RobotModel> model(public_in(module, "robsim"), "RobotModel", R"(
+  Class<RobotModel> model(public_in(module, "robsim"), "RobotModel", R"(
 One-step predictor of a differential-drive robot, linear in its 15 parameters.
 
 Per axis: x(k) = a1 x(k-1) + a2 x(k-2) + (b1 u1(k-1) + b2 u2(k-1) + d1) cos heading(k-1), with sin
@@ -324,7 +324,7 @@ Robots, IEEE Trans. SMC A 30(4), 2000.
   model.def(py::init<const RobotParameters&>(), py::arg("parameters") = RobotParameters())
       .def_static(
           "from_theta",
-          [](const py::object& theta, double dt) {
+          [](const ArrayLike& theta, double dt) {
             return RobotModel(axis_matrix_from(theta, "theta"), dt);
           },
           py::arg("theta"), py::kw_only(), py::arg("dt") = RobotParameters().dt, R"(

@@ -15,12 +15,12 @@ using namespace robsim::bindings;
 
 namespace {
 
-Layer layer_from(const std::pair<py::object, py::object>& images, const std::string& name) {
+Layer layer_from(const std::pair<PixelArray, PixelArray>& images, const std::string& name) {
   return {copy_of(image_view(images.first, name + "[0]")),
           copy_of(image_view(images.second, name + "[1]"))};
 }
 
-Sprite sprite_from(const py::object& value) {
+Sprite sprite_from(const PixelArray& value) {
   if (!py::isinstance<py::array>(value)) {
     throw py::type_error("sprite must be a uint8 RGBA array, got " + describe(value));
   }
@@ -36,10 +36,11 @@ Sprite sprite_from(const py::object& value) {
                        static_cast<int>(array.shape(0)));
 }
 
-Renderer make_renderer(const std::pair<py::object, py::object>& floor,
-                       const std::pair<py::object, py::object>& home, int shadow_left,
-                       double shadow_factor, const py::object& sprite, const py::object& centre,
-                       double unit, double alignment, int headings, std::pair<int, int> area) {
+std::shared_ptr<Scene> make_scene(const std::pair<PixelArray, PixelArray>& floor,
+                                  const std::pair<PixelArray, PixelArray>& home, int shadow_left,
+                                  double shadow_factor, const PixelArray& sprite,
+                                  const ArrayLike& centre, double unit, double alignment,
+                                  int headings, std::pair<int, int> area) {
   if (area.first < 1 || area.second < 1) throw py::value_error("area must be above 0");
   if (!std::isfinite(alignment)) throw py::value_error("alignment must be finite (rad)");
   Background background(layer_from(floor, "floor"), layer_from(home, "home"), shadow_left,
@@ -48,26 +49,26 @@ Renderer make_renderer(const std::pair<py::object, py::object>& floor,
       PlaneMap::scaled(background.width(), background.height(), area.first, area.second);
   RobotImage robot(sprite_from(sprite), point_from(centre, "centre"), unit, alignment, headings,
                    camera);
-  return Renderer(std::make_shared<Scene>(std::move(background), std::move(robot), camera));
+  return std::make_shared<Scene>(std::move(background), std::move(robot), camera);
 }
 
-py::array_t<std::uint8_t> rendered(Renderer& self, const py::object& pose, std::pair<int, int> pan,
-                                   const py::object& out) {
+py::array_t<std::uint8_t> rendered(Renderer& self, const ArrayLike& pose, std::pair<int, int> pan,
+                                   const std::optional<PixelArray>& out) {
   const Pose at = pose_from(pose, "pose");
   const Pan moved{pan.first, pan.second};
-  if (out.is_none()) return image_array(self.render(at, moved));
-  const WritableView view = writable_view(out, "out");
+  if (!out) return image_array(self.render(at, moved));
+  const WritableView view = writable_view(*out, "out");
   const std::shared_ptr<const Scene> scene = self.scene();
   if (view.width != scene->width() || view.height != scene->height()) {
     throw py::value_error("out must have the size of the frames, " +
                           std::to_string(scene->width()) + " x " + std::to_string(scene->height()) +
-                          " px, got " + describe(out));
+                          " px, got " + describe(*out));
   }
   {
     const py::gil_scoped_release native;
     scene->draw(at, moved, view);
   }
-  return py::reinterpret_borrow<py::array_t<std::uint8_t>>(out);
+  return py::reinterpret_borrow<py::array_t<std::uint8_t>>(*out);
 }
 
 // The first byte of an image, and the one behind its last.
@@ -83,15 +84,15 @@ bool share_memory(const ImageView& a, const ImageView& b) {
   return begin_a < end_b && begin_b < end_a;
 }
 
-py::array with_noise(const VisualNoise& self, const py::object& image, std::uint64_t seed,
-                     std::uint64_t index, const py::object& out) {
+py::array with_noise(const VisualNoise& self, const PixelArray& image, std::uint64_t seed,
+                     std::uint64_t index, const std::optional<PixelArray>& out) {
   const ImageView clean = image_view(image, "image");
   Image noisy;
-  if (out.is_none()) noisy = Image(clean.width, clean.height);
-  const WritableView to = out.is_none() ? noisy.writable_view() : writable_view(out, "out");
+  if (!out) noisy = Image(clean.width, clean.height);
+  const WritableView to = !out ? noisy.writable_view() : writable_view(*out, "out");
   if (to.width != clean.width || to.height != clean.height) {
     throw py::value_error("out must have the shape of image, " + describe(image) + ", got " +
-                          describe(out));
+                          describe(*out));
   }
   const bool is_in_place = to.data == clean.data && to.stride == clean.stride;
   if (!is_in_place && share_memory(clean, {to.data, to.width, to.height, to.stride})) {
@@ -101,31 +102,17 @@ py::array with_noise(const VisualNoise& self, const py::object& image, std::uint
     const py::gil_scoped_release native;
     self.add(clean, seed, index, to);
   }
-  return out.is_none() ? py::array(image_array(noisy)) : py::array(out);
+  return !out ? py::array(image_array(noisy)) : py::array(*out);
 }
 
 }  // namespace
 
 void bind_world(py::module_& module) {
-  py::class_<Scene, std::shared_ptr<Scene>>(
-      public_in(module, "robsim._core"), "Scene",
-      "The floor and the robot of a Renderer; it never changes, and any number can share it.")
-      .def_property_readonly(
-          "nbytes",
-          [](const Scene& self) { return std::int64_t{4 * 3} * self.width() * self.height(); },
-          "int: memory of the four images of the floor.")
-      .def("__repr__", [](const Scene& self) {
-        return "<Scene: " + std::to_string(self.width()) + " x " + std::to_string(self.height()) +
-               " px>";
-      });
-
-  py::class_<Renderer>(public_in(module, "robsim.simulation"), "Renderer", R"(
-Draws what the ceiling camera sees, without noise.
+  Class<Scene, std::shared_ptr<Scene>>(public_in(module, "robsim.simulation"), "Scene", R"(
+The floor and the robot of a Renderer; it never changes, and any number can share it.
 
 Parameters
 ----------
-scene : Scene, optional
-    The `scene` of another renderer, in place of all that follows: it is shared, not copied.
 floor, home : tuple of two arrays (H, W, 3) of uint8
     What repeats around the work area, and the work area itself: each lit and in the shadow, in
     camera pixels.
@@ -146,11 +133,28 @@ headings : int
 area : tuple of int
     Width and height of the work area (px).
 )")
-      .def(py::init([](std::shared_ptr<Scene> scene) { return Renderer(std::move(scene)); }),
-           py::arg("scene").none(false))
-      .def(py::init(&make_renderer), py::kw_only(), py::arg("floor"), py::arg("home"),
+      .def(py::init(&make_scene), py::kw_only(), py::arg("floor"), py::arg("home"),
            py::arg("shadow_left"), py::arg("shadow_factor"), py::arg("sprite"), py::arg("centre"),
            py::arg("unit"), py::arg("alignment"), py::arg("headings"), py::arg("area"))
+      .def_property_readonly(
+          "nbytes",
+          [](const Scene& self) { return std::int64_t{4 * 3} * self.width() * self.height(); },
+          "int: memory of the four images of the floor.")
+      .def("__repr__", [](const Scene& self) {
+        return "<Scene: " + std::to_string(self.width()) + " x " + std::to_string(self.height()) +
+               " px>";
+      });
+
+  Class<Renderer>(public_in(module, "robsim.simulation"), "Renderer", R"(
+Draws what the ceiling camera sees, without noise.
+
+Parameters
+----------
+scene : Scene
+    What it draws; other renderers may share it.
+)")
+      .def(py::init([](std::shared_ptr<Scene> scene) { return Renderer(std::move(scene)); }),
+           py::arg("scene").none(false))
       .def_property_readonly(
           "scene",
           [](const Renderer& self) { return std::const_pointer_cast<Scene>(self.scene()); },
@@ -179,8 +183,8 @@ TypeError, ValueError
     If `pose` is not a pose, or if `out` has the wrong type or shape or is read-only.
 )");
 
-  py::class_<VisualNoise>(public_in(module, "robsim._core"), "VisualNoise",
-                          "Noise of the camera. Users take robsim.GaussianNoise or UniformNoise.")
+  Class<VisualNoise>(public_in(module, "robsim._core"), "VisualNoise",
+                     "Noise of the camera. Users take robsim.GaussianNoise or UniformNoise.")
       .def(py::init([](const std::string& kind, double percent) {
              return VisualNoise(choice_from<NoiseKind>("kind", kind,
                                                        {{"none", NoiseKind::none},

@@ -11,6 +11,7 @@ void bind_world(py::module_& module);
 void bind_color(py::module_& module);
 void bind_blobs(py::module_& module);
 void bind_estimation(py::module_& module);
+void bind_records(py::module_& module);
 void bind_steps(py::module_& module);
 void bind_worlds(py::module_& module);
 void bind_controllers(py::module_& module);
@@ -28,6 +29,7 @@ PYBIND11_MODULE(_core, module) {
   bind_blobs(module);
   bind_estimation(module);
   bind_trace(module);
+  bind_records(module);
   bind_steps(module);
   bind_worlds(module);
   bind_controllers(module);

@@ -22,7 +22,7 @@ class PlaneMap:
         If the matrix is not finite or has no inverse.
     """
     @staticmethod
-    def from_points(pixels: typing.Any, positions: typing.Any) -> PlaneMap:
+    def from_points(pixels: numpy.typing.ArrayLike, positions: numpy.typing.ArrayLike) -> PlaneMap:
         """
         Return the map of a camera that looks at the work area from any direction.
         
@@ -51,7 +51,7 @@ class PlaneMap:
         >>> plane_map = PlaneMap.from_points(seen, corners)
         """
     @staticmethod
-    def scaled(resolution: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], area: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]) -> PlaneMap:
+    def scaled(resolution: tuple[int, int], area: tuple[float, float]) -> PlaneMap:
         """
         Return the map of a camera that sees the whole area.
         
@@ -62,15 +62,21 @@ class PlaneMap:
         area : tuple of float
             Width and height of the area (work-area px).
         """
-    @typing.overload
-    def __init__(self) -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    @typing.overload
-    def __init__(self, matrix: typing.Any) -> None:
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, matrix: numpy.typing.ArrayLike | None = None) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
     def __repr__(self) -> str:
         ...
-    def to_pixel(self, positions: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    def to_pixel(self, positions: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
         Return the pixels of positions.
         
@@ -84,7 +90,7 @@ class PlaneMap:
         array (2,) or (N, 2)
             Pixels (u, v).
         """
-    def to_world(self, pixels: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+    def to_world(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
         Return the positions of pixels.
         
@@ -128,9 +134,19 @@ class Frame:
     
     >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
     """
-    def __init__(self, image: typing.Any, *, copy: bool = True, t: typing.SupportsFloat | typing.SupportsIndex | None = None, index: typing.SupportsInt | typing.SupportsIndex = 0, plane_map: PlaneMap = ...) -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, image: numpy.typing.NDArray[numpy.uint8], *, copy: bool = True, t: float | None = None, index: int = 0, plane_map: PlaneMap = ...) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     def _repr_png_(self) -> bytes:
         """
@@ -189,7 +205,7 @@ class RobotParameters:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, *, mass: typing.SupportsFloat | typing.SupportsIndex = 0.3, inertia: typing.SupportsFloat | typing.SupportsIndex = 0.1, linear_friction: typing.SupportsFloat | typing.SupportsIndex = 0.1, angular_friction: typing.SupportsFloat | typing.SupportsIndex = 0.1, wheel_radius: typing.SupportsFloat | typing.SupportsIndex = 0.03, wheel_base: typing.SupportsFloat | typing.SupportsIndex = 0.11, motor_gain: typing.Any = (0.05, 0.05), motor_offset: typing.Any = (1e-06, 1e-06), dt: typing.SupportsFloat | typing.SupportsIndex = 0.2) -> None:
+    def __init__(self, *, mass: float = 0.3, inertia: float = 0.1, linear_friction: float = 0.1, angular_friction: float = 0.1, wheel_radius: float = 0.03, wheel_base: float = 0.11, motor_gain: numpy.typing.ArrayLike = (0.05, 0.05), motor_offset: numpy.typing.ArrayLike = (1e-06, 1e-06), dt: float = 0.2) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -265,7 +281,7 @@ class RobotModel:
     Robots, IEEE Trans. SMC A 30(4), 2000.
     """
     @staticmethod
-    def from_theta(theta: typing.Any, *, dt: typing.SupportsFloat | typing.SupportsIndex = 0.2) -> RobotModel:
+    def from_theta(theta: numpy.typing.ArrayLike, *, dt: float = 0.2) -> RobotModel:
         """
         Return the model with these predictor parameters.
         
@@ -290,7 +306,7 @@ class RobotModel:
         ...
     def __setstate__(self, arg0: typing.Any) -> None:
         ...
-    def jacobian(self, pose_1: typing.Any, pose_2: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+    def jacobian(self, pose_1: numpy.typing.ArrayLike, pose_2: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
         Return the derivatives of the pose of step k by the two poses before.
         
@@ -311,7 +327,7 @@ class RobotModel:
         TypeError, ValueError
             If an argument is not of this type or shape, or not finite.
         """
-    def predict(self, pose_1: typing.Any, pose_2: typing.Any, u: typing.Any, *, unwrapped: bool = False) -> numpy.typing.NDArray[numpy.float64]:
+    def predict(self, pose_1: numpy.typing.ArrayLike, pose_2: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike, *, unwrapped: bool = False) -> numpy.typing.NDArray[numpy.float64]:
         """
         Return the pose of step k, or those of N steps.
         
@@ -335,7 +351,7 @@ class RobotModel:
         TypeError, ValueError
             If an argument is not of this type or shape, or not finite.
         """
-    def steps_in(self, dt: typing.SupportsFloat | typing.SupportsIndex) -> int:
+    def steps_in(self, dt: float) -> int:
         """
         Return the number of the model's steps in a time: several if frames were lost.
         
@@ -362,22 +378,9 @@ class RobotModel:
 class Scene:
     """
     The floor and the robot of a Renderer; it never changes, and any number can share it.
-    """
-    def __repr__(self) -> str:
-        ...
-    @property
-    def nbytes(self) -> int:
-        """
-        int: memory of the four images of the floor.
-        """
-class Renderer:
-    """
-    Draws what the ceiling camera sees, without noise.
     
     Parameters
     ----------
-    scene : Scene, optional
-        The `scene` of another renderer, in place of all that follows: it is shared, not copied.
     floor, home : tuple of two arrays (H, W, 3) of uint8
         What repeats around the work area, and the work area itself: each lit and in the shadow, in
         camera pixels.
@@ -398,13 +401,27 @@ class Renderer:
     area : tuple of int
         Width and height of the work area (px).
     """
-    @typing.overload
+    def __init__(self, *, floor: tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]], home: tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]], shadow_left: int, shadow_factor: float, sprite: numpy.typing.NDArray[numpy.uint8], centre: numpy.typing.ArrayLike, unit: float, alignment: float, headings: int, area: tuple[int, int]) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def nbytes(self) -> int:
+        """
+        int: memory of the four images of the floor.
+        """
+class Renderer:
+    """
+    Draws what the ceiling camera sees, without noise.
+    
+    Parameters
+    ----------
+    scene : Scene
+        What it draws; other renderers may share it.
+    """
     def __init__(self, scene: Scene) -> None:
         ...
-    @typing.overload
-    def __init__(self, *, floor: tuple[typing.Any, typing.Any], home: tuple[typing.Any, typing.Any], shadow_left: typing.SupportsInt | typing.SupportsIndex, shadow_factor: typing.SupportsFloat | typing.SupportsIndex, sprite: typing.Any, centre: typing.Any, unit: typing.SupportsFloat | typing.SupportsIndex, alignment: typing.SupportsFloat | typing.SupportsIndex, headings: typing.SupportsInt | typing.SupportsIndex, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex]) -> None:
-        ...
-    def render(self, pose: typing.Any, pan: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 0), *, out: typing.Any = None) -> numpy.typing.NDArray[numpy.uint8]:
+    def render(self, pose: numpy.typing.ArrayLike, pan: tuple[int, int] = (0, 0), *, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> numpy.typing.NDArray[numpy.uint8]:
         """
         Return the image of the robot at a pose.
         
@@ -436,9 +453,9 @@ class VisualNoise:
     """
     Noise of the camera. Users take robsim.GaussianNoise or UniformNoise.
     """
-    def __init__(self, kind: str, percent: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def __init__(self, kind: str, percent: float) -> None:
         ...
-    def add(self, image: typing.Any, seed: typing.SupportsInt | typing.SupportsIndex, index: typing.SupportsInt | typing.SupportsIndex = 0, *, out: typing.Any = None) -> numpy.ndarray:
+    def add(self, image: numpy.typing.NDArray[numpy.uint8], seed: int, index: int = 0, *, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> numpy.ndarray:
         """
         See robsim.GaussianNoise.add.
         """
@@ -454,7 +471,7 @@ class ColorClass:
         Lower and upper end of the range, both included, within 0..255.
     """
     @staticmethod
-    def from_histograms(histograms: typing.Any, *, name: str, percentile: typing.SupportsFloat | typing.SupportsIndex = 33.0, margin: typing.SupportsInt | typing.SupportsIndex = 52, limit_y: bool = False) -> ColorClass:
+    def from_histograms(histograms: numpy.typing.ArrayLike, *, name: str, percentile: float = 33.0, margin: int = 52, limit_y: bool = False) -> ColorClass:
         """
         Return the colour class of regions with these histograms, which add up over images.
         
@@ -466,7 +483,7 @@ class ColorClass:
             As for `from_region`.
         """
     @staticmethod
-    def from_region(image: typing.Any, region: typing.Any, *, name: str, percentile: typing.SupportsFloat | typing.SupportsIndex = 33.0, margin: typing.SupportsInt | typing.SupportsIndex = 52, limit_y: bool = False) -> ColorClass:
+    def from_region(image: Frame | numpy.typing.NDArray[numpy.uint8], region: collections.abc.Sequence[int], *, name: str, percentile: float = 33.0, margin: int = 52, limit_y: bool = False) -> ColorClass:
         """
         Return the colour class of a region of an image, such as that of a marker.
         
@@ -505,7 +522,7 @@ class ColorClass:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, name: str, *, y: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), u: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255), v: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 255)) -> None:
+    def __init__(self, name: str, *, y: tuple[int, int] = (0, 255), u: tuple[int, int] = (0, 255), v: tuple[int, int] = (0, 255)) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -513,7 +530,7 @@ class ColorClass:
         ...
     def __setstate__(self, arg0: typing.Any) -> None:
         ...
-    def widened(self, margin: typing.SupportsInt | typing.SupportsIndex) -> ColorClass:
+    def widened(self, margin: int) -> ColorClass:
         """
         Return the class with wider ranges.
         
@@ -570,7 +587,7 @@ class MarkerLayout:
         How many blobs of a colour are considered, the largest first.
     """
     @staticmethod
-    def from_markers(red: typing.Any, blue: typing.Any, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> MarkerLayout:
+    def from_markers(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.0, maximum_blobs: int = 64) -> MarkerLayout:
         """
         Return the layout of these markers, with their areas.
         
@@ -582,7 +599,7 @@ class MarkerLayout:
             As for `MarkerLayout`.
         """
     @staticmethod
-    def from_positions(red: typing.Any, blue: typing.Any, *, red_area: typing.SupportsFloat | typing.SupportsIndex | None = None, blue_area: typing.SupportsFloat | typing.SupportsIndex | None = None, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> MarkerLayout:
+    def from_positions(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, red_area: float | None = None, blue_area: float | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.0, maximum_blobs: int = 64) -> MarkerLayout:
         """
         Return the layout of markers at these positions.
         
@@ -601,7 +618,7 @@ class MarkerLayout:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, distance: typing.SupportsFloat | typing.SupportsIndex, offset: typing.SupportsFloat | typing.SupportsIndex, *, distance_tolerance: typing.SupportsFloat | typing.SupportsIndex = 0.12, area_tolerance: typing.SupportsFloat | typing.SupportsIndex = 2.0, maximum_blobs: typing.SupportsInt | typing.SupportsIndex = 64) -> None:
+    def __init__(self, distance: float, offset: float, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.0, maximum_blobs: int = 64) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -657,8 +674,33 @@ class MarkerLayout:
 class Blob:
     """
     A connected component (8 neighbours) of pixels of one colour class, in pixels of its frame.
+    
+    Parameters
+    ----------
+    color : str
+        Name of the colour class.
+    area : int
+        Number of pixels.
+    centroid : array (2,)
+        Mean (u, v) of its pixels.
+    bounding_box : tuple of int
+        (u_min, v_min, u_max, v_max), all included.
+    at_border : bool
+        Whether it touches the edge of the frame and may continue beyond it.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, color: str, *, area: int, centroid: numpy.typing.ArrayLike, bounding_box: collections.abc.Sequence[int], at_border: bool = False) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def area(self) -> int:
@@ -694,9 +736,19 @@ class Measurement:
     pose : array (3,)
         x, y (work-area px), heading (rad).
     """
-    def __init__(self, pose: typing.Any) -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, pose: numpy.typing.ArrayLike) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def pose(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -737,13 +789,24 @@ class RecursiveLeastSquares:
     filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
     filter follows a change of the parameters more and more slowly as samples accumulate.
     """
-    def __init__(self, n_parameters: typing.SupportsInt | typing.SupportsIndex, *, n_filters: typing.SupportsInt | typing.SupportsIndex = 1, forgetting: typing.SupportsFloat | typing.SupportsIndex = 1.0, initial_covariance: typing.SupportsFloat | typing.SupportsIndex = 1000000000.0) -> None:
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __init__(self, n_parameters: int, *, n_filters: int = 1, forgetting: float = 1.0, initial_covariance: float = 1000000000.0) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     def reset(self) -> None:
         """
         Return to the initial state.
         """
-    def update(self, phi: typing.Any, y: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+    def update(self, phi: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
         Update every filter with one sample, or with N samples in sequence.
         
@@ -782,7 +845,7 @@ class RecursiveLeastSquares:
         float: the initial P is this times the identity matrix.
         """
     @property
-    def n_samples(self) -> typing.Any:
+    def n_samples(self) -> int | numpy.typing.NDArray[numpy.int64]:
         """
         int, or array (n_filters,) of int: number of samples used, without skipped updates.
         """
@@ -801,6 +864,18 @@ class LeastSquaresFit:
     """
     Result of `least_squares`.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
     @property
     def condition(self) -> float:
         """
@@ -889,9 +964,19 @@ class Estimate:
     state : array (n,), optional
         Any further state, n the same at every step.
     """
-    def __init__(self, pose: typing.Any, covariance: typing.Any, state: typing.Any = None) -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, pose: numpy.typing.ArrayLike, covariance: numpy.typing.ArrayLike, state: numpy.typing.ArrayLike | None = None) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def covariance(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -921,9 +1006,19 @@ class Sample:
     k : int
         The step whose output y is.
     """
-    def __init__(self, phi: typing.Any, y: typing.Any, k: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, phi: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike, k: int) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def k(self) -> int:
@@ -958,9 +1053,19 @@ class Observation:
     sample : Sample, optional
         The sample for the parameter estimator, if somebody else has made it.
     """
-    def __init__(self, frame: Frame | None = None, *, t: typing.SupportsFloat | typing.SupportsIndex | None = None, last_u: typing.Any = None, measurement: typing.Any = None, sample: Sample | None = None) -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, frame: Frame | None = None, *, t: float | None = None, last_u: numpy.typing.ArrayLike | None = None, measurement: Measurement | numpy.typing.ArrayLike | None = None, sample: Sample | None = None) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def frame(self) -> Frame | None:
@@ -968,7 +1073,7 @@ class Observation:
         Frame or None: what the camera sees.
         """
     @property
-    def last_u(self) -> typing.Any:
+    def last_u(self) -> numpy.typing.NDArray[numpy.float64] | None:
         """
         array (2,) or None: the input since the last step (V).
         """
@@ -990,8 +1095,54 @@ class Observation:
 class Step:
     """
     What the robot half may know of a step, read-only. It fills up from stage to stage.
+    
+    Made by hand, it tests a callback without a simulation. A copy has the frame, if it is still there,
+    but no `estimator`. Equal are steps with the same numbers; frames are not compared.
+    
+    Parameters
+    ----------
+    k : int
+        Number of the step.
+    t : float, optional
+        Time (s). Default: k dt.
+    dt : float
+        Time since the step before (s).
+    last_u : array (2,)
+        The input of the step before (V).
+    frame : Frame, optional
+        What the camera sees.
+    measurement : Measurement or array (3,), optional
+        Where the robot was seen.
+    estimate : Estimate, optional
+        What the state estimator returned.
+    parameters : array (3, 5), optional
+        The parameters estimated.
+    sample : Sample, optional
+        The sample for the parameter estimator.
+    u : array (2,), optional
+        The input decided (V).
+    colors : list of ColorClass
+        What `blobs` are found with.
+    markers : MarkerLayout, optional
+        Where the robot carries its markers.
+    
+    Examples
+    --------
+    >>> step = Step(k=3, measurement=(600, 500, 0.1))
+    >>> GoToPoint(900, 300)(step)
     """
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __init__(self, *, k: int = 0, t: float | None = None, dt: float = 0.2, last_u: numpy.typing.ArrayLike = (0.0, 0.0), frame: Frame | None = None, measurement: Measurement | numpy.typing.ArrayLike | None = None, estimate: Estimate | None = None, parameters: numpy.typing.ArrayLike | None = None, sample: Sample | None = None, u: numpy.typing.ArrayLike | None = None, colors: collections.abc.Sequence[ColorClass] = [], markers: MarkerLayout | None = None) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def blobs(self) -> dict[str, list[Blob]]:
@@ -1040,7 +1191,7 @@ class Step:
         Measurement or None: where the robot was seen. None before that stage.
         """
     @property
-    def parameters(self) -> typing.Any:
+    def parameters(self) -> numpy.typing.NDArray[numpy.float64] | None:
         """
         array (3, 5) or None: the parameters estimated by now.
         """
@@ -1062,9 +1213,34 @@ class Step:
         """
 class WorldState:
     """
-    What the callback `evaluate_model` gets.
+    What the callback `evaluate_model` gets. Made by hand, it tests a callback without a simulation.
+    
+    Parameters
+    ----------
+    pose_1, pose_2 : array (3,)
+        The poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
+    last_u : array (2,)
+        What the motors got since step k-1 (V).
+    model : RobotModel, optional
+        The model that this world follows. Default: that of the default robot.
+    k : int
+        Number of the step.
+    t, dt : float, optional
+        Time and sample time (s). Default: k dt, and the dt of the model.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, pose_1: numpy.typing.ArrayLike, pose_2: numpy.typing.ArrayLike, last_u: numpy.typing.ArrayLike, model: RobotModel | None = None, *, k: int = 1, t: float | None = None, dt: float | None = None) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
     def dt(self) -> float:
@@ -1109,19 +1285,19 @@ class SimulatedWorld(World):
     """
     The simulated world half. Users take robsim.Simulation.
     """
-    def __init__(self, *, area: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], resolution: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex], boundary: str, robot_radius: typing.SupportsFloat | typing.SupportsIndex, camera_delay: typing.SupportsInt | typing.SupportsIndex, motor_delay: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str, robot_radius: float, camera_delay: int, motor_delay: int) -> None:
         ...
-    def draw(self, k: typing.SupportsInt | typing.SupportsIndex, pose: typing.Any, view: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], out: typing.Any = None) -> Frame:
+    def draw(self, k: int, pose: numpy.typing.ArrayLike, view: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
         """
         Return the frame of an earlier step, or write it to `out`.
         """
-    def draw_newest(self, out: typing.Any = None) -> Frame:
+    def draw_newest(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
         """
         Return the newest frame, or write it to `out`.
         """
-    def set_disturbance(self, pose_factor: typing.Any, input_sigma: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]) -> None:
+    def set_disturbance(self, pose_factor: numpy.typing.ArrayLike, input_sigma: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]) -> None:
         ...
-    def set_dropout(self, probability: typing.SupportsFloat | typing.SupportsIndex, steps: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def set_dropout(self, probability: float, steps: int) -> None:
         ...
     def set_evaluate_model(self, value: typing.Any) -> None:
         ...
@@ -1129,9 +1305,9 @@ class SimulatedWorld(World):
         ...
     def set_noise(self, noise: VisualNoise) -> None:
         ...
-    def set_seeds(self, *, noise: typing.SupportsInt | typing.SupportsIndex, dropout: typing.SupportsInt | typing.SupportsIndex, disturbance: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def set_seeds(self, *, noise: int, dropout: int, disturbance: int) -> None:
         ...
-    def set_start(self, start: typing.Any) -> None:
+    def set_start(self, start: numpy.typing.ArrayLike) -> None:
         ...
     def set_true_model(self, draw: typing.Any) -> None:
         ...
@@ -1250,7 +1426,7 @@ class Spin(Controller):
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, voltage: typing.SupportsFloat | typing.SupportsIndex = 0.05) -> None:
+    def __init__(self, voltage: float = 0.05) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -1280,7 +1456,7 @@ class DriveAround(Controller):
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, *, low: typing.SupportsFloat | typing.SupportsIndex = -0.5, high: typing.SupportsFloat | typing.SupportsIndex = 1.5, hold: typing.SupportsInt | typing.SupportsIndex = 10) -> None:
+    def __init__(self, *, low: float = -0.5, high: float = 1.5, hold: int = 10) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -1323,7 +1499,7 @@ class Replay(Controller):
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, u: typing.Any) -> None:
+    def __init__(self, u: numpy.typing.ArrayLike) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -1340,7 +1516,7 @@ class Loop:
     """
     The loop. Users take robsim.Simulation or robsim.Experiment.
     """
-    def __init__(self, *, world: World, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: typing.SupportsInt | typing.SupportsIndex | None, identify_from: str, controller_seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, *, world: World, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: int | None, identify_from: str, controller_seed: int) -> None:
         ...
     def check_thread(self) -> None:
         """
@@ -1354,11 +1530,11 @@ class Loop:
         """
         Go back to the start.
         """
-    def run(self, steps: typing.SupportsInt | typing.SupportsIndex, progress: typing.Any = None, stops_robot: bool = True) -> bool:
+    def run(self, steps: int, progress: typing.Any = None, stops_robot: bool = True) -> bool:
         """
         Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has come to its end.
         """
-    def set_controller_seed(self, seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def set_controller_seed(self, seed: int) -> None:
         ...
     def set_slot(self, slot: str, value: typing.Any) -> None:
         """
@@ -1420,11 +1596,11 @@ class Loop:
         """
         str: the stage that runs, or comes next.
         """
-def check_mean_interval(time: typing.SupportsFloat | typing.SupportsIndex, n_steps: typing.SupportsInt | typing.SupportsIndex, dt: typing.SupportsFloat | typing.SupportsIndex) -> None:
+def check_mean_interval(time: float, n_steps: int, dt: float) -> None:
     """
     Raise ValueError if so many steps in a time (s), 10 or more, are not dt long on average.
     """
-def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, smoothing: typing.SupportsInt | typing.SupportsIndex = 1) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
+def classify(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], *, smoothing: int = 1) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """
     Return which pixels belong to which colour class: the masks that `find_blobs` works on.
     
@@ -1447,7 +1623,7 @@ def classify(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *,
     TypeError, ValueError
         For an image of the wrong type or shape, duplicate colour names, and options out of range.
     """
-def color_histograms(image: typing.Any, region: typing.Any) -> numpy.typing.NDArray[numpy.int64]:
+def color_histograms(image: Frame | numpy.typing.NDArray[numpy.uint8], region: collections.abc.Sequence[int]) -> numpy.typing.NDArray[numpy.int64]:
     """
     Return how many pixels of a region have each value of Y, U and V.
     
@@ -1476,7 +1652,7 @@ def cpu_paths() -> list[str]:
     """
     Return the paths available on this processor, the fastest last.
     """
-def find_blobs(image: typing.Any, colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, minimum_area: typing.SupportsInt | typing.SupportsIndex | None = None, maximum_count: typing.SupportsInt | typing.SupportsIndex | None = None, smoothing: typing.SupportsInt | typing.SupportsIndex | None = None, region: typing.Any = None) -> dict[str, list[Blob]]:
+def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, minimum_area: int | None = None, maximum_count: int | None = None, smoothing: int | None = None, region: collections.abc.Sequence[int] | None = None) -> dict[str, list[Blob]]:
     """
     Find the blobs of every colour class in one pass over an image.
     
@@ -1526,7 +1702,7 @@ def force_cpu_path(path: str) -> None:
     ValueError
         If it is not available on this processor.
     """
-def least_squares(phi: typing.Any, y: typing.Any) -> LeastSquaresFit:
+def least_squares(phi: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike) -> LeastSquaresFit:
     """
     Return the theta that minimises the sum of squares of y - phi theta.
     
@@ -1572,7 +1748,7 @@ def model_steps(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], d
     """
     Return the number of steps of a model with this dt (s) in each time (s); see RobotModel.steps_in.
     """
-def path_sensitivities(theta: typing.Any, path: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+def path_sensitivities(theta: numpy.typing.ArrayLike, path: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
     """
     Return the derivatives of a simulated path.
     
@@ -1590,7 +1766,7 @@ def path_sensitivities(theta: typing.Any, path: typing.Any, u: typing.Any) -> nu
     array (n, 3, 21)
         Derivatives by the first two values of x, of y and of the heading, and by the 15 parameters.
     """
-def regression(poses: typing.Any, u: typing.Any) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+def regression(poses: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
     """
     Return the samples of the robot model's predictor in an unbroken record.
     
@@ -1608,7 +1784,7 @@ def regression(poses: typing.Any, u: typing.Any) -> tuple[numpy.typing.NDArray[n
     y : array (N - 2, 3)
         Outputs; y = sum(phi * theta, axis=2) for the true theta.
     """
-def rgb_to_yuv(image: typing.Any) -> numpy.typing.NDArray[numpy.uint8]:
+def rgb_to_yuv(image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.uint8]:
     """
     Return Y, U and V of every pixel, as the colour classes use them.
     
@@ -1625,7 +1801,7 @@ def rgb_to_yuv(image: typing.Any) -> numpy.typing.NDArray[numpy.uint8]:
     array (H, W, 3) of uint8
         Y, U, V.
     """
-def simulated_path(theta: typing.Any, first: typing.Any, u: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+def simulated_path(theta: numpy.typing.ArrayLike, first: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
     """
     Return the path of the robot model with any parameters, stable or not.
     

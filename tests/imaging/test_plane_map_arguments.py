@@ -24,7 +24,7 @@ NO_POINTS = (
 
 
 @refusals(
-    Refusal(PlaneMap, "matrix", NO_HOMOGRAPHY),
+    Refusal(PlaneMap, "matrix", NO_HOMOGRAPHY[1:]),  # None: the identity
     Refusal(lambda value: PlaneMap.scaled(value, (1, 1)), "resolution", (*NO_PIXELS, (None, 1))),
     Refusal(
         lambda value: PlaneMap.scaled((1000, 1000), value),

@@ -11,10 +11,31 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robsim import ColorClass, DriveAround, Replay, RobotModel, RobotParameters, Spin, Unicycle
-from robsim.vision import MarkerLayout
+import robsim
+from robsim import (
+    ColorClass,
+    DriveAround,
+    Estimate,
+    Frame,
+    Measurement,
+    Observation,
+    RecursiveLeastSquares,
+    Replay,
+    RobotModel,
+    RobotParameters,
+    Spin,
+    Step,
+    Unicycle,
+    WorldState,
+)
+from robsim.identification import Sample, least_squares
+from robsim.imaging import PlaneMap
+from robsim.vision import Blob, MarkerLayout
 
 TRIANGLE = np.array([[0, 0], [4, 0], [4, 4]])
+IMAGE = np.arange(4 * 5 * 3, dtype=np.uint8).reshape(4, 5, 3)
+BLOB = {"area": 3, "centroid": (1.5, 2), "bounding_box": (1, 2, 2, 3), "at_border": True}
+FIT = least_squares(np.eye(3)[:2], [1, 2])  # with NaN and infinity
 
 # Two of each kind that differ.
 PAIRS = [
@@ -30,8 +51,21 @@ PAIRS = [
         MarkerLayout.from_markers(TRIANGLE, TRIANGLE + np.array((0, 8))),
     ),
 ]
-VALUES = [*(one for pair in PAIRS for one in pair), Unicycle()]
-LONG = (Replay, RobotModel)  # their repr is for reading
+# Their repr is for reading.
+RECORDS = [
+    (PlaneMap(), PlaneMap.scaled((10, 10), (20, 20))),
+    (Frame(IMAGE, t=0.2, index=3), Frame(IMAGE + 1, t=0.2, index=3)),
+    (Blob("red", **BLOB), Blob("blue", **BLOB)),
+    (Measurement((1, 2, 3)), Measurement((1, 2, 3.1))),
+    (Estimate((1, 2, 3), np.eye(3)), Estimate((1, 2, 3), np.eye(3), [4])),
+    (Sample(np.ones((3, 5)), (1, 2, 3), 4), Sample(np.ones((3, 5)), (1, 2, 3), 5)),
+    (Observation(Frame(IMAGE)), Observation(t=3, last_u=(1, 2), measurement=(1, 2, 3))),
+    (WorldState((1, 2, 3), (1, 2, 3), (0, 1), k=3), WorldState((1, 2, 3), (1, 2, 3), (0, 1))),
+    (FIT, least_squares(np.eye(3), [1, 2, 4])),
+]
+RECORDED = [one for pair in RECORDS for one in pair]
+VALUES = [*(one for pair in PAIRS for one in pair), Unicycle(), *RECORDED]
+LONG = (Replay, RobotModel, *(type(one) for one in RECORDED))
 NAMES = {
     name: value
     for name, value in globals().items()
@@ -61,7 +95,7 @@ def test_a_copy_is_equal(value):
         assert repr(other) == repr(value)
 
 
-@pytest.mark.parametrize(("one", "other"), PAIRS, ids=repr)
+@pytest.mark.parametrize(("one", "other"), PAIRS + RECORDS, ids=repr)
 def test_values_with_other_fields_differ(one, other):
     assert one != other
     assert len({one, other, *copies(one), *copies(other)}) == 2
@@ -121,3 +155,70 @@ def test_a_layout_of_positions():
     assert (layout.red_area, layout.maximum_blobs) == (5, 6)
     assert np.isnan(layout.blue_area)
     assert MarkerLayout.from_positions((-14, 21.5), (-14, -21.5)) == MarkerLayout(43, 14)
+
+
+def updated(filters, rng):
+    filters.update(rng.normal(size=(40, 3, 5)), rng.normal(size=(40, 3)))
+    return filters
+
+
+def test_a_copy_of_an_estimator_goes_on_as_the_estimator_does(rng):
+    filters = updated(RecursiveLeastSquares(5, n_filters=3, forgetting=0.98), rng)
+    phi, y = rng.normal(size=(3, 5)), rng.normal(size=3)
+    for other in copies(filters):
+        assert other == filters
+        assert other.n_samples.tolist() == [40, 40, 40]
+        other.update(phi, y)
+        assert other != filters
+    filters.update(phi, y)
+    assert other == filters
+    np.testing.assert_array_equal(other.P, filters.P)
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(filters)
+
+
+@pytest.mark.parametrize("state", [[], [0.0] * 7, [np.nan] * 84])
+def test_an_estimator_of_a_spoilt_pickle_is_refused(state):
+    filters = RecursiveLeastSquares.__new__(RecursiveLeastSquares)
+    with pytest.raises(ValueError, match="state must be"):
+        filters.__setstate__(((5, 3, 1.0, 1e9, state), {}))
+
+
+def test_a_copy_of_a_step_has_all_but_the_estimator():
+    sim = robsim.Simulation(control=DriveAround(), measure=True, estimate_parameters=True)
+    step = sim.run(20) and sim.last_step
+    for other in copies(step):
+        assert other == step
+        assert (other.k, other.t, other.dt) == (step.k, step.t, step.dt)
+        assert other.measurement == step.measurement is not None
+        assert other.sample == step.sample is not None
+        assert other.u.tolist() == step.u.tolist()
+        assert other.frame == step.frame
+        assert other.blobs == step.blobs
+        assert other.markers == step.markers
+        assert other.estimator is None
+    sim.run(1)
+    assert sim.last_step != step
+
+
+def test_a_step_made_by_hand_tests_a_callback():
+    step = Step(k=3, measurement=(600, 500, 0.1))
+    assert (step.t, step.dt, step.frame, step.blobs) == (pytest.approx(0.6), 0.2, None, {})
+    u1, u2 = robsim.GoToPoint(600, 900)(step)
+    assert u1 > u2  # the point lies to the right
+    with pytest.raises(RuntimeError, match=r"without markers=\.\.\."):
+        _ = step.markers
+    sim = robsim.Simulation()
+    seen = Step(frame=sim.frame, colors=sim.colors, markers=sim.markers)
+    assert seen.blobs == sim.last_step.blobs
+
+
+@given(st.integers(0, 2**31 - 1), st.integers(1, 7), st.floats(-10, 10))
+def test_frames_are_equal_if_every_pixel_is(index, value, t):
+    image = np.zeros((3, 2, 3), np.uint8)
+    one = Frame(image, t=t, index=index)
+    image[2, 1, 2] = value
+    assert one != Frame(image, t=t, index=index)
+    image[2, 1, 2] = 0
+    assert one == Frame(image, t=t, index=index)
+    assert hash(one) == hash(Frame(image, t=t, index=index))

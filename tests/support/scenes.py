@@ -32,7 +32,7 @@ def small_renderer(**changed):
         **{"shadow_factor": 0.8, "sprite": np.full((4, 4, 4), 200, np.uint8)},
         **{"centre": (1.5, 1.5), "unit": 1.0, "alignment": 0.0, "headings": 4, "area": (10, 8)},
     }
-    return robsim.simulation.Renderer(**(options | changed))
+    return robsim.simulation.Renderer(robsim.simulation.Scene(**(options | changed)))
 
 
 def poses_within(rng, count, margin=60):

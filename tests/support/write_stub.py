@@ -6,6 +6,7 @@ they are its own: the core is loaded without the package around it, and says so.
 
 import importlib
 import importlib.util
+import inspect
 import re
 import sys
 from pathlib import Path
@@ -23,6 +24,14 @@ for name, value in vars(core).items():
         setattr(sys.modules.setdefault(home, ModuleType(home)), name, value)
         value.__module__ = core.__name__
 
+
+def no_arguments(function: object) -> None:
+    """Send the generator to the first line of the doc: only there are the types."""
+    raise TypeError(function)
+
+
+inspect.getfullargspec = no_arguments
+
 folder = Path(sys.argv[1])
 sys.argv = ["pybind11-stubgen", core.__name__, "--exit-code", "-o", str(folder)]
 pybind11_stubgen.main()
@@ -31,4 +40,10 @@ stub = folder / "robsim" / "_core.pyi"
 text = re.sub(r"^import robsim[.\w]*\n", "", stub.read_text(), flags=re.MULTILINE)
 names = "|".join(name for name in vars(core) if not name.startswith("_"))
 text = re.sub(rf"(?<=[\[ (|])robsim(?:\.[a-z]+)?\.({names})(?=[\], )|:\n])", r"\1", text)
+text = re.sub(  # of what changes, and so has no hash
+    r"^( +)__hash__: typing.ClassVar\[None\] = None$",
+    r"\1__hash__: typing.ClassVar[None]  # type: ignore[assignment]",
+    text,
+    flags=re.MULTILINE,
+)
 stub.write_text(re.sub(r"\(self: \w+", "(self", text))

@@ -43,7 +43,7 @@ def test_every_pixel_is_what_it_is_by_hand(path, size, rng):
     before = _core.cpu_path()
     try:
         _core.force_cpu_path(path)
-        draw = _core.Renderer(
+        scene = _core.Scene(
             floor=(floor, floor),
             home=(floor, floor),
             shadow_left=110,
@@ -55,6 +55,7 @@ def test_every_pixel_is_what_it_is_by_hand(path, size, rng):
             headings=0,
             area=(110, 40),
         )
+        draw = _core.Renderer(scene)
         for heading in (0, np.pi / 2, *rng.uniform(-np.pi, np.pi, 3)):
             pose = (*rng.uniform((0, 0), (109, 39)), heading)
             expected = drawn_by_hand(floor, sprite, centre, pose)

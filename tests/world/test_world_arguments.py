@@ -20,7 +20,7 @@ from refusals import (
     refusals,
 )
 from robsim import GaussianNoise, UniformNoise, _core
-from robsim.simulation import Renderer
+from robsim.simulation import Renderer, Scene
 from scenes import small_renderer
 
 SPRITE = np.full((4, 4, 4), 200, np.uint8)
@@ -49,7 +49,8 @@ NO_SPRITE = (
             "area": NO_PIXELS,
         },
     ),
-    Refusal(lambda _: Renderer(), "floor", ("missing",), raises=TypeError),
+    Refusal(lambda _: Renderer(), "scene", ("missing",), raises=TypeError),
+    Refusal(lambda _: Scene(), "floor", ("missing",), raises=TypeError),
     Refusal(
         lambda value: small_renderer().render((5, 4, 0), value),
         "pan",

@@ -129,6 +129,11 @@ AxisMatrix axis_matrix_from(py::handle value, const std::string& name) {
   return Eigen::Map<const AxisMatrix>(m.data());
 }
 
+Measurement measurement_from(py::handle value, const std::string& name) {
+  if (py::isinstance<Measurement>(value)) return value.cast<Measurement>();
+  return Measurement{pose_from(value, name)};
+}
+
 py::array_t<double> to_array(const double* values, const Shape& shape) {
   py::array_t<double> array(shape, values);
   array.attr("setflags")(py::arg("write") = false);

@@ -12,9 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "python/annotations.hpp"
 #include "robsim/geometry/polygon.hpp"
 #include "robsim/imaging/image.hpp"
 #include "robsim/model/robot_model.hpp"
+#include "robsim/vision/locate.hpp"
 
 namespace robsim::bindings {
 
@@ -43,6 +45,9 @@ Point point_from(py::handle value, const std::string& name);
 Input input_from(py::handle value, const std::string& name);
 Polygon polygon_from(py::handle value, const std::string& name);
 AxisMatrix axis_matrix_from(py::handle value, const std::string& name);
+
+/// A Measurement, or one of this pose.
+Measurement measurement_from(py::handle value, const std::string& name);
 
 /// A read-only copy.
 py::array_t<double> to_array(const double* values, const Shape& shape);

@@ -1,6 +1,7 @@
 // Value semantics of bound classes, by their fields: ==, hash, copy, pickle, repr.
 #pragma once
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -50,8 +51,12 @@ py::tuple values_of(const T& value, const Fields<Make, Gets...>& fields) {
       fields.fields);
 }
 
-/// Field values as a key: tuples in place of lists, None in place of NaN, which equals nothing.
+/// Field values as a key: tuples in place of lists, shape and bytes in place of an array, None in
+/// place of NaN, which equals nothing.
 inline py::object key_of(py::handle value) {
+  if (py::isinstance<py::array>(value)) {
+    return py::make_tuple(value.attr("shape"), value.attr("tobytes")());
+  }
   if (py::isinstance<py::float_>(value) && std::isnan(value.cast<double>())) return py::none();
   if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value)) {
     return py::reinterpret_borrow<py::object>(value);

@@ -16,7 +16,7 @@ using namespace robsim::bindings;
 namespace {
 
 void bind_unicycle(py::module_& module) {
-  py::class_<Unicycle> unicycle(public_in(module, "robsim"), "Unicycle", R"(
+  Class<Unicycle> unicycle(public_in(module, "robsim"), "Unicycle", R"(
 The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
 
 It has the constants of the `RobotModel` and moves as that along a straight line, and in its
@@ -38,7 +38,7 @@ x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
   define_value(unicycle, Fields([] { return Unicycle(); }));
 }
 
-Replay replay_from(const py::object& u) {
+Replay replay_from(const ArrayLike& u) {
   const Doubles rows = doubles_from(u, "u", Shape{-1, 2}, "one input a step, shape (N, 2), in V");
   std::vector<Input> inputs;
   for (py::ssize_t k = 0; k < rows.shape(0); ++k) inputs.push_back({rows.at(k, 0), rows.at(k, 1)});
@@ -66,8 +66,8 @@ Replay replay_from_bytes(const py::bytes& bytes) {
 }
 
 void bind_replay(py::module_& module) {
-  py::class_<Replay, Controller, std::shared_ptr<Replay>> replay(public_in(module, "robsim"),
-                                                                 "Replay", R"(
+  Class<Replay, Controller, std::shared_ptr<Replay>> replay(public_in(module, "robsim"), "Replay",
+                                                            R"(
 Gives recorded inputs once more: in step k that of row k.
 
 Parameters
@@ -92,8 +92,8 @@ IndexError
 }
 
 void bind_ready_controllers(py::module_& module) {
-  py::class_<Controller, std::shared_ptr<Controller>>(public_in(module, "robsim.control"),
-                                                      "Controller", R"(
+  Class<Controller, std::shared_ptr<Controller>>(public_in(module, "robsim.control"), "Controller",
+                                                 R"(
 A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
 )")
       .def(
@@ -101,7 +101,7 @@ A ready controller, as fast as the loop. It can be called like a callback: ``u =
           py::arg("step"), "Return the input of a step: array (2,), V.");
 
   const Spin spin_defaults;
-  py::class_<Spin, Controller, std::shared_ptr<Spin>> spin(public_in(module, "robsim"), "Spin", R"(
+  Class<Spin, Controller, std::shared_ptr<Spin>> spin(public_in(module, "robsim"), "Spin", R"(
 Turns on the spot: (+voltage, -voltage).
 
 Parameters
@@ -115,8 +115,8 @@ voltage : float
                             Field("voltage", &Spin::voltage)));
 
   const DriveAround drive_defaults;
-  py::class_<DriveAround, Controller, std::shared_ptr<DriveAround>> drive(
-      public_in(module, "robsim"), "DriveAround", R"(
+  Class<DriveAround, Controller, std::shared_ptr<DriveAround>> drive(public_in(module, "robsim"),
+                                                                     "DriveAround", R"(
 Drives around: for each motor a random voltage, held for some steps.
 
 Parameters

@@ -91,9 +91,9 @@ Columns columns_of(const SlottedLoop& self) {
 void bind_loop(py::module_& module) {
   set_interpreter_lock({&release_interpreter, &acquire_interpreter});
 
-  py::class_<SlottedLoop>(public_in(module, "robsim._core"), "Loop",
-                          "The loop. Users take robsim.Simulation or robsim.Experiment.",
-                          py::custom_type_setup(&collect_garbage<SlottedLoop>))
+  Class<SlottedLoop>(public_in(module, "robsim._core"), "Loop",
+                     "The loop. Users take robsim.Simulation or robsim.Experiment.",
+                     py::custom_type_setup(&collect_garbage<SlottedLoop>))
       .def(py::init(&make_loop), py::kw_only(), py::arg("world"), py::arg("colors"),
            py::arg("markers"), py::arg("smoothing"), py::arg("identify_from"),
            py::arg("controller_seed"))

@@ -5,7 +5,8 @@
 #include "python/callbacks.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
-#include "robsim/simulation/world/external_world.hpp"
+#include "python/values.hpp"
+#include "simulation/fields.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -19,151 +20,168 @@ const Step& readable(const Step& step) {
   return step;
 }
 
-py::array_t<double> input_of(const Step& step) {
+py::array_t<double> decided_input(const Step& step) {
   if (readable(step).u) return to_array(*step.u);
   throw std::runtime_error("step.u, the input of step " + std::to_string(step.k) +
                            ", is not decided yet: the controller comes last. The input of the "
                            "step before is step.last_u");
 }
 
-Arrived make_observation(const std::optional<Frame>& frame, const std::optional<double>& t,
-                         const py::object& last_u, const py::object& measurement,
-                         const std::optional<Sample>& sample) {
-  Arrived arrived;
-  arrived.frame = frame;
+// The camera of a step that is kept: always the same frame.
+class KeptFrame : public Camera {
+ public:
+  explicit KeptFrame(Frame frame) : frame_(std::move(frame)) {}
+  Frame frame() override { return frame_; }
+
+ private:
+  Frame frame_;
+};
+
+using Vision = std::tuple<std::vector<ColorClass>, MarkerLayout, std::optional<int>>;
+
+// A step outside of any run. `had_frame`: one had come, even if it is not kept.
+std::shared_ptr<Step> new_step(const std::optional<Frame>& frame, bool had_frame,
+                               const std::optional<Vision>& vision) {
+  std::shared_ptr<MarkerVision> marker_vision;
+  if (vision)
+    marker_vision = std::make_shared<MarkerVision>(std::make_from_tuple<MarkerVision>(*vision));
+  auto step = std::make_shared<Step>(std::make_shared<RunGuard>(), marker_vision);
+  step->begin(frame ? std::make_shared<KeptFrame>(*frame) : nullptr);
+  step->has_frame = had_frame;
+  return step;
+}
+
+std::shared_ptr<Step> make_step(
+    std::int64_t k, std::optional<double> t, double dt, const ArrayLike& last_u,
+    const std::optional<Frame>& frame, const std::optional<MeasurementLike>& measurement,
+    const std::optional<Estimate>& estimate, const std::optional<ArrayLike>& parameters,
+    const std::optional<Sample>& sample, const std::optional<ArrayLike>& u,
+    const std::vector<ColorClass>& colors, const std::optional<MarkerLayout>& markers) {
+  if (!(dt > 0 && std::isfinite(dt))) throw py::value_error("dt must be above 0 s and finite");
   if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
-  arrived.t = t;
-  if (!last_u.is_none()) arrived.known.last_u = input_from(last_u, "last_u");
-  if (py::isinstance<Measurement>(measurement)) {
-    arrived.known.measurement = measurement.cast<Measurement>();
-  } else if (!measurement.is_none()) {
-    arrived.known.measurement = Measurement{pose_from(measurement, "measurement")};
-  }
-  arrived.known.sample = sample;
-  return arrived;
+  const auto vision =
+      markers ? std::optional(Vision{colors, *markers, std::nullopt}) : std::nullopt;
+  const std::shared_ptr<Step> step = new_step(frame, frame.has_value(), vision);
+  step->k = k;
+  step->t = t.value_or(static_cast<double>(k) * dt);
+  step->dt = dt;
+  step->last_u = input_from(last_u, "last_u");
+  if (measurement) step->measurement = measurement_from(*measurement, "measurement");
+  step->estimate = estimate;
+  if (parameters) step->parameters = axis_matrix_from(*parameters, "parameters");
+  step->sample = sample;
+  if (u) step->u = input_from(*u, "u");
+  return step;
 }
 
-void bind_records(py::module_& module) {
-  py::class_<Estimate>(public_in(module, "robsim"), "Estimate", R"(
-What a state estimator makes of a step.
-
-Parameters
-----------
-pose : array (3,)
-    x, y (work-area px), heading (rad).
-covariance : array (3, 3)
-    Its covariance.
-state : array (n,), optional
-    Any further state, n the same at every step.
-)")
-      .def(py::init([](const py::object& pose, const py::object& covariance,
-                       const py::object& state) {
-             Estimate estimate;
-             estimate.pose = pose_from(pose, "pose");
-             const Doubles P =
-                 doubles_from(covariance, "covariance", Shape{3, 3}, "an array of shape (3, 3)");
-             std::copy_n(P.data(), 9, estimate.covariance.data());
-             if (!state.is_none()) {
-               const Doubles more =
-                   doubles_from(state, "state", Shape{-1}, "an array of shape (n,)");
-               estimate.state.assign(more.data(), more.data() + more.size());
-             }
-             return estimate;
-           }),
-           py::arg("pose"), py::arg("covariance"), py::arg("state") = py::none())
-      .def_property_readonly(
-          "pose", [](const Estimate& self) { return bindings::to_array(self.pose); },
-          "array (3,): x, y (work-area px), heading (rad).")
-      .def_property_readonly(
-          "covariance",
-          [](const Estimate& self) { return bindings::to_array(self.covariance.data(), {3, 3}); },
-          "array (3, 3): covariance of the pose.")
-      .def_property_readonly(
-          "state",
-          [](const Estimate& self) {
-            return bindings::to_array(self.state.data(),
-                                      {static_cast<py::ssize_t>(self.state.size())});
-          },
-          "array (n,): any further state.")
-      .def("__repr__", [](const Estimate& self) {
-        return "<Estimate: pose " + py::str(bindings::to_array(self.pose)).cast<std::string>() +
-               ">";
-      });
-
-  py::class_<Sample>(public_in(module, "robsim.identification"), "Sample", R"(
-One sample for the parameter estimator: y = sum(phi * theta, axis=1).
-
-Parameters
-----------
-phi : array (3, 5)
-    Regressors of the axes X, Y and P (heading).
-y : array (3,)
-    Outputs x, y (work-area px) and heading (rad).
-k : int
-    The step whose output y is.
-)")
-      .def(py::init([](const py::object& phi, const py::object& y, std::int64_t k) {
-             const Pose outputs = pose_from(y, "y");
-             return Sample{{axis_matrix_from(phi, "phi"), {outputs.x, outputs.y, outputs.heading}},
-                           k};
-           }),
-           py::arg("phi"), py::arg("y"), py::arg("k"))
-      .def_readonly("k", &Sample::k, "int: the step whose output y is.")
-      .def_property_readonly(
-          "phi", [](const Sample& self) { return bindings::to_array(self.regression.phi); },
-          "array (3, 5): regressors of the axes X, Y and P (heading).")
-      .def_property_readonly(
-          "y", [](const Sample& self) { return bindings::to_array(self.regression.y.data(), {3}); },
-          "array (3,): outputs x, y (work-area px) and heading (rad).")
-      .def("__repr__",
-           [](const Sample& self) { return "<Sample of step " + std::to_string(self.k) + ">"; });
+template <typename T, typename Convert>
+auto converted(const std::optional<T>& value, const Convert& convert) {
+  return value ? std::optional(convert(*value)) : std::nullopt;
 }
 
-void bind_observation(py::module_& module) {
-  py::class_<Arrived>(public_in(module, "robsim"), "Observation", R"(
-What a source of frames may give to an `Experiment` in place of a plain frame.
+using FrameOfStep = std::pair<bool, std::optional<Frame>>;  // one had come, what is left of it
+// The frame is drawn for a copy, if it still can be.
+FrameOfStep frame_of(const Step& self) {
+  auto& step = const_cast<Step&>(self);  // it is made when somebody looks
+  if (!step.can_look()) return {step.has_frame, std::nullopt};
+  const Frame* frame = step.look();
+  return {step.has_frame, frame ? std::optional(*frame) : std::nullopt};
+}
 
-Parameters
-----------
-frame : Frame, optional
-    What the camera sees. None = no frame in this step.
-t : float, optional
-    Time of the step (s). Default: that of the frame, or one sample time after the last step.
-last_u : array (2,), optional
-    The input that the robot really got since the last step (V), if it is not what the controller
-    returned.
-measurement : Measurement or array (3,), optional
-    Where the robot was seen, if somebody else has measured it: ``measure=True`` leaves it as it is.
-sample : Sample, optional
-    The sample for the parameter estimator, if somebody else has made it.
-)")
-      .def(py::init(&make_observation), py::arg("frame") = py::none(), py::kw_only(),
-           py::arg("t") = py::none(), py::arg("last_u") = py::none(),
-           py::arg("measurement") = py::none(), py::arg("sample") = py::none())
-      .def_readonly("frame", &Arrived::frame, "Frame or None: what the camera sees.")
-      .def_readonly("t", &Arrived::t, "float or None: time of the step (s).")
-      .def_property_readonly(
-          "last_u",
-          [](const Arrived& self) -> py::object {
-            if (!self.known.last_u) return py::none();
-            return to_array(*self.known.last_u);
-          },
-          "array (2,) or None: the input since the last step (V).")
-      .def_property_readonly(
-          "measurement", [](const Arrived& self) { return self.known.measurement; },
-          "Measurement or None: where the robot was seen.")
-      .def_property_readonly(
-          "sample", [](const Arrived& self) { return self.known.sample; },
-          "Sample or None: the sample for the parameter estimator.")
-      .def("__repr__", [](const Arrived& self) {
-        return std::string("<Observation ") + (self.frame ? "with" : "without") + " a frame>";
-      });
+std::optional<Vision> vision_of(const Step& step) {
+  if (!step.marker_vision()) return std::nullopt;
+  const MarkerVision& vision = *step.marker_vision();
+  return Vision{vision.colors(), vision.markers(), vision.smoothing()};
+}
+
+// Equal are steps with the same numbers. It fills up during the step: there is no hash.
+void define_step_value(Class<Step, std::shared_ptr<Step>>& cls) {
+  const auto u_of = [](const std::optional<Input>& u) {
+    return converted(u, [](const Input& v) { return pair_of(v); });
+  };
+  const auto last_u = [](const Step& s) { return pair_of(readable(s).last_u); };
+  const auto u = [u_of](const Step& s) { return u_of(s.u); };
+  const auto parameters = [](const Step& s) {
+    return converted(s.parameters, [](const AxisMatrix& m) { return values_of(m); });
+  };
+  const auto make = [](std::int64_t k, double t, double dt, const Pair& last_input,
+                       const std::optional<Pair>& input, const std::optional<Sample>& sample,
+                       const std::optional<Matrix>& theta,
+                       const std::optional<Measurement>& measurement,
+                       const std::optional<Estimate>& estimate, const FrameOfStep& frame,
+                       const std::optional<Vision>& vision) {
+    const std::shared_ptr<Step> step = new_step(frame.second, frame.first, vision);
+    step->k = k;
+    step->t = t;
+    step->dt = dt;
+    step->last_u = input_of(last_input);
+    step->u = converted(input, [](const Pair& v) { return input_of(v); });
+    step->sample = sample;
+    step->parameters = converted(theta, [](const Matrix& m) { return matrix_of(m); });
+    step->measurement = measurement;
+    step->estimate = estimate;
+    return step;
+  };
+  const auto no_make = [] { return std::shared_ptr<Step>(); };
+  define_equality(
+      cls, Fields(no_make, Field("k", &Step::k), Field("t", &Step::t), Field("dt", &Step::dt),
+                  Field("last_u", last_u), Field("u", u), Field("sample", &Step::sample),
+                  Field("parameters", parameters), Field("measurement", &Step::measurement),
+                  Field("estimate", &Step::estimate)));
+  define_pickle(cls,
+                Fields(make, Field("k", &Step::k), Field("t", &Step::t), Field("dt", &Step::dt),
+                       Field("last_u", last_u), Field("u", u), Field("sample", &Step::sample),
+                       Field("parameters", parameters), Field("measurement", &Step::measurement),
+                       Field("estimate", &Step::estimate), Field("frame", &frame_of),
+                       Field("vision", &vision_of)));
 }
 
 void bind_step(py::module_& module) {
-  py::class_<Step, std::shared_ptr<Step>>(public_in(module, "robsim"), "Step", R"(
+  Class<Step, std::shared_ptr<Step>> step(public_in(module, "robsim"), "Step", R"(
 What the robot half may know of a step, read-only. It fills up from stage to stage.
-)")
+
+Made by hand, it tests a callback without a simulation. A copy has the frame, if it is still there,
+but no `estimator`. Equal are steps with the same numbers; frames are not compared.
+
+Parameters
+----------
+k : int
+    Number of the step.
+t : float, optional
+    Time (s). Default: k dt.
+dt : float
+    Time since the step before (s).
+last_u : array (2,)
+    The input of the step before (V).
+frame : Frame, optional
+    What the camera sees.
+measurement : Measurement or array (3,), optional
+    Where the robot was seen.
+estimate : Estimate, optional
+    What the state estimator returned.
+parameters : array (3, 5), optional
+    The parameters estimated.
+sample : Sample, optional
+    The sample for the parameter estimator.
+u : array (2,), optional
+    The input decided (V).
+colors : list of ColorClass
+    What `blobs` are found with.
+markers : MarkerLayout, optional
+    Where the robot carries its markers.
+
+Examples
+--------
+>>> step = Step(k=3, measurement=(600, 500, 0.1))
+>>> GoToPoint(900, 300)(step)
+)");
+  const RobotParameters defaults;
+  step.def(py::init(&make_step), py::kw_only(), py::arg("k") = 0, py::arg("t") = py::none(),
+           py::arg("dt") = defaults.dt, py::arg("last_u") = std::make_tuple(0.0, 0.0),
+           py::arg("frame") = py::none(), py::arg("measurement") = py::none(),
+           py::arg("estimate") = py::none(), py::arg("parameters") = py::none(),
+           py::arg("sample") = py::none(), py::arg("u") = py::none(),
+           py::arg("colors") = std::vector<ColorClass>(), py::arg("markers") = py::none())
       .def_readonly("k", &Step::k, "int: number of the step, from 0.")
       .def_readonly("t", &Step::t, "float: time (s).")
       .def_readonly("dt", &Step::dt,
@@ -172,7 +190,7 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
       .def_property_readonly(
           "last_u", [](const Step& self) { return to_array(readable(self).last_u); },
           "array (2,): the input of the step before, u1 left and u2 right (V).")
-      .def_property_readonly("u", &input_of,
+      .def_property_readonly("u", &decided_input,
                              "array (2,): the input decided in this step, as sent to the motors "
                              "(V). RuntimeError before that.")
       .def_property_readonly(
@@ -193,8 +211,8 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
           "Estimate or None: what the state estimator returned.")
       .def_property_readonly(
           "parameters",
-          [](const Step& self) -> py::object {
-            if (!readable(self).parameters) return py::none();
+          [](const Step& self) -> std::optional<py::array_t<double>> {
+            if (!readable(self).parameters) return std::nullopt;
             return bindings::to_array(*self.parameters);
           },
           "array (3, 5) or None: the parameters estimated by now.")
@@ -208,13 +226,12 @@ What the robot half may know of a step, read-only. It fills up from stage to sta
       .def_property_readonly(
           "markers", [](const Step& self) { return self.markers(); },
           "MarkerLayout: where the robot carries its markers.")
-      .def("__repr__", [](const Step& self) { return "<Step " + std::to_string(self.k) + ">"; });
+      .def("__repr__", [](const Step& self) {
+        return py::str("<Step {}: t = {:g} s>").format(self.k, self.t).cast<std::string>();
+      });
+  define_step_value(step);
 }
 
 }  // namespace
 
-void bind_steps(py::module_& module) {
-  bind_records(module);
-  bind_observation(module);
-  bind_step(module);
-}
+void bind_steps(py::module_& module) { bind_step(module); }

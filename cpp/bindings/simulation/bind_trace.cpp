@@ -24,7 +24,7 @@ py::typing::Tuple<int, py::ellipsis> shape_of(const TraceGroup& group) {
 }  // namespace
 
 void bind_trace(py::module_& module) {
-  py::class_<TraceGroup>(public_in(module, "robsim.trace"), "TraceGroup", R"(
+  bindings::Class<TraceGroup>(public_in(module, "robsim.trace"), "TraceGroup", R"(
 Columns of a trace that are recorded together.
 )")
       .def_readonly("name", &TraceGroup::name, "str: name of the group.")
@@ -39,7 +39,7 @@ Columns of a trace that are recorded together.
       .def_readonly("in_recorded", &TraceGroup::in_recorded,
                     "bool: the trace of frames from elsewhere must have it.");
 
-  module.def("trace_schema", &trace_schema, R"(
+  public_in(module, "robsim._core").def("trace_schema", &trace_schema, R"(
 Return the groups of columns of a trace, without `state` and `blobs_<color>`, whose widths vary.
 
 Returns

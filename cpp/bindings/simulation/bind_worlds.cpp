@@ -1,10 +1,12 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "python/callbacks.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
+#include "python/values.hpp"
 #include "robsim/model/unicycle.hpp"
 #include "robsim/simulation/world/external_world.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
@@ -84,22 +86,89 @@ std::shared_ptr<SlottedWorld> make_world(std::pair<int, int> area, std::pair<int
   return std::make_shared<SlottedWorld>(options);
 }
 
-Eigen::Matrix3d matrix_from(const py::object& value, const std::string& name) {
+Eigen::Matrix3d matrix_from(const ArrayLike& value, const std::string& name) {
   const Doubles rows = doubles_from(value, name, Shape{3, 3}, "an array of shape (3, 3)");
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
 }
 
 // What a capture shows: a new frame, or one that borrows `out`, written anew.
-Frame drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture, const py::object& out) {
+Frame drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture,
+            const std::optional<PixelArray>& out) {
   const RunGuard::Look look(self.loop_guard());
-  if (out.is_none()) return self.draw(capture);
-  const py::object pixels = PyObject_CheckBuffer(out.ptr()) ? py::object(py::array(out)) : out;
+  if (!out) return self.draw(capture);
+  const bool is_buffer = PyObject_CheckBuffer(out->ptr());
+  const py::object pixels = is_buffer ? py::object(py::array(*out)) : py::object(*out);
   return self.draw_into(capture, writable_view(pixels, "out"), borrowed_image(pixels, "out"));
 }
 
+WorldState make_world_state(const ArrayLike& pose_1, const ArrayLike& pose_2,
+                            const ArrayLike& last_u, const std::optional<RobotModel>& given_model,
+                            std::int64_t k, std::optional<double> t, std::optional<double> dt) {
+  const RobotModel model = given_model.value_or(RobotModel());
+  WorldState world{k,
+                   0,
+                   dt.value_or(model.dt()),
+                   pose_from(pose_1, "pose_1"),
+                   pose_from(pose_2, "pose_2"),
+                   input_from(last_u, "last_u"),
+                   model};
+  world.t = t.value_or(static_cast<double>(k) * world.dt);
+  if (!std::isfinite(world.t)) throw py::value_error("t must be finite (s)");
+  if (!(world.dt > 0 && std::isfinite(world.dt))) throw py::value_error("dt must be above 0 s");
+  return world;
+}
+
+void define_world_state_value(Class<WorldState>& cls) {
+  const auto pose = [](Pose WorldState::* member) {
+    return [member](const WorldState& self) {
+      const Pose& p = self.*member;
+      return std::array<double, 3>{p.x, p.y, p.heading};
+    };
+  };
+  const auto last_u = [](const WorldState& self) {
+    return std::array<double, 2>{self.last_u.u1, self.last_u.u2};
+  };
+  const auto make = [](const std::array<double, 3>& pose_1, const std::array<double, 3>& pose_2,
+                       const std::array<double, 2>& u, const RobotModel& model, std::int64_t k,
+                       double t, double dt) {
+    return WorldState{k,
+                      t,
+                      dt,
+                      {pose_1[0], pose_1[1], pose_1[2]},
+                      {pose_2[0], pose_2[1], pose_2[2]},
+                      {u[0], u[1]},
+                      model};
+  };
+  const Fields fields(make, Field("pose_1", pose(&WorldState::pose_1)),
+                      Field("pose_2", pose(&WorldState::pose_2)), Field("last_u", last_u),
+                      Field("model", &WorldState::model), Field("k", &WorldState::k),
+                      Field("t", &WorldState::t), Field("dt", &WorldState::dt));
+  define_equality(cls, fields);
+  define_hash(cls, fields);
+  define_pickle(cls, fields);
+}
+
 void bind_world_state(py::module_& module) {
-  py::class_<WorldState>(public_in(module, "robsim"), "WorldState",
-                         "What the callback `evaluate_model` gets.")
+  Class<WorldState> world(public_in(module, "robsim"), "WorldState", R"(
+What the callback `evaluate_model` gets. Made by hand, it tests a callback without a simulation.
+
+Parameters
+----------
+pose_1, pose_2 : array (3,)
+    The poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
+last_u : array (2,)
+    What the motors got since step k-1 (V).
+model : RobotModel, optional
+    The model that this world follows. Default: that of the default robot.
+k : int
+    Number of the step.
+t, dt : float, optional
+    Time and sample time (s). Default: k dt, and the dt of the model.
+)");
+  world
+      .def(py::init(&make_world_state), py::arg("pose_1"), py::arg("pose_2"), py::arg("last_u"),
+           py::arg("model") = py::none(), py::kw_only(), py::arg("k") = 1,
+           py::arg("t") = py::none(), py::arg("dt") = py::none())
       .def_readonly("k", &WorldState::k, "int: number of the step.")
       .def_readonly("t", &WorldState::t, "float: time (s).")
       .def_readonly("dt", &WorldState::dt, "float: sample time (s).")
@@ -119,10 +188,11 @@ void bind_world_state(py::module_& module) {
       .def("__repr__", [](const WorldState& self) {
         return "<WorldState of step " + std::to_string(self.k) + ">";
       });
+  define_world_state_value(world);
 }
 
 void bind_simulated_world(py::module_& module) {
-  py::class_<SlottedWorld, World, std::shared_ptr<SlottedWorld>>(
+  Class<SlottedWorld, World, std::shared_ptr<SlottedWorld>>(
       public_in(module, "robsim._core"), "SimulatedWorld",
       "The simulated world half. Users take robsim.Simulation.",
       py::custom_type_setup(&collect_garbage<SlottedWorld>))
@@ -135,7 +205,7 @@ void bind_simulated_world(py::module_& module) {
       .def("set_true_model", &SlottedWorld::set_true_model, py::arg("draw"))
       .def(
           "set_start",
-          [](SlottedWorld& self, const py::object& start) {
+          [](SlottedWorld& self, const ArrayLike& start) {
             self.set_start(pose_from(start, "start"));
           },
           py::arg("start"))
@@ -143,7 +213,7 @@ void bind_simulated_world(py::module_& module) {
       .def("set_dropout", &SlottedWorld::set_dropout, py::arg("probability"), py::arg("steps"))
       .def(
           "set_disturbance",
-          [](SlottedWorld& self, const py::object& pose_factor,
+          [](SlottedWorld& self, const ArrayLike& pose_factor,
              const std::array<double, 2>& input_sigma) {
             self.set_disturbance(matrix_from(pose_factor, "pose_factor"), input_sigma);
           },
@@ -157,7 +227,7 @@ void bind_simulated_world(py::module_& module) {
           "Scene or None: what the camera looks at; None if nobody has looked yet.")
       .def(
           "draw_newest",
-          [](SlottedWorld& self, const py::object& out) {
+          [](SlottedWorld& self, const std::optional<PixelArray>& out) {
             const SimulatedWorld::Capture* capture = self.newest_capture();
             if (!capture) throw std::runtime_error("no frame has come yet in this step");
             return drawn(self, *capture, out);
@@ -165,9 +235,9 @@ void bind_simulated_world(py::module_& module) {
           py::arg("out") = py::none(), "Return the newest frame, or write it to `out`.")
       .def(
           "draw",
-          [](SlottedWorld& self, std::int64_t k, const py::object& pose,
+          [](SlottedWorld& self, std::int64_t k, const ArrayLike& pose,
              const std::array<double, 2>& view, bool hidden, const std::array<double, 2>& noise,
-             const py::object& out) {
+             const std::optional<PixelArray>& out) {
             Truth truth;
             truth.pose = pose_from(pose, "pose");
             truth.view = {view[0], view[1]};
@@ -250,7 +320,7 @@ void bind_external_world(py::module_& module) {
       .value("NOTHING_YET", Arrival::nothing_yet)
       .value("END", Arrival::end);
 
-  py::class_<PythonSource, World, std::shared_ptr<PythonSource>>(
+  Class<PythonSource, World, std::shared_ptr<PythonSource>>(
       public_in(module, "robsim._core"), "ExternalWorld",
       "The world half outside. Users take robsim.Experiment.",
       py::custom_type_setup(&collect_garbage<PythonSource>))
@@ -262,8 +332,8 @@ void bind_external_world(py::module_& module) {
 
 void bind_worlds(py::module_& module) {
   bind_world_state(module);
-  py::class_<World, std::shared_ptr<World>>(public_in(module, "robsim._core"), "World",
-                                            "A world half, as the loop sees it.");
+  Class<World, std::shared_ptr<World>>(public_in(module, "robsim._core"), "World",
+                                       "A world half, as the loop sees it.");
   bind_simulated_world(module);
   bind_external_world(module);
 }

@@ -206,4 +206,20 @@ void FilterGroup::write_standard_errors_unscaled(double* errors) const {
   values = values.sqrt();
 }
 
+void FilterGroup::append_state(std::vector<double>& state) const {
+  for (const auto* values : {&theta_, &D_, &U_}) {
+    state.insert(state.end(), values->begin(), values->end());
+  }
+  state.insert(state.end(), samples_.begin(), samples_.end());  // exact up to 2^53
+}
+
+const double* FilterGroup::restore(const double* state) {
+  for (auto* values : {&theta_, &D_, &U_}) {
+    std::copy_n(state, values->size(), values->begin());
+    state += values->size();
+  }
+  for (std::int64_t& count : samples_) count = static_cast<std::int64_t>(*state++);
+  return state;
+}
+
 }  // namespace robsim

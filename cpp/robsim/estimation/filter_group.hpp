@@ -40,6 +40,10 @@ class FilterGroup {
   double d(int filter, int j) const { return D_[at(j, filter)]; }
   std::int64_t samples(int filter) const { return samples_[static_cast<std::size_t>(filter)]; }
 
+  /// What updates change, as numbers; `restore` reads them and returns what follows.
+  void append_state(std::vector<double>& state) const;
+  const double* restore(const double* state);
+
  private:
   // Each element of theta, D and U is stored for the four filters side by side, U by columns.
   static std::size_t at(int i, int filter) {

@@ -109,4 +109,22 @@ Eigen::MatrixXd RecursiveLeastSquares::covariance(int filter) const {
   return P.selfadjointView<Eigen::Upper>();  // symmetric to the last bit
 }
 
+std::vector<double> RecursiveLeastSquares::state() const {
+  std::vector<double> state;
+  for (const FilterGroup& group : groups_) group.append_state(state);
+  return state;
+}
+
+void RecursiveLeastSquares::restore(const std::vector<double>& state) {
+  if (state.size() != this->state().size()) {
+    throw std::invalid_argument("state must be that of a filter of this size");
+  }
+  constexpr double maximum = 1e300;  // also refuses NaN
+  for (const double number : state) {
+    if (!(std::abs(number) <= maximum)) throw std::invalid_argument("state must be finite");
+  }
+  const double* next = state.data();
+  for (FilterGroup& group : groups_) next = group.restore(next);
+}
+
 }  // namespace robsim

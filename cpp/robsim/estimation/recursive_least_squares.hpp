@@ -57,6 +57,13 @@ class RecursiveLeastSquares {
   /// Returns to the initial state.
   void reset();
 
+  /// What updates change, as numbers, for a copy elsewhere with the same options.
+  std::vector<double> state() const;
+
+  /// Throws std::invalid_argument if it is that of another number of filters or parameters, or
+  /// holds numbers that no update leads to.
+  void restore(const std::vector<double>& state);
+
  private:
   const FilterGroup& group_of(int filter) const {
     return groups_.at(static_cast<std::size_t>(filter / FilterGroup::maximum_filters));

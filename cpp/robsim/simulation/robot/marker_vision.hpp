@@ -17,6 +17,7 @@ class MarkerVision {
 
   const std::vector<ColorClass>& colors() const { return finder_.colors(); }
   const MarkerLayout& markers() const { return markers_; }
+  std::optional<int> smoothing() const { return smoothing_; }
 
   /// How blobs were found in the last frame.
   const BlobOptions& options() const { return finder_.options(); }

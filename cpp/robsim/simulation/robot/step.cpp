@@ -18,9 +18,10 @@ const BlobsByColor& Step::find_blobs() {
   if (blobs) return *blobs;
   if (has_frame) {
     open_camera("blobs");
-    blobs = vision->find(*look());
+    blobs = open_vision().find(*look());
   } else {
     blobs.emplace();
+    if (!vision) return *blobs;
     for (const ColorClass& color : vision->colors()) (*blobs)[color.name];
   }
   return *blobs;
@@ -31,6 +32,13 @@ Camera& Step::open_camera(const char* what) const {
   throw std::runtime_error("the " + std::string(what) + " of step " + std::to_string(k) +
                            " was not kept: ask for step." + what + " during the step");
 }
+
+MarkerVision& Step::open_vision() const {
+  if (vision) return *vision;
+  throw std::runtime_error("this step has no markers: it was made without markers=...");
+}
+
+const MarkerLayout& Step::markers() const { return open_vision().markers(); }
 
 void Step::check_thread() const {
   if (!is_over) guard->check_thread();

@@ -23,6 +23,7 @@ struct Estimate {
 
 /// What the robot half may know of a step. It fills up from stage to stage.
 struct Step {
+  /// `marker_vision` may be missing: such a step has no markers.
   Step(std::shared_ptr<const RunGuard> run_guard, std::shared_ptr<MarkerVision> marker_vision)
       : guard(std::move(run_guard)), vision(std::move(marker_vision)) {}
 
@@ -49,7 +50,13 @@ struct Step {
   /// The blobs in it, found when first asked for: none without a frame.
   const BlobsByColor& find_blobs();
 
-  const MarkerLayout& markers() const { return vision->markers(); }
+  /// Whether `look` still finds a frame, or knows that none has come.
+  bool can_look() const { return frame || camera || !has_frame; }
+
+  /// Throws std::runtime_error for a step made without markers.
+  const MarkerLayout& markers() const;
+
+  const MarkerVision* marker_vision() const { return vision.get(); }
 
   /// Throws std::runtime_error while another thread fills the step.
   void check_thread() const;
@@ -62,6 +69,7 @@ struct Step {
 
  private:
   Camera& open_camera(const char* what) const;
+  MarkerVision& open_vision() const;
 
   const std::shared_ptr<const RunGuard> guard;
   const std::shared_ptr<MarkerVision> vision;

@@ -11,7 +11,7 @@ import numpy as np
 
 from robsim._base.shipped import ASSETS
 from robsim._base.values import digest, frozen
-from robsim._core import Renderer, Scene
+from robsim._core import Scene
 from robsim.imaging._images import Pixels, load_image, resized
 from robsim.imaging._shading import SHADOW, darkened, lightened
 from robsim.robots import RobotDefinition
@@ -124,7 +124,7 @@ def _composed(
     sprite, centre, unit = robot_sprite(
         robot, max(resolution[0] / area[0], resolution[1] / area[1])
     )
-    return Renderer(
+    return Scene(
         floor=(resized(floor, *resolution), resized(shadowed_floor, *resolution)),
         home=(resized(home, *resolution), resized(shadowed_home, *resolution)),
         shadow_left=_shadow_left(resolution[0]),
@@ -135,7 +135,7 @@ def _composed(
         alignment=np.deg2rad(robot.alignment),
         headings=headings,
         area=area,
-    ).scene
+    )
 
 
 def _shadow_left(width: int) -> int:
