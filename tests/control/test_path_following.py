@@ -351,6 +351,6 @@ def test_it_goes_by_the_state_estimator_if_one_runs():
     assert (sim.run(1).u[-1] != 0).any()
 
 
-def test_without_a_measurement_the_robot_stays():
-    trace = robsim.Simulation(control=FollowPath(SQUARE), **SMALL).run(5)
+def test_while_it_is_not_seen_the_robot_stays():
+    trace = robsim.Simulation(control=FollowPath(SQUARE), measure=lambda step: None, **SMALL).run(5)
     assert (trace.u == 0).all()

@@ -79,10 +79,10 @@ def test_the_first_block_is_five_lines_and_ends_with_a_picture():
 
 
 def test_the_table_of_callbacks_names_every_slot():
-    from robsim.simulation._slots import ARGUMENTS
+    from robsim.simulation._slots import SLOTS
 
     rows = re.findall(r"^\| `(\w+)` \|.*\|.*\|.*\|$", README, re.MULTILINE)
-    assert rows == [*ARGUMENTS]
+    assert rows == [*SLOTS]
 
 
 @pytest.mark.skipif(not (ROOT / "assets").is_dir(), reason="needs the sources")

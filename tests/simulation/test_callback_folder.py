@@ -11,10 +11,13 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim.simulation import _slots as table
 from robsim.simulation._folders.callback_folder import CallbackFolder, new_folder
-from robsim.simulation._slots import ARGUMENTS, ONCE, OPTIONAL, STEP
 
-SLOTS = list(ARGUMENTS)
+SLOTS = list(table.SLOTS)
+ONCE, STEP = table.names(when=table.ONCE), table.names(when=table.STEP)
+OPTIONAL = [name for name, slot in table.SLOTS.items() if slot.is_optional]
+ARGUMENTS = {name: slot.argument for name, slot in table.SLOTS.items()}
 SMALL = {"area": (300, 300)}
 GEOMETRY = "def gain():\n    return {}\n"
 
@@ -332,13 +335,15 @@ def test_true_is_for_stages_of_robsim_only(mine):
 def test_a_function_with_other_arguments(mine, slot):
     (mine / f"{slot}.py").write_text(f"def {slot}(a, b):\n    pass\n")
     count = "one argument" if ARGUMENTS[slot] else "no argument"
-    with pytest.raises(TypeError, match=rf"{slot}\.py: .* must take {count}, got {slot}\(a, b\)"):
+    with pytest.raises(
+        TypeError, match=rf"{slot}\.py: {slot} must take {count}.*, got {slot}\(a, b\)"
+    ):
         CallbackFolder(mine).load()
 
 
 def test_a_controller_without_argument(mine):
     (mine / "control.py").write_text("def control():\n    return 0, 0\n")
-    message = r"control\.py: control\(step\) must take one argument, got control\(\)"
+    message = r"control\.py: control must take one argument, step, got control\(\)"
     with pytest.raises(TypeError, match=message):
         CallbackFolder(mine).load()
 

@@ -125,7 +125,7 @@ def test_the_slots_of_the_world_half_are_not_there():
     experiment = robsim.Experiment([])
     with pytest.raises(AttributeError, match="Experiment has no slot 'evaluate_model': there are"):
         experiment.evaluate_model = robsim.Unicycle()
-    with pytest.raises(TypeError, match="unexpected keyword argument 'noise'"):
+    with pytest.raises(TypeError, match="Experiment has no option 'noise'"):
         robsim.Experiment([], noise=robsim.GaussianNoise(5))
 
 

@@ -178,7 +178,7 @@ def test_the_world_cannot_be_exchanged_during_a_run():
         sim.evaluate_model = robsim.Unicycle()
         return 0, 0
 
-    with pytest.raises(RuntimeError, match="a callback cannot be changed while the simulation"):
+    with pytest.raises(RuntimeError, match="a callback cannot be changed during a run"):
         sim.run(3)
 
 

@@ -65,7 +65,7 @@ def members(name, cls):
     arguments = native_arguments(cls.__name__, "__init__") if native else arguments_of(cls)
     yield name if arguments is None else call(name, arguments)
     fields = {f.name for f in dataclasses.fields(cls)} if dataclasses.is_dataclass(cls) else set()
-    for member in sorted(fields | set(dir(cls))):
+    for member in sorted(fields | set(dir(cls)) - set(dir(Exception))):
         if member.startswith("_"):
             continue
         value = inspect.getattr_static(cls, member, None)

@@ -3,20 +3,15 @@
 #include <functional>
 #include <unordered_map>
 
+#include "robsim/simulation/robot/default_stages.hpp"
+
 namespace robsim::bindings {
 
 namespace {
 
-// File and line of a Python function, or the type of another callable.
-std::string location(py::object function) {
-  while (py::hasattr(function, "__wrapped__")) function = function.attr("__wrapped__");
-  if (!py::hasattr(function, "__code__")) {
-    return "  in an object of " + py::repr(py::type::of(function)).cast<std::string>();
-  }
-  const py::object code = function.attr("__code__");
-  return "  File \"" + py::str(code.attr("co_filename")).cast<std::string>() + "\", line " +
-         py::str(code.attr("co_firstlineno")).cast<std::string>() + ", in " +
-         py::str(code.attr("co_name")).cast<std::string>();
+// What the Python side makes of an error: see simulation/_callbacks/errors.py.
+py::object errors(const char* function) {
+  return py::module_::import("robsim.simulation._callbacks.errors").attr(function);
 }
 
 template <typename T>
@@ -55,6 +50,8 @@ Estimate estimate_from(const py::object& result) {
   return result.cast<Estimate>();
 }
 
+Input voltages_from(const py::object& result) { return input_from(result, "the result"); }
+
 RobotModel model_from(const py::object& result) {
   if (!py::isinstance<RobotModel>(result)) {
     throw py::type_error("the result must be a RobotModel, got " + describe(result));
@@ -73,7 +70,7 @@ std::shared_ptr<ParameterEstimator> estimator_from(const py::object& result) {
 
 void set_define_model(Stages& stages, const py::object& value) {
   if (value.is_none()) {
-    stages.define_model = [] { return RobotModel(); };
+    stages.define_model = default_model;
     return;
   }
   if (is_exactly<RobotModel>(value)) {
@@ -88,9 +85,7 @@ void set_define_model(Stages& stages, const py::object& value) {
 
 void set_init_parameter_estimator(Stages& stages, const py::object& value) {
   if (value.is_none()) {
-    stages.init_parameter_estimator = [](const RobotModel&) {
-      return std::make_shared<RecursiveEstimator>(std::make_shared<RecursiveLeastSquares>(5, 3));
-    };
+    stages.init_parameter_estimator = default_parameter_estimator;
     return;
   }
   stages.init_parameter_estimator =
@@ -100,115 +95,79 @@ void set_init_parameter_estimator(Stages& stages, const py::object& value) {
       };
 }
 
-void set_estimate_parameters(Stages& stages, const py::object& value, StepObject& object) {
+// Fills a slot that is called at each step: off, a native stage if there is one for the value, or
+// a callable whose result `convert` takes.
+template <typename Result>
+void set_step_slot(Slot<Result(const StepPointer&)>& slot, const char* name,
+                   const py::object& value, StepObject& object,
+                   std::function<Result(const StepPointer&)> native,
+                   Result (*convert)(const py::object&)) {
   if (is_off(value)) {
-    stages.estimate_parameters = {};
-    return;
+    slot = {};
+  } else if (native) {
+    slot = {std::move(native), false};
+  } else {
+    slot = {[&object, convert, callback = Callback(name, value)](const StepPointer& step) {
+              const py::object result = callback(step->k, object.of(step));
+              return callback.convert(step->k, [&] { return convert(result); });
+            },
+            true};
   }
-  if (is_default(value)) {
-    stages.estimate_parameters = {[](const StepPointer& step) -> std::optional<AxisMatrix> {
-                                    if (!step->sample) return std::nullopt;
-                                    return step->estimator->update(*step);
-                                  },
-                                  false};
-    return;
-  }
-  stages.estimate_parameters = {
-      [&object, callback = Callback("estimate_parameters", value)](const StepPointer& step) {
-        const py::object result = callback(step->k, object.of(step));
-        return callback.convert(step->k, [&] { return optional_parameters(result); });
-      },
-      true};
 }
 
-void set_measure(Stages& stages, const py::object& value, StepObject& object) {
-  if (is_off(value)) {
-    stages.measure = {};
-    return;
+// A class of the user's own that builds on a ready controller is called like any callable.
+std::function<Input(const StepPointer&)> native_controller(const py::object& value) {
+  if (!is_exactly<Spin>(value) && !is_exactly<DriveAround>(value) && !is_exactly<Replay>(value)) {
+    return {};
   }
-  if (is_default(value)) {
-    stages.measure = {[](const StepPointer& step) {
-                        return locate(*step->blobs, step->markers(), step->frame->plane_map);
-                      },
-                      false};
-    return;
-  }
-  stages.measure = {[&object, callback = Callback("measure", value)](const StepPointer& step) {
-                      const py::object result = callback(step->k, object.of(step));
-                      return callback.convert(step->k,
-                                              [&] { return optional_measurement(result); });
-                    },
-                    true};
+  const auto controller = value.cast<std::shared_ptr<Controller>>();
+  return [controller](const StepPointer& step) { return (*controller)(*step); };
 }
 
-void set_estimate_state(Stages& stages, const py::object& value, StepObject& object) {
-  if (is_off(value)) {
-    stages.estimate_state = {};
-    return;
-  }
-  stages.estimate_state = {
-      [&object, callback = Callback("estimate_state", value)](const StepPointer& step) {
-        const py::object result = callback(step->k, object.of(step));
-        return callback.convert(step->k, [&] { return estimate_from(result); });
-      },
-      true};
-}
-
-void set_control(Stages& stages, const py::object& value, StepObject& object) {
-  if (value.is_none()) {
-    stages.control = {};
-    return;
-  }
-  // A class of the user's own that builds on a ready controller is called like any callable.
-  if (is_exactly<Spin>(value) || is_exactly<DriveAround>(value) || is_exactly<Replay>(value)) {
-    const auto controller = value.cast<std::shared_ptr<Controller>>();
-    stages.control = {[controller](const StepPointer& step) { return (*controller)(*step); },
-                      false};
-    return;
-  }
-  stages.control = {[&object, callback = Callback("control", value)](const StepPointer& step) {
-                      const py::object result = callback(step->k, object.of(step));
-                      return callback.convert(step->k,
-                                              [&] { return input_from(result, "the result"); });
-                    },
-                    true};
+// The native stage if it is asked for.
+template <typename Result>
+std::function<Result(const StepPointer&)> if_default(const py::object& value,
+                                                     Result (*stage)(const StepPointer&)) {
+  if (!is_default(value)) return {};
+  return stage;
 }
 
 }  // namespace
 
 Callback::Callback(std::string slot, py::handle function, std::string what)
-    : what_(what.empty() ? "the callback " + slot : std::move(what)), function_(function) {
+    : slot_(std::move(slot)),
+      what_(what.empty() ? "the callback " + slot_ : std::move(what)),
+      function_(function) {
   if (!PyCallable_Check(function_.ptr())) {
-    throw py::type_error(slot + " must be callable, got " + describe(function_));
+    throw py::type_error(slot_ + " must be callable, got " + describe(function_));
   }
 }
 
-std::string Callback::where(std::int64_t k) const {
-  return "in " + what_ + (k < 0 ? " at the start" : " at step " + std::to_string(k));
-}
-
-void Callback::add_note(const py::error_already_set& error, std::int64_t k) const {
+void Callback::fail(std::int64_t k) const {
+  py::error_already_set error;
+  if (error.trace()) PyException_SetTraceback(error.value().ptr(), error.trace().ptr());
   try {
-    error.value().attr("add_note")(where(k));
+    errors("failed")(error.value(), slot_, what_, k, function_);
   } catch (const py::error_already_set&) {
-    // An exception class that takes no notes: the exception itself is what counts.
+    // An exception that takes no note: it is what counts.
   }
+  throw error;
 }
 
-std::string Callback::blame(std::int64_t k, const std::string& what) const {
-  return where(k) + ": " + what + "\n" + location(py::reinterpret_borrow<py::object>(function_));
+void Callback::refuse(std::int64_t k) const {
+  const py::error_already_set error;
+  const py::object refused = errors("refused")(error.value(), slot_, what_, k, function_);
+  PyErr_SetObject(py::type::of(refused).ptr(), refused.ptr());
+  throw py::error_already_set();
 }
+
+void ObjectEstimator::check() const { errors("check_estimator")(object_); }
 
 AxisMatrix ObjectEstimator::update(const Step& step) {
-  const std::string name = "estimate_parameters (its default: step.estimator.update)";
-  if (!py::hasattr(object_, "update")) {
-    throw py::type_error("in the callback " + name + " at step " + std::to_string(step.k) +
-                         ": the object that init_parameter_estimator returned must have a method "
-                         "update(phi, y), got " +
-                         describe(object_));
-  }
+  if (!py::hasattr(object_, "update")) check();
   const py::object method = object_.attr("update");
-  const Callback update(name, method);
+  const Callback update("estimate_parameters", method,
+                        "the callback estimate_parameters (its default: step.estimator.update)");
   const Regression& sample = step.sample.value().regression;
   const py::object result = update(step.k, to_array(sample.phi), to_array(sample.y.data(), {3}));
   return update.convert(step.k, [&] { return axis_matrix_from(result, "the result"); });
@@ -236,13 +195,33 @@ void SlottedLoop::set_slot(const std::string& slot, const py::object& value) {
   const std::unordered_map<std::string, std::function<void(Stages&)>> setters = {
       {"define_model", [&](Stages& s) { set_define_model(s, value); }},
       {"init_parameter_estimator", [&](Stages& s) { set_init_parameter_estimator(s, value); }},
-      {"estimate_parameters", [&](Stages& s) { set_estimate_parameters(s, value, step_object); }},
-      {"measure", [&](Stages& s) { set_measure(s, value, step_object); }},
-      {"estimate_state", [&](Stages& s) { set_estimate_state(s, value, step_object); }},
-      {"control", [&](Stages& s) { set_control(s, value, step_object); }},
+      {"estimate_parameters",
+       [&](Stages& s) {
+         set_step_slot(s.estimate_parameters, "estimate_parameters", value, step_object,
+                       if_default(value, update_estimator), optional_parameters);
+       }},
+      {"measure",
+       [&](Stages& s) {
+         set_step_slot(s.measure, "measure", value, step_object, if_default(value, locate_markers),
+                       optional_measurement);
+       }},
+      {"estimate_state",
+       [&](Stages& s) {
+         set_step_slot(s.estimate_state, "estimate_state", value, step_object, {}, estimate_from);
+       }},
+      {"control",
+       [&](Stages& s) {
+         set_step_slot(s.control, "control", value, step_object, native_controller(value),
+                       voltages_from);
+       }},
   };
   setters.at(slot)(stages());
   values[slot] = value;
+}
+
+void SlottedLoop::refuse(const ResultError& error) const {
+  PyErr_SetString(PyExc_ValueError, error.what());
+  Callback(error.slot(), values.at(error.slot())).refuse(error.k());
 }
 
 }  // namespace robsim::bindings

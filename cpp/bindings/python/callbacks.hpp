@@ -25,9 +25,7 @@ class Callback {
     PyObject* const result =
         PyObject_Vectorcall(function_.ptr(), arguments, sizeof...(objects), nullptr);
     if (result) return py::reinterpret_steal<py::object>(result);
-    py::error_already_set error;
-    add_note(error, k);
-    throw error;
+    fail(k);
   }
 
   /// Converts a result; an error in that names the callable, too.
@@ -35,23 +33,27 @@ class Callback {
   auto convert(std::int64_t k, const Convert& conversion) const {
     try {
       return conversion();
-    } catch (const py::type_error& error) {
-      throw py::type_error(blame(k, error.what()));
-    } catch (const py::value_error& error) {
-      throw py::value_error(blame(k, error.what()));
+    } catch (const py::builtin_exception& error) {
+      error.set_error();
+      refuse(k);
     } catch (const std::invalid_argument& error) {
-      throw py::value_error(blame(k, error.what()));
+      PyErr_SetString(PyExc_ValueError, error.what());
+      refuse(k);
     } catch (py::error_already_set& error) {
-      add_note(error, k);
-      throw;
+      error.restore();
+      fail(k);
     }
   }
 
- private:
-  std::string where(std::int64_t k) const;
-  void add_note(const py::error_already_set& error, std::int64_t k) const;
-  std::string blame(std::int64_t k, const std::string& what) const;
+  /// Throws the Python exception that is set, raised by the callable itself, with a note and a
+  /// record of where it came from.
+  [[noreturn]] void fail(std::int64_t k) const;
 
+  /// Throws the Python exception that is set, raised on the callable's result, as a CallbackError.
+  [[noreturn]] void refuse(std::int64_t k) const;
+
+ private:
+  std::string slot_;
   std::string what_;
   py::handle function_;
 };
@@ -89,6 +91,7 @@ class ObjectEstimator : public ParameterEstimator {
   explicit ObjectEstimator(py::object object) : object_(std::move(object)) {}
 
   AxisMatrix update(const Step& step) override;
+  void check() const override;
   bool is_interpreted() const override { return true; }
   const py::object& object() const { return object_; }
 
@@ -134,6 +137,9 @@ class SlottedLoop : public Loop, public SlotValues {
   /// Puts a value into the slot of a name: a callable, a native component, True for the default
   /// of an optional stage, None for what is there without being asked for.
   void set_slot(const std::string& slot, const py::object& value);
+
+  /// Throws the error of a stage as the Python exception of the callable in its slot.
+  [[noreturn]] void refuse(const ResultError& error) const;
 
   StepObject step_object;  // empty between two runs
 };

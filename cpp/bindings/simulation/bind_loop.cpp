@@ -68,6 +68,17 @@ struct RunScope {
   StepObject* object;  // null: another run is under way, whose it is
 };
 
+// Does something that the loop does between two looks of the user's.
+template <typename Work>
+auto in_run(SlottedLoop& loop, const Work& work) {
+  const RunScope scope(loop);
+  try {
+    return work();
+  } catch (const ResultError& error) {
+    loop.refuse(error);
+  }
+}
+
 // Views of the rows recorded by now; they stay what they are while the run goes on.
 using Columns = py::typing::Dict<py::str, py::array_t<double>>;
 
@@ -118,8 +129,7 @@ void bind_loop(py::module_& module) {
       .def(
           "run",
           [](SlottedLoop& self, std::int64_t steps, const py::object& progress, bool stops_robot) {
-            const RunScope scope(self);
-            return self.run(steps, pulse(progress), stops_robot);
+            return in_run(self, [&] { return self.run(steps, pulse(progress), stops_robot); });
           },
           py::arg("steps"), py::arg("progress") = py::none(), py::arg("stops_robot") = true,
           "Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has "
@@ -128,8 +138,8 @@ void bind_loop(py::module_& module) {
       .def(
           "step_stage",
           [](SlottedLoop& self) -> std::optional<std::string> {
-            const RunScope scope(self);
-            const std::optional<Stage> stage = self.step_stage(pulse(py::none()));
+            const std::optional<Stage> stage =
+                in_run(self, [&] { return self.step_stage(pulse(py::none())); });
             return stage ? std::optional<std::string>(name_of(*stage)) : std::nullopt;
           },
           "Do the next stage that is on and return its name; None = the world has come to its end.")

@@ -136,8 +136,11 @@ std::optional<Stage> Loop::step_stage(const Pulse& pulse) {
   const RunGuard::Run run(*guard_);
   prepare();
   recorder_.prepare(*world_, robot_, 1);
-  const Stage done = stage_;
+  Stage done = Stage::world;
   try {
+    // One that was on when the stage before it was done may have been switched off.
+    while (stage_ != Stage::world && !is_on(stage_)) do_stage();
+    done = stage_;
     Arrival arrival = do_stage();
     for (; arrival == Arrival::nothing_yet; arrival = do_stage()) {
       if (guard_->is_stopped()) throw std::runtime_error("stop() was called before a frame came");
@@ -229,7 +232,7 @@ bool Loop::is_on(Stage stage) const {
 
 const StepPointer& Loop::last_step() const {
   guard_->check_thread();
-  if (!robot_.step()) throw std::runtime_error("this simulation has not started yet");
+  if (!robot_.step()) throw std::runtime_error("there is no step before the start");
   return robot_.step();
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import functools
 import inspect
 import linecache
@@ -40,10 +41,22 @@ class SourceLine:
         """The line itself; empty if it cannot be read."""
         return linecache.getline(self.file, self.number).strip()
 
+    @property
+    def place(self) -> str:
+        """File and number, such as ``control.py:3``; in a notebook ``line 3``."""
+        return (
+            f"line {self.number}"
+            if _is_cell(self.file)
+            else f"{Path(self.file).name}:{self.number}"
+        )
+
+    @property
+    def is_users(self) -> bool:
+        """Whether it is the user's own code, and not that of robsim or of an installed package."""
+        return _is_users(self.file)
+
     def __str__(self) -> str:
-        is_cell = "ipykernel" in self.file or self.file.startswith("<ipython-input")
-        file = "line" if is_cell else f"{Path(self.file).name}:"
-        return f"{file}{' ' if is_cell else ''}{self.number} in {self.function}"
+        return f"{self.place} in {self.function}"
 
 
 def line_of_error(error: BaseException) -> SourceLine | None:
@@ -51,6 +64,27 @@ def line_of_error(error: BaseException) -> SourceLine | None:
     frames = traceback.walk_tb(error.__traceback__)
     lines = [SourceLine(f.f_code.co_filename, n, f.f_code.co_name) for f, n in frames]
     return next((line for line in reversed(lines) if _is_users(line.file)), None)
+
+
+def called_in(error: BaseException) -> str | None:
+    """Return the name of the compiled function that the last line of a traceback calls, or None."""
+    frames = traceback.extract_tb(error.__traceback__, -1)
+    if not frames:
+        return None
+    last = frames[0]
+    lines = linecache.getlines(last.filename)[(last.lineno or 1) - 1 : last.end_lineno]
+    if not lines or last.colno is None or last.end_colno is None:
+        return None
+    # Offsets count bytes.
+    lines[-1] = lines[-1].encode()[: last.end_colno].decode()
+    lines[0] = lines[0].encode()[last.colno :].decode()
+    try:
+        call = ast.parse("".join(lines), mode="eval").body
+    except SyntaxError:
+        return None
+    if not isinstance(call, ast.Call):
+        return None
+    return getattr(call.func, "attr", getattr(call.func, "id", None))
 
 
 def line_of_frame(frame: FrameType | None) -> SourceLine | None:
@@ -78,7 +112,15 @@ def line_of_callable(function: Any) -> SourceLine | None:
     return SourceLine(code.co_filename, code.co_firstlineno, code.co_name)
 
 
+def users_line_of_callable(function: Any) -> SourceLine | None:
+    """Return the same, None if the code is not the user's."""
+    line = line_of_callable(function)
+    return line if line is not None and line.is_users else None
+
+
+def _is_cell(file: str) -> bool:
+    return "ipykernel_" in file or file.startswith("<ipython-input")
+
+
 def _is_users(file: str) -> bool:
-    if "ipykernel_" in file or file.startswith("<ipython-input"):
-        return True
-    return not file.startswith((_PACKAGE, *_INSTALLED, "<"))
+    return _is_cell(file) or not file.startswith((_PACKAGE, *_INSTALLED, "<"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass, field, fields
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -62,6 +63,8 @@ class _Drive:
     turn_gain: float = 0.4  # V per rad/s
     min_voltage: float = 0.3  # V
     _motion: _Motion = field(default_factory=_Motion, init=False)
+
+    needs: ClassVar = ("measurement", "estimate")  # one of them, to know where the robot is
 
     def __post_init__(self) -> None:
         for name, unit in {

@@ -12,6 +12,12 @@ from robsim._core import (
     Unicycle,
     WorldState,
 )
+from robsim.simulation._callbacks.errors import (
+    CallbackError,
+    CallbackTypeError,
+    CallbackValueError,
+    FailedCallback,
+)
 from robsim.simulation._experiment import Experiment
 from robsim.simulation._scenario import Scenario
 from robsim.simulation._simulation import Simulation
@@ -20,9 +26,13 @@ from robsim.simulation._world.dropout import Dropout
 from robsim.simulation._world.scene import draw_red_square
 
 __all__ = [
+    "CallbackError",
+    "CallbackTypeError",
+    "CallbackValueError",
     "Dropout",
     "Estimate",
     "Experiment",
+    "FailedCallback",
     "Observation",
     "ParameterMismatch",
     "PoseNoise",

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Self, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,16 +19,15 @@ from robsim._base.checks import Floats, check_choice, check_float, check_size
 from robsim._base.seeds import Seed, seed_sequence
 from robsim._core import (
     ColorClass,
-    Controller,
     Frame,
     MarkerLayout,
     Observation,
     RobotModel,
     RobotParameters,
-    Step,
 )
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
+from robsim.simulation import _slots as slots
 from robsim.simulation._options import (
     UNLIMITED,
     colors_value,
@@ -41,10 +40,14 @@ from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.motors import Motors
 from robsim.simulation._runner import Runner
 from robsim.simulation._scenario import Scenario
+from robsim.simulation._slots import RobotCallbacks
 from robsim.trace import Trace
 from robsim.trace._columns import POSES, RECORDED
 
 _FRAME_TIMEOUT = 1.0  # s, where a robot drives
+
+#: The robot is located, and nothing else is done.
+_DEFAULTS: RobotCallbacks = {"measure": True}
 
 
 class Experiment(Runner):
@@ -89,10 +92,7 @@ class Experiment(Runner):
     model : RobotModel or RobotParameters, optional
         The model of the robot, in place of `define_model`. Default: that of ``RobotParameters()``,
         with the ``dt`` of the frames, if they have one.
-    define_model, init_parameter_estimator : callable, optional
-        Called once, at the start.
-    estimate_parameters, measure, estimate_state, control : callable or bool, optional
-        As in `Simulation`. Default: the robot is located, and nothing else is done.
+    SLOTS
 
     Raises
     ------
@@ -108,6 +108,7 @@ class Experiment(Runner):
 
     _GROUPS = RECORDED
 
+    @slots.shows_slots(RobotCallbacks, _DEFAULTS)
     def __init__(
         self,
         frames: Iterable[Frame | Observation | None],
@@ -124,14 +125,9 @@ class Experiment(Runner):
         identify_from: str = "measurement",
         model: RobotModel | RobotParameters | None = None,
         time_limit: float | None = None,
-        define_model: Callable[[], RobotModel] | None = None,
-        init_parameter_estimator: Callable[[RobotModel], Any] | None = None,
-        estimate_parameters: Callable[[Step], ArrayLike | None] | bool | None = None,
-        measure: Callable[[Step], _core.Measurement | None] | bool | None = True,
-        estimate_state: Callable[[Step], _core.Estimate] | None = None,
-        control: Callable[[Step], Sequence[float]] | Controller | None = None,
+        **callbacks: Unpack[RobotCallbacks],
     ) -> None:
-        given = locals()
+        self._check_names(callbacks)
         definition = as_robot(robot)
         if frame_timeout is None:
             frame_timeout = math.inf if send is None else _FRAME_TIMEOUT
@@ -156,7 +152,7 @@ class Experiment(Runner):
             identify_from=check_choice("identify_from", identify_from, tuple(POSES)),
             time_limit=time_limit,
         )
-        self._fill_slots(given)
+        self._fill_slots(_DEFAULTS | callbacks)
 
     def __enter__(self) -> Self:
         return self
@@ -191,7 +187,9 @@ class Experiment(Runner):
         ------
         Exception
             Any exception of a callback, of `frames` or of `send`, with a note that names it and the
-            step. The steps before it are kept in `trace`, and the next run continues from there.
+            step, and the attribute ``callback``, a `robsim.simulation.FailedCallback`. The steps
+            before it are kept in `trace`. The next run repeats the stage that failed, in the same
+            step; what comes before it in the step is not done again.
         EOFError
             If `steps` is given and there are no more frames.
         TimeoutError
@@ -286,11 +284,24 @@ class Experiment(Runner):
     def _check_source(self) -> None:
         if self.identify_from == "estimate":
             super()._check_source()  # measurements and samples may come with the frames
-        if not self._callbacks["control"]:
+        if not self._is_on("control"):
             raise ValueError(
                 "estimate_parameters needs the inputs of the robot: give control=..., or "
                 "control=robsim.Replay(u) for inputs that were recorded with the frames"
             )
 
+    def _lacks(self, problem: str) -> None:
+        # An Observation may bring it.
+        self._source.lacks = problem
+
+    def _check_stages(self) -> None:
+        self._source.lacks = None
+        super()._check_stages()
+
     def _theta_true(self) -> ArrayLike:
         return np.full((3, 5), np.nan)
+
+
+Experiment.__doc__ = (Experiment.__doc__ or "").replace(
+    "    SLOTS\n", slots.documented(Experiment.SLOTS)
+)

@@ -1,56 +1,32 @@
-"""What `Simulation` and `Experiment` have in common: slots, runs, the trace."""
+"""What `Simulation` and `Experiment` have in common: the loop, its runs and its trace."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from abc import abstractmethod
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from os import PathLike
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.seeds import Seed, seed_record, seed_sequence, stream, stream_number
-from robsim._core import (
-    ColorClass,
-    DriveAround,
-    Frame,
-    MarkerLayout,
-    Replay,
-    Spin,
-    Step,
-    Unicycle,
-)
+from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
+from robsim._core import ColorClass, Frame, MarkerLayout, Step
 from robsim.robots import RobotDefinition
-from robsim.simulation import _slots as slots
-from robsim.simulation._slots import Slot
-from robsim.simulation._time_limit import TimeLimit
+from robsim.simulation._callbacks.missing_data import note_missing_data, unmet_needs
+from robsim.simulation._run_info import run_info
+from robsim.simulation._slots import SLOTS
+from robsim.simulation._slotted import Slotted
 from robsim.trace import RunInfo, Trace
 from robsim.trace._columns import empty_groups
 
-if TYPE_CHECKING:
-    from robsim.simulation._folders.callback_folder import CallbackFolder, Callbacks
 
-#: Stages that run in C++.
-NATIVE = (Spin, DriveAround, Replay, Unicycle)
-
-
-class Runner(ABC):
+class Runner(Slotted):
     """The loop with the slots of the robot half; the subclasses add the world half."""
 
-    #: The slots that there are.
-    SLOTS: ClassVar[tuple[str, ...]] = slots.ROBOT
     #: The groups of columns of an empty trace.
     _GROUPS: ClassVar[tuple[str, ...]]
-
-    define_model = Slot("Once: ``define_model() -> RobotModel``.")
-    init_parameter_estimator = Slot("Once: ``init_parameter_estimator(model) -> estimator``.")
-    estimate_parameters = Slot("Each step: ``estimate_parameters(step) -> (3, 5) or None``.")
-    measure = Slot("Each step: ``measure(step) -> Measurement or None``.")
-    estimate_state = Slot("Each step: ``estimate_state(step) -> Estimate``.")
-    control = Slot("Each step: ``control(step) -> (u1, u2)`` in V.")
 
     def __init__(
         self,
@@ -66,6 +42,7 @@ class Runner(ABC):
         identify_from: str,
         time_limit: float | None,
     ) -> None:
+        super().__init__(time_limit)
         self.robot = robot
         self.area = area
         self.boundary = boundary
@@ -73,16 +50,11 @@ class Runner(ABC):
         self.colors = colors
         self.markers = markers
         self._smoothing = smoothing
-        self._time_limit = None if time_limit is None else TimeLimit(time_limit)
         self._is_guarded = False
-        self._folder: CallbackFolder | None = None
-        self._from_folder: set[str] = set()
         self._seed = seed
         self._rng: np.random.Generator | None = None
         self._run_info: RunInfo | None = None
         self._changed: tuple[str, ...] = ()  # options, in the middle of the run
-        self._callbacks: dict[str, Any] = dict.fromkeys(self.SLOTS)
-        self._given: dict[str, Any] = dict(self._callbacks)
         self._world_half = world  # here the garbage collector sees into it
         self._core = _core.Loop(
             world=world,
@@ -92,123 +64,6 @@ class Runner(ABC):
             identify_from=identify_from,
             controller_seed=stream_number(seed, "controller"),
         )
-
-    def _fill_slots(self, given: dict[str, Any]) -> None:
-        """Fill the slots with what was given for them, or the default."""
-        self._given = {slot: given[slot] for slot in self.SLOTS}
-        for slot, value in self._given.items():
-            # An estimator of the user's has switched estimate_parameters on by then.
-            if value is not None or self._callbacks[slot] is None:
-                self._set_slot(slot, value)
-
-    @classmethod
-    def from_folder(
-        cls,
-        folder: str | PathLike[str],
-        *,
-        slots: str | Iterable[str] | None = None,
-        **options: Any,
-    ) -> Self:
-        """Return a runner with the callbacks of a folder, as written by ``robsim new``.
-
-        When a file of the folder has changed, the next run or reset reloads all of them. If one
-        fails, the runner is unchanged. A callback given here for a slot, or ``"default"``,
-        overrides the file; True does not: it applies if the file is missing or has
-        ``ENABLED = False``.
-
-        Parameters
-        ----------
-        folder : path
-            The folder: ``control.py``, ``measure.py`` and so on, named after the slots.
-        slots : str or iterable of str, optional
-            The slots that the folder may fill; files for other slots are not even executed.
-            Default: all slots of the class.
-        **options
-            The options of the class.
-
-        Raises
-        ------
-        FileNotFoundError
-            If there is no such folder.
-        ValueError
-            If it has no callback files, a file does not define the callback it is named after, or
-            a slot is unknown.
-        SyntaxError
-            If a file is not valid Python; the message has its name and the line.
-        """
-        from robsim.simulation._folders.callback_folder import CallbackFolder
-        from robsim.simulation._slots import checked_slots
-
-        wanted = cls.SLOTS if slots is None else checked_slots(slots, cls.SLOTS)
-        runner = cls(**options)
-        runner._folder = CallbackFolder(folder, wanted)
-        runner._load_folder()
-        return runner
-
-    def _load_folder(self) -> None:
-        assert self._folder is not None
-        self._use(self._folder.load())
-
-    def _use(self, callbacks: Callbacks) -> None:
-        """Fill the slots with the callbacks of the folder."""
-        for slot in self.SLOTS:
-            is_fixed = slot in slots.ONCE and self._core.has_started
-            is_open = self._given[slot] is None or self._given[slot] is True
-            if slot in self._from_folder | callbacks.keys() and is_open and not is_fixed:
-                # A file that is switched off counts as missing.
-                callback = callbacks.get(slot, False)
-                self._set_slot(slot, self._given[slot] if callback is False else callback)
-        self._from_folder = set(callbacks)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        is_made = "_core" in self.__dict__
-        is_known = name.startswith("_") or isinstance(
-            getattr(type(self), name, None), (Slot, property)
-        )
-        if is_made and not is_known:
-            kind = type(self).__name__
-            raise AttributeError(
-                f"{kind} has no slot {name!r}: there are {', '.join(self.SLOTS)}; "
-                f"options are given to {kind}(...)"
-            )
-        super().__setattr__(name, value)
-
-    def _set_slot(self, slot: str, callback: Any) -> None:
-        if slot in slots.ONCE and self._core.has_started:
-            raise RuntimeError(
-                f"{slot} runs only at the start of a simulation: call sim.reset() first"
-            )
-        value = self._default(slot) if callback is None or slots.is_default(callback) else callback
-        if slots.is_default(callback) and slot in slots.SWITCHES:
-            value = True
-        self._put(slot, value)
-        self._callbacks[slot] = value
-        self._run_info = None
-        update = self._callbacks["estimate_parameters"]
-        if slot == "init_parameter_estimator" and value and (update is None or update is True):
-            # An estimator of the user's is meant to be used.
-            self._set_slot("estimate_parameters", True)
-
-    def _default(self, slot: str) -> Any:
-        """Return what fills a slot that nothing is given for; None = the core's own default."""
-        return None
-
-    def _put(self, slot: str, value: Any) -> None:
-        """Put a value into the slot of the C++ core."""
-        self._core.set_slot(slot, self._limited(self._stage(slot, value)))
-
-    def _stage(self, slot: str, callback: Any) -> Any:
-        """Return the stage that the C++ core gets for a callback."""
-        is_users = slot == "estimate_parameters" and self._callbacks["init_parameter_estimator"]
-        if callback is True and is_users and self._time_limit:
-            return _update_estimator  # in Python, where the time limit applies
-        return callback
-
-    def _limited(self, callback: Any) -> Any:
-        # Native stages need no limit.
-        if self._time_limit is None or not _is_code(callback):
-            return callback
-        return self._time_limit.limited(callback)
 
     def find_blobs(self, frame: Frame) -> dict[str, list[_core.Blob]]:
         """Return the blobs of a frame, found with the colours and smoothing of this object.
@@ -324,18 +179,7 @@ class Runner(ABC):
                 self._core.start()
 
     def _prepare(self) -> None:
-        if (
-            self._folder is not None
-            and not self._core.is_running
-            and (changed := self._folder.changed)
-        ):
-            late = changed & slots.ONCE.keys() if self._core.has_started else set()
-            for slot in late:
-                raise RuntimeError(
-                    f"{slot}.py has changed, but runs only at the start of a simulation: call "
-                    "sim.reset() first"
-                )
-            self._load_folder()
+        self._reload_folder()
         self._check_stages()
 
     @contextmanager
@@ -351,7 +195,12 @@ class Runner(ABC):
                 stack.enter_context(self._folder.importable())
             if self._time_limit is not None:
                 stack.enter_context(self._time_limit.watching())
-            yield
+            try:
+                yield
+            except Exception as error:
+                if self._core.has_started:
+                    note_missing_data(error, self._core.last_step, self._is_on)
+                raise
 
     def reset(self, *, seed: Seed = None) -> None:
         """Return to the start; the next run begins with step 0.
@@ -377,6 +226,9 @@ class Runner(ABC):
         """Give the C++ core the random streams of the seed."""
         self._core.set_controller_seed(stream_number(self._seed, "controller"))
 
+    def _slots_changed(self) -> None:
+        self._run_info = None
+
     def _check_stages(self) -> None:
         missing = {"red", "blue"} - {color.name for color in self.colors}
         if missing and self._callbacks["measure"] is True:
@@ -384,13 +236,20 @@ class Runner(ABC):
             raise ValueError(
                 f"colors must have red and blue for the default measurement, got {names}"
             )
-        if self._callbacks["estimate_parameters"]:
+        if self._is_on("estimate_parameters"):
             self._check_source()
+        for slot in self.SLOTS:
+            if (problem := unmet_needs(slot, self._callbacks[slot], self._is_on)) is not None:
+                self._lacks(problem)
+
+    def _lacks(self, problem: str) -> None:
+        """Raise ValueError: a callback has said that it needs what no slot gives."""
+        raise ValueError(problem)
 
     def _check_source(self) -> None:
         """Raise ValueError if nothing gives the poses that the parameters are estimated from."""
         needed = {"measurement": "measure", "estimate": "estimate_state"}.get(self.identify_from)
-        if needed and not self._callbacks[needed]:
+        if needed and not self._is_on(needed):
             raise ValueError(
                 f"identify_from={self.identify_from!r} needs the stage {needed}, which is off: "
                 f"give {needed}=..."
@@ -404,18 +263,7 @@ class Runner(ABC):
     def _info(self) -> RunInfo:
         if self._run_info is not None:
             return self._run_info
-        info = RunInfo(
-            dt=self._core.model.dt if self._core.has_started else _core.RobotModel().dt,
-            theta_true=self._theta_true(),
-            seed=seed_record(self._seed),
-            identify_from=self.identify_from,
-            area=self.area,
-            boundary=self.boundary,
-            robot=self.robot.name,
-            scenario=self._described(),
-            changed=self._changed,
-            callbacks=tuple(slot for slot, value in self._callbacks.items() if _is_code(value)),
-        )
+        info = run_info(self)
         if self._core.has_started and not self._core.is_running:  # a start may fail yet
             self._run_info = info
         return info
@@ -463,21 +311,8 @@ class Runner(ABC):
         return self._core.last_step
 
     def __repr__(self) -> str:
-        stages = [slot for slot in slots.OPTIONAL if self._callbacks[slot]]
+        stages = [slot for slot in self.SLOTS if SLOTS[slot].is_optional and self._is_on(slot)]
         return (
             f"<{type(self).__name__}: robot {self.robot.name!r}, {self.n_steps} steps done, "
             f"stages on: {', '.join(stages) or 'none'}>"
         )
-
-
-def _is_code(value: Any) -> bool:
-    """Return whether the value of a slot is Python code, and not a native stage."""
-    return callable(value) and type(value) not in NATIVE
-
-
-def _update_estimator(step: Step) -> ArrayLike | None:
-    """Update the user's estimator: the stage estimate_parameters=True in Python."""
-    if step.sample is None:
-        return None
-    update: ArrayLike = step.estimator.update(step.sample.phi, step.sample.y)
-    return update

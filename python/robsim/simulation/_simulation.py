@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from os import PathLike
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
-from robsim._core import Controller, Frame, RobotModel, RobotParameters, Step
+from robsim._core import Frame, RobotModel, RobotParameters
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import Noise, as_native_noise
 from robsim.robots import RobotDefinition
@@ -20,7 +20,7 @@ from robsim.simulation import _options as options
 from robsim.simulation import _slots as slots
 from robsim.simulation._runner import Runner
 from robsim.simulation._scenario import OPTIONS, Scenario
-from robsim.simulation._slots import Slot
+from robsim.simulation._slots import SLOTS, AllCallbacks, WorldSlots
 from robsim.simulation._world.disturbances import (
     ParameterMismatch,
     PoseNoise,
@@ -42,8 +42,11 @@ class _AsInScenario:
 
 _SAME: Any = _AsInScenario()
 
+#: The slots whose native stages are part of a scenario.
+_STAGES = tuple(slot for slot in SLOTS if slot in OPTIONS)
 
-class Simulation(Runner):
+
+class Simulation(WorldSlots, Runner):
     """A robot on a work area under a ceiling camera, driven by callbacks.
 
     Each step runs these stages in order: the model moves the robot, from step 1 on; the parameter
@@ -58,14 +61,7 @@ class Simulation(Runner):
     time_limit : float, optional
         Maximum duration of a call of a callback, or of the ``update`` of your own estimator (s);
         a call that exceeds it ends the run with a TimeoutError.
-    define_model : callable, optional
-        ``define_model() -> RobotModel``, in place of `model`.
-    init_parameter_estimator : callable, optional
-        ``init_parameter_estimator(model) -> estimator``, called once, at the start.
-    adjust_background : callable, optional
-        ``adjust_background(background) -> background``, called once, at the start.
-    estimate_state : callable, optional
-        ``estimate_state(step) -> Estimate``.
+    SLOTS
 
     Raises
     ------
@@ -74,9 +70,9 @@ class Simulation(Runner):
 
     Notes
     -----
-    `evaluate_model`, `estimate_parameters`, `measure` and `control` may be callbacks, too:
-    ``evaluate_model(world) -> (3,)``, the new pose; ``measure(step) -> Measurement or None``;
-    ``estimate_parameters(step) -> (3, 5) or None``; ``control(step) -> (u1, u2)`` in V.
+    The slots that are options of a scenario take callbacks, too:
+
+    CALLBACKS
 
     Examples
     --------
@@ -87,12 +83,10 @@ class Simulation(Runner):
     >>> trace = sim.run(100)
     """
 
-    SLOTS = tuple(slots.ARGUMENTS)
+    SLOTS = slots.names()
     _GROUPS = SIMULATED
 
-    adjust_background = Slot("Once: ``adjust_background(background) -> background``.")
-    evaluate_model = Slot("Each step: ``evaluate_model(world) -> (3,)``, the new pose.")
-
+    @slots.shows_slots(AllCallbacks, dict.fromkeys(_STAGES, _SAME))
     def __init__(
         self,
         scenario: Scenario | None = None,
@@ -117,16 +111,11 @@ class Simulation(Runner):
         identify_from: str = _SAME,
         model: RobotModel | RobotParameters | None = _SAME,
         time_limit: float | None = None,
-        define_model: Callable[[], RobotModel] | None = None,
-        init_parameter_estimator: Callable[[RobotModel], Any] | None = None,
-        adjust_background: Callable[[Pixels], Pixels] | None = None,
-        evaluate_model: Callable[[_core.WorldState], ArrayLike] | _core.Unicycle | None = _SAME,
-        estimate_parameters: Callable[[Step], ArrayLike | None] | bool | None = _SAME,
-        measure: Callable[[Step], _core.Measurement | None] | bool | None = _SAME,
-        estimate_state: Callable[[Step], _core.Estimate] | None = None,
-        control: Callable[[Step], Sequence[float]] | Controller | None = _SAME,
+        **callbacks: Unpack[AllCallbacks],
     ) -> None:
         given = {name: value for name, value in locals().items() if value is not _SAME}
+        self._check_names(callbacks)
+        given |= callbacks
         if scenario is not None and not isinstance(scenario, Scenario):
             raise TypeError(f"scenario must be a Scenario, got {scenario!r}: give options by name")
         data = {name: given[name] for name in OPTIONS if name in given}
@@ -164,7 +153,7 @@ class Simulation(Runner):
         self._apply_dropout()
         self._apply_process_noise()
         stages = {name: given.get(name, self._not_default(name)) for name in _STAGES}
-        self._fill_slots(dict.fromkeys(self.SLOTS) | given | stages)
+        self._fill_slots(given | stages)
 
     def _not_default(self, stage: str) -> Any:
         """Return the stage of the scenario, None if it is the default."""
@@ -266,8 +255,6 @@ class Simulation(Runner):
         if slot == "evaluate_model":
             self._world.set_evaluate_model(self._limited(value))
         elif slot == "adjust_background":
-            if value is not None and not callable(value):
-                raise TypeError(f"adjust_background must be callable, got {value!r}")
             adjust = self._limited(value) or draw_red_square
             make = partial(_scene_of, self._scenario, adjust)
             # A callback of the user's is called at the start, whether somebody looks or not.
@@ -310,8 +297,10 @@ class Simulation(Runner):
         Raises
         ------
         Exception
-            Any exception of a callback, with a note that names the callback and the step. The
-            steps before it are kept in `trace`, and the next run continues from there.
+            Any exception of a callback, with a note that names the callback and the step, and the
+            attribute ``callback``, a `robsim.simulation.FailedCallback`. The steps before it are
+            kept in `trace`. The next run repeats the stage that failed, in the same step; what
+            comes before it in the step is not done again.
         RuntimeError
             If it is already running.
         """
@@ -370,16 +359,12 @@ class Simulation(Runner):
         return frame
 
 
-#: The slots whose native stages are part of a scenario.
-_STAGES = ("evaluate_model", "estimate_parameters", "measure", "control")
-
-
 def _is_data(name: str, values: dict[str, Any]) -> bool:
     """Return whether the value of a slot is part of a scenario."""
     value = values[name]
-    if name in slots.SWITCHES:
+    if SLOTS[name].is_switch:
         return value is None or isinstance(value, bool)
-    return value is None or type(value) in options.KINDS[name]
+    return value is None or type(value) in SLOTS[name].native
 
 
 def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.Scene:
@@ -407,11 +392,14 @@ def _true_model(scenario: Scenario, seed: np.random.SeedSequence, belief: RobotM
     return scenario.mismatch.draw(model, np.random.default_rng(stream(seed, "mismatch")))
 
 
-def _documented_options() -> str:
-    """Return the documentation of the options, which stands in `Scenario`."""
-    text = Scenario.__doc__ or ""
-    start = text.index("    robot : ")
-    return text[start : text.index("\n    Raises\n")].rstrip() + "\n"
+def _documentation(text: str) -> str:
+    """Return a docstring with the documentation of the options, which stands in `Scenario`."""
+    options = Scenario.__doc__ or ""
+    start, end = options.index("    robot : "), options.index("\n    Raises\n")
+    calls = "\n".join(f"    - {SLOTS[slot].call}" for slot in _STAGES)
+    others = slots.documented(slot for slot in SLOTS if slot not in _STAGES)
+    text = text.replace("    OPTIONS\n", options[start:end].rstrip() + "\n")
+    return text.replace("    SLOTS\n", others).replace("    CALLBACKS\n", calls + "\n")
 
 
-Simulation.__doc__ = (Simulation.__doc__ or "").replace("    OPTIONS\n", _documented_options())
+Simulation.__doc__ = _documentation(Simulation.__doc__ or "")

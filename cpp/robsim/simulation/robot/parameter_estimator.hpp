@@ -15,6 +15,9 @@ class ParameterEstimator {
   /// Takes the step's sample in and returns the parameters estimated by now.
   virtual AxisMatrix update(const Step& step) = 0;
 
+  /// Throws unless it can be updated.
+  virtual void check() const {}
+
   /// True if it knows the standard errors of its estimates.
   virtual bool has_standard_errors() const { return false; }
 

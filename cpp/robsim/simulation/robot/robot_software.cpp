@@ -1,6 +1,5 @@
 #include "robsim/simulation/robot/robot_software.hpp"
 
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -15,6 +14,8 @@ RobotSoftware::RobotSoftware(const RobotOptions& options, std::shared_ptr<const 
 void RobotSoftware::start() {
   RobotModel model = stages_.define_model();
   estimator_ = stages_.init_parameter_estimator(model);
+  const auto& update = stages_.estimate_parameters;
+  if (update && !update.is_interpreted) estimator_->check();
   last_u_ = {};
   held_.reset();
   parameters_.reset();
@@ -73,10 +74,9 @@ void RobotSoftware::estimate_state() {
   Estimate estimate = stages_.estimate_state.call(step_);
   const std::size_t size = estimate.state.size();
   if (size > 0 && state_size_ > 0 && size != state_size_) {
-    throw std::invalid_argument("in the callback estimate_state at step " +
-                                std::to_string(step_->k) + ": state must have " +
-                                std::to_string(state_size_) + " numbers at every step, got " +
-                                std::to_string(size));
+    throw ResultError("estimate_state", step_->k,
+                      "state must have " + std::to_string(state_size_) +
+                          " numbers at every step, got " + std::to_string(size));
   }
   if (size > 0) state_size_ = size;
   step_->estimate = std::move(estimate);

@@ -1,14 +1,32 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "robsim/simulation/robot/parameter_estimator.hpp"
 #include "robsim/simulation/robot/step.hpp"
 #include "robsim/simulation/seam/slot.hpp"
 
 namespace robsim {
+
+/// A stage gave what its slot cannot use.
+class ResultError : public std::invalid_argument {
+ public:
+  ResultError(std::string slot, std::int64_t k, const std::string& what)
+      : std::invalid_argument(what), slot_(std::move(slot)), k_(k) {}
+
+  const std::string& slot() const { return slot_; }
+  std::int64_t k() const { return k_; }
+
+ private:
+  std::string slot_;
+  std::int64_t k_;
+};
 
 /// The slots of the robot half.
 struct Stages {

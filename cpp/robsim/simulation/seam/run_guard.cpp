@@ -11,7 +11,7 @@ RunGuard::Run::Run(RunGuard& guard) : guard_(guard) {
   State idle = State::idle;
   if (!guard_.state_.compare_exchange_strong(idle, State::running)) {
     throw std::runtime_error(
-        "this simulation is already running: a callback or another thread cannot run it too");
+        "this simulation or experiment is already running: a callback or another thread cannot run it too");
   }
   guard_.runner_ = std::this_thread::get_id();
   // Whoever still looks may need the interpreter for it.
@@ -38,14 +38,14 @@ RunGuard::Look::Look(const RunGuard& guard) {
 
 void RunGuard::check_idle(const char* what) const {
   if (is_running()) {
-    throw std::runtime_error(std::string(what) + " cannot be changed while the simulation runs");
+    throw std::runtime_error(std::string(what) + " cannot be changed during a run");
   }
 }
 
 void RunGuard::check_thread() const {
   if (is_running() && runner_.load() != std::this_thread::get_id()) {
     throw std::runtime_error(
-        "another thread is running this simulation: wait until it has finished");
+        "another thread is running this simulation or experiment: wait until it has finished");
   }
 }
 

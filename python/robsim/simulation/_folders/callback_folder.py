@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import difflib
-import inspect
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,9 +13,10 @@ from types import ModuleType
 from typing import Any
 
 from robsim._base.files import as_folder, copy_files
+from robsim.simulation._callbacks.checks import check_callback
 from robsim.simulation._folders.modules import FolderModules, reserved_names
 from robsim.simulation._folders.spelling import misspelled
-from robsim.simulation._slots import ARGUMENTS, SWITCHES
+from robsim.simulation._slots import SLOTS
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -43,7 +43,7 @@ def new_folder(folder: str | PathLike[str]) -> list[Path]:
     NotADirectoryError
         If `folder` is a file.
     """
-    return copy_files([_TEMPLATES / f"{slot}.py" for slot in ARGUMENTS], folder)
+    return copy_files([_TEMPLATES / f"{slot}.py" for slot in SLOTS], folder)
 
 
 class CallbackFolder:
@@ -65,9 +65,7 @@ class CallbackFolder:
         If `folder` is not a path.
     """
 
-    def __init__(
-        self, folder: str | PathLike[str], slots: Sequence[str] = tuple(ARGUMENTS)
-    ) -> None:
+    def __init__(self, folder: str | PathLike[str], slots: Sequence[str] = tuple(SLOTS)) -> None:
         self._slots = slots
         self.path = as_folder(folder)
         self._absolute = self.path.absolute()  # valid after a change of directory
@@ -170,19 +168,18 @@ def _callback(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] |
         raise TypeError(f"{file}: ENABLED must be True or False, got {enabled!r}")
     if not enabled:
         return False
-    wanted = f"{slot}({ARGUMENTS[slot]})"
+    wanted = f"{slot}({SLOTS[slot].argument})"
     if not hasattr(module, slot):
         raise ValueError(f"{file} must define {wanted}; it defines: {_definitions(module, slot)}")
     callback = getattr(module, slot)
-    if isinstance(callback, bool) and slot in SWITCHES:
+    if isinstance(callback, bool) and SLOTS[slot].is_switch:
         return callback
     if not callable(callback):
         raise TypeError(f"{file}: {slot} must be a function {wanted}, got {callback!r}")
-    signature = _signature(callback)
-    arguments = [None] if ARGUMENTS[slot] else []
-    if signature and not _accepts(signature, arguments):
-        count = "one argument" if arguments else "no argument"
-        raise TypeError(f"{file}: {wanted} must take {count}, got {slot}{signature}")
+    try:
+        check_callback(slot, callback)
+    except TypeError as error:
+        raise TypeError(f"{file}: {error}") from None
     return callback  # type: ignore[no-any-return]
 
 
@@ -198,21 +195,6 @@ def _definitions(module: ModuleType, slot: str) -> str:
 
 def _similarity(name: str, slot: str) -> float:
     return difflib.SequenceMatcher(None, name.lower(), slot).ratio()
-
-
-def _signature(callback: Callable[..., Any]) -> inspect.Signature | None:
-    try:
-        return inspect.signature(callback)
-    except (TypeError, ValueError):  # of compiled objects
-        return None
-
-
-def _accepts(signature: inspect.Signature, arguments: list[None]) -> bool:
-    try:
-        signature.bind(*arguments)
-    except TypeError:
-        return False
-    return True
 
 
 def _imported_names(sources: Mapping[str, bytes]) -> set[str]:

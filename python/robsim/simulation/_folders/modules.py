@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from robsim.simulation._slots import ARGUMENTS
+from robsim.simulation._slots import SLOTS
 
 # A helper module of such a name would shadow it for Python or for robsim.
 _RESERVED = sys.stdlib_module_names | {
@@ -37,13 +37,13 @@ class FolderModules(MetaPathFinder, Loader):
         self.sources = sources
         self._folder = folder  # as given by the user, for messages
         self._absolute = absolute
-        self._helpers = sources.keys() - ARGUMENTS.keys() - reserved_names(sources)
+        self._helpers = sources.keys() - SLOTS.keys() - reserved_names(sources)
         self._loaded: dict[str, ModuleType] = {}
 
     @contextmanager
     def importable(self) -> Iterator[None]:
         """Let the modules be imported inside the context; restore other ones after it."""
-        names = {*self._helpers, *map(module_name, ARGUMENTS)}
+        names = {*self._helpers, *map(module_name, SLOTS)}
         with _LOCK:
             others = {name: sys.modules.pop(name) for name in names & sys.modules.keys()}
             try:
@@ -74,7 +74,7 @@ class FolderModules(MetaPathFinder, Loader):
         if name in self._helpers:
             file = self._absolute / f"{name}.py"
             return importlib.util.spec_from_file_location(name, file, loader=self)
-        if name in ARGUMENTS and name in self.sources:
+        if name in SLOTS and name in self.sources:
             return self._found_elsewhere(name)
         return None
 

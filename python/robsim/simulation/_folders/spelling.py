@@ -6,27 +6,14 @@ import difflib
 import re
 from collections.abc import Iterable
 
-from robsim.simulation._slots import ARGUMENTS
-
-# Names of the slots in the program of 2008, and other likely names.
-_OTHER_NAMES = {
-    "robotModelDef": "define_model",
-    "myParameterEstimatorInit": "init_parameter_estimator",
-    "background": "adjust_background",
-    "robotModelEval": "evaluate_model",
-    "myParameterEstimator": "estimate_parameters",
-    "measurePosNOrientation": "measure",
-    "measurement": "measure",
-    "stateEstimator": "estimate_state",
-    "robotController": "control",
-}
+from robsim.simulation._slots import SLOTS
 
 
 def misspelled(names: Iterable[str]) -> dict[str, str]:
     """Return the names that resemble a slot name, and that slot."""
     names = list(names)
-    known = {_plain(name): slot for name, slot in _OTHER_NAMES.items()}
-    known |= {_plain(slot): slot for slot in ARGUMENTS}
+    known = {_plain(other): name for name, slot in SLOTS.items() for other in slot.other_names}
+    known |= {_plain(slot): slot for slot in SLOTS}
     suggestions = {}
     for name in names:
         close = difflib.get_close_matches(_plain(name), known, 1, cutoff=0.8)

@@ -56,6 +56,8 @@ class FrameSource:
         self._reading = threading.Lock()
         self._has_begun = False
         self._failed_at: int | None = None
+        #: What the frames have to bring, as the message of an error; None = frames are enough.
+        self.lacks: str | None = None
 
     @property
     def is_spent(self) -> bool:
@@ -101,6 +103,8 @@ class FrameSource:
                 f"there are no more frames since the exception at step {self._failed_at}: a "
                 "generator that has raised one cannot go on"
             )
+        if self.lacks is not None and isinstance(taken, Frame):
+            raise ValueError(f"{self.lacks}, or frames that are Observation objects with it")
         if taken is not Arrival.NOTHING_YET:
             self._failed_at = None
         return taken

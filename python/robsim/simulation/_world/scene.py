@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import reprlib
 from collections.abc import Callable
 from functools import cache, cached_property, lru_cache
@@ -15,6 +14,7 @@ from robsim._core import Scene
 from robsim.imaging._images import Pixels, load_image, resized
 from robsim.imaging._shading import SHADOW, darkened, lightened
 from robsim.robots import RobotDefinition
+from robsim.simulation._callbacks.errors import failed, refused
 from robsim.simulation._world.scene_cache import SceneCache
 
 #: Number of headings that the robot is drawn in, as in the program of 2008.
@@ -211,28 +211,19 @@ def _floor_tile() -> Pixels:
 
 def _adjusted(adjust_background: Callable[[Pixels], Pixels], shown: Pixels) -> Pixels:
     """Return the image that the callback returns, checked."""
+    place = ("adjust_background", "the callback adjust_background", -1, adjust_background)
     try:
         adjusted = adjust_background(shown.copy())
-        expected = f"adjust_background must return a uint8 array of shape {shown.shape}"
-        location = _location(adjust_background)
-        if not isinstance(adjusted, np.ndarray):
-            raise TypeError(f"{expected}, got {adjusted!r}{location}")
-        if adjusted.dtype != np.uint8 or adjusted.shape != shown.shape:
-            raise ValueError(
-                f"{expected}, got {adjusted.dtype} of shape {adjusted.shape}{location}"
-            )
-    except Exception as error:
-        error.add_note("in the callback adjust_background at the start")
+    except BaseException as error:
+        failed(error, *place)
         raise
+    expected = f"the result must be a uint8 array of shape {shown.shape}"
+    if not isinstance(adjusted, np.ndarray):
+        raise refused(TypeError(f"{expected}, got {adjusted!r}"), *place)
+    if adjusted.dtype != np.uint8 or adjusted.shape != shown.shape:
+        came = f"{adjusted.dtype} of shape {adjusted.shape}"
+        raise refused(ValueError(f"{expected}, got {came}"), *place)
     return adjusted
-
-
-def _location(callback: Callable[..., object]) -> str:
-    """Return where a Python function is defined, in the format of a traceback, or ''."""
-    code = getattr(inspect.unwrap(callback), "__code__", None)
-    if code is None:
-        return ""
-    return f'\n  File "{code.co_filename}", line {code.co_firstlineno}, in {code.co_name}'
 
 
 def robot_sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[float, float], float]:

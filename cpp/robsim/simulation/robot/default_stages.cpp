@@ -1,0 +1,22 @@
+#include "robsim/simulation/robot/default_stages.hpp"
+
+#include "robsim/vision/locate.hpp"
+
+namespace robsim {
+
+RobotModel default_model() { return RobotModel(); }
+
+std::shared_ptr<ParameterEstimator> default_parameter_estimator(const RobotModel&) {
+  return std::make_shared<RecursiveEstimator>(std::make_shared<RecursiveLeastSquares>(5, 3));
+}
+
+std::optional<AxisMatrix> update_estimator(const StepPointer& step) {
+  if (!step->sample) return std::nullopt;
+  return step->estimator->update(*step);
+}
+
+std::optional<Measurement> locate_markers(const StepPointer& step) {
+  return locate(*step->blobs, step->markers(), step->frame->plane_map);
+}
+
+}  // namespace robsim

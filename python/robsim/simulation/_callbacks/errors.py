@@ -1,0 +1,150 @@
+"""Where an exception of a callback came from, and what its slot cannot use of its result.
+
+The C++ core calls `failed`, `refused` and `check_estimator`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+from typing import TypeVar
+
+from robsim._base.source_line import (
+    SourceLine,
+    line_of_callable,
+    line_of_error,
+    users_line_of_callable,
+)
+from robsim.simulation._callbacks.signatures import accepts, where_defined
+
+
+@dataclass(frozen=True)
+class FailedCallback:
+    """Where an exception came from: the attribute ``callback`` of every exception of a callback.
+
+    Attributes
+    ----------
+    slot : str
+        The slot; ``"frames"`` or ``"send"`` for those arguments of an `Experiment`.
+    k : int or None
+        The step; None = at the start.
+    source : SourceLine or None
+        The line of your code that raised it, or where the callback is defined; None = unknown.
+    """
+
+    slot: str
+    k: int | None
+    source: SourceLine | None
+
+    @property
+    def when(self) -> str:
+        """``"at step 5"`` or ``"at the start"``."""
+        return "at the start" if self.k is None else f"at step {self.k}"
+
+
+class CallbackError(Exception):
+    """A callback returned what its slot cannot use.
+
+    It is a TypeError or a ValueError, too.
+
+    Parameters
+    ----------
+    message : str
+        What was expected and what came.
+
+    Attributes
+    ----------
+    callback : FailedCallback
+        Slot, step and line.
+    """
+
+    callback: FailedCallback
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message)
+
+
+E = TypeVar("E", bound=CallbackError)
+
+
+class CallbackTypeError(CallbackError, TypeError):
+    """A `CallbackError`: the result has the wrong type."""
+
+
+class CallbackValueError(CallbackError, ValueError):
+    """A `CallbackError`: the result has the wrong shape or value."""
+
+
+def callback_of(error: BaseException) -> FailedCallback | None:
+    """Return where an exception came from; None if no callback raised it."""
+    found = getattr(error, "callback", None)
+    return found if isinstance(found, FailedCallback) else None
+
+
+def failed(error: BaseException, slot: str, what: str, k: int, function: object) -> None:
+    """Note on an exception which callback raised it; the same exception reaches the user.
+
+    Parameters
+    ----------
+    error : BaseException
+        The exception.
+    slot : str
+        The slot.
+    what : str
+        What a message calls the callback.
+    k : int
+        The step; -1 = at the start.
+    function : callable
+        The callback.
+    """
+    source = line_of_error(error) or users_line_of_callable(function)
+    record = FailedCallback(slot, None if k < 0 else k, source)
+    # A class of the user's own may refuse both: the exception itself is what counts.
+    with contextlib.suppress(Exception):
+        error.add_note(f"in {what} {record.when}")
+        if callback_of(error) is None:  # that of a simulation inside the callback comes first
+            error.callback = record  # type: ignore[attr-defined]
+
+
+def refused(
+    error: BaseException, slot: str, what: str, k: int, function: object
+) -> CallbackTypeError | CallbackValueError:
+    """Return the exception to raise for a result that its slot cannot use; arguments as `failed`.
+
+    Its message is that of `error`, which says what was expected and what came.
+    """
+    source = line_of_callable(function)
+    record = FailedCallback(slot, None if k < 0 else k, users_line_of_callable(function))
+    place = f"of {_type_name(function)}" if source is None else _traceback_line(source)
+    kind = CallbackTypeError if isinstance(error, TypeError) else CallbackValueError
+    return _recorded(kind(f"in {what} {record.when}: {error}\n  {place}"), record)
+
+
+def check_estimator(estimator: object) -> None:
+    """Raise CallbackTypeError unless an object can be updated with samples."""
+    update = getattr(estimator, "update", None)
+    if callable(update) and accepts(update, 2):
+        return
+    source = users_line_of_callable(update if callable(update) else type(estimator))
+    came = f"method update{where_defined(update)}" if callable(update) else "none"
+    message = (
+        "in the callback init_parameter_estimator at the start: the estimator that it returned, "
+        f"of class {_type_name(estimator)}, must have a method update(phi, y), got {came}"
+    )
+    raise _recorded(
+        CallbackTypeError(message), FailedCallback("init_parameter_estimator", None, source)
+    )
+
+
+def _recorded(error: E, record: FailedCallback) -> E:
+    error.callback = record
+    return error
+
+
+def _type_name(value: object) -> str:
+    return type(value).__qualname__.rpartition("<locals>.")[2]
+
+
+def _traceback_line(source: SourceLine) -> str:
+    """Return a line in the format of a traceback, which editors and consoles know."""
+    return f'File "{source.file}", line {source.number}, in {source.function}'

@@ -1,0 +1,200 @@
+"""The slots of a simulation or an experiment, and what fills them."""
+
+from __future__ import annotations
+
+import inspect
+from abc import ABC
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from numpy.typing import ArrayLike
+
+from robsim import _core
+from robsim._base.spelling import check_names
+from robsim._core import Step
+from robsim.simulation import _slots as table
+from robsim.simulation._callbacks.checks import check_callback
+from robsim.simulation._slots import ROBOT, SLOTS, RobotSlots, Slot
+from robsim.simulation._time_limit import TimeLimit
+
+if TYPE_CHECKING:
+    from robsim.simulation._folders.callback_folder import CallbackFolder, Callbacks
+
+#: Components that run in C++.
+_NATIVE = tuple(kind for slot in SLOTS.values() for kind in slot.native)
+
+
+class Slotted(RobotSlots, ABC):
+    """An object with slots: what is given for them, their defaults, and a folder of callbacks."""
+
+    #: The slots that there are.
+    SLOTS: ClassVar[tuple[str, ...]] = table.names(half=ROBOT)
+
+    _core: _core.Loop
+
+    def __init__(self, time_limit: float | None) -> None:
+        self._time_limit = None if time_limit is None else TimeLimit(time_limit)
+        self._folder: CallbackFolder | None = None
+        self._from_folder: set[str] = set()
+        self._callbacks: dict[str, Any] = dict.fromkeys(self.SLOTS)
+        self._given: dict[str, Any] = dict(self._callbacks)
+
+    @classmethod
+    def _check_names(cls, callbacks: Iterable[str]) -> None:
+        """Raise TypeError if the ``**callbacks`` of the class have a name that is no slot."""
+        known = [*cls.SLOTS, *inspect.signature(cls).parameters]
+        check_names(f"{cls.__name__} has no option", callbacks, known, TypeError)
+
+    def _fill_slots(self, given: Mapping[str, Any]) -> None:
+        """Fill the slots with what was given for them, or the default."""
+        self._given = {slot: given.get(slot) for slot in self.SLOTS}
+        for slot, value in self._given.items():
+            # An estimator of the user's has switched estimate_parameters on by then.
+            if value is not None or self._callbacks[slot] is None:
+                self._set_slot(slot, value)
+
+    @classmethod
+    def from_folder(
+        cls,
+        folder: str | PathLike[str],
+        *,
+        slots: str | Iterable[str] | None = None,
+        **options: Any,
+    ) -> Self:
+        """Return a runner with the callbacks of a folder, as written by ``robsim new``.
+
+        When a file of the folder has changed, the next run or reset reloads all of them. If one
+        fails, the runner is unchanged. A callback given here for a slot, or ``"default"``,
+        overrides the file; True does not: it applies if the file is missing or has
+        ``ENABLED = False``.
+
+        Parameters
+        ----------
+        folder : path
+            The folder: ``control.py``, ``measure.py`` and so on, named after the slots.
+        slots : str or iterable of str, optional
+            The slots that the folder may fill; files for other slots are not even executed.
+            Default: all slots of the class.
+        **options
+            The options of the class.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such folder.
+        ValueError
+            If it has no callback files, a file does not define the callback it is named after, or
+            a slot is unknown.
+        SyntaxError
+            If a file is not valid Python; the message has its name and the line.
+        """
+        from robsim.simulation._folders.callback_folder import CallbackFolder
+
+        wanted = cls.SLOTS if slots is None else table.checked_slots(slots, cls.SLOTS)
+        runner = cls(**options)
+        runner._folder = CallbackFolder(folder, wanted)
+        runner._use(runner._folder.load())
+        return runner
+
+    def _use(self, callbacks: Callbacks) -> None:
+        """Fill the slots with the callbacks of the folder."""
+        for slot in self.SLOTS:
+            is_fixed = SLOTS[slot].when == table.ONCE and self._core.has_started
+            is_open = self._given[slot] is None or self._given[slot] is True
+            if slot in self._from_folder | callbacks.keys() and is_open and not is_fixed:
+                # A file that is switched off counts as missing.
+                callback = callbacks.get(slot, False)
+                self._set_slot(slot, self._given[slot] if callback is False else callback)
+        self._from_folder = set(callbacks)
+
+    def _reload_folder(self) -> None:
+        """Fill the slots again if a file of the folder has changed."""
+        if self._folder is None or self._core.is_running or not (changed := self._folder.changed):
+            return
+        late = changed.intersection(table.names(when=table.ONCE))
+        if late and self._core.has_started:
+            raise RuntimeError(
+                f"{min(late)}.py has changed, but runs only at the start of a simulation: call "
+                "sim.reset() first"
+            )
+        self._use(self._folder.load())
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        descriptor = getattr(type(self), name, None)
+        is_known = name.startswith("_") or isinstance(descriptor, Slot)
+        if isinstance(descriptor, property):
+            if descriptor.fset is None:
+                raise AttributeError(f"{name} cannot be set{_ADVICE.get(name, '')}")
+            is_known = True
+        if "_core" in self.__dict__ and not is_known:
+            kind = type(self).__name__
+            raise AttributeError(
+                f"{kind} has no slot {name!r}: there are {', '.join(self.SLOTS)}; "
+                f"options are given to {kind}(...)"
+            )
+        super().__setattr__(name, value)
+
+    def _set_slot(self, slot: str, callback: Any) -> None:
+        if SLOTS[slot].when == table.ONCE and self._core.has_started:
+            raise RuntimeError(
+                f"{slot} runs only at the start of a simulation: call sim.reset() first"
+            )
+        asks_for_default = table.is_default(callback)
+        value = self._default(slot) if callback is None or asks_for_default else callback
+        if asks_for_default and SLOTS[slot].is_switch:
+            value = True
+        check_callback(slot, value)
+        self._put(slot, value)
+        self._callbacks[slot] = value
+        self._slots_changed()
+        update = self._callbacks["estimate_parameters"]
+        if slot == "init_parameter_estimator" and value and (update is None or update is True):
+            # An estimator of the user's is meant to be used.
+            self._set_slot("estimate_parameters", True)
+
+    def _slots_changed(self) -> None:
+        """Forget what depends on what is in the slots."""
+
+    def _is_on(self, slot: str) -> bool:
+        """Return whether a slot is filled, and not off."""
+        value = self._callbacks[slot]
+        return value is not None and value is not False
+
+    def _default(self, slot: str) -> Any:
+        """Return what fills a slot that nothing is given for; None = the core's own default."""
+        return None
+
+    def _put(self, slot: str, value: Any) -> None:
+        """Put a value into the slot of the C++ core."""
+        self._core.set_slot(slot, self._limited(self._stage(slot, value)))
+
+    def _stage(self, slot: str, callback: Any) -> Any:
+        """Return the stage that the C++ core gets for a callback."""
+        is_users = slot == "estimate_parameters" and self._callbacks["init_parameter_estimator"]
+        if callback is True and is_users and self._time_limit:
+            return _update_estimator  # in Python, where the time limit applies
+        return callback
+
+    def _limited(self, callback: Any) -> Any:
+        # Native stages need no limit.
+        if self._time_limit is None or not is_code(callback):
+            return callback
+        return self._time_limit.limited(callback)
+
+
+#: What to do in place of setting a property.
+_ADVICE = {"model": ": fill define_model, then call sim.reset()"}
+
+
+def is_code(value: Any) -> bool:
+    """Return whether the value of a slot is Python code, and not a native stage."""
+    return callable(value) and type(value) not in _NATIVE
+
+
+def _update_estimator(step: Step) -> ArrayLike | None:
+    """Update the user's estimator: the stage estimate_parameters=True in Python."""
+    if step.sample is None:
+        return None
+    update: ArrayLike = step.estimator.update(step.sample.phi, step.sample.y)
+    return update
