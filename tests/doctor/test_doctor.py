@@ -328,15 +328,15 @@ class NeverDoubts(ConstantVelocity):
 # The estimator, the kind, words of the sentence, and of the line.
 BROKEN = [
     (ReturnsTheState, "no Estimate", "array of shape (6,)", "def __call__"),
-    (WholeState, "output shape", "pose must be", "return robsim.Estimate(self.x, self.P)"),
-    (Complex, "output shape", "covariance must be", "* 1j)"),
+    (WholeState, "wrong Estimate", "pose must be", "return robsim.Estimate(self.x, self.P)"),
+    (Complex, "wrong Estimate", "covariance must be", "* 1j)"),
     (Asymmetric, "covariance not symmetric", "is not symmetric, P[", "def __call__"),
     (WrongSign, "covariance not positive", "not positive definite", "def __call__"),
     (Certain, "covariance not positive", "the variance 0 for x", "def __call__"),
     (Unwrapped, "heading not wrapped", "wrap the innovation", "def __call__"),
     (AveragesAngles, "heading not wrapped", "average no angles", "def __call__"),
     (ExpectsTheRobot, "missing measurement", "AttributeError", "step.measurement.pose"),
-    (MakesNan, "missing measurement", "not finite", "return robsim.Estimate"),
+    (MakesNan, "missing measurement", "all finite", "return robsim.Estimate"),
     (StartsWhenSeen, "not seen yet", "it returns None", "def __call__"),
     (FixedStep, "ignores dt", "0.2 or 0.1 s", "def __call__"),
     (WritesIntoStep, "writes into step", "work on a copy", "v -= self.x[:3]"),

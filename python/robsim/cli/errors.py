@@ -21,6 +21,9 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
     try:
         yield
     except (Exception, SystemExit) as error:
+        from robsim.simulation._callbacks.errors import callback_of
+        from robsim.simulation._slots import SLOTS
+
         if isinstance(error, typer.Exit):
             raise
         if folder is not None and (text := _in_callbacks(error, folder)):
@@ -29,8 +32,8 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
         if not isinstance(error, (ValueError, TypeError, OSError, ImportError, RuntimeError)):
             raise
         print_error(_sentence(error))
-        texts = [str(error), *getattr(error, "__notes__", [])]
-        is_callback = any("in the callback" in text for text in texts)
+        failed = callback_of(error)
+        is_callback = failed is not None and failed.slot in SLOTS
         raise typer.Exit(code=1 if is_callback else 2) from error
 
 

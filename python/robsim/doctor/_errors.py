@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import re
-
 from robsim._base.check_report import Problem
-from robsim._base.source_line import line_of_error
+from robsim._base.source_line import called_in, line_of_error
+from robsim._core import Estimate
 from robsim.doctor._trial import TIME_LIMIT, BadResult, EstimatorUnderTest, Trial
+from robsim.simulation._callbacks.missing_data import comes_of_none, names_in
+from robsim.simulation._callbacks.signatures import accepts
 
-_REJECTED = re.compile(r"(pose|covariance|state) must be ")
+_READ_ONLY = "read-only"  # numpy has no type for it
 _NO_SAMPLE = "step.sample is None at the start, after a bounce and where the robot is not seen"
 _NEVER_SEEN = "step.measurement is None before the robot is seen for the first time"
 _NOT_SEEN = "step.measurement is None where the robot is not seen"
@@ -36,7 +37,7 @@ def problem_of_make(estimator: EstimatorUnderTest, error: BaseException) -> Prob
     kind, sentence = _explained(error)
     if not isinstance(error, BadResult):
         kind, sentence = "make fails", f"make() returns no estimator: {sentence}"
-    if isinstance(error, TypeError) and "argument" in str(error):
+    if not accepts(estimator.make, 0):
         sentence += "; make takes no argument and returns a fresh estimator, such as its class"
     return Problem(kind=kind, sentence=sentence, line=line_of_error(error) or estimator.line)
 
@@ -48,24 +49,23 @@ def _explained(error: BaseException) -> tuple[str, str]:
         return error.kind, text
     if isinstance(error, TimeoutError):
         return "too slow", f"a call takes longer than {TIME_LIMIT:g} s, or never ends"
-    if isinstance(error, ValueError) and "read-only" in text:
+    if isinstance(error, ValueError) and _READ_ONLY in text:
         return (
             "writes into step",
             "it writes into an array of the step, which is read-only: work on a copy, such as "
             "np.array(...), and beware of +=, -= and [...] =",
         )
-    if isinstance(error, (TypeError, ValueError)) and _REJECTED.match(text):
-        if "all finite" in text:
-            return "not finite", f"its Estimate has a value that is not finite: {text}"
-        return "output shape", f"its Estimate has a value of the wrong type or shape: {text}"
+    if isinstance(error, (TypeError, ValueError)) and called_in(error) == Estimate.__name__:
+        return "wrong Estimate", f"its Estimate has a value that it cannot have: {text}"
     name = type(error).__name__
     return "exception", f"it raises {name}: {text}" if text else f"it raises {name}"
 
 
 def _missing(trial: Trial) -> tuple[str, str] | None:
     """Return kind and sentence if the step had no data, which may have caused the error."""
+    assert trial.error is not None
     seen, k = trial.situation.measurements, trial.failed_at
-    if not seen and k < 2 and "None" in str(trial.error):
+    if not seen and comes_of_none(trial.error) and "sample" in names_in(trial.error):
         return "missing sample", _NO_SAMPLE
     if k >= len(seen) or seen[k] is not None:
         return None

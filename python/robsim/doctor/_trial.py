@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._base.source_line import SourceLine, line_of_callable, line_of_frame
+from robsim._base.source_line import SourceLine, line_of_frame, users_line_of_callable
 from robsim._core import Step
 from robsim.doctor._situations import Situation
 from robsim.simulation._runner import Runner
+from robsim.simulation._slots import SlotHandle
 from robsim.simulation._time_limit import TimeLimit
 
 TIME_LIMIT = 5.0  # s per call; after that it counts as an endless loop
@@ -126,22 +127,24 @@ class EstimatorUnderTest:
     def __init__(self, make: Callable[[], Any], slot: Slot, budget: float) -> None:
         self.slot = slot
         self.budget = budget
-        self._make = make
+        self.make = make
         self.stdout = StdoutCapture()
         self.name = getattr(make, "__name__", repr(make))
-        self.line = line_of_callable(make)
+        self.line = users_line_of_callable(make)
 
     def fresh(self) -> Callable[[Step], Any]:
         """Return the callback of a fresh estimator."""
         try:
             limit = TimeLimit(TIME_LIMIT)
             with self._observed(), limit.watching():
-                estimator = limit.limited(lambda: self._make())()
+                estimator = limit.limited(lambda: self.make())()
+                if isinstance(estimator, SlotHandle):  # sim.estimate_state
+                    estimator = estimator.callback
             function = self.slot.entry(estimator)
         except (Exception, SystemExit) as error:
             raise NoEstimator(error) from error
         self.name = getattr(estimator, "__name__", type(estimator).__name__)
-        self.line = line_of_callable(function) or self.line
+        self.line = users_line_of_callable(function) or self.line
         return self.slot.callback(estimator)
 
     def try_in(self, situation: Situation) -> Trial:
