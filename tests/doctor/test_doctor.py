@@ -735,3 +735,67 @@ def test_a_grader_sees_the_sentences(tmp_path):
     assert "1. its covariance has the variance 0 for x" in thorough
     assert "2. step.measurement is None where the robot is not seen: then it raises" in thorough
     assert "> return robsim.Estimate(step.measurement.pose, np.zeros((3, 3)))" in thorough
+
+
+ESTIMATE_STATE = """
+import numpy as np
+import robsim
+
+
+class LastPose:
+    def __call__(self, step):
+        return robsim.Estimate(step.measurement.pose, np.eye(3))
+
+
+estimate_state = LastPose()
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "estimate_state.py").write_text(ESTIMATE_STATE)
+    return tmp_path
+
+
+def test_the_estimator_in_a_slot_of_a_folder_is_checked_and_not_the_slot(folder):
+    report = check_estimator(lambda: robsim.Simulation.from_folder(folder).estimate_state)
+    assert report.name == "LastPose"
+    assert [problem.kind for problem in report.problems] == ["missing measurement"]
+    assert report.problems[0].line.file == str(folder / "estimate_state.py")
+
+
+@pytest.mark.parametrize("path", [".", "estimate_state.py"])
+def test_a_file_or_its_folder_can_be_checked(folder, path):
+    report = check_estimator(folder / path)
+    assert only(report).kind == "missing measurement"
+    assert str(check_estimator(str(folder / path))) == str(report)
+
+
+def test_the_file_of_a_parameter_estimator_can_be_checked(tmp_path):
+    (tmp_path / "init_parameter_estimator.py").write_text(
+        "import robsim\n\n\ndef init_parameter_estimator(model):\n"
+        "    return robsim.RecursiveLeastSquares(5, n_filters=3)\n"
+    )
+    check_parameter_estimator(tmp_path, updates=1000).raise_for_problems()
+
+
+def test_a_file_that_has_no_estimator_is_told(folder, tmp_path):
+    with pytest.raises(ValueError, match=r"make must be a file estimate_state\.py, or a folder"):
+        check_estimator(folder / "control.py")
+    with pytest.raises(FileNotFoundError, match="no folder"):
+        check_estimator(folder / "nowhere")
+    (folder / "estimate_state.py").write_text(f"ENABLED = False\n{ESTIMATE_STATE}")
+    with pytest.raises(ValueError, match=r"estimate_state\.py is switched off: set ENABLED = True"):
+        check_estimator(folder)
+
+
+def test_a_line_of_robsim_is_never_blamed():
+    filters = partial(robsim.RecursiveLeastSquares, 5)
+    for report in (
+        check_estimator(lambda: reference.ConstantVelocityKalmanFilter),
+        check_estimator(lambda: robsim.Simulation().control),
+        check_parameter_estimator(lambda: lambda step: filters().update(step.sample.phi, 1)),
+    ):
+        assert report.problems
+        for problem in report.problems:
+            assert problem.line is None or problem.line.is_users

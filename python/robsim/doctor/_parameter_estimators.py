@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ _RECOVERY = 100  # steps after a rest within which the parameters must be good a
 
 
 def check_parameter_estimator(
-    make: Callable[[], Any], *, updates: int = 10_000, budget: float = BUDGET
+    make: Callable[[], Any] | str | PathLike[str], *, updates: int = 10_000, budget: float = BUDGET
 ) -> CheckReport:
     """Check a parameter estimator in several situations and report what is wrong with it.
 
@@ -32,10 +33,11 @@ def check_parameter_estimator(
 
     Parameters
     ----------
-    make : callable
+    make : callable or path
         ``make() -> estimator``: returns a fresh estimator, as ``init_parameter_estimator`` does:
         an object with ``update(phi, y)``. Or a fresh callback as for ``estimate_parameters``,
-        ``estimate(step) -> (3, 5) or None``.
+        ``estimate(step) -> (3, 5) or None``. Or a file ``init_parameter_estimator.py``, or the
+        callback folder that has it.
     updates : int
         Length of the longest run. Least squares with forgetting diverges if P is not kept
         symmetric: after about 1 000 updates for lambda = 0.95, 2 700 for 0.99, 20 000 for 0.999.

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import check_float
 from robsim.doctor._errors import problem_of_make
 from robsim.doctor._trial import EstimatorUnderTest, NoEstimator, Slot
+from robsim.simulation._folders.callback_folder import CallbackFolder
 
 BUDGET = 0.02  # s per call: a tenth of the default dt
 
+Make = Callable[[], Any] | str | PathLike[str]
 Checks = Callable[[EstimatorUnderTest], Iterable[Problem | str]]
 
 
-def run_checks(make: Callable[[], Any], slot: Slot, budget: float, checks: Checks) -> CheckReport:
+def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckReport:
     """Run the checks of an estimator and return their report.
 
     Parameters
     ----------
-    make : callable
-        Returns a fresh estimator.
+    make : callable or path
+        Returns a fresh estimator; or its file, or the folder of that.
     slot : Slot
         The slot of the simulation that the estimator is for.
     budget : float
@@ -29,6 +33,8 @@ def run_checks(make: Callable[[], Any], slot: Slot, budget: float, checks: Check
     checks : callable
         ``checks(estimator)``: yields problems, the cause first, and remarks as strings.
     """
+    if isinstance(make, (str, PathLike)):
+        make = _from_file(Path(make), slot)
     if not callable(make):
         raise TypeError(
             f"make must be callable and return a fresh estimator, such as its class, got {make!r}"
@@ -51,6 +57,17 @@ def run_checks(make: Callable[[], Any], slot: Slot, budget: float, checks: Check
         problems=(*problems, *_printed(estimator)),
         remarks=tuple(remarks),
     )
+
+
+def _from_file(path: Path, slot: Slot) -> Callable[[], Any]:
+    """Return a function that executes a callback file anew and returns its estimator."""
+    is_file = path.suffix == ".py"
+    if is_file and path.stem != slot.file:
+        raise ValueError(f"make must be a file {slot.file}.py, or a folder with one, got {path}")
+    folder = CallbackFolder(path.parent if is_file else path, (slot.file,))
+    if folder.load()[slot.file] is False:
+        raise ValueError(f"{folder.path / slot.file}.py is switched off: set ENABLED = True in it")
+    return lambda: slot.from_file(folder.load()[slot.file])
 
 
 def _printed(estimator: EstimatorUnderTest) -> list[Problem]:

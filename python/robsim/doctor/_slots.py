@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim._base.checks import Floats
 from robsim._core import Estimate, Frame, RobotModel, RobotParameters, Step
-from robsim.doctor._situations import Situation
+from robsim.doctor._situations import DT, Situation
 from robsim.doctor._trial import TIME_LIMIT, BadResult, Slot
 from robsim.robots import RobotDefinition, load_robot
 from robsim.simulation import Experiment, Simulation
@@ -136,10 +136,14 @@ STATE = Slot(
     callback=lambda estimator: estimator,
     read=_read_state,
     simulate=_replay_state,
+    file="estimate_state",
+    from_file=lambda callback: callback,
 )
 PARAMETERS = Slot(
     entry=_parameter_entry,
     callback=_parameter_callback,
     read=_read_parameters,
     simulate=_simulate_parameters,
+    file="init_parameter_estimator",
+    from_file=lambda callback: callback(RobotModel(RobotParameters(dt=DT))),
 )

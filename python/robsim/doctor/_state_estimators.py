@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from os import PathLike
 
 import numpy as np
 
@@ -34,7 +35,7 @@ _NO_DT = (
 
 
 def check_estimator(
-    make: Callable[[], Callable[[Step], Estimate]],
+    make: Callable[[], Callable[[Step], Estimate]] | str | PathLike[str],
     *,
     dt: float | None = None,
     budget: float = BUDGET,
@@ -46,9 +47,10 @@ def check_estimator(
 
     Parameters
     ----------
-    make : callable
+    make : callable or path
         ``make() -> estimate``: returns a fresh estimator, ``estimate(step) -> Estimate``. For
-        example a class with ``__call__``, or a function that defines and returns another.
+        example a class with ``__call__``, or a function that defines and returns another. Or a
+        file ``estimate_state.py``, or the callback folder that has it.
     dt : float, optional
         The only time between two steps (s) that it is made for. Default: it has to use
         ``step.dt``.

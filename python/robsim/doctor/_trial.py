@@ -58,12 +58,18 @@ class Slot:
         None; raises BadResult.
     simulate : callable
         ``simulate(situation, callback) -> Simulation or Experiment``.
+    file : str
+        The slot whose file in a callback folder has the estimator.
+    from_file : callable
+        ``from_file(callback) -> estimator``: what that file gives.
     """
 
     entry: Callable[[Any], Callable[..., Any]]
     callback: Callable[[Any], Callable[[Step], Any]]
     read: Callable[[Any, Floats | None], Floats]
     simulate: Callable[[Situation, Callable[[Step], Any]], Runner]
+    file: str
+    from_file: Callable[[Any], Any]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
