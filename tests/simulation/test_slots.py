@@ -14,8 +14,9 @@ import pytest
 import robsim
 from robsim import Experiment, Simulation
 from robsim.simulation import _slots as table
+from robsim.simulation._callbacks.slot import Slot, SlotHandle
 from robsim.simulation._folders.spelling import misspelled
-from robsim.simulation._slots import SLOTS, SlotHandle
+from robsim.simulation._slots import SLOTS
 
 PACKAGE = Path(robsim.__file__).parent
 FRAME = robsim.Frame(np.zeros((60, 60, 3), np.uint8))
@@ -38,7 +39,7 @@ def test_each_class_has_the_slots_of_its_halves():
     assert tuple(SLOTS) == Simulation.SLOTS
     assert robot_half == Experiment.SLOTS
     for kind in (Simulation, Experiment):
-        assert {name for name in SLOTS if isinstance(getattr(kind, name, None), table.Slot)} == set(
+        assert {name for name in SLOTS if isinstance(getattr(kind, name, None), Slot)} == set(
             kind.SLOTS
         )
 

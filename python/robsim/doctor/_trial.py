@@ -17,8 +17,8 @@ from robsim._base.checks import Floats
 from robsim._base.source_line import SourceLine, line_of_frame, users_line_of_callable
 from robsim._core import Step
 from robsim.doctor._situations import Situation
+from robsim.simulation._callbacks.slot import SlotHandle
 from robsim.simulation._runner import Runner
-from robsim.simulation._slots import SlotHandle
 from robsim.simulation._time_limit import TimeLimit
 
 TIME_LIMIT = 5.0  # s per call; after that it counts as an endless loop

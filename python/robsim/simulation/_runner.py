@@ -14,6 +14,7 @@ from robsim import _core
 from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
 from robsim._core import ColorClass, Frame, MarkerLayout, Step
 from robsim.robots import RobotDefinition
+from robsim.simulation._callbacks.errors import callback_of
 from robsim.simulation._callbacks.missing_data import note_missing_data, unmet_needs
 from robsim.simulation._run_info import run_info
 from robsim.simulation._slots import SLOTS
@@ -198,7 +199,7 @@ class Runner(Slotted):
             try:
                 yield
             except Exception as error:
-                if self._core.has_started:
+                if callback_of(error) is not None and self._core.has_started:
                     note_missing_data(error, self._core.last_step, self._is_on)
                 raise
 

@@ -1,12 +1,11 @@
-"""The slots: one table of all there is to know about each, and the descriptors that fill them."""
+"""The slots: one table of all there is to know about each."""
 
 from __future__ import annotations
 
 import inspect
-import reprlib
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypedDict, TypeVar, overload
+from typing import Any, ParamSpec, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,9 +23,7 @@ from robsim._core import (
     WorldState,
 )
 from robsim.imaging._images import Pixels
-
-if TYPE_CHECKING:
-    from robsim.simulation._slotted import Slotted
+from robsim.simulation._callbacks.slot import Slot
 
 #: What each slot takes.
 DefineModel = Callable[[], RobotModel]
@@ -39,160 +36,12 @@ EstimateState = Callable[[Step], Estimate]
 Control = Callable[[Step], Sequence[float]] | Controller
 
 P = ParamSpec("P")
-T = TypeVar("T")
-F = TypeVar("F", bound=Callable[..., object])
 
 ONCE, STEP = "once", "step"  # when the callback of a slot is called
 ROBOT, WORLD = "robot", "world"  # the halves
 
 #: What asks for the default of a slot, whatever a folder has for it.
 DEFAULT = "default"
-
-_MISSING: Any = object()
-
-
-class SlotHandle(Generic[T]):
-    """A slot of a simulation: ``sim.control``.
-
-    It is the decorator that fills the slot, ``@sim.control``; `callback` is what the slot holds.
-    A handle equals its callback, and is false where the slot is empty or off.
-
-    Attributes
-    ----------
-    callback : callable, bool or None
-        What is in the slot: your callback or a ready component, as it was given; True = the default
-        of a stage that may be off; None = the default, or off.
-    """
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __init__(self, runner: Slotted, slot: Slot[T]) -> None:
-        self._runner = runner
-        self._slot = slot
-        self.__doc__ = slot.__doc__
-
-    @property
-    def callback(self) -> T | None:
-        """What is in the slot."""
-        value: T | None = self._runner._callbacks[self._slot.name]
-        return value
-
-    def __call__(self, callback: F = _MISSING, /) -> F:
-        """Fill the slot with a callback and return it: the decorator.
-
-        Raises
-        ------
-        TypeError
-            If it is no callable, or cannot be called with the argument of the slot.
-        """
-        name = self._slot.name
-        if callback is _MISSING:
-            raise TypeError(f"use @sim.{name}, without brackets")
-        if not callable(callback):
-            raise TypeError(
-                f"{name} must be callable, got {reprlib.repr(callback)}: the decorator "
-                f"sim.{name} fills the slot, sim.{name}.callback is what is in it"
-            )
-        self._runner._set_slot(name, callback)
-        return callback
-
-    def __eq__(self, other: object) -> bool:
-        callback = self.callback
-        if isinstance(other, SlotHandle):
-            other = other.callback
-        return callback is other or bool(callback == other)
-
-    def __bool__(self) -> bool:
-        return self.callback is not None and self.callback is not False
-
-    def __repr__(self) -> str:
-        return f"<slot {self._slot.name}: {self.callback!r}>"
-
-
-class Slot(Generic[T]):
-    """A slot: a row of the table, and the descriptor ``sim.control``.
-
-    Parameters
-    ----------
-    half : str
-        `ROBOT` or `WORLD`.
-    when : str
-        `ONCE`, at the start, or `STEP`.
-    argument : str
-        Name of the callback's argument; empty = it has none.
-    result : str
-        Type of its result.
-    doc : str
-        What it does, for the documentation.
-    is_optional : bool
-        Whether it may stay empty: then the stage is off.
-    is_switch : bool
-        Whether True is the default stage.
-    native : tuple of type
-        Values that are taken as they are, and run without the interpreter.
-    result_types : tuple of type
-        Classes that may be the callback themselves, since they make the result.
-    other_names : tuple of str
-        What a file for the slot may be called by mistake, first in the program of 2008.
-    """
-
-    name: str
-
-    def __init__(
-        self,
-        half: str,
-        when: str,
-        argument: str,
-        result: str,
-        doc: str,
-        *,
-        is_optional: bool = False,
-        is_switch: bool = False,
-        native: tuple[type, ...] = (),
-        result_types: tuple[type, ...] = (),
-        other_names: tuple[str, ...] = (),
-    ) -> None:
-        self.half = half
-        self.when = when
-        self.argument = argument
-        self.result = result
-        self.doc = doc
-        self.is_optional = is_optional
-        self.is_switch = is_switch
-        self.native = native
-        self.result_types = result_types
-        self.other_names = other_names
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
-        self.__doc__ = f"{self.call}: {self.doc}"
-
-    @property
-    def call(self) -> str:
-        """How the callback is called, such as ``control(step) -> (u1, u2)``."""
-        return f"``{self.name}({self.argument}) -> {self.result}``"
-
-    @property
-    def n_arguments(self) -> int:
-        """How many arguments the callback gets."""
-        return 1 if self.argument else 0
-
-    @property
-    def arguments(self) -> str:
-        """The same in words."""
-        return f"one argument, {self.argument}" if self.argument else "no argument"
-
-    @overload
-    def __get__(self, runner: None, owner: type) -> Slot[T]: ...
-
-    @overload
-    def __get__(self, runner: Slotted, owner: type) -> SlotHandle[T]: ...
-
-    def __get__(self, runner: Slotted | None, owner: type) -> Slot[T] | SlotHandle[T]:
-        return self if runner is None else SlotHandle(runner, self)
-
-    def __set__(self, runner: Slotted, value: T | str | None) -> None:
-        runner._set_slot(self.name, value)
 
 
 class RobotSlots:

@@ -15,7 +15,8 @@ from robsim._base.spelling import check_names
 from robsim._core import Step
 from robsim.simulation import _slots as table
 from robsim.simulation._callbacks.checks import check_callback
-from robsim.simulation._slots import ROBOT, SLOTS, RobotSlots, Slot
+from robsim.simulation._callbacks.slot import Slot
+from robsim.simulation._slots import ROBOT, SLOTS, RobotSlots
 from robsim.simulation._time_limit import TimeLimit
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ RunGuard::Run::Run(RunGuard& guard) : guard_(guard) {
   State idle = State::idle;
   if (!guard_.state_.compare_exchange_strong(idle, State::running)) {
     throw std::runtime_error(
-        "this simulation or experiment is already running: a callback or another thread cannot run it too");
+        "this simulation or experiment is already running: a callback or another thread cannot run "
+        "it too");
   }
   guard_.runner_ = std::this_thread::get_id();
   // Whoever still looks may need the interpreter for it.

@@ -11,7 +11,8 @@ from robsim.simulation._callbacks.signatures import (
     signature_of,
     where_defined,
 )
-from robsim.simulation._slots import SLOTS, Slot, switches
+from robsim.simulation._callbacks.slot import Slot
+from robsim.simulation._slots import SLOTS, switches
 
 
 def check_callback(name: str, value: object) -> None:
