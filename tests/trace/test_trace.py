@@ -1,5 +1,7 @@
+import copy
 import csv
 import json
+import pickle
 import re
 from itertools import product
 
@@ -10,7 +12,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import robsim
-from robsim.trace import PARAMETER_NAMES, RunInfo, Trace
+from robsim.trace import PARAMETER_NAMES, NotRecordedError, RunInfo, Trace
 from robsim.trace._trace import longest_run
 
 NAN = np.nan
@@ -314,9 +316,61 @@ def test_a_stride_is_refused(stride):
         trace_of(4)[::stride]
 
 
-def test_a_wrong_key_lists_the_columns():
-    with pytest.raises(KeyError, match="no column 'x_ture': there are k, t, x_true"):
+def test_a_wrong_key_names_the_column_that_was_meant():
+    with pytest.raises(KeyError, match="no column 'x_ture': did you mean 'x_true'"):
         trace_of(4)["x_ture"]
+    with pytest.raises(KeyError, match="no column 'zzz': there are k, t, x_true"):
+        trace_of(4)["zzz"]
+    with pytest.raises(KeyError, match=r"pose_true is an attribute: trace\.pose_true"):
+        trace_of(4)["pose_true"]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("x_true", r"x_true is a column: trace\['x_true'\]"),
+        ("pose_ture", "no attribute 'pose_ture'; did you mean 'pose_true'"),
+        ("traking", "did you mean 'tracking'"),
+        ("zzz", "no attribute 'zzz'$"),
+        ("__array_interface__", "no attribute '__array_interface__'$"),
+    ],
+)
+def test_a_wrong_attribute_says_what_was_meant(name, message):
+    with pytest.raises(AttributeError, match=message):
+        getattr(trace_of(4), name)
+
+
+def test_a_trace_can_be_copied_and_pickled():
+    trace = trace_of(4)
+    for other in (copy.deepcopy(trace), pickle.loads(pickle.dumps(trace))):
+        np.testing.assert_array_equal(other.pose_true, trace.pose_true)
+
+
+# --- what a run must have recorded
+
+
+def test_what_was_not_recorded_is_named_with_the_remedy():
+    trace = trace_of(4, optional=())
+    trace.require()
+    trace.require("pose_true", "u", "theta_true")
+    with pytest.raises(NotRecordedError) as caught:
+        trace.require("pose_true", "pose_measured", "pose_estimated", "covariance")
+    error = caught.value
+    assert error.columns == ("pose_measured", "pose_estimated", "covariance")
+    assert error.remedy == "run with measure=True; run with estimate_state=..."
+    assert str(error).startswith("the trace has no pose_measured, pose_estimated, covariance: run")
+    again = pickle.loads(pickle.dumps(error))
+    assert (again.columns, again.remedy, str(again)) == (error.columns, error.remedy, str(error))
+    with pytest.raises(ValueError, match=r"name must be one of .*'poses'"):
+        trace.require("poses")
+
+
+def test_what_was_recorded_and_never_known_is_told_apart():
+    unseen = trace_of(3, ("pose_measured",), pose_measured=np.full((3, 3), NAN))
+    with pytest.raises(NotRecordedError, match="no pose_measured: the robot was never seen"):
+        unseen.require("pose_measured")
+    with pytest.raises(NotRecordedError, match="no pose_measured: it has no steps"):
+        unseen[:0].require("pose_measured")
 
 
 @pytest.mark.parametrize("key", [1, np.int64(1), None, (0, 1), [0, 1], 1.5])

@@ -2,10 +2,17 @@
 
 from robsim._base.public import present as _present
 from robsim.trace._columns import PARAMETER_NAMES
+from robsim.trace._not_recorded import NotRecordedError
 from robsim.trace._run_info import RunInfo
 from robsim.trace._trace import Trace
 from robsim.trace._tracking import TrackingStatistics
 
-__all__ = ["PARAMETER_NAMES", "RunInfo", "Trace", "TrackingStatistics"]
+__all__ = [
+    "PARAMETER_NAMES",
+    "NotRecordedError",
+    "RunInfo",
+    "Trace",
+    "TrackingStatistics",
+]
 
 _present(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +21,11 @@ class Column(property):
 
     if TYPE_CHECKING:
 
-        def __get__(  # type: ignore[override]
-            self, trace: Any, owner: type | None = None, /
-        ) -> Floats: ...
+        @overload
+        def __get__(self, trace: None, owner: type, /) -> Self: ...
+        @overload
+        def __get__(self, trace: Any, owner: type | None = None, /) -> Floats: ...
+        def __get__(self, trace: Any, owner: type | None = None, /) -> Any: ...
 
 
 class Flag(property):
@@ -36,6 +38,8 @@ class Flag(property):
 
     if TYPE_CHECKING:
 
-        def __get__(  # type: ignore[override]
-            self, trace: Any, owner: type | None = None, /
-        ) -> NDArray[np.bool_]: ...
+        @overload
+        def __get__(self, trace: None, owner: type, /) -> Self: ...
+        @overload
+        def __get__(self, trace: Any, owner: type | None = None, /) -> NDArray[np.bool_]: ...
+        def __get__(self, trace: Any, owner: type | None = None, /) -> Any: ...

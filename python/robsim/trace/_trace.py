@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, check_choice
+from robsim._base.spelling import check_names, suggestion
 from robsim._core import TraceGroup, wrap_angle
 from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of
+from robsim.trace._not_recorded import not_recorded
 from robsim.trace._properties import Column, Flag
 from robsim.trace._run_info import RunInfo
 from robsim.trace._trace_file import read_trace, write_trace
@@ -45,6 +47,10 @@ def longest_run(mask: Bools) -> slice:
         return slice(0, 0)
     best = int(np.argmax(stops - starts))
     return slice(int(starts[best]), int(stops[best]))
+
+
+def _is_public(name: str) -> bool:
+    return not name.startswith("_")
 
 
 class Trace:
@@ -131,6 +137,40 @@ class Trace:
         """Whether the pose was measured in the run, seen or not."""
         return "pose_measured" in self._groups
 
+    def require(self, *names: str) -> None:
+        """Raise an error unless each of some columns is known in a step at least.
+
+        Parameters
+        ----------
+        *names : str
+            Attributes of the trace, such as ``"pose_estimated"``; or ``"theta_true"``, which
+            stands in `info`.
+
+        Raises
+        ------
+        NotRecordedError
+            If one of them is not known; the error says how to record it.
+        ValueError
+            If there is no column of this name.
+        """
+        missing = {}
+        for name in names:
+            check_choice("name", name, (*GROUPS, "theta_true"))
+            values = self.info.theta_true if name == "theta_true" else self._numbers(GROUPS[name])
+            if not np.isfinite(values).any():
+                missing[name] = name in self._groups
+        if missing:
+            raise not_recorded(missing, steps=len(self))
+
+    def __getattr__(self, name: str) -> Any:
+        # Only for what is not there. Python itself asks for underscored names, before __init__ too.
+        if not name.startswith("_"):
+            if name in self.names:
+                raise AttributeError(f"{name} is a column: trace[{name!r}]")
+            hint = suggestion(name, (*self.names, *filter(_is_public, dir(self))))
+            raise AttributeError(f"a trace has no attribute {name!r}{hint}")
+        raise AttributeError(f"a trace has no attribute {name!r}")
+
     @property
     def seen(self) -> Bools:
         """The robot was seen in this step (N,)."""
@@ -212,8 +252,9 @@ class Trace:
         """Return a single column by its name, or a part of the run: ``trace[100:200]``."""
         if isinstance(key, str):
             columns = self._columns()
-            if key not in columns:
-                raise KeyError(f"no column {key!r}: there are {', '.join(columns)}")
+            if key in self._groups and key not in columns:
+                raise KeyError(f"{key} is an attribute: trace.{key}")
+            check_names("no column", [key], columns, KeyError)
             return columns[key]
         if not isinstance(key, slice):
             raise TypeError(
