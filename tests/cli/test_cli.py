@@ -34,10 +34,11 @@ def test_the_demo_writes_its_figures_and_its_trace(demo):
 def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
     folder, run = demo
     numbers = json.loads(run.stdout)
-    assert set(numbers) == {"parameters", "tracking"}
-    assert list(numbers["parameters"]) == list(robsim.trace.PARAMETER_NAMES)
-    for name, values in numbers["parameters"].items():
-        assert set(values) == {"true", "batch", "standard_error", "online"}
+    assert set(numbers) == {"batch_estimate", "tracking"}
+    parameters = numbers["batch_estimate"]["parameters"]
+    assert list(parameters) == list(robsim.trace.PARAMETER_NAMES)
+    for name, values in parameters.items():
+        assert set(values) == {"true", "batch", "standard_error", "online", "excited"}
         limits = (1e-9, 1e-6) if name.startswith("d1") else (1e-6, 1e-4)
         scale = 1 if name.startswith("d1") else abs(values["true"])
         assert abs(values["batch"] - values["true"]) < limits[0] * scale
@@ -45,7 +46,8 @@ def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
     trace = robsim.Trace.load(folder / "trace.npz")
     error = trace.error[trace.seen]
     tracking = numbers["tracking"]
-    assert set(tracking) == {"steps", "seen", "false_poses", "rmse_xy", "rmse_heading_deg"}
+    numbers = ("steps", "seen", "false_poses", "rmse_xy", "rmse_heading_deg")
+    assert set(tracking) == {"title", *numbers}
     assert (tracking["steps"], tracking["seen"], tracking["false_poses"]) == (
         1000,
         trace.seen.sum(),

@@ -20,7 +20,8 @@ def desk(tmp_path_factory):
     assert command("new", "mine", cwd=desk).exit_code == 0
     run = cli("run", "mine", "--steps", "12", "--measure", "--seed", "1", cwd=desk)
     assert run.returncode == 0, run.stderr
-    assert "tracking: 12 steps, 12 seen (100.0 %)" in run.stdout
+    assert "Tracking" in run.stdout
+    assert "12 (100 %)" in run.stdout
     assert "written to robsim-run: camera.png, traces.png, trace.npz" in run.stdout
     return desk
 
@@ -154,7 +155,8 @@ def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
     assert (tmp_path / "run.webm").stat().st_size > 10_000
     run = command("track", "run.mkv", "--area", "1200x1200", cwd=tmp_path)
     assert run.exit_code == 0, run.stderr
-    assert "tracking: 8 steps, 8 seen (100.0 %)\n" in run.stdout
+    assert "8 (100 %)\n" in run.stdout
+    assert "the true poses are not known" in run.stdout
     one, other = (
         robsim.Trace.load(tmp_path / folder / "trace.npz")
         for folder in ("robsim-run", "robsim-track")
@@ -209,6 +211,11 @@ def test_a_callback_that_ends_the_program_keeps_the_steps(mine):
     )
     cli("run", "mine", "--steps", "9", cwd=mine.parent)
     assert len(robsim.Trace.load(mine.parent / "robsim-run" / "cut-short.npz")) == 3
+
+
+def test_what_was_not_asked_for_is_not_in_json(tmp_path):
+    run = command("run", "--steps", "2", "--out", "out", "--json", cwd=tmp_path)
+    assert json.loads(run.stdout) == {}
 
 
 def test_unknown_numbers_are_null_in_json(tmp_path):

@@ -120,8 +120,10 @@ def test_without_truth_the_measured_path_is_scored():
     assert score.rmse == pytest.approx(np.sqrt(18))
     assert np.isnan(score.effort)
     assert score.to_dict()["effort"] is None
-    assert "measured path" in str(score)
-    assert "voltage" not in str(score)
+    assert str(score).splitlines()[-2:] == [
+        "  rms voltage (V)                              -",
+        "  poses from                                   measurement",
+    ]
 
 
 def test_truth_comes_before_the_measurement():
@@ -136,13 +138,21 @@ def test_effort_is_the_root_mean_square_of_both_voltages():
 def test_a_score_reads_as_a_report():
     score = score_path(trace_of([(0, 0), (50, 8), (100, 0)], u=(0.5, 0.5)), L_TURN)
     assert str(score).splitlines() == [
-        "path: 1 of 2 waypoints reached",
-        "      cross-track error of the true path: rmse 4.6 px, maximum 8.0 px",
-        "      at the end 100.0 px from the last waypoint; rms voltage 0.50 V",
+        "Path through the waypoints: incomplete",
+        "  waypoints                                    2",
+        "  reached                                      1",
+        "  reached the last one at step                 -",
+        "  cross-track error, rmse (px)                 4.6",
+        "  cross-track error, maximum (px)              8.0",
+        "  distance from the last one at the end (px)   100.0",
+        "  rms voltage (V)                              0.50",
+        "  poses from                                   truth",
     ]
     completed = score_path(trace_of([(0, 0), (100, 0)]), [(100, 0)])
-    assert str(completed).startswith("path: 1 of 1 waypoints reached, the last at step 1\n")
-    assert json.loads(json.dumps(score.to_dict())) == {
+    assert (completed.verdict, completed.completed_step) == ("completed", 1)
+    assert json.loads(score.to_json()) == {
+        "title": "Path through the waypoints",
+        "verdict": "incomplete",
         "source": "truth",
         "waypoints": 2,
         "reached": 1,
@@ -190,5 +200,5 @@ def test_other_wrong_input_is_named():
     with pytest.raises(TypeError, match="trace must be a Trace"):
         score_path(np.zeros((3, 3)), L_TURN)
     for empty in (trace[:0], trace_of(np.full((4, 2), NAN))):
-        with pytest.raises(ValueError, match="trace must have a true or a measured pose"):
+        with pytest.raises(ValueError, match="the trace has no pose_measured"):
             score_path(empty, L_TURN)

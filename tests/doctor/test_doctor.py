@@ -690,13 +690,24 @@ def test_the_report_as_text_and_as_html():
         <filter> failed 2 checks
           1. it is < 0 (step 7, robot turns)
           2. it is late
-          Remark: what about u & dt?""")
+          - what about u & dt?""")
     assert report._repr_html_() == (
-        "<p><b>&lt;filter&gt; failed 2 checks</b></p>"
+        "<div><p><b>&lt;filter&gt; failed 2 checks</b></p>"
         "<ol><li>it is &lt; 0<br><small>step 7, robot turns</small></li>"
         "<li>it is late</li></ol>"
-        "<p>Remark: what about u &amp; dt?</p>"
+        "<ul><li>what about u &amp; dt?</li></ul></div>"
     )
+    numbers = report.to_dict()
+    assert (numbers["title"], numbers["verdict"]) == ("Check of <filter>", "failed")
+    assert numbers["problems"][0] == {
+        "kind": "a",
+        "sentence": "it is < 0",
+        "situation": "robot turns",
+        "k": 7,
+        "line": None,
+    }
+    assert CheckReport(name="it").to_dict()["problems"] == []
+    assert report.to_pandas()["kind"].tolist() == ["a", "b"]
     with pytest.raises(AssertionError) as caught:
         report.raise_for_problems()
     assert str(caught.value) == str(report)

@@ -22,6 +22,7 @@ from robsim.evaluation._cramer_rao import (
 from robsim.evaluation._errors import estimation_errors, pose_errors, wrapped_error
 from robsim.evaluation._whiteness import whiteness
 from robsim.identification._convergence import convergence_time, parameter_convergence
+from robsim.trace import NotRecordedError
 
 pytestmark = pytest.mark.kernels
 
@@ -85,7 +86,7 @@ def test_error_report_over_runs():
     np.testing.assert_allclose(report.rmse_of_steps[:, 0], [np.sqrt(12.5), 2.0, 1.0])
     np.testing.assert_allclose(report.rmse, np.sqrt(30 / 4))
     assert str(report).splitlines()[0] == "student minus truth over 2 runs"
-    assert "4 of 6" in str(report)
+    assert "4 (66.7 %)" in str(report)
 
 
 def test_what_is_claimed_stands_beside_the_error():
@@ -102,19 +103,20 @@ def test_error_report_reads_well_and_goes_into_json():
     report = estimation_errors([[1.0, NAN, PI / 180]], [[0.0, 0.0, 0.0]])
     lines = str(report).splitlines()
     assert lines[0] == "estimate minus truth"
-    assert lines[2].split() == ["x", "(px)", "1", "1", "0", "1", "-", "1", "of", "1"]
-    assert lines[3].split() == ["y", "(px)", "-", "-", "-", "-", "-", "0", "of", "1"]
-    assert lines[4].split()[:3] == ["heading", "(deg)", "1"]
-    values = json.loads(json.dumps(report.to_dict()))
+    assert lines[5].split() == ["x", "(px)", "1", "1", "0", "1", "1", "(100", "%)"]
+    assert lines[6].split() == ["y", "(px)", "-", "-", "-", "-", "0", "(0", "%)"]
+    assert lines[7].split()[:3] == ["heading", "(deg)", "1"]
+    assert json.loads(report.to_json())["total"] == 1
+    values = json.loads(report.to_json())["errors"]
     assert values["heading"]["rmse"] == pytest.approx(PI / 180)
     assert values["heading"]["unit"] == "rad"
     assert values["y"] == {
         "unit": "px",
         "known": 0,
-        "total": 1,
-        **dict.fromkeys(("rmse", "bias", "sd", "max_error", "reported_sd_median")),
+        **dict.fromkeys(("rmse", "bias", "sd", "max_error")),
     }
-    assert report._repr_html_().count("<tr>") == 4
+    assert report._repr_html_().count("<tr>") == 5
+    assert repr(report) == "<ErrorReport: estimate minus truth, steps 1>"
 
 
 def test_pose_errors_of_a_trace_agree_with_its_own():
@@ -237,7 +239,8 @@ def test_the_band_is_wider_where_fewer_runs_are_known():
     np.testing.assert_allclose(report.band[1], stats.chi2(4).ppf([0.025, 0.975]) / 2)
     assert report.unknown == 4
     assert report.inside == 1.0
-    assert str(report).startswith("NEES: the filter is consistent; 4 values not known\n")
+    assert str(report).startswith("NEES of 3 runs of 4 steps: consistent\n")
+    assert "values not known         4" in str(report)
 
 
 def test_shares_and_mean_by_hand():
@@ -256,7 +259,9 @@ def test_a_filter_that_runs_away_is_optimistic():
     assert np.isinf(report.values[-1])
     assert report.above == 1.0
     assert report.verdict == "optimistic"
-    assert "mean inf +- inf" in str(nees_consistency(np.full((20, 5, 1), 1e200), [[1.0]]))
+    report = nees_consistency(np.full((20, 5, 1), 1e200), [[1.0]])
+    assert "mean NEES                inf" in str(report)
+    assert json.loads(report.to_json())["mean"] is None
 
 
 @pytest.mark.parametrize(
@@ -270,8 +275,9 @@ def test_what_is_infinite_is_refused_not_taken_for_unseen(call):
 def test_nothing_known_is_said():
     report = nees_consistency(np.full((5, 3), NAN), np.eye(3))
     assert report.verdict == "not known"
-    assert "no value is known" in str(report)
-    assert json.loads(json.dumps(report.to_dict()))["mean"] is None
+    assert str(report).startswith("NEES of 1 run of 5 steps: not known\n")
+    assert "no step has both an error and a covariance" in str(report)
+    assert json.loads(report.to_json())["mean"] is None
 
 
 def test_white_noise_lies_in_the_band_as_often_as_the_band_says():
@@ -473,7 +479,8 @@ def test_parameter_convergence_of_a_run():
     np.testing.assert_allclose(
         report.tolerance[0], [0.019375, 0.009375, 0.0020833, 0.0020833, 1e-3], rtol=1e-4
     )
-    assert len(str(report).splitlines()) == 17
+    assert report.verdict == "converged"
+    assert len(str(report).splitlines()) == 21
     assert report._repr_html_().count("<tr>") == 16
 
 
@@ -482,7 +489,9 @@ def test_a_robot_that_spins_does_not_converge_in_x_and_y():
     report = parameter_convergence(trace)
     assert np.isnan(report.time[:2, :4]).any()
     assert "not near at the end" in str(report)
-    assert None in [values["time"] for values in json.loads(json.dumps(report.to_dict())).values()]
+    assert report.verdict == "not converged"
+    parameters = json.loads(report.to_json())["parameters"]
+    assert None in [values["time"] for values in parameters.values()]
 
 
 # Cramér-Rao bounds
@@ -630,7 +639,7 @@ def test_a_bound_across_a_bounce_is_refused():
         pose_bounds(trace, Q=np.eye(3), R=np.eye(3), P0=np.eye(3))
     with pytest.raises(ValueError, match=r"P0 must be of shape \(6, 6\), got \(2, 2\)"):
         pose_bounds(trace[2:], Q=np.eye(3), R=np.eye(3), P0=np.eye(2))
-    with pytest.raises(ValueError, match="true poses"):
+    with pytest.raises(NotRecordedError, match="no pose_true"):
         pose_bounds(trace_of(np.full((3, 3), NAN)), Q=np.eye(3), R=np.eye(3), P0=np.eye(3))
 
 
@@ -670,8 +679,8 @@ def test_errors_of_traces_have_the_claim():
 def test_a_consistency_report_reads_well():
     report = pose_consistency(list(estimated(20, reported_sd=0.25)))
     lines = str(report).splitlines()
-    assert lines[0] == "NEES: the filter is optimistic"
-    assert lines[1] == "20 runs of 100 steps, 3 degrees of freedom"
-    assert lines[2].endswith("0.0 % below")
-    assert report._repr_html_().startswith("<p><b>NEES: the filter is optimistic</b></p>")
-    assert json.loads(json.dumps(report.to_dict()))["verdict"] == "optimistic"
+    assert lines[0] == "NEES of 20 runs of 100 steps: optimistic"
+    assert lines[6].split() == ["steps", "below", "it", "0", "%"]
+    assert "NEES of 20 runs of 100 steps: optimistic</caption>" in report._repr_html_()
+    assert "the filter is too sure" in report.remarks[0]
+    assert json.loads(report.to_json())["verdict"] == "optimistic"

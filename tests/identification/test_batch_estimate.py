@@ -128,8 +128,8 @@ def test_what_a_record_without_motion_does_not_determine_is_said():
     assert np.isnan(report.batch).any()
     assert "X: the run does not determine a1X, a2X, b1X, b2X, d1X; excite" in str(report)
     assert "no online estimate" in str(report)
-    assert report.to_dict()["b1X"]["batch"] is None
-    assert report.to_dict()["b1X"]["standard_error"] is None
+    assert report.to_dict()["parameters"]["b1X"]["batch"] is None
+    assert report.to_dict()["parameters"]["b1X"]["standard_error"] is None
     assert np.isinf(report.standard_errors[0]).all()
     assert "does not determine" in report._repr_html_()
 
@@ -192,12 +192,12 @@ def test_a_robot_that_does_not_move_as_its_model_says_is_noticed(rng):
     options = {"boundary": "bounce", "seed": 3}
     right = robsim.batch_estimate(driven(200, **options))
     assert right.is_model_exact
-    assert "True value" in str(right)
+    assert "true value" in str(right)
     for evaluate_model in (robsim.Unicycle(), noise_in_the_equation(rng)):
         report = robsim.batch_estimate(driven(200, evaluate_model=evaluate_model, **options))
         assert not report.is_model_exact
-        assert "Model value" in str(report)
-        assert "True value" not in str(report)
+        assert "model's value" in str(report)
+        assert "true value" not in str(report)
         assert "does not move as its model says" in str(report)
     np.testing.assert_allclose(report.model_error, (0.1, 0.1, 0.005), rtol=0.2)
 
@@ -217,8 +217,8 @@ def test_the_report_as_a_data_frame():
     ("steps", "source", "message"),
     [
         (5, "truth", "at least 5 samples"),
-        (50, "measurement", "got 0"),
-        (0, "truth", "in all 0 steps"),
+        (50, "measurement", "no pose_measured: run with measure=True"),
+        (0, "truth", "no pose_true: it has no steps"),
     ],
 )
 def test_a_record_that_is_too_short_is_refused(steps, source, message):
@@ -230,12 +230,14 @@ def test_the_report_reads_like_the_manuals():
     report = robsim.batch_estimate(driven())
     lines = str(report).splitlines()
     assert lines[0] == "Batch estimate from truth, steps 0..799 (798 samples)"
-    titles = "True value, Batch estimate, Standard error, Online estimate"
-    assert lines[2].split() == titles.replace(",", "").split()
-    row = next(line for line in lines if line.startswith("b1P")).split()
-    assert row[:3] + row[4:] == ["b1P", "0.030556", "0.030556", "0.030556"]
+    titles = "parameter, true value, batch estimate, standard error, online estimate, excited"
+    assert lines[1].split() == titles.replace(",", "").split()
+    row = next(line for line in lines if line.startswith("  b1P")).split()
+    assert row[:3] + row[4:] == ["b1P", "0.030556", "0.030556", "0.030556", "well"]
     assert float(row[3]) < 1e-12
-    assert sum(set(line) == {"-"} for line in lines) == 5
+    assert sum(set(line.strip()) == {"-"} for line in lines) == 3
+    assert max(map(len, lines)) <= 100
+    assert repr(report) == f"<BatchEstimate: {lines[0]}>"
     assert report._repr_html_().count("<tr>") == 16
 
 

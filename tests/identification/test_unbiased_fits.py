@@ -213,7 +213,7 @@ def test_a_spin_says_nothing_about_x_and_y(fit, seed):
     assert not result.determined[:2].any()
     assert not result.determined[2, 2:].any()  # u1 = -u2, always the same: one number for three
     assert_honest(result)
-    assert str(result).splitlines()[1].split() == ["a1X", "-", "-"]
+    assert str(result).splitlines()[3].split() == ["a1X", "-", "-"]
     assert "not determined by the run" in str(result)
 
 

@@ -144,7 +144,7 @@ def test_traces_have_six_panels_a_plan_and_three_histograms(usual):
     assert labels.count("") == 3
     assert tuple(figure.get_size_inches()) == (10, 8)
     assert figure.get_dpi() == 110
-    assert figure.get_suptitle().startswith("tracking: 60 steps, 60 seen")
+    assert figure.get_suptitle().startswith("Tracking, steps 60, seen 60 (100 %)")
 
 
 def test_true_and_measured_values_are_where_they_belong(usual):
@@ -415,11 +415,8 @@ def test_parameters_draw_in_given_axes():
 
 
 def test_parameters_that_were_not_estimated():
-    message = (
-        "the trace has no parameter estimates: run the simulation with estimate_parameters=True"
-    )
     for trace in (make_trace(), make_trace(0), make_parameters(0)):
-        with pytest.raises(ValueError, match=message):
+        with pytest.raises(robsim.trace.NotRecordedError, match="the trace has no parameters"):
             plot_parameters(trace)
 
 

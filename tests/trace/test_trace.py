@@ -263,7 +263,14 @@ def test_tracking_statistics_by_hand():
     # (3^2 + 4^2 + 12^2 + 1^2)/3 = 170/3
     assert statistics.rmse_xy == pytest.approx(np.sqrt(170 / 3))
     assert statistics.rmse_heading_deg == pytest.approx(np.rad2deg(np.sqrt(0.05 / 3)))
-    assert "4 steps, 3 seen (75.0 %), 1 false, rmse 7.528 px" in str(statistics)
+    assert str(statistics).splitlines() == [
+        "Tracking",
+        "  steps                       4",
+        "  seen                        3 (75.0 %)",
+        "  false poses                 1",
+        "  rmse of the position (px)   7.528",
+        "  rmse of the heading (deg)   7.397",
+    ]
 
 
 @pytest.mark.parametrize("rows", [0, 3])
@@ -272,7 +279,8 @@ def test_tracking_statistics_of_nothing_are_nan(rows):
     assert (statistics.steps, statistics.seen, statistics.false_poses) == (rows, 0, 0)
     assert np.isnan(statistics.rmse_xy)
     assert np.isnan(statistics.rmse_heading_deg)
-    assert f"{rows} steps, never seen" in str(statistics)
+    assert statistics.heading == "Tracking, never seen"
+    assert statistics.to_dict()["rmse_xy"] is None
 
 
 @given(st.floats(-50, 50), st.floats(-50, 50))
@@ -382,7 +390,13 @@ def test_other_keys_are_refused(key):
 def test_the_trace_describes_itself():
     trace = trace_of(4, first_step=3)
     assert "steps 3..6" in repr(trace)
-    assert "4 x 3" in trace._repr_html_()
+    assert str(trace).startswith("Trace, steps 3..6\n")
+    assert max(map(len, str(trace).splitlines())) <= 100
+    assert trace.summary().to_dict()["groups"]["pose_true"] == {
+        "columns": ["x_true", "y_true", "heading_true"],
+        "units": ["px", "rad"],
+        "known": 4,
+    }
     assert "x_measured" in trace._repr_html_()
     assert "no steps" in repr(trace[:0])
 

@@ -136,30 +136,29 @@ def test_the_same_seed_gives_the_same_score():
 def test_as_text():
     score = score_color(scene(REGION), ColorClass("red", v=(170, 255)), [REGION], repeats=1)
     lines = str(score).splitlines()
-    assert lines[:3] == [
-        "red, detection rate in %:",
-        "  brightness (factor)              0.4   0.6   0.8     1  1.25   1.6",
-        "    unchanged                        0   100   100   100   100   100",
+    change = f"widened by {score.margin}"
+    assert lines[:2] == [
+        "Detection of a colour in other light and noise",
+        "  colour                               red",
     ]
-    assert lines[3].split() == ["widened", "by", str(score.margin), *["100"] * 6]
-    assert lines[-1].startswith("mean: ")
-    assert lines[-1].endswith(f"widened by {score.margin}: 100.0 %")
+    assert f"  mean detection rate, {change}   100 %" in lines
+    assert lines[6].split() == ["detection", "rate", "unchanged", *change.split()]
+    assert lines[8].split() == ["brightness", "x", "0.4", "0", "%", "100", "%"]
+    assert lines[-1].startswith("  gaussian noise in shadow, 40 %")
     assert max(map(len, lines)) < 80
     good = str(score_color(scene(REGION), COLOR, [REGION], repeats=1))
     assert "widened" not in good
-    assert good.splitlines()[-1] == "mean: 100.0 %"
+    assert good.splitlines()[2].split() == ["mean", "detection", "rate", "100", "%"]
 
 
 def test_as_numbers():
     score = score_color(scene(REGION), COLOR, [REGION], repeats=1)
-    numbers = json.loads(json.dumps(score.to_dict()))
-    assert list(numbers) == ["color", "rate", "margin", "widened_rate", "sweeps"]
+    numbers = json.loads(score.to_json())
+    assert list(numbers) == ["title", "color", "rate", "margin", "levels"]
     assert (numbers["color"], numbers["rate"], numbers["margin"]) == ("red", 1, 0)
-    assert numbers["sweeps"]["shadow"] == {
-        "levels": [0.8, 0.6, 0.4],
-        "rates": [1, 1, 1],
-        "widened_rates": [1, 1, 1],
-    }
+    assert numbers["levels"]["shadow x 0.8"] == {"rate": 1}
+    frame = score.to_pandas()
+    assert frame.loc["gaussian noise, 40 %", "rate"] == 1
 
 
 @pytest.mark.parametrize(

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from robsim import plotting
+from robsim._base.report import Report
 from robsim.identification._batch import BatchEstimate, batch_estimate
 from robsim.simulation._runner import Runner
 from robsim.trace import TrackingStatistics
-
-
-def _known(numbers: dict[str, Any]) -> dict[str, Any]:
-    return {name: None if value != value else value for name, value in numbers.items()}
-
 
 _FIGURES = ("camera.png", "traces.png", "parameters.png", "batch.png")
 
@@ -39,15 +35,18 @@ class Results:
     tracking: TrackingStatistics | None
     files: tuple[Path, ...]
 
+    @property
+    def reports(self) -> dict[str, Report]:
+        """The reports that there are, by name."""
+        reports = {"batch_estimate": self.report, "tracking": self.tracking}
+        return {name: report for name, report in reports.items() if report is not None}
+
     def to_dict(self) -> dict[str, Any]:
-        """Return the numbers: {"parameters": ..., "tracking": ...}; None = not available."""
-        return {
-            "parameters": self.report.to_dict() if self.report else None,
-            "tracking": _known(asdict(self.tracking)) if self.tracking else None,
-        }
+        """Return the numbers of each report by its name."""
+        return {name: report.to_dict() for name, report in self.reports.items()}
 
     def __str__(self) -> str:
-        return "\n".join(str(part) for part in (self.report, self.tracking) if part)
+        return "\n\n".join(map(str, self.reports.values()))
 
 
 def check_folder(out: Path) -> None:

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, check_float
+from robsim._base.report import Quantity, Report
 from robsim.control._waypoints import as_waypoints, nearest_on_segment
 from robsim.trace import Trace
 from robsim.trace._columns import POSES
 
 
 @dataclass(frozen=True, kw_only=True)
-class PathScore:
+class PathScore(Report):
     """How well a robot followed a path: the result of `score_path`.
 
     Attributes
@@ -46,22 +46,30 @@ class PathScore:
     final_distance: float
     effort: float
 
-    def __str__(self) -> str:
-        reached = f"{self.reached} of {self.waypoints} waypoints reached"
-        if self.completed_step is not None:
-            reached += f", the last at step {self.completed_step}"
-        path = POSES[self.source].removeprefix("pose_")
-        effort = "" if math.isnan(self.effort) else f"; rms voltage {self.effort:.2f} V"
-        return (
-            f"path: {reached}\n"
-            f"      cross-track error of the {path} path: rmse {self.rmse:.1f} px, "
-            f"maximum {self.max_error:.1f} px\n"
-            f"      at the end {self.final_distance:.1f} px from the last waypoint{effort}"
-        )
+    @property
+    def title(self) -> str:
+        """What was scored."""
+        return "Path through the waypoints"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return name -> value; None = not known."""
-        return {name: None if value != value else value for name, value in asdict(self).items()}
+    @property
+    def verdict(self) -> str:
+        """Return ``"completed"`` or ``"incomplete"``."""
+        return "incomplete" if self.completed_step is None else "completed"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Waypoints, cross-track error and effort."""
+        final = "distance from the last one at the end"
+        return (
+            Quantity("waypoints", "waypoints", self.waypoints),
+            Quantity("reached", "reached", self.reached),
+            Quantity("completed_step", "reached the last one at step", self.completed_step),
+            Quantity("rmse", "cross-track error, rmse", self.rmse, "px", ".1f"),
+            Quantity("max_error", "cross-track error, maximum", self.max_error, "px", ".1f"),
+            Quantity("final_distance", final, self.final_distance, "px", ".1f"),
+            Quantity("effort", "rms voltage", self.effort, "V", ".2f"),
+            Quantity("source", "poses from", self.source),
+        )
 
 
 def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 25.0) -> PathScore:
@@ -83,8 +91,10 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
 
     Raises
     ------
+    NotRecordedError
+        If the trace has neither true nor measured poses.
     TypeError, ValueError
-        If an argument has the wrong type or shape, or if the trace has no poses.
+        If an argument has the wrong type or shape.
 
     Notes
     -----
@@ -106,7 +116,7 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
     source, poses = _known_poses(trace)
     rows = np.flatnonzero(np.isfinite(poses[:, :2]).all(axis=1))
     if not len(rows):
-        raise ValueError(f"trace must have a true or a measured pose to score, got {trace!r}")
+        trace.require(POSES[source])
     positions = poses[rows, :2]
     errors, reached_rows = _cross_track_errors(positions, points, radius)
     is_completed = len(reached_rows) == len(points)

@@ -1,6 +1,10 @@
-"""The quality of estimates: errors, consistency (NEES, NIS), whiteness and Cramér-Rao bounds."""
+"""The quality of estimates: errors, consistency (NEES, NIS), whiteness and Cramér-Rao bounds.
+
+A result is a `Report`; a metric of one's own is a subclass of it.
+"""
 
 from robsim._base.public import present as _present
+from robsim._base.report import Column, Quantity, Report, Row, Table, percent
 from robsim.evaluation._chi_square import chi_square_band
 from robsim.evaluation._consistency import (
     ConsistencyReport,
@@ -20,8 +24,13 @@ from robsim.evaluation._errors import ErrorReport, estimation_errors, pose_error
 from robsim.evaluation._whiteness import WhitenessReport, whiteness
 
 __all__ = [
+    "Column",
     "ConsistencyReport",
     "ErrorReport",
+    "Quantity",
+    "Report",
+    "Row",
+    "Table",
     "WhitenessReport",
     "chi_square_band",
     "cramer_rao_bound",
@@ -31,6 +40,7 @@ __all__ = [
     "nis",
     "nis_consistency",
     "parameter_bounds",
+    "percent",
     "pose_bounds",
     "pose_consistency",
     "pose_errors",

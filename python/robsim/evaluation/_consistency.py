@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array
+from robsim._base.report import Quantity, Report, interval, percent
 from robsim.evaluation._chi_square import chi_square_band
 from robsim.evaluation._errors import as_runs, mean_of_known, wrapped_error
 from robsim.evaluation._whiteness import WhitenessReport, whitened, whiteness
@@ -80,7 +80,7 @@ def _squares(white: Floats) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ConsistencyReport:
+class ConsistencyReport(Report):
     """Whether a filter's errors are as large as it reports.
 
     Attributes
@@ -212,64 +212,70 @@ class ConsistencyReport:
         limit = max(relative * self.n, standard_errors * self.mean_standard_error)
         return bool(is_enough and off > limit)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return name -> value; None = not known."""
-        numbers = {
-            "mean": self.mean,
-            "mean_standard_error": self.mean_standard_error,
-            "expected_mean": float(self.n),
-            "inside": self.inside,
-            "above": self.above,
-            "below": self.below,
-        }
-        return {
-            "kind": self.kind,
-            "verdict": self.verdict,
-            "runs": self.runs,
-            "steps": len(self.values),
-            "unknown": self.unknown,
-            **{name: None if np.isnan(value) else float(value) for name, value in numbers.items()},
-            "whiteness": self.whiteness.to_dict() if self.whiteness else None,
-        }
-
     @property
     def title(self) -> str:
-        """The verdict as a sentence, and the number of unknown values."""
-        is_known = bool(self.counts.any())
-        verdict = f"the filter is {self.verdict}" if is_known else "no value is known"
-        values = "value" if self.unknown == 1 else "values"
-        missing = f"; {self.unknown} {values} not known" if self.unknown else ""
-        return f"{self.kind}: {verdict}{missing}"
-
-    def _lines(self) -> list[str]:
+        """What was tested."""
         runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
-        size = f"{runs} of {len(self.values)} steps, {self.n} degrees of freedom"
-        if not self.counts.any():
-            return [self.title, size]
-        inside = f"{100 * self.inside:.1f} % of the steps in the {100 * self.level:g} % band"
-        outside = f"{100 * self.above:.1f} % above, {100 * self.below:.1f} % below"
-        return [self.title, size, f"{inside}, {outside}", *self._reasons()]
+        return f"{self.kind} of {runs} of {len(self.values)} steps"
 
-    def _reasons(self) -> list[str]:
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The mean, what is expected of it, and the fractions of the steps in the band."""
+        band = f"{percent(self.level, 0)} band"
+        return (
+            Quantity("mean", f"mean {self.kind}", self.mean, format=".3g"),
+            *self._expectation(),
+            Quantity("inside", f"steps in the {band}", self.inside, format=percent),
+            Quantity("above", "steps above it", self.above, format=percent),
+            Quantity("below", "steps below it", self.below, format=percent),
+            Quantity("n", "degrees of freedom", self.n),
+            Quantity("unknown", "values not known", self.unknown),
+            *self._whiteness_quantities(),
+        )
+
+    def _expectation(self) -> tuple[Quantity, ...]:
         if self.kind == "NIS":
-            low, high = self.mean_band
-            mean = f"mean {self.mean:.3g}; expected {low:.3g} to {high:.3g}"
-            return [mean, str(self.whiteness)] if self.whiteness else [mean]
-        enough = f"expected at least {100 * FRACTION_IN_BAND:g} % in the band"
-        spread = "" if np.isnan(self.mean_standard_error) else f" +- {self.mean_standard_error:.2g}"
-        reasons = [f"{enough}; mean {self.mean:.3g}{spread}, expected about {self.n}"]
-        if self.runs < MINIMUM_RUNS and self.verdict == "consistent":
-            reasons.append(
-                f"a conservative filter shows only over {MINIMUM_RUNS} runs, or by its NIS"
+            return (Quantity("mean_band", "mean expected", self.mean_band, format=interval),)
+        error = self.mean_standard_error
+        return (
+            Quantity(
+                "mean_standard_error",
+                "its standard error",
+                error,
+                format=".2g",
+                missing="not known from one run",
+            ),
+            Quantity("expected_mean", "mean expected", self.n, format="g"),
+        )
+
+    def _whiteness_quantities(self) -> tuple[Quantity, ...]:
+        if self.whiteness is None:
+            return ()
+        verdict = Quantity("whiteness", "innovation", self.whiteness.verdict)
+        return (verdict, *self.whiteness.quantities)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the verdict means."""
+        remarks = [_MEANING[self.verdict]]
+        if self.kind == "NEES" and self.verdict != "not known":
+            remarks.append(
+                f"of a consistent filter at least {percent(FRACTION_IN_BAND, 0)} of the steps lie "
+                "in the band"
             )
-        return reasons
+            if self.runs < MINIMUM_RUNS and self.verdict == "consistent":
+                remarks.append(
+                    f"a conservative filter shows only over {MINIMUM_RUNS} runs, or by its NIS"
+                )
+        return tuple(remarks)
 
-    def __str__(self) -> str:
-        return "\n".join(self._lines())
 
-    def _repr_html_(self) -> str:
-        first, *others = self._lines()
-        return f"<p><b>{first}</b></p>" + "".join(f"<p>{line}</p>" for line in others)
+_MEANING = {
+    "consistent": "the errors are as large as the covariance says",
+    "optimistic": "the errors are larger than the covariance says: the filter is too sure",
+    "conservative": "the errors are smaller than the covariance says: the filter could be surer",
+    "not known": "no step has both an error and a covariance",
+}
 
 
 def nees_consistency(
@@ -353,18 +359,17 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
 
     Raises
     ------
+    NotRecordedError
+        If the runs have no estimate, or no truth.
     TypeError, ValueError
-        If the runs do not have the same steps, have no estimate or no truth, or if a covariance is
-        not symmetric positive definite.
+        If the runs do not have the same steps, or if a covariance is not symmetric positive
+        definite.
     """
     runs = as_runs(traces)
     error = np.array([wrapped_error(trace.pose_estimated, trace.pose_true) for trace in runs])
     covariance = np.array([trace.covariance for trace in runs])
     if np.isnan(error).all():
-        raise ValueError(
-            "the trace must have estimates and true poses: run the simulation with "
-            "estimate_state=..."
-        )
+        runs[0].require("pose_true", "pose_estimated")
     report = nees_consistency(error, covariance, level=level)
     return replace(report, k=runs[0].k)
 

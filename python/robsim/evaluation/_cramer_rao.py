@@ -271,5 +271,6 @@ def _model_derivatives(trace: Trace) -> Floats:
 
 def _check_truth(trace: Trace) -> None:
     check_trace(trace)
-    if not (np.isfinite(trace.pose_true).all() and np.isfinite(trace.info.theta_true).all()):
-        raise ValueError("the trace must have true poses and parameters, not only recorded frames")
+    trace.require("pose_true", "theta_true")
+    if not np.isfinite(trace.pose_true).all():
+        raise ValueError("the trace must have a true pose in every step")

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array, is_int
+from robsim._base.report import Column, Quantity, Report, Row, Table, count
 from robsim._core import wrap_angle
 from robsim.trace import Trace
+from robsim.trace._columns import POSES
 
 
 def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int] = (2,)) -> Floats:
@@ -54,7 +55,7 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ErrorReport:
+class ErrorReport(Report):
     """The errors of poses or other estimates against the truth.
 
     Attributes
@@ -85,7 +86,7 @@ class ErrorReport:
 
     @property
     def title(self) -> str:
-        """The first line of the report."""
+        """What is compared with the truth."""
         runs = "" if len(self.error) == 1 else f" over {len(self.error)} runs"
         return f"{self.source} minus truth{runs}"
 
@@ -136,51 +137,32 @@ class ErrorReport:
         """Root mean square error of each step over the runs (N, n): compare it with a bound."""
         return np.sqrt(mean_of_known(np.square(self.error), axis=0))
 
-    def to_dict(self) -> dict[str, dict[str, Any]]:
-        """Return name -> {"unit", "known", "total", "rmse", ...}; None = not known."""
-        columns = (self.rmse, self.bias, self.sd, self.max_error, self.reported_sd_median)
-        keys = ("rmse", "bias", "sd", "max_error", "reported_sd_median")
-        return {
-            name: {"unit": self.units[i], "known": int(self.known[i]), "total": self.total}
-            | {
-                key: None if np.isnan(values[i]) else float(values[i])
-                for key, values in zip(keys, columns, strict=True)
-            }
-            for i, name in enumerate(self.names)
-        }
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The number of steps."""
+        return (Quantity("total", "steps", self.total),)
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        shown = [("deg", np.rad2deg(1.0)) if u == "rad" else (u, 1.0) for u in self.units]
-        columns = np.array((self.rmse, self.bias, self.sd, self.max_error, self.reported_sd_median))
-        texts = [
-            ["-" if np.isnan(value) else f"{value * factor:.4g}" for value in values]
-            for (_, factor), values in zip(shown, columns.T, strict=True)
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """Root mean square error, bias, standard deviation and maximum of each component."""
+        columns = [
+            (Column("rmse", "rmse"), self.rmse),
+            (Column("bias", "bias"), self.bias),
+            (Column("sd", "sd"), self.sd),
+            (Column("max_error", "maximum"), self.max_error),
+            (Column("known", "steps known", "", lambda n: count(n, self.total)), self.known),
         ]
-        return [
-            (f"{name} ({unit})" if unit else name, *text, f"{known} of {self.total}")
-            for name, (unit, _), text, known in zip(
-                self.names, shown, texts, self.known, strict=True
+        if self.reported_sd is not None:
+            reported = Column("reported_sd_median", "reported sd")
+            columns.insert(-1, (reported, self.reported_sd_median))
+        titles, numbers = zip(*columns, strict=True)
+        rows = [
+            Row(name, values, unit)
+            for name, values, unit in zip(
+                self.names, zip(*numbers, strict=True), self.units, strict=True
             )
         ]
-
-    def __str__(self) -> str:
-        rows = [_TITLES, *self._rows()]
-        width = max(len(row[0]) for row in rows)
-        table = [
-            f"{name:<{width}}" + "".join(f"{text:>12}" for text in numbers) + f"{known:>16}"
-            for name, *numbers, known in rows
-        ]
-        return "\n".join([self.title, *table])
-
-    def _repr_html_(self) -> str:
-        head = "".join(f"<th>{title}</th>" for title in _TITLES)
-        body = "".join(
-            f"<tr>{''.join(f'<td>{text}</td>' for text in row)}</tr>" for row in self._rows()
-        )
-        return f"<p>{self.title}</p><table><tr>{head}</tr>{body}</table>"
-
-
-_TITLES = ("error", "rmse", "bias", "sd", "maximum", "reported sd", "steps known")
+        return (Table(key="errors", columns=titles, rows=rows, row_title="error"),)
 
 
 def mean_of_known(values: Floats, axis: int | tuple[int, ...]) -> Floats:
@@ -272,19 +254,19 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
 
     Raises
     ------
+    NotRecordedError
+        If the runs have no such poses, or no truth.
     TypeError, ValueError
-        If the runs do not have the same steps, or have no such poses, or no truth.
+        If the runs do not have the same steps, or `of` is unknown.
     """
     if of not in ("estimate", "measurement"):
         raise ValueError(f"of must be 'estimate' or 'measurement', got {of!r}")
     runs = as_runs(traces)
     poses = np.array([trace.poses_from(of) for trace in runs])
     truth = np.array([trace.pose_true for trace in runs])
-    if np.isnan(truth).all():
-        raise ValueError("the trace has no true poses to compare with")
-    if np.isnan(poses).all():
-        advice = "estimate_state=..." if of == "estimate" else "measure=True"
-        raise ValueError(f"the trace has no pose from {of}: run the simulation with {advice}")
+    for values, name in ((truth, "pose_true"), (poses, POSES[of])):
+        if np.isnan(values).all():
+            runs[0].require(name)
     covariances = np.array([trace.covariance for trace in runs])
     return ErrorReport(
         source=of,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array, check_int
+from robsim._base.report import Quantity, Report, percent
 from robsim.evaluation._chi_square import chi_square_tail
 
 # 95 % of a normal distribution lie within this number of standard deviations.
@@ -16,7 +17,7 @@ _LIMIT = 1.96
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class WhitenessReport:
+class WhitenessReport(Report):
     """Whether an innovation is white: uncorrelated with the innovations of earlier steps.
 
     Attributes
@@ -52,25 +53,36 @@ class WhitenessReport:
         """Whether the p-value is at least 0.05; 5 % of the consistent filters fail by design."""
         return self.p_value >= 0.05
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return name -> value."""
-        return {
-            "is_white": self.is_white,
-            "p_value": self.p_value,
-            "ljung_box": self.ljung_box,
-            "fraction_outside": self.fraction_outside,
-            "lags": len(self.autocorrelation),
-        }
+    @property
+    def title(self) -> str:
+        """What was tested."""
+        return f"Innovation, lags 1..{len(self.autocorrelation)}"
 
-    def __str__(self) -> str:
+    @property
+    def verdict(self) -> str:
+        """Return ``"white"`` or ``"not white"``."""
+        return "white" if self.is_white else "not white"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The Ljung-Box test and the autocorrelations outside their limits."""
+        count = np.count_nonzero(self.pairs)
         return (
-            f"the innovation is {'white' if self.is_white else 'not white'} "
-            f"(Ljung-Box p = {self.p_value:.3g}; {100 * self.fraction_outside:.0f} % of "
-            f"{np.count_nonzero(self.pairs)} autocorrelations outside +-1.96/sqrt(N), 5 % expected)"
+            Quantity("p_value", "p-value of the Ljung-Box test", self.p_value, format=".3g"),
+            Quantity("ljung_box", "Ljung-Box statistic", self.ljung_box),
+            Quantity("autocorrelations", "autocorrelations", count),
+            Quantity(
+                "fraction_outside", "outside +-1.96/sqrt(N)", self.fraction_outside, "", percent
+            ),
         )
 
-    def _repr_html_(self) -> str:
-        return f"<p>{self}</p>"
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is expected."""
+        return (
+            "white: the p-value is at least 0.05; of a white innovation about 5 % of the "
+            "autocorrelations are outside",
+        )
 
 
 def whiteness(
@@ -90,7 +102,7 @@ def whiteness(
     Returns
     -------
     WhitenessReport
-        Autocorrelations, the Ljung-Box test and a verdict; print it.
+        Autocorrelations, the Ljung-Box test and a verdict.
 
     Raises
     ------

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import html
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
+from robsim._base.report import Column, Report, Table
 from robsim._core import least_squares
 from robsim.identification._fits import METHODS
 from robsim.identification._identifiability import Identifiability, judge
+from robsim.identification._parameter_table import equation_noise, parameter_table
 from robsim.identification._regression import (
     Regression,
     inputs_of,
@@ -20,9 +21,7 @@ from robsim.identification._regression import (
     regression_of,
 )
 from robsim.trace import PARAMETER_NAMES, Trace
-
-if TYPE_CHECKING:
-    import pandas
+from robsim.trace._columns import POSES
 
 _MINIMUM_SAMPLES = 5
 _ROUNDING = 1e-6  # px and rad
@@ -47,7 +46,7 @@ def _unknown() -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BatchEstimate:
+class BatchEstimate(Report):
     """The parameters of the robot model, estimated from a whole run.
 
     Attributes
@@ -141,64 +140,28 @@ class BatchEstimate:
         sigma = self.residual_rms * np.sqrt(n_samples / freedom)
         return judge(self.standard_errors_unscaled, self.batch, sigma=sigma)
 
-    def to_dict(self) -> dict[str, dict[str, float | None]]:
-        """Return name -> {"true", "batch", "standard_error", "online"} of all 15 parameters.
-
-        None = not known.
-        """
-        columns = (self.theta_true, self.batch, self.standard_errors, self.online)
-        keys = ("true", "batch", "standard_error", "online")
-        return {
-            name: {
-                key: float(value) if np.isfinite(value) else None
-                for key, value in zip(keys, values, strict=True)
-            }
-            for name, *values in zip(PARAMETER_NAMES, *map(np.ravel, columns), strict=True)
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """True value, batch estimate with standard error, online estimate of each parameter."""
+        true = "true value" if self.is_model_exact else "model's value"
+        errors = np.where(np.isfinite(self.batch), self.standard_errors, np.nan)
+        columns = {
+            Column("true", true, format=".5g"): self.theta_true,
+            Column("batch", "batch estimate", format=".5g"): self.batch,
+            Column("standard_error", "standard error", format=".2g"): errors,
         }
+        if self._has_online:
+            columns[Column("online", "online estimate", format=".5g")] = self.online
+        verdicts = {Column("excited", "excited"): self.identifiability.verdicts}
+        return (parameter_table(columns | verdicts),)
 
-    def to_pandas(self) -> pandas.DataFrame:
-        """Return a data frame with one row per parameter and the verdict on its excitation.
+    @property
+    def _has_online(self) -> bool:
+        return bool(np.isfinite(self.online).any())
 
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
-        """
-        try:
-            import pandas as pd
-        except ImportError as error:
-            raise ImportError("to_pandas needs pandas: pip install pandas") from error
-        frame = pd.DataFrame.from_dict(self.to_dict(), orient="index", dtype=float)
-        frame["excited"] = self.identifiability.verdicts.ravel()
-        return frame.rename_axis("parameter")
-
-    def _titles(self) -> tuple[str, ...]:
-        value = "True value" if self.is_model_exact else "Model value"
-        return ("", value, "Batch estimate", "Standard error", "Online estimate")
-
-    def _rows(self) -> list[tuple[str, ...]]:
-        digits = {"standard_error": ".2g"}
-
-        def text(key: str, value: float | None) -> str:
-            return "-" if value is None else format(value, digits.get(key, ".5g"))
-
-        return [
-            (name, *(text(key, value) for key, value in values.items()))
-            for name, values in self.to_dict().items()
-        ]
-
-    def __str__(self) -> str:
-        line = "-" * 76
-        rows = [self._titles(), *self._rows()]
-        texts = [
-            f"{name:<6}{true:>14}{batch:>19}{error:>18}{online:>19}"
-            for name, true, batch, error, online in rows
-        ]
-        for end_of_axis in (16, 11, 6, 1):
-            texts.insert(end_of_axis, line)
-        return "\n".join([self.title, line, *texts, *self._remarks(), str(self.identifiability)])
-
-    def _remarks(self) -> list[str]:
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What limits the estimate."""
         remarks = [
             f"{axis}: the run does not determine {', '.join(missing)}; excite the robot more"
             for axis, missing in zip(_AXES, self._missing(), strict=True)
@@ -211,30 +174,21 @@ class BatchEstimate:
                 f"{self.left_out} samples with a bounce, a missing pose or lost frames are omitted"
             )
         if not self.is_model_exact:
-            x, y, heading = self.model_error
             remarks.append(
-                f"the robot does not move as its model says (rmse {x:.2g} px, {y:.2g} px, "
-                f"{heading:.2g} rad per step): the model's values need not be true"
+                "the robot does not move as its model says (rmse "
+                f"{equation_noise(self.model_error, '.2g')} per step): the model's values need "
+                "not be true"
             )
-        if not np.isfinite(self.online).any():
+        if not self._has_online:
             remarks.append("no online estimate: run with estimate_parameters=True")
         elif self.online_from != self.identify_from:
             remarks.append(f"the online estimate is from {self.online_from}")
-        return remarks
+        return (*remarks, *self.identifiability.remarks)
 
     def _missing(self) -> list[list[str]]:
         """Return the names of the parameters that the run does not determine, by axis."""
         names = np.reshape(PARAMETER_NAMES, (3, 5))
         return [list(names[axis][np.isnan(self.batch[axis])]) for axis in range(3)]
-
-    def _repr_html_(self) -> str:
-        head = f"<tr>{''.join(f'<th>{title}</th>' for title in self._titles())}</tr>"
-        body = "".join(
-            f"<tr>{''.join(f'<td>{text}</td>' for text in row)}</tr>" for row in self._rows()
-        )
-        lines = [*self._remarks(), *str(self.identifiability).splitlines()]
-        remarks = "<br>".join(map(html.escape, lines))
-        return f"<p>{self.title}</p><table>{head}{body}</table><p>{remarks}</p>"
 
 
 def batch_estimate(
@@ -271,6 +225,8 @@ def batch_estimate(
 
     Raises
     ------
+    NotRecordedError
+        If the trace has no poses from there.
     TypeError, ValueError
         If `trace` is not a Trace, it has too few samples, or a name is unknown; if the time
         between two steps is not a multiple of the model's dt.
@@ -282,6 +238,7 @@ def batch_estimate(
         raise ValueError(f"method must be one of {names}, got {method!r}")
     found = regression_of(trace, identify_from=identify_from, select=select)
     if len(found.k) < _MINIMUM_SAMPLES:
+        trace.require(POSES[found.identify_from])
         where = "the longest of" if select == "longest" else "all"
         raise ValueError(
             f"a batch estimate from {found.identify_from} needs at least {_MINIMUM_SAMPLES} "

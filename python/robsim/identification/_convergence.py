@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, as_float_array, check_float
-from robsim.trace import PARAMETER_NAMES, Trace
+from robsim._base.report import Column, Report, Table
+from robsim.identification._parameter_table import parameter_table
+from robsim.trace import Trace
 from robsim.trace._trace import check_trace
 
 
@@ -56,7 +58,7 @@ def convergence_time(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ConvergenceReport:
+class ConvergenceReport(Report):
     """The convergence times of the online parameter estimates.
 
     Attributes
@@ -67,59 +69,42 @@ class ConvergenceReport:
     time : array (3, 5)
         Time from the first step of the trace until the estimate stays in the band (s); NaN = not
         in the band at the end.
-    title : str
-        The first line of the report.
+    identify_from : str
+        The data of the online estimate: truth, measurement or estimate.
     """
 
     theta_true: Floats
     last: Floats
     tolerance: Floats
     time: Floats
-    title: str
+    identify_from: str = "truth"
 
-    def to_dict(self) -> dict[str, dict[str, float | None]]:
-        """Return name -> {"true", "last", "tolerance", "time"}; None = not known."""
-        keys = ("true", "last", "tolerance", "time")
-        columns = (self.theta_true, self.last, self.tolerance, self.time)
-        return {
-            name: {
-                key: float(value) if np.isfinite(value) else None
-                for key, value in zip(keys, values, strict=True)
-            }
-            for name, *values in zip(PARAMETER_NAMES, *map(np.ravel, columns), strict=True)
+    @property
+    def title(self) -> str:
+        """What was judged."""
+        return f"Online estimate from {self.identify_from}"
+
+    @property
+    def verdict(self) -> str:
+        """Return ``"converged"``, or ``"not converged"`` if a parameter is not near at the end."""
+        return "not converged" if np.isnan(self.time).any() else "converged"
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """True value, last estimate, tolerance and time of each parameter."""
+        time = Column("time", "stays near from", "s", ".4g", missing="not near at the end")
+        columns = {
+            Column("true", "true value", format=".5g"): self.theta_true,
+            Column("last", "last estimate", format=".5g"): self.last,
+            Column("tolerance", "tolerance", format=".2g"): self.tolerance,
+            time: self.time,
         }
+        return (parameter_table(columns),)
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        def text(value: float | None, otherwise: str = "-") -> str:
-            return otherwise if value is None else f"{value:.5g}"
-
-        return [
-            (
-                name,
-                text(values["true"]),
-                text(values["last"]),
-                f"{values['tolerance']:.2g}",
-                text(values["time"], "not near at the end"),
-            )
-            for name, values in self.to_dict().items()
-        ]
-
-    def __str__(self) -> str:
-        rows = [
-            f"{name:<6}{true:>14}{last:>16}{tolerance:>12}{time:>22}"
-            for name, true, last, tolerance, time in [_TITLES, *self._rows()]
-        ]
-        return "\n".join([self.title, *rows])
-
-    def _repr_html_(self) -> str:
-        head = "".join(f"<th>{title}</th>" for title in _TITLES)
-        body = "".join(
-            f"<tr>{''.join(f'<td>{text}</td>' for text in row)}</tr>" for row in self._rows()
-        )
-        return f"<p>{self.title}</p><table><tr>{head}</tr>{body}</table>"
-
-
-_TITLES = ("", "True value", "Last estimate", "Tolerance", "Stays near from (s)")
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What near means."""
+        return ("near: within the tolerance of the true value, from then on until the end",)
 
 
 def parameter_convergence(
@@ -143,19 +128,16 @@ def parameter_convergence(
 
     Raises
     ------
+    NotRecordedError
+        If the trace has no parameter estimates, or no true parameters.
     TypeError, ValueError
-        If the trace has no parameter estimates or no true parameters, or an argument has the wrong
-        type or is out of range.
+        If an argument has the wrong type or is out of range.
     """
     check_trace(trace)
     relative = check_float("tolerance", tolerance, exclusive_minimum=0.0)
     offset = check_float("offset_tolerance", offset_tolerance, exclusive_minimum=0.0)
     theta_true = np.array(trace.info.theta_true)
-    if not (np.isfinite(trace.parameters).any() and np.isfinite(theta_true).all()):
-        raise ValueError(
-            "the trace must have parameter estimates and true parameters: run the simulation with "
-            "estimate_parameters=True"
-        )
+    trace.require("parameters", "theta_true")
     half_width = relative * np.abs(theta_true)
     half_width[:, 4] = offset
     return ConvergenceReport(
@@ -163,5 +145,5 @@ def parameter_convergence(
         last=np.array(trace.parameters[-1]),
         tolerance=half_width,
         time=convergence_time(trace.parameters, theta_true, half_width, t=trace.t - trace.t[0]),
-        title=f"Online estimate from {trace.info.identify_from}: when it stays near the truth",
+        identify_from=trace.info.identify_from,
     )

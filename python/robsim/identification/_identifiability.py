@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array, check_int
+from robsim._base.report import Column, Report, Table, percent
+from robsim.identification._parameter_table import equation_noise, parameter_table
 from robsim.identification._regression import regression_of
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace._trace import check_trace
@@ -19,11 +21,11 @@ ASSUMED_SIGMA = (0.1, 0.1, 0.005)
 #: Maximum standard error of a well and of a poorly determined parameter, relative to it.
 WELL, POORLY = 0.05, 0.5
 
-_AXES = ("X", "Y", "P")
+_VERDICTS = ("well", "poorly", "not excited")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Identifiability:
+class Identifiability(Report):
     """How well the samples so far determine each parameter.
 
     Attributes
@@ -54,7 +56,7 @@ class Identifiability:
         """
         # These comparisons are False for NaN, which is thus not excited.
         return np.select(
-            [self.relative <= WELL, self.relative <= POORLY], ["well", "poorly"], "not excited"
+            [self.relative <= WELL, self.relative <= POORLY], _VERDICTS[:2], _VERDICTS[2]
         )
 
     def names(self, verdict: str) -> list[str]:
@@ -65,23 +67,35 @@ class Identifiability:
             if given == verdict
         ]
 
-    def __str__(self) -> str:
-        x, y, heading = self.sigma
-        source = ", assumed" if self.is_assumed else ""
-        title = f"Excitation (sigma {x:.3g} px, {y:.3g} px, {heading:.3g} rad{source}):"
-        return "\n".join([title, *(f"{axis}: {self._line(i)}" for i, axis in enumerate(_AXES))])
+    @property
+    def title(self) -> str:
+        """What was judged."""
+        return "Excitation of the parameters"
 
-    def _line(self, axis: int) -> str:
-        names = PARAMETER_NAMES[5 * axis : 5 * axis + 5]
-        verdicts = self.verdicts[axis]
-        parts = []
-        for verdict in ("well", "poorly", "not excited"):
-            found = [name for name, given in zip(names, verdicts, strict=True) if given == verdict]
-            if len(found) == len(names):
-                return verdict
-            if found:
-                parts.append(f"{verdict} {', '.join(found)}")
-        return "; ".join(parts)
+    @property
+    def verdict(self) -> str:
+        """That of the parameter which is determined worst."""
+        return max(self.verdicts.ravel().tolist(), key=_VERDICTS.index)
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """Standard error, also relative to the parameter, and verdict of each parameter."""
+        columns = {
+            Column("standard_error", "standard error", format=".2g"): self.standard_errors,
+            Column("relative", "relative", format=percent): self.relative,
+            Column("excited", "excited"): self.verdicts,
+        }
+        return (parameter_table(columns),)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the verdicts mean, and for which noise."""
+        source = " (assumed)" if self.is_assumed else ""
+        return (
+            f"excited well: standard error at most {percent(WELL, 0)} of the parameter (of d1: "
+            f"of b1 or b2); poorly: at most {percent(POORLY, 0)}; for noise of "
+            f"{equation_noise(self.sigma)} in each step{source}",
+        )
 
 
 def judge(
@@ -141,14 +155,13 @@ def identifiability(
 
     Raises
     ------
+    NotRecordedError
+        If the trace has no standard errors: your own estimator gives none.
     TypeError, ValueError
-        If `trace` is not a Trace, or has no standard errors: your own estimator gives none.
+        If `trace` is not a Trace, or `k` or `sigma` is wrong.
     """
     check_trace(trace)
-    if not np.isfinite(trace.standard_errors_unscaled).any():
-        raise ValueError(
-            "the trace has no standard errors: run the simulation with estimate_parameters=True"
-        )
+    trace.require("standard_errors_unscaled")
     last = int(trace.k[-1])
     step = last if k is None else check_int("k", k, minimum=int(trace.k[0]), maximum=last)
     until = trace[: step - int(trace.k[0]) + 1]

@@ -63,6 +63,6 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     ax.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
     mean = f", mean of {report.runs} runs" if report.runs > 1 else ""
     ax.set(xlabel="step k", ylabel=f"{report.kind}{mean} ({report.n} expected)")
-    ax.set_title(report.title, loc="left")
+    ax.set_title(report.heading, loc="left")
     ax.legend(loc="upper left", bbox_to_anchor=(1, 1), markerscale=1.5)
     return ax

@@ -121,10 +121,7 @@ def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
     is_known = np.isfinite(trace.covariance[:, :2, :2]).all(axis=(1, 2))
     known = np.flatnonzero(is_known & np.isfinite(trace.pose_estimated[:, :2]).all(axis=1))
     if not len(known):
-        raise ValueError(
-            "the trace has no estimates with a covariance: run the simulation with "
-            "estimate_state=..."
-        )
+        trace.require("pose_estimated", "covariance")
     if every is None:
         every = max(1, round(len(trace) / 25))
     every = check_int("every", every, minimum=1, maximum=10**9)

@@ -47,10 +47,7 @@ def plot_parameters(
     ValueError
         If the trace has no parameter estimates, or an array has the wrong shape.
     """
-    if not np.isfinite(trace.parameters).any():
-        raise ValueError(
-            "the trace has no parameter estimates: run the simulation with estimate_parameters=True"
-        )
+    trace.require("parameters")
     if axes is None:
         figure = style.NotebookFigure(figsize=(9, 7))
         shaded = "" if standard_errors is None else "; shaded: true value +- 2 standard errors"

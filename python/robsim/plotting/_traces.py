@@ -75,7 +75,7 @@ def plot_traces(
     look: dict[str, Any] = {"markerscale": 8 / style.dot_size(len(trace))}
     if is_new:
         figure.align_ylabels(left)
-        figure.suptitle(str(trace.tracking()) if tracked else _untracked_title(trace))
+        figure.suptitle(trace.tracking().line if tracked else _untracked_title(trace))
         labels = left[0].get_legend_handles_labels()
         figure.legend(*labels, loc="outside lower center", ncols=8, **look)
     else:

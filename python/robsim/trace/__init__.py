@@ -4,6 +4,7 @@ from robsim._base.public import present as _present
 from robsim.trace._columns import PARAMETER_NAMES
 from robsim.trace._not_recorded import NotRecordedError
 from robsim.trace._run_info import RunInfo
+from robsim.trace._summary import TraceSummary
 from robsim.trace._trace import Trace
 from robsim.trace._tracking import TrackingStatistics
 
@@ -12,6 +13,7 @@ __all__ = [
     "NotRecordedError",
     "RunInfo",
     "Trace",
+    "TraceSummary",
     "TrackingStatistics",
 ]
 

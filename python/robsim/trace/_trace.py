@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, check_choice
+from robsim._base.report.as_data import import_pandas
 from robsim._base.spelling import check_names, suggestion
 from robsim._core import TraceGroup, wrap_angle
 from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of
 from robsim.trace._not_recorded import not_recorded
 from robsim.trace._properties import Column, Flag
 from robsim.trace._run_info import RunInfo
+from robsim.trace._summary import TraceSummary, summary_of
 from robsim.trace._trace_file import read_trace, write_trace
 from robsim.trace._tracking import FALSE_POSE_LIMITS, TrackingStatistics
 
@@ -267,6 +269,16 @@ class Trace:
         groups = {name: values[start:stop] for name, values in self._groups.items()}
         return Trace(groups, self.info, first_step=self._first_step + start)
 
+    def summary(self) -> TraceSummary:
+        """Return what was recorded: groups of columns, units, in how many steps they are known."""
+        return summary_of(self._groups, first_step=self._first_step, dt=self.info.dt)
+
+    def __str__(self) -> str:
+        return str(self.summary())
+
+    def _repr_html_(self) -> str:
+        return self.summary()._repr_html_()
+
     def to_pandas(self) -> pandas.DataFrame:
         """Return the single columns as a data frame; its ``attrs["units"]`` has the units.
 
@@ -275,11 +287,8 @@ class Trace:
         ImportError
             If pandas is not installed.
         """
-        try:
-            import pandas as pd
-        except ImportError as error:
-            raise ImportError("to_pandas needs pandas: pip install pandas") from error
-        frame = pd.DataFrame(self._columns()).set_index("k")
+        pd = import_pandas()
+        frame: pandas.DataFrame = pd.DataFrame(self._columns()).set_index("k")
         frame.attrs["units"] = self.units
         return frame
 
@@ -325,14 +334,3 @@ class Trace:
             If it is damaged, or not a trace of robsim.
         """
         return read_trace(path, lambda content: Trace(*content[:2], first_step=content[2]))
-
-    def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{name}</td><td>{' x '.join(map(str, values.shape))}</td>"
-            f"<td>{', '.join(fields_of(name, values.shape[1]))}</td></tr>"
-            for name, values in self._groups.items()
-        )
-        return (
-            f"<p>Trace: {len(self)} steps of {self.info.dt} s</p>"
-            f"<table><tr><th>group</th><th>shape</th><th>columns</th></tr>{rows}</table>"
-        )

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robsim._base.report import Quantity, Report, count
+
 #: Farther from the truth than this, a measured pose is a false one (px, rad).
 FALSE_POSE_LIMITS = (10.0, np.deg2rad(20.0))
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrackingStatistics:
+class TrackingStatistics(Report):
     """How well the measurement followed the truth.
 
     Attributes
@@ -35,13 +37,31 @@ class TrackingStatistics:
     rmse_xy: float
     rmse_heading_deg: float
 
-    def __str__(self) -> str:
-        if not self.seen:
-            return f"tracking: {self.steps} steps, never seen"
-        share = f"{100 * self.seen / self.steps:.1f} %"
-        if math.isnan(self.rmse_xy):
-            return f"tracking: {self.steps} steps, {self.seen} seen ({share})"
+    @property
+    def title(self) -> str:
+        """What was tracked."""
+        return "Tracking" if self.seen else "Tracking, never seen"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Steps seen, false poses, errors."""
+        false_poses = None if self._is_truth_unknown else self.false_poses
+        heading = "rmse of the heading"
         return (
-            f"tracking: {self.steps} steps, {self.seen} seen ({share}), {self.false_poses} false, "
-            f"rmse {self.rmse_xy:.3f} px and {self.rmse_heading_deg:.3f} deg"
+            Quantity("steps", "steps", self.steps),
+            Quantity("seen", "seen", self.seen, format=lambda n: count(n, self.steps)),
+            Quantity("false_poses", "false poses", false_poses),
+            Quantity("rmse_xy", "rmse of the position", self.rmse_xy, "px", ".3f"),
+            Quantity("rmse_heading_deg", heading, self.rmse_heading_deg, "deg", ".3f"),
         )
+
+    @property
+    def _is_truth_unknown(self) -> bool:
+        return self.seen > 0 and math.isnan(self.rmse_xy)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Why there are no errors."""
+        if self._is_truth_unknown:
+            return ("the true poses are not known, so there are no errors",)
+        return ()

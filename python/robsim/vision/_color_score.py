@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from robsim._base.checks import Floats, check_int
+from robsim._base.report import Column, Quantity, Report, Row, Table, percent
 from robsim._core import Blob, ColorClass, Frame, color_histograms, find_blobs
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import native_noise
@@ -25,7 +25,7 @@ _LEVELS: dict[str, tuple[float, ...]] = {
     "gaussian noise": _NOISE,
     "gaussian noise in shadow": _NOISE,
 }
-_UNITS = {"brightness": "factor", "shadow": "factor"}
+_FACTORS = ("brightness", "shadow")
 
 _MARGINS = tuple(range(-20, 45, 5))
 
@@ -58,7 +58,7 @@ class Sweep:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ColorScore:
+class ColorScore(Report):
     """How robustly a colour is detected: the result of `score_color`.
 
     Attributes
@@ -91,37 +91,51 @@ class ColorScore:
         """ColorClass: the colour widened by `margin`."""
         return self.color.widened(self.margin)
 
-    def __str__(self) -> str:
-        change = f"{'widened' if self.margin > 0 else 'narrowed'} by {abs(self.margin)}"
-        lines = [f"{self.color.name}, detection rate in %:"]
-        for sweep in self.sweeps:
-            lines.append(_row(f"  {sweep.name} ({_UNITS.get(sweep.name, '%')})", sweep.levels))
-            lines.append(_row("    unchanged", _percents(sweep.rates)))
-            if self.margin:
-                lines.append(_row(f"    {change}", _percents(sweep.widened_rates)))
-        mean = f"mean: {100 * self.rate:.1f} %"
+    @property
+    def title(self) -> str:
+        """What was scored."""
+        return "Detection of a colour in other light and noise"
+
+    @property
+    def _change(self) -> str:
+        return f"{'widened' if self.margin > 0 else 'narrowed'} by {abs(self.margin)}"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Mean detection rates, and the margin that is proposed."""
+        name = Quantity("color", "colour", self.color.name)
+        rate = Quantity("rate", "mean detection rate", self.rate, format=percent)
+        margin = Quantity("margin", "proposed margin", self.margin, "levels")
+        if not self.margin:
+            return name, rate, margin
+        title = f"mean detection rate, {self._change}"
+        return (
+            name,
+            rate,
+            margin,
+            Quantity("widened_rate", title, self.widened_rate, format=percent),
+        )
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """Detection rate at each level of each sweep."""
+        columns = [Column("rate", "unchanged", format=_percent)]
         if self.margin:
-            mean += f", {change}: {100 * self.widened_rate:.1f} %"
-        return "\n".join([*lines, mean])
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the numbers: color, rate, margin, widened_rate, and sweeps by name."""
-        sweeps = [asdict(sweep) for sweep in self.sweeps]
-        return {
-            "color": self.color.name,
-            "rate": self.rate,
-            "margin": self.margin,
-            "widened_rate": self.widened_rate,
-            "sweeps": {sweep.pop("name"): sweep for sweep in sweeps},
-        }
+            columns.append(Column("widened_rate", self._change, format=_percent))
+        rows = [
+            Row(_described(sweep.name, level), rates[: len(columns)])
+            for sweep in self.sweeps
+            for level, *rates in zip(sweep.levels, sweep.rates, sweep.widened_rates, strict=True)
+        ]
+        return (Table(key="levels", columns=columns, rows=rows, row_title="detection rate"),)
 
 
-def _row(title: str, numbers: Iterable[float]) -> str:
-    return f"{title:<32}" + "".join(f"{number:6g}" for number in numbers)
+def _percent(rate: float) -> str:
+    return percent(rate, 0)
 
 
-def _percents(rates: Iterable[float]) -> list[int]:
-    return [round(100 * rate) for rate in rates]
+def _described(sweep: str, level: float) -> str:
+    return f"{sweep} x {level:g}" if sweep in _FACTORS else f"{sweep}, {level:g} %"
 
 
 def score_color(

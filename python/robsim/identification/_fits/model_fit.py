@@ -8,14 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
-from robsim.trace import PARAMETER_NAMES
+from robsim._base.report import Column, Report, Table
+from robsim.identification._parameter_table import parameter_table
 
 # A parameter is determined if its standard error is below this fraction of the axis's scale.
 _MAXIMUM_ERROR = 0.3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ModelFit:
+class ModelFit(Report):
     """The parameters of the robot model, fitted to measured poses.
 
     Attributes
@@ -44,18 +45,33 @@ class ModelFit:
         """Which parameters the recording determines, (3, 5)."""
         return np.asarray(np.isfinite(self.theta))
 
-    def __str__(self) -> str:
-        lines = [f"{'':<6}{'Estimate':>14}{'Standard error':>18}"]
-        for name, value, error in zip(
-            PARAMETER_NAMES, self.theta.flat, self.standard_errors.flat, strict=True
-        ):
-            texts = (f"{value:.5g}", f"{error:.2g}") if np.isfinite(value) else ("-", "-")
-            lines.append(f"{name:<6}{texts[0]:>14}{texts[1]:>18}")
+    @property
+    def title(self) -> str:
+        """What was fitted."""
+        return "Parameters fitted to measured poses"
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """Estimate and standard error of each parameter."""
+        errors = np.where(self.determined, self.standard_errors, np.nan)
+        columns = {
+            Column("estimate", "estimate", format=".5g"): self.theta,
+            Column("standard_error", "standard error", format=".2g"): errors,
+        }
+        return (parameter_table(columns),)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What limits the fit."""
+        remarks = []
         if not self.determined.all():
-            lines.append("-: not determined by the run; excite the robot more, or longer")
+            remarks.append(
+                "parameters without a value are not determined by the run; excite the robot more, "
+                "or longer"
+            )
         if not self.converged:
-            lines.append(f"not converged after {self.iterations} iterations: do not trust it")
-        return "\n".join(lines)
+            remarks.append(f"not converged after {self.iterations} iterations: do not trust it")
+        return tuple(remarks)
 
 
 def with_undetermined(theta: Floats, standard_errors: Floats) -> tuple[Floats, Floats]:

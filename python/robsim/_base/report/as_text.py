@@ -1,0 +1,67 @@
+"""A report for a terminal: aligned columns, sentences that end before the edge."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from robsim._base.report.problem import Problem
+from robsim._base.report.table import Table
+
+if TYPE_CHECKING:
+    from robsim._base.report.report import Report
+
+_WIDTH = 100
+
+
+def as_text(report: Report) -> str:
+    """Return a report as lines of text."""
+    lines = [report.heading, *_quantities(report)]
+    for table in report.tables:
+        lines += [""] * (len(lines) > 1) + [*_table(table)]
+    for number, problem in enumerate(report.problems or (), 1):
+        lines += _problem(number, problem)
+    for remark in report.remarks:
+        lines += textwrap.wrap(
+            remark, _WIDTH, initial_indent="  - ", subsequent_indent="    ", break_long_words=False
+        )
+    return "\n".join(lines)
+
+
+def as_line(report: Report, width: float = math.inf) -> str:
+    """Return the heading, and as many of the single numbers as there is room for."""
+    line = report.heading
+    for quantity in report.quantities:
+        longer = f"{line}, {quantity.line}"
+        if len(longer) > width:
+            return f"{line}, ..."
+        line = longer
+    return line
+
+
+def _quantities(report: Report) -> Iterator[str]:
+    width = max((len(quantity.heading) for quantity in report.quantities), default=0)
+    for quantity in report.quantities:
+        yield f"  {quantity.heading:<{width}}   {quantity.text}"
+
+
+def _table(table: Table) -> Iterator[str]:
+    rows = [table.headings, *table.texts()]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    rule = "  " + "-" * (sum(widths) + 3 * (len(widths) - 1))
+    for number, cells in enumerate(rows):
+        if number and (number - 1) % (table.group or len(rows)) == 0:
+            yield rule
+        aligned = (
+            cell.ljust(width) if align == "left" else cell.rjust(width)
+            for cell, width, align in zip(cells, widths, table.alignments, strict=True)
+        )
+        yield f"  {'   '.join(aligned)}".rstrip()
+
+
+def _problem(number: int, problem: Problem) -> Iterator[str]:
+    yield f"  {number}. {problem}"
+    if problem.code:
+        yield f"     > {problem.code}"

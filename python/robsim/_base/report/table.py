@@ -1,0 +1,153 @@
+"""The numbers of a report: what they are called, their units, and how people read them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from robsim._base.report.numbers import Format, shown, shown_unit
+
+
+def _headed(title: str, unit: str) -> str:
+    return f"{title} ({shown_unit(unit)})" if unit else title
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A single number, or text, of a report.
+
+    Attributes
+    ----------
+    key : str
+        Its name in programs: in `Report.to_dict`, in the data frame.
+    title : str
+        Its name for people.
+    value : float, int, str, ...
+        The value; None or NaN = not known.
+    unit : str
+        Its unit; an angle in ``"rad"`` is shown in degrees.
+    format : str or callable
+        Format of a float, or a function of the value that returns its text, such as `percent`.
+    missing : str
+        What people read where the value is not known.
+    """
+
+    key: str
+    title: str
+    value: Any
+    unit: str = ""
+    format: Format = ".4g"
+    missing: str = "-"
+
+    @property
+    def heading(self) -> str:
+        """The title with the unit that is shown."""
+        return _headed(self.title, self.unit)
+
+    @property
+    def line(self) -> str:
+        """Title, value and unit, such as ``"rms voltage 0.76 V"``."""
+        return f"{self.title} {self.text} {shown_unit(self.unit)}".rstrip()
+
+    @property
+    def text(self) -> str:
+        """The value as people read it."""
+        return shown(self.value, self.unit, self.format, self.missing)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Attributes
+    ----------
+    key, title, format, missing
+        As those of a `Quantity`.
+    unit : str or None
+        Unit of its values; "" = they are plain numbers, None = each row has its own.
+    """
+
+    key: str
+    title: str
+    unit: str | None = None
+    format: Format = ".4g"
+    missing: str = "-"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a table.
+
+    Attributes
+    ----------
+    title : str
+        Its name, in programs, too.
+    values : sequence
+        A value for each column; None or NaN = not known.
+    unit : str
+        Unit of the values in columns without one; an angle in ``"rad"`` is shown in degrees.
+    """
+
+    title: str
+    values: Sequence[Any]
+    unit: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """A table of a report.
+
+    Attributes
+    ----------
+    key : str
+        Its name in programs.
+    columns : sequence of Column
+        What the columns are.
+    rows : sequence of Row
+        The numbers.
+    row_title : str
+        What a row is about, such as ``"parameter"``.
+    group : int
+        Number of rows that belong together, between two rules; 0 = no rules.
+    """
+
+    key: str
+    columns: Sequence[Column]
+    rows: Sequence[Row]
+    row_title: str = ""
+    group: int = 0
+
+    @property
+    def headings(self) -> list[str]:
+        """The titles of the columns with their units, that of the rows first."""
+        titles = (_headed(column.title, column.unit or "") for column in self.columns)
+        return [self.row_title, *titles]
+
+    def texts(self) -> Iterator[list[str]]:
+        """Yield the rows as people read them, the title with its unit first."""
+        for row in self.rows:
+            cells = []
+            for column, value in zip(self.columns, row.values, strict=True):
+                unit = row.unit if column.unit is None else column.unit
+                cells.append(shown(value, unit, column.format, column.missing))
+            yield [_headed(row.title, row.unit), *cells]
+
+    @property
+    def alignments(self) -> list[str]:
+        """How the columns are aligned, that of the titles first: texts left, numbers right."""
+        values = zip(*(row.values for row in self.rows), strict=True)
+        are_texts = [all(isinstance(value, (str, list)) for value in column) for column in values]
+        return ["left", *("left" if is_text else "right" for is_text in are_texts)]
+
+    @property
+    def has_units(self) -> bool:
+        """Whether the rows have units of their own."""
+        return any(row.unit for row in self.rows)
+
+    def records(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield title and values of each row, name -> value; "unit" if the rows have units."""
+        keys = [column.key for column in self.columns]
+        for row in self.rows:
+            unit = {"unit": row.unit} if self.has_units else {}
+            yield row.title, unit | dict(zip(keys, row.values, strict=True))

@@ -1,0 +1,290 @@
+"""The one kind of result: a metric of one's own, and what all results have in common."""
+
+import ast
+import json
+import re
+import sys
+import textwrap
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim._base.report import count, interval
+from robsim._base.report.numbers import plain, shown
+from robsim.evaluation import Column, Quantity, Report, Row, Table, percent
+
+NAN = float("nan")
+
+
+# A metric of one's own.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Effort(Report):
+    """How hard the motors worked."""
+
+    rms: float
+    each: np.ndarray
+    names: tuple = ("left", "right")
+    turn: float = 0.0
+
+    @property
+    def title(self):
+        return "Voltages of the motors"
+
+    @property
+    def verdict(self):
+        return "gentle" if self.rms < 1 else "rough"
+
+    @property
+    def quantities(self):
+        return (
+            Quantity("rms", "root mean square", self.rms, "V", ".2f"),
+            Quantity("turn", "turned by", self.turn, "rad", ".1f"),
+        )
+
+    @property
+    def tables(self):
+        columns = [Column("mean", "mean", "V"), Column("share", "of the power", format=percent)]
+        rows = [Row(name, values) for name, values in zip(self.names, self.each, strict=True)]
+        return [Table(key="motors", columns=columns, rows=rows, row_title="motor")]
+
+    @property
+    def remarks(self):
+        return ["the voltages are those sent"]
+
+
+EFFORT = Effort(rms=np.float64(0.5), each=np.array([[0.25, 0.75], [NAN, 0.25]]), turn=np.pi / 2)
+
+
+def test_a_metric_as_text():
+    assert str(EFFORT) == textwrap.dedent("""\
+        Voltages of the motors: gentle
+          root mean square (V)   0.50
+          turned by (deg)        90.0
+
+          motor   mean (V)   of the power
+          -------------------------------
+          left        0.25         75.0 %
+          right          -         25.0 %
+          - the voltages are those sent""")
+
+
+def test_a_metric_at_a_prompt():
+    line = "Voltages of the motors: gentle, root mean square 0.50 V, turned by 90.0 deg"
+    assert EFFORT.line == line
+    assert repr(EFFORT) == f"<Effort: {line}>"
+
+
+def test_a_metric_as_data():
+    expected = {
+        "title": "Voltages of the motors",
+        "verdict": "gentle",
+        "rms": 0.5,
+        "turn": np.pi / 2,
+        "motors": {"left": {"mean": 0.25, "share": 0.75}, "right": {"mean": None, "share": 0.25}},
+        "remarks": ["the voltages are those sent"],
+    }
+    assert EFFORT.to_dict() == expected
+    assert type(EFFORT.to_dict()["rms"]) is float
+    assert json.loads(EFFORT.to_json()) == json.loads(EFFORT.to_json(indent=None)) == expected
+
+
+def test_a_metric_as_a_data_frame():
+    frame = EFFORT.to_pandas()
+    assert frame.index.name == "motor"
+    assert frame.loc["left", "mean"] == 0.25
+    assert frame["mean"].dtype == np.float64
+    assert frame.attrs == {"title": "Voltages of the motors", "verdict": "gentle"}
+
+
+def test_a_metric_without_a_table_as_a_data_frame():
+    frame = robsim.Simulation(measure=True, seed=1).run(2).tracking().to_pandas()
+    assert frame.loc["seen", "value"] == 2
+    assert frame.loc["rmse_xy", "unit"] == "px"
+
+
+def test_without_pandas_it_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    for result in (EFFORT, robsim.Simulation().run(1)):
+        with pytest.raises(ImportError, match="to_pandas needs pandas: pip install pandas"):
+            result.to_pandas()
+
+
+def test_a_metric_in_a_notebook():
+    html = EFFORT._repr_html_()
+    assert html.count("<table>") == html.count("</table>") == 2
+    assert "Voltages of the motors: gentle</caption>" in html
+    assert '<th style="text-align: right">mean (V)</th>' in html
+    assert '<td style="text-align: right">75.0 %</td>' in html
+    assert "<li>the voltages are those sent</li>" in html
+    assert "color" not in html  # the notebook's own, light or dark
+
+
+def test_every_text_is_escaped():
+    evil = "<script>alert(1)</script>"
+    names = Effort(rms=2.0, each=np.ones((1, 2)), names=(evil,))._repr_html_()
+    units = robsim.evaluation.estimation_errors(
+        np.ones((1, 1)), np.zeros((1, 1)), names=[evil], units=[evil], source=evil
+    )._repr_html_()
+    check = robsim.doctor.CheckReport(
+        name=evil, problems=(robsim.doctor.Problem(kind="a", sentence=evil),), remarks=(evil,)
+    )._repr_html_()
+    for html in (names, units, check):
+        assert "<script" not in html
+        assert "&lt;script&gt;" in html
+
+
+def test_a_report_needs_a_title():
+    with pytest.raises(TypeError, match="title"):
+        type("Untitled", (Report,), {})()
+
+
+def test_a_field_that_hides_a_property_is_told():
+    with pytest.raises(TypeError, match=r"Mine\.title must be a property, or a field with a defau"):
+
+        class Mine(Report):
+            title: str
+
+    @dataclass(frozen=True)
+    class Fine(Report):
+        title: str = "fine"
+
+    assert str(Fine("good")) == "good"
+
+
+def test_the_example_of_the_documentation_works():
+    example = textwrap.dedent(Report.__doc__.split("::\n", 1)[1])
+    assert len(example.strip().splitlines()) <= 30
+    names = {"dataclass": dataclass, "Report": Report, "Quantity": Quantity, "np": np}
+    exec(compile("from __future__ import annotations\n" + example, "example", "exec"), names)
+    trace = robsim.Simulation(control=lambda step: (0.5, -1.5)).run(3)
+    report = names["effort"](trace)
+    assert report.line == (
+        "Voltages of both motors: rough, root mean square 1.118 V, largest 1.50 V"
+    )
+
+
+# Numbers.
+
+
+@pytest.mark.parametrize(
+    ("fraction", "text"),
+    [
+        (0, "0 %"),
+        (1, "100 %"),
+        (0.75, "75.0 %"),
+        (199_998 / 200_000, "99.999 %"),
+        (2 / 200_000, "0.001 %"),
+        (0.9995, "99.95 %"),
+        (0.0004, "0.04 %"),
+        (1 - 1e-9, "> 99.999 %"),
+        (1e-9, "< 0.001 %"),
+        (1 + 1e-9, "> 100 %"),
+        (1.5, "150.0 %"),
+        (1e6, "> 1000 %"),
+    ],
+)
+def test_only_all_is_100_percent_and_only_nothing_0(fraction, text):
+    assert percent(fraction) == text
+
+
+def test_fewer_decimals_where_they_are_enough():
+    assert percent(0.05, 0) == "5 %"
+    assert percent(0.998, 0) == "99.8 %"
+
+
+def test_counts_and_intervals():
+    assert count(3, 4) == "3 (75.0 %)"
+    assert count(0, 0) == "0"
+    assert interval((1, 2.345678)) == "1 to 2.35"
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (np.pi, "rad", "180"),
+        (NAN, "rad", "?"),
+        (None, "", "?"),
+        (float("inf"), "px", "inf"),
+        (200_000, "", "200000"),
+        (np.int64(200_000), "", "200000"),
+        (np.float64(1 / 3), "V", "0.3333"),
+        ("text", "", "text"),
+        (True, "", "True"),
+    ],
+)
+def test_a_value_as_people_read_it(value, unit, text):
+    assert shown(value, unit, ".4g", "?") == text
+
+
+def test_plain_values_are_what_json_has():
+    given = {"a": np.array([1.0, NAN]), 2: (np.int64(3), np.bool_(True)), "c": {"d": np.inf}}
+    assert plain(given) == {"a": [1.0, None], "2": [3, True], "c": {"d": None}}
+    assert type(plain(np.int64(3))) is int
+
+
+# All results.
+
+
+@pytest.fixture(scope="module")
+def results():
+    sim = robsim.Simulation(
+        boundary="unlimited",
+        control=robsim.DriveAround(),
+        estimate_parameters=True,
+        measure=True,
+        seed=1,
+    )
+    trace = sim.run(60)
+    ones = np.ones((5, 8, 2))
+    blue = robsim.vision.load_colors()[1]
+    return [
+        trace.tracking(),
+        trace.summary(),
+        robsim.batch_estimate(trace),
+        robsim.identifiability(trace),
+        robsim.identification.parameter_convergence(trace),
+        robsim.identification.output_error(trace.pose_measured, trace.u),
+        robsim.pose_errors(trace, of="measurement"),
+        robsim.evaluation.nees_consistency(ones, np.eye(2)),
+        robsim.evaluation.nis_consistency(ones, np.eye(2)),
+        robsim.evaluation.whiteness(ones, lags=3),
+        robsim.score_path(trace, [(700, 600)]),
+        robsim.vision.score_color(sim.frame, blue, [(5, 5, 9, 9)], repeats=1),
+        robsim.robots.check_colors(sim.robot),
+    ]
+
+
+def test_every_result_has_every_form(results):
+    for result in results:
+        assert isinstance(result, Report), result
+        lines = str(result).splitlines()
+        assert lines[0] == result.heading
+        assert max(map(len, lines)) <= 100
+        assert len(repr(result)) <= 110
+        assert "\n" not in repr(result)
+        assert result.heading in result._repr_html_()
+        assert json.loads(result.to_json()) == result.to_dict()
+        assert result.to_dict()["title"] == result.title
+        result.to_pandas()
+        assert result.verdict is None or len(result.verdict.split()) <= 2
+
+
+def test_no_result_writes_a_layout_of_its_own(results):
+    forms = {"__str__", "_repr_html_", "to_dict", "to_json", "to_pandas"}
+    own = {name for result in results for name in vars(type(result))}
+    assert not own & forms
+
+
+def test_no_message_says_by_itself_what_was_not_recorded():
+    root = Path(robsim.__file__).parent
+    for file in root.rglob("*.py"):
+        if file.name == "_not_recorded.py":
+            continue
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Raise) and (text := ast.unparse(node)):
+                assert not re.search(r"trace (has no|must have) .*run ", text), (file, text)
