@@ -335,61 +335,9 @@ TypeError, ValueError
 )");
 }
 
-void bind_locate(py::module_& module) {
-  Class<Measurement> measurement(public_in(module, "robsim"), "Measurement", R"(
-The pose of a detected robot. A frame without a detection gives None instead.
-
-Parameters
-----------
-pose : array (3,)
-    x, y (work-area px), heading (rad).
-)");
-  measurement
-      .def(py::init([](const ArrayLike& pose) { return Measurement{pose_from(pose, "pose")}; }),
-           py::arg("pose"))
-      .def_property_readonly(
-          "pose", [](const Measurement& self) { return to_array(self.pose); },
-          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).");
-  const auto pose = [](const Measurement& m) {
-    return std::make_tuple(m.pose.x, m.pose.y, m.pose.heading);
-  };
-  const auto make = [](const std::tuple<double, double, double>& values) {
-    return Measurement{pose_from(py::cast(values), "pose")};
-  };
-  define_value(measurement, Fields(make, Field("", pose)));
-
-  public_in(module, "robsim")
-      .def(
-          "locate",
-          [](const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map) {
-            return locate(blobs, markers, plane_map);
-          },
-          py::arg("blobs"), py::arg("markers"), py::arg("plane_map") = PlaneMap(), R"(
-Return the pose of the robot whose markers are among the blobs.
-
-The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
-used: they may be cut off.
-
-Parameters
-----------
-blobs : dict of str to list of Blob
-    As from `find_blobs`; "red" and "blue" are used.
-markers : MarkerLayout
-    The positions of the markers on the robot.
-plane_map : PlaneMap, optional
-    From pixels of the blobs' frame to the work area. Default: the identity.
-
-Returns
--------
-Measurement or None
-    None = not detected: no pair fits, or two fit equally well.
-)");
-}
-
 }  // namespace
 
 void bind_blobs(py::module_& module) {
   bind_marker_layout(module);
   bind_find_blobs(module);
-  bind_locate(module);
 }

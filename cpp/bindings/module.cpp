@@ -1,4 +1,4 @@
-// The table of contents of the extension: one function per room, two for vision and for simulation.
+// The table of contents of the extension: one function per room, several for vision and for simulation.
 #include <pybind11/pybind11.h>
 
 namespace py = pybind11;
@@ -10,6 +10,7 @@ void bind_model(py::module_& module);
 void bind_world(py::module_& module);
 void bind_color(py::module_& module);
 void bind_blobs(py::module_& module);
+void bind_locate(py::module_& module);
 void bind_estimation(py::module_& module);
 void bind_records(py::module_& module);
 void bind_steps(py::module_& module);
@@ -27,6 +28,7 @@ PYBIND11_MODULE(_core, module) {
   bind_world(module);
   bind_color(module);
   bind_blobs(module);
+  bind_locate(module);
   bind_estimation(module);
   bind_trace(module);
   bind_records(module);
