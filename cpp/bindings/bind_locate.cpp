@@ -1,39 +1,206 @@
 #include <pybind11/stl.h>
 
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <tuple>
+
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
-#include "robsim/vision/locate.hpp"
+#include "python/values.hpp"
+#include "robsim/simulation/robot/robot_software.hpp"
+#include "robsim/vision/explain_detection.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
-void bind_locate(py::module_& module) {
-  py::class_<Measurement>(public_in(module, "robsim"), "Measurement", R"(
+namespace {
+
+using Numbers = std::array<double, 3>;
+
+Numbers numbers_of(const Measurement& measurement) {
+  const Pose& pose = measurement.pose;
+  return {pose.x, pose.y, pose.heading};
+}
+
+Measurement measurement_from(const Numbers& pose) { return {pose_from(py::cast(pose), "pose")}; }
+
+void bind_measurement(py::module_& module) {
+  py::class_<Measurement> measurement(public_in(module, "robsim"), "Measurement", R"(
 The pose of a detected robot. A frame without a detection gives None instead.
 
 Parameters
 ----------
 pose : array (3,)
-    x, y (work-area px), heading (rad).
-)")
+    x, y (work-area px), heading (rad, not degrees). The heading is wrapped to (-pi, pi].
+)");
+  measurement
       .def(py::init([](const py::object& pose) { return Measurement{pose_from(pose, "pose")}; }),
            py::arg("pose"))
       .def_property_readonly(
           "pose", [](const Measurement& self) { return to_array(self.pose); },
-          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).")
-      .def("__repr__", [](const Measurement& self) {
-        return "Measurement(" + py::repr(to_array(self.pose).attr("tolist")()).cast<std::string>() +
-               ")";
+          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).");
+  define_value(measurement, Fields(&measurement_from, Field("", &numbers_of)));
+}
+
+// A blob as plain values.
+using BlobRecord = std::tuple<std::string, std::int64_t, double, double, std::array<int, 4>, bool>;
+
+std::optional<BlobRecord> record_of(const std::optional<Blob>& blob) {
+  if (!blob) return std::nullopt;
+  const PixelBox& box = blob->box;
+  return BlobRecord(blob->color, blob->area, blob->centroid.x, blob->centroid.y,
+                    std::array<int, 4>{box.left, box.top, box.right, box.bottom}, blob->at_border);
+}
+
+std::optional<Blob> blob_from(const std::optional<BlobRecord>& record) {
+  if (!record) return std::nullopt;
+  const auto& [color, area, u, v, box, at_border] = *record;
+  return Blob{color, area, {u, v}, {box[0], box[1], box[2], box[3]}, at_border};
+}
+
+Detection detection_from(std::optional<Measurement> measurement, int result,
+                         const std::optional<BlobRecord>& red,
+                         const std::optional<BlobRecord>& blue,
+                         const std::array<double, 6>& numbers, const MarkerLayout& markers) {
+  if (result < 0 || result > static_cast<int>(DetectionResult::ambiguous)) {
+    throw py::value_error("a Detection cannot be made of the result " + std::to_string(result));
+  }
+  Detection detection;
+  detection.measurement = measurement;
+  detection.result = static_cast<DetectionResult>(result);
+  detection.red = blob_from(red);
+  detection.blue = blob_from(blue);
+  detection.misfit = numbers[0];
+  detection.runner_up = numbers[1];
+  detection.exchanged = numbers[2];
+  detection.distance = numbers[3];
+  detection.red_area = numbers[4];
+  detection.blue_area = numbers[5];
+  detection.markers = markers;
+  return detection;
+}
+
+auto detection_fields() {
+  return Fields(
+      &detection_from, Field("measurement", &Detection::measurement),
+      Field("result", [](const Detection& self) { return static_cast<int>(self.result); }),
+      Field("red", [](const Detection& self) { return record_of(self.red); }),
+      Field("blue", [](const Detection& self) { return record_of(self.blue); }),
+      Field("numbers",
+            [](const Detection& self) {
+              return std::array<double, 6>{self.misfit,   self.runner_up, self.exchanged,
+                                           self.distance, self.red_area,  self.blue_area};
+            }),
+      Field("markers", &Detection::markers));
+}
+
+std::string repr(const Detection& self) {
+  const std::string found = self.measurement
+                                ? py::repr(py::cast(*self.measurement)).cast<std::string>()
+                                : "none, " + name_of(self.result);
+  return "<Detection: " + found + ", misfit " +
+         py::str("{:.3g}").format(self.misfit).cast<std::string>() + ">";
+}
+
+void bind_detection(py::module_& module) {
+  py::class_<Detection> detection(public_in(module, "robsim.vision"), "Detection", R"(
+What `detect` found: the pair of blobs that fits the markers best, how well, and what follows.
+
+The misfit is the sum of three squared deviations: of the distance, as a fraction of
+``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of that of
+``area_tolerance``. In a pair that is accepted each is at most 1.
+)");
+  detection
+      .def_readonly("measurement", &Detection::measurement,
+                    "Measurement or None: None = not detected, see `reason`.")
+      .def_readonly("red", &Detection::red,
+                    "Blob or None: the red blob of the pair; if no pair is accepted, of the one "
+                    "most\nlike the markers.")
+      .def_readonly("blue", &Detection::blue, "Blob or None: the blue blob of the pair.")
+      .def_readonly("misfit", &Detection::misfit,
+                    "float: misfit of the pair, from 0 = perfect; inf without a pair.")
+      .def_readonly("runner_up", &Detection::runner_up,
+                    "float: misfit of the second best pair that is accepted; inf if there is none. "
+                    "Near the\nmisfit, the choice is ambiguous.")
+      .def_readonly("exchanged_misfit", &Detection::exchanged,
+                    "float: misfit of the pair if the red blob were the blue marker, and the blue "
+                    "blob the red\none: smaller in mirrored frames, if the areas of the markers "
+                    "differ.")
+      .def_property_readonly(
+          "distance",
+          [](const Detection& self) {
+            return self.red ? self.distance : std::numeric_limits<double>::quiet_NaN();
+          },
+          "float: distance between the two blobs (work-area px); NaN without a pair.")
+      .def_property_readonly(
+          "reason",
+          [](const Detection& self) {
+            return self.measurement ? std::nullopt : std::optional(name_of(self.result));
+          },
+          "str or None: why there is no measurement: ``\"no blobs\"``, ``\"no red blob\"``,\n"
+          "``\"no blue blob\"``, ``\"at the border\"``, ``\"distance\"``, ``\"areas\"`` or "
+          "``\"ambiguous\"``.")
+      .def_property_readonly("explanation", &explain,
+                             "str: a sentence on the result, with the numbers that decided.")
+      .def("__repr__", py::overload_cast<const Detection&>(&repr));
+  const auto fields = detection_fields();
+  define_equality(detection, fields);
+  define_hash(detection, fields);
+  define_pickle(detection, fields);
+
+  py::class_<MissedDetections>(public_in(module, "robsim.vision"), "MissedDetections", R"(
+The steps of a run in which the default measurement detected no robot, for the same reason.
+)")
+      .def_property_readonly(
+          "reason", [](const MissedDetections& self) { return name_of(self.first.result); },
+          "str: the reason, as in `Detection`.")
+      .def_readonly("steps", &MissedDetections::steps, "int: number of these steps.")
+      .def_readonly("first_k", &MissedDetections::first_k, "int: the first of these steps.")
+      .def_readonly("first", &MissedDetections::first, "Detection: that of the first step.")
+      .def("__repr__", [](const MissedDetections& self) {
+        return "<MissedDetections: " + name_of(self.first.result) + " in " +
+               std::to_string(self.steps) + " steps, first in step " +
+               std::to_string(self.first_k) + ">";
       });
+}
+
+void bind_functions(py::module_& module) {
+  public_in(module, "robsim.vision")
+      .def("detect", &detect, py::arg("blobs"), py::arg("markers"), py::kw_only(),
+           py::arg("plane_map") = PlaneMap(), R"(
+Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
+
+The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
+used: they may be cut off.
+
+Parameters
+----------
+blobs : dict of str to list of Blob
+    As from `find_blobs`; "red" and "blue" are used: names of the two markers, whatever their
+    colours are.
+markers : MarkerLayout
+    The positions of the markers on the robot.
+plane_map : PlaneMap, optional
+    From pixels of the blobs' frame to the work area. Default: the identity.
+
+Returns
+-------
+Detection
+    Its measurement, misfit and reason.
+
+Examples
+--------
+>>> blobs = robsim.find_blobs(frame, robsim.load_colors())
+>>> detection = robsim.vision.detect(blobs, robsim.load_robot("lab").marker_layout())
+>>> detection.reason, detection.explanation
+)");
 
   public_in(module, "robsim")
-      .def(
-          "locate",
-          [](const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map) {
-            return locate(blobs, markers, plane_map);
-          },
-          py::arg("blobs"), py::arg("markers"), py::arg("plane_map") = PlaneMap(), R"(
+      .def("locate", &locate, py::arg("blobs"), py::arg("markers"),
+           py::arg("plane_map") = PlaneMap(), R"(
 Return the pose of the robot whose markers are among the blobs.
 
 The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
@@ -51,6 +218,14 @@ plane_map : PlaneMap, optional
 Returns
 -------
 Measurement or None
-    None = not detected: no pair fits, or two fit equally well.
+    None = not detected: no pair fits, or two fit equally well. `robsim.vision.detect` says why.
 )");
+}
+
+}  // namespace
+
+void bind_locate(py::module_& module) {
+  bind_measurement(module);
+  bind_detection(module);
+  bind_functions(module);
 }

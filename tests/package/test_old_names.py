@@ -27,7 +27,7 @@ OLD = {
     r"\b(error|nees|nis|whiteness)_report\(": "estimation_errors, nees_consistency, ...",
     r"to_frame": "to_pandas",
     r"robsim\.VisualNoise": "GaussianNoise, UniformNoise",
-    r"why_not_seen": "explain_no_detection",
+    r"why_not_seen|explain_no_detection": "Detection.explanation, explain_missed",
     # attributes and arguments
     r"sim(ulation)?\.newest": "last_step",
     r"sim(ulation)?\.frame_of": "render_step",

@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -97,6 +98,15 @@ Columns columns_of(const SlottedLoop& self) {
   return columns;
 }
 
+std::vector<MissedDetections> missed_of(const SlottedLoop& self) {
+  self.guard().check_thread();
+  std::vector<MissedDetections> result;
+  for (const auto& [reason, missed] : self.robot().missed()) result.push_back(missed);
+  std::stable_sort(result.begin(), result.end(),
+                   [](const auto& a, const auto& b) { return a.steps > b.steps; });
+  return result;
+}
+
 }  // namespace
 
 void bind_loop(py::module_& module) {
@@ -163,5 +173,7 @@ void bind_loop(py::module_& module) {
       .def_property_readonly("model", [](const SlottedLoop& self) { return self.robot().model(); })
       .def_property_readonly(
           "estimator", [](const SlottedLoop& self) { return to_python(self.robot().estimator()); })
+      .def_property_readonly("missed_detections", &missed_of,
+                             "list of MissedDetections: the most frequent reason first.")
       .def_property_readonly("last_step", [](const SlottedLoop& self) { return self.last_step(); });
 }

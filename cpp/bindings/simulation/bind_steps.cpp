@@ -207,6 +207,11 @@ Examples
           "measurement", [](const Step& self) { return readable(self).measurement; },
           "Measurement or None: where the robot was seen. None before that stage.")
       .def_property_readonly(
+          "detection", [](const Step& self) { return readable(self).detection; },
+          "Detection or None: what the default measurement found, and why there is no "
+          "measurement.\n"
+          "None before that stage, for a callback, and without a frame.")
+      .def_property_readonly(
           "estimate", [](const Step& self) { return readable(self).estimate; },
           "Estimate or None: what the state estimator returned.")
       .def_property_readonly(

@@ -1,7 +1,9 @@
 #include "robsim/vision/locate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace robsim {
 
@@ -10,11 +12,21 @@ namespace {
 // Misfit (0 = perfect, 3 = just accepted) by which the best pair must be better than the second.
 constexpr double clear_lead = 0.1;
 
+// Blobs of a colour, the largest first, among which the pair most like the markers is looked for.
+constexpr std::size_t most_alike = 8;
+
 struct Marker {
+  const Blob* blob;
   Point position;  // work-area px
   double area;     // work-area px^2
 };
 
+struct Pair {
+  Marker red;
+  Marker blue;
+};
+
+// The blobs of a colour that are not cut off by the border.
 std::vector<Marker> markers_of(const BlobsByColor& blobs, const char* color, const PlaneMap& map) {
   std::vector<Marker> result;
   const auto found = blobs.find(color);
@@ -22,17 +34,25 @@ std::vector<Marker> markers_of(const BlobsByColor& blobs, const char* color, con
   for (const Blob& blob : found->second) {
     if (blob.at_border) continue;
     const double area = static_cast<double>(blob.area) * map.area_scale(blob.centroid);
-    result.push_back({map.to_world(blob.centroid), area});
+    result.push_back({&blob, map.to_world(blob.centroid), area});
   }
   return result;
 }
 
+bool has_blobs(const BlobsByColor& blobs, const char* color) {
+  const auto found = blobs.find(color);
+  return found != blobs.end() && !found->second.empty();
+}
+
+double distance_of(const Pair& pair) {
+  const Point &red = pair.red.position, &blue = pair.blue.position;
+  return std::hypot(red.x - blue.x, red.y - blue.y);
+}
+
 // ((distance - expected)/tolerance)^2, 1 at the limit
-double distance_misfit(const Marker& red, const Marker& blue, const MarkerLayout& markers) {
+double distance_misfit(const Pair& pair, const MarkerLayout& markers) {
   const double expected = markers.distance();
-  const double distance =
-      std::hypot(red.position.x - blue.position.x, red.position.y - blue.position.y);
-  return std::pow((distance - expected) / (markers.distance_tolerance * expected), 2);
+  return std::pow((distance_of(pair) - expected) / (markers.distance_tolerance * expected), 2);
 }
 
 // (log(area/expected) / log(tolerance))^2, 1 at the limit
@@ -40,22 +60,44 @@ double area_misfit(double area, double expected, const MarkerLayout& markers) {
   return std::pow(std::log(area / expected) / std::log(markers.area_tolerance), 2);
 }
 
-std::optional<double> misfit(const Marker& red, const Marker& blue, const MarkerLayout& markers) {
-  const double limits[] = {
-      distance_misfit(red, blue, markers),
-      area_misfit(red.area, std::isnan(markers.red_area) ? blue.area : markers.red_area, markers),
-      area_misfit(blue.area, std::isnan(markers.blue_area) ? red.area : markers.blue_area,
-                  markers)};
+// Without a known area a marker is to be as large as the other one.
+double red_misfit(const Pair& pair, const MarkerLayout& markers) {
+  const bool is_known = !std::isnan(markers.red_area);
+  return area_misfit(pair.red.area, is_known ? markers.red_area : pair.blue.area, markers);
+}
+
+double blue_misfit(const Pair& pair, const MarkerLayout& markers) {
+  const bool is_known = !std::isnan(markers.blue_area);
+  return area_misfit(pair.blue.area, is_known ? markers.blue_area : pair.red.area, markers);
+}
+
+double misfit(const Pair& pair, const MarkerLayout& markers) {
+  return distance_misfit(pair, markers) + red_misfit(pair, markers) + blue_misfit(pair, markers);
+}
+
+// The misfit of a pair within all limits.
+std::optional<double> accepted_misfit(const Pair& pair, const MarkerLayout& markers) {
   double sum = 0;
-  for (const double value : limits) {
+  for (const auto deviation : {distance_misfit, red_misfit, blue_misfit}) {
+    const double value = deviation(pair, markers);
     if (!(value <= 1)) return std::nullopt;
     sum += value;
   }
   return sum;
 }
 
+// How far a pair is from the markers in scale: unlike the misfit, it weighs distance and areas
+// alike, so that large blobs far apart are not passed over for specks that happen to be near.
+double unlikeness(const Pair& pair, const MarkerLayout& markers) {
+  // log(area/expected) = 2 log(length/expected)
+  const double log_distance =
+      2 * std::log(distance_of(pair) / markers.distance()) / std::log(markers.area_tolerance);
+  return log_distance * log_distance + red_misfit(pair, markers) + blue_misfit(pair, markers);
+}
+
 // The markers' line gives the heading, their midpoint and the heading give the centre.
-Pose pose_from(const Marker& red, const Marker& blue, const MarkerLayout& markers) {
+Pose pose_from(const Pair& pair, const MarkerLayout& markers) {
+  const auto& [red, blue] = pair;
   const auto direction = [](const Point& from, const Point& to) {
     return std::atan2(to.y - from.y, to.x - from.x);
   };
@@ -68,6 +110,84 @@ Pose pose_from(const Marker& red, const Marker& blue, const MarkerLayout& marker
   const double sin = std::sin(heading);
   return {(red.position.x + blue.position.x) / 2 - (x * cos - y * sin),
           (red.position.y + blue.position.y) / 2 - (x * sin + y * cos), heading};
+}
+
+MarkerLayout exchanged(MarkerLayout markers) {
+  std::swap(markers.red_area, markers.blue_area);
+  return markers;
+}
+
+Detection detection_of(const Pair& pair, DetectionResult result, const MarkerLayout& markers) {
+  Detection detection;
+  detection.result = result;
+  detection.red = *pair.red.blob;
+  detection.blue = *pair.blue.blob;
+  detection.misfit = misfit(pair, markers);
+  detection.exchanged = misfit(pair, exchanged(markers));
+  detection.distance = distance_of(pair);
+  detection.red_area = pair.red.area;
+  detection.blue_area = pair.blue.area;
+  return detection;
+}
+
+// Why no pair is accepted, by the pair most like the markers.
+Detection refused(const std::vector<Marker>& reds, const std::vector<Marker>& blues,
+                  const MarkerLayout& markers) {
+  Pair nearest{reds.front(), blues.front()};
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(reds.size(), most_alike); ++i) {
+    for (std::size_t j = 0; j < std::min(blues.size(), most_alike); ++j) {
+      const Pair pair{reds[i], blues[j]};
+      const double value = unlikeness(pair, markers);
+      if (value < least) {
+        least = value;
+        nearest = pair;
+      }
+    }
+  }
+  const bool is_near = distance_misfit(nearest, markers) <= 1;
+  return detection_of(nearest, is_near ? DetectionResult::areas : DetectionResult::distance,
+                      markers);
+}
+
+// Why there is no pair at all.
+DetectionResult without_pair(const BlobsByColor& blobs) {
+  const bool has_red = has_blobs(blobs, "red");
+  const bool has_blue = has_blobs(blobs, "blue");
+  if (has_red && has_blue) return DetectionResult::at_border;
+  if (has_red) return DetectionResult::no_blue_blob;
+  return has_blue ? DetectionResult::no_red_blob : DetectionResult::no_blobs;
+}
+
+Detection choose(const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& map) {
+  const std::vector<Marker> reds = markers_of(blobs, "red", map);
+  const std::vector<Marker> blues = markers_of(blobs, "blue", map);
+  Detection none;
+  none.result = without_pair(blobs);
+  if (reds.empty() || blues.empty()) return none;
+  std::optional<Pair> best;
+  double best_misfit = 0;
+  double second = std::numeric_limits<double>::infinity();
+  for (const Marker& red : reds) {
+    for (const Marker& blue : blues) {
+      const std::optional<double> value = accepted_misfit({red, blue}, markers);
+      if (!value) continue;
+      if (best && *value >= best_misfit) {
+        second = std::min(second, *value);
+        continue;
+      }
+      if (best) second = best_misfit;
+      best = Pair{red, blue};
+      best_misfit = *value;
+    }
+  }
+  if (!best) return refused(reds, blues, markers);
+  const bool is_clear = !(second - best_misfit < clear_lead);
+  Detection detection = detection_of(
+      *best, is_clear ? DetectionResult::detected : DetectionResult::ambiguous, markers);
+  if (is_clear) detection.measurement = Measurement{pose_from(*best, markers)};
+  detection.runner_up = second;
+  return detection;
 }
 
 }  // namespace
@@ -128,27 +248,16 @@ void check_marker_layout(const MarkerLayout& markers) {
   }
 }
 
+Detection detect(const BlobsByColor& blobs, const MarkerLayout& markers,
+                 const PlaneMap& plane_map) {
+  Detection detection = choose(blobs, markers, plane_map);
+  detection.markers = markers;
+  return detection;
+}
+
 std::optional<Measurement> locate(const BlobsByColor& blobs, const MarkerLayout& markers,
                                   const PlaneMap& plane_map) {
-  const std::vector<Marker> blues = markers_of(blobs, "blue", plane_map);
-  std::optional<Measurement> best;
-  double best_misfit = 0;
-  double second = std::numeric_limits<double>::infinity();
-  for (const Marker& red : markers_of(blobs, "red", plane_map)) {
-    for (const Marker& blue : blues) {
-      const std::optional<double> value = misfit(red, blue, markers);
-      if (!value) continue;
-      if (best && *value >= best_misfit) {
-        second = std::min(second, *value);
-        continue;
-      }
-      if (best) second = best_misfit;
-      best = Measurement{pose_from(red, blue, markers)};
-      best_misfit = *value;
-    }
-  }
-  if (best && second - best_misfit < clear_lead) return std::nullopt;
-  return best;
+  return detect(blobs, markers, plane_map).measurement;
 }
 
 }  // namespace robsim

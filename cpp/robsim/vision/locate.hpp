@@ -40,10 +40,43 @@ struct MarkerLayout {
 /// that no pair can meet.
 void check_marker_layout(const MarkerLayout& markers);
 
-/// The pose of the robot whose markers are among the blobs: that of the red-blue pair whose
-/// distance and areas fit best; nullopt if no pair fits, or two fit equally well. Blobs at the
+/// What the choice of a pair of blobs came to.
+enum class DetectionResult {
+  detected,
+  no_blobs,  // neither red nor blue
+  no_red_blob,
+  no_blue_blob,
+  at_border,  // all blobs of a colour may be cut off
+  distance,   // no pair is as far apart as the markers
+  areas,      // the blobs of a pair are too large or too small
+  ambiguous   // two pairs fit equally well
+};
+
+/// The red-blue pair that fits the markers best, how well it fits, and what follows from it.
+struct Detection {
+  std::optional<Measurement> measurement;
+  DetectionResult result = DetectionResult::no_blobs;
+
+  // The pair: if none is accepted, the one most like the markers.
+  std::optional<Blob> red;
+  std::optional<Blob> blue;
+  double misfit = std::numeric_limits<double>::infinity();     // 0 = perfect; no pair: infinite
+  double runner_up = std::numeric_limits<double>::infinity();  // of the next pair that fits, too
+  double exchanged = std::numeric_limits<double>::infinity();  // if red were blue, and blue red
+  double distance = 0;   // between the two blobs, work-area px
+  double red_area = 0;   // work-area px^2
+  double blue_area = 0;  // work-area px^2
+
+  MarkerLayout markers;  // that were looked for
+};
+
+/// Looks for the red-blue pair whose distance and areas fit the markers best. The misfit is the sum
+/// of three squared deviations, each at most 1 (the limit) in a pair that is accepted. Blobs at the
 /// border of the frame may be cut off and are not used. Without known marker areas, those of a pair
-/// must be similar.
+/// must be similar. There is no measurement if no pair is accepted, or two fit equally well.
+Detection detect(const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map);
+
+/// The measurement of `detect`.
 std::optional<Measurement> locate(const BlobsByColor& blobs, const MarkerLayout& markers,
                                   const PlaneMap& plane_map);
 

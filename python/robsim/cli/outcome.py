@@ -26,7 +26,7 @@ def finish(
 ) -> None:
     """Write the results and videos of a run, and print a summary."""
     from robsim.cli.results import write_results
-    from robsim.vision._detection_failure import explain_no_detection
+    from robsim.vision._missed_detections import explain_missed
 
     if not len(simulation.trace):
         errors.print_note("no steps, no results")
@@ -40,8 +40,8 @@ def finish(
         return
     if text := str(results):
         print(text)
-    if reason := explain_no_detection(simulation.trace, simulation.markers):
-        errors.print_note(reason)
+    if sentence := explain_missed(simulation.missed_detections, len(simulation.trace)):
+        errors.print_note(sentence)
     if results.tracking is None:
         errors.print_note("not tracked: add --measure, or write a measure.py with ENABLED = True")
     print(f"written to {out}: {', '.join(file.name for file in results.files)}")

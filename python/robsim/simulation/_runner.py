@@ -235,7 +235,9 @@ class Runner(Slotted):
         if missing and self._callbacks["measure"] is True:
             names = ", ".join(color.name for color in self.colors)
             raise ValueError(
-                f"colors must have red and blue for the default measurement, got {names}"
+                "colors must have red and blue for the default measurement: the names of the two "
+                "markers, whatever their colours are (in the lab robot red is the right one); "
+                f"got {names}"
             )
         if self._is_on("estimate_parameters"):
             self._check_source()
@@ -310,6 +312,11 @@ class Runner(Slotted):
         """The data of the last step that the robot's software may use."""
         self._start()
         return self._core.last_step
+
+    @property
+    def missed_detections(self) -> list[_core.MissedDetections]:
+        """Why the default measurement detected no robot, the most frequent reason first."""
+        return self._core.missed_detections
 
     def __repr__(self) -> str:
         stages = [slot for slot in self.SLOTS if SLOTS[slot].is_optional and self._is_on(slot)]

@@ -1,7 +1,5 @@
 #include "robsim/simulation/robot/default_stages.hpp"
 
-#include "robsim/vision/locate.hpp"
-
 namespace robsim {
 
 RobotModel default_model() { return RobotModel(); }
@@ -16,7 +14,7 @@ std::optional<AxisMatrix> update_estimator(const StepPointer& step) {
 }
 
 std::optional<Measurement> locate_markers(const StepPointer& step) {
-  return locate(*step->blobs, step->markers(), step->frame->plane_map);
+  return step->detect();
 }
 
 }  // namespace robsim

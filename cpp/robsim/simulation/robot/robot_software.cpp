@@ -18,6 +18,7 @@ void RobotSoftware::start() {
   if (update && !update.is_interpreted) estimator_->check();
   last_u_ = {};
   held_.reset();
+  missed_.clear();
   parameters_.reset();
   state_size_ = 0;
   model_ = std::move(model);
@@ -65,8 +66,16 @@ void RobotSoftware::measure() {
     if (!stages_.measure.is_interpreted) step_->find_blobs();
     step_->measurement = stages_.measure.call(step_);
     if (step_->frame) step_->find_blobs();  // of a callback that has looked
+    if (step_->detection && !step_->measurement) count_missed(*step_->detection);
   }
   if (step_->measurement) held_ = step_->measurement->pose;
+}
+
+void RobotSoftware::count_missed(const Detection& detection) {
+  MissedDetections& missed = missed_[detection.result];
+  if (missed.steps++ > 0) return;
+  missed.first_k = step_->k;
+  missed.first = detection;
 }
 
 void RobotSoftware::estimate_state() {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -14,6 +16,13 @@ struct RobotOptions {
   MarkerLayout markers;          // of the default measurement
   std::optional<int> smoothing;  // px; otherwise as the markers need it
   std::uint64_t controller_seed = 0;
+};
+
+/// The steps of a run in which the default measurement detected no robot, for the same reason.
+struct MissedDetections {
+  std::int64_t steps = 0;
+  std::int64_t first_k = 0;
+  Detection first;  // that of the first of these steps
 };
 
 /// The robot half: its stages, and what it knows of the newest step. It needs no world of ours:
@@ -59,6 +68,9 @@ class RobotSoftware {
   /// The last pose that was measured.
   const std::optional<Pose>& held() const { return held_; }
 
+  /// Why the default measurement detected no robot, since the start.
+  const std::map<DetectionResult, MissedDetections>& missed() const { return missed_; }
+
   /// Says what was sent to the robot: the last_u of the next step.
   void set_last_input(const Input& u) { last_u_ = u; }
 
@@ -67,6 +79,7 @@ class RobotSoftware {
 
  private:
   void renew_step();
+  void count_missed(const Detection& detection);
 
   RobotOptions options_;
   std::shared_ptr<const RunGuard> guard_;
@@ -79,6 +92,7 @@ class RobotSoftware {
   StepPointer step_;
   Input last_u_;
   std::optional<Pose> held_;
+  std::map<DetectionResult, MissedDetections> missed_;
   std::optional<AxisMatrix> parameters_;
   std::size_t state_size_ = 0;  // further numbers of the state estimator
 };

@@ -27,6 +27,12 @@ const BlobsByColor& Step::find_blobs() {
   return *blobs;
 }
 
+std::optional<Measurement> Step::detect() {
+  const BlobsByColor& found = find_blobs();
+  detection = robsim::detect(found, markers(), frame->plane_map);
+  return detection->measurement;
+}
+
 Camera& Step::open_camera(const char* what) const {
   if (camera) return *camera;
   throw std::runtime_error("the " + std::string(what) + " of step " + std::to_string(k) +
@@ -48,6 +54,7 @@ void Step::begin(const std::shared_ptr<Camera>& the_camera) {
   sample.reset();
   parameters.reset();
   measurement.reset();
+  detection.reset();
   estimate.reset();
   u.reset();
   frame.reset();

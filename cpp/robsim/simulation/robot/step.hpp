@@ -34,6 +34,7 @@ struct Step {
   std::optional<Sample> sample;
   std::optional<AxisMatrix> parameters;
   std::optional<Measurement> measurement;
+  std::optional<Detection> detection;  // of the default measurement
   std::optional<Estimate> estimate;
   std::optional<Input> u;  // the input of this step, as sent
   std::shared_ptr<ParameterEstimator> estimator;
@@ -49,6 +50,9 @@ struct Step {
 
   /// The blobs in it, found when first asked for: none without a frame.
   const BlobsByColor& find_blobs();
+
+  /// The default measurement: looks for the markers among the blobs, and keeps what it found.
+  std::optional<Measurement> detect();
 
   /// Whether `look` still finds a frame, or knows that none has come.
   bool can_look() const { return frame || camera || !has_frame; }

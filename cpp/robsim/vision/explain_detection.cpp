@@ -1,0 +1,131 @@
+#include "robsim/vision/explain_detection.hpp"
+
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace robsim {
+
+namespace {
+
+// A misfit of less than this is good, and one that is larger by this is much worse.
+constexpr double good_misfit = 0.15;
+
+// Lengths and areas that agree within this factor show the markers at another scale.
+constexpr double same_scale = 1.25;
+
+std::string number(double value, int decimals) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(decimals) << value;
+  return text.str();
+}
+
+std::string px(double value) { return number(value, 1) + " px"; }
+
+// The factor by which all of it is larger than the markers; 0 if that is not one factor.
+double scale_of(const Detection& d) {
+  const double scale = d.distance / d.markers.distance();
+  const auto fits = [&](double seen, double expected) {
+    const double ratio = std::sqrt(seen / expected) / scale;
+    return ratio < same_scale && ratio > 1 / same_scale;  // NaN does not
+  };
+  const bool is_same =
+      fits(d.red_area, d.markers.red_area) && fits(d.blue_area, d.markers.blue_area);
+  return is_same ? scale : 0;
+}
+
+std::string explain_distance(const Detection& d) {
+  const std::string seen = "the red and blue blobs seen are " + px(d.distance) +
+                           " of the work area apart, the markers " + px(d.markers.distance());
+  const double scale = scale_of(d);
+  if (scale == 0) return seen + ": is it another robot?";
+  return seen + ", and their areas fit markers " + number(scale, 2) +
+         " times as large: is it another size of the work area, or another robot?";
+}
+
+std::string explain_area(const char* color, double seen, double expected) {
+  return std::string(color) + " " + number(seen, 0) + " of " + number(expected, 0) + " px^2";
+}
+
+std::string explain_areas(const Detection& d) {
+  const std::string pair = "red and blue blobs " + px(d.distance) + " apart, as the markers are, ";
+  const double red = std::isnan(d.markers.red_area) ? d.blue_area : d.markers.red_area;
+  const double blue = std::isnan(d.markers.blue_area) ? d.red_area : d.markers.blue_area;
+  const double tolerance = d.markers.area_tolerance;
+  const bool is_small = d.red_area * tolerance < red || d.blue_area * tolerance < blue;
+  const bool is_large = d.red_area > tolerance * red || d.blue_area > tolerance * blue;
+  const std::string areas = pair +
+                            "have other areas than these: " + explain_area("red", d.red_area, red) +
+                            ", " + explain_area("blue", d.blue_area, blue);
+  if (is_small && is_large) return areas + ": is it another robot?";
+  if (is_small) return areas + ": are the frames darker than the colour ranges allow?";
+  return areas + ": has something beside the markers their colour?";
+}
+
+std::string explain_missing(const std::string& what) {
+  return "no " + what + " blob was detected: check the frame and the colours";
+}
+
+std::string explain_result(const Detection& d) {
+  switch (d.result) {
+    case DetectionResult::no_blobs:
+      return explain_missing("red and no blue");
+    case DetectionResult::no_red_blob:
+      return explain_missing("red");
+    case DetectionResult::no_blue_blob:
+      return explain_missing("blue");
+    case DetectionResult::at_border:
+      return "all red or all blue blobs touch the border of the frame, where a marker may be cut "
+             "off";
+    case DetectionResult::distance:
+      return explain_distance(d);
+    case DetectionResult::areas:
+      return explain_areas(d);
+    case DetectionResult::ambiguous:
+      return "two pairs of red and blue blobs fit the markers equally well (misfits " +
+             number(d.misfit, 2) + " and " + number(d.runner_up, 2) +
+             "): is something else as red or blue?";
+    case DetectionResult::detected:
+      break;
+  }
+  return "red and blue blobs " + px(d.distance) +
+         " of the work area apart fit the markers (misfit " + number(d.misfit, 2) + ")";
+}
+
+}  // namespace
+
+std::string name_of(DetectionResult result) {
+  switch (result) {
+    case DetectionResult::no_blobs:
+      return "no blobs";
+    case DetectionResult::no_red_blob:
+      return "no red blob";
+    case DetectionResult::no_blue_blob:
+      return "no blue blob";
+    case DetectionResult::at_border:
+      return "at the border";
+    case DetectionResult::distance:
+      return "distance";
+    case DetectionResult::areas:
+      return "areas";
+    case DetectionResult::ambiguous:
+      return "ambiguous";
+    case DetectionResult::detected:
+      break;
+  }
+  return "detected";
+}
+
+bool fits_exchanged(const Detection& d) {
+  return d.exchanged < good_misfit && d.misfit > d.exchanged + 2 * good_misfit;
+}
+
+std::string explain(const Detection& detection) {
+  const std::string text = explain_result(detection);
+  if (!fits_exchanged(detection)) return text;
+  return text + "; with red and blue exchanged they would fit much better (misfit " +
+         number(detection.exchanged, 2) +
+         "): are the frames in OpenCV's order, BGR? Frame.from_bgr converts them";
+}
+
+}  // namespace robsim

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "robsim/vision/locate.hpp"
+
+namespace robsim {
+
+/// The reason in a few words, such as "no red blob"; "detected" if there is none.
+std::string name_of(DetectionResult result);
+
+/// A sentence for people, with the numbers that decided.
+std::string explain(const Detection& detection);
+
+/// True if the pair fits much better with the roles of red and blue exchanged: as in a frame whose
+/// channels are in OpenCV's order, BGR. Markers of about the same area never tell.
+bool fits_exchanged(const Detection& detection);
+
+}  // namespace robsim
