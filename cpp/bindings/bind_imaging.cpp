@@ -1,6 +1,8 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
@@ -28,11 +30,15 @@ std::string repr(const PlaneMap& plane_map) {
   return "PlaneMap(" + py::repr(rows).cast<std::string>() + ")";
 }
 
-PlaneMap::FourPoints four_points(py::handle value, const std::string& name) {
-  const Doubles array =
-      doubles_from(value, name, Shape{4, 2}, "four points, finite numbers of shape (4, 2)");
-  PlaneMap::FourPoints points;
-  for (std::size_t i = 0; i < 4; ++i) points[i] = {array.data()[2 * i], array.data()[2 * i + 1]};
+std::vector<Point> points_from(py::handle value, const std::string& name) {
+  const std::string expected = "four or more points, finite numbers of shape (N, 2)";
+  const Doubles array = doubles_from(value, name, Shape{-1, 2}, expected);
+  if (array.shape(0) < 4) {
+    throw py::value_error(name + " must be " + expected + ", got " + describe(value));
+  }
+  std::vector<Point> points;
+  for (py::ssize_t i = 0; i < array.shape(0); ++i)
+    points.push_back({array.at(i, 0), array.at(i, 1)});
   return points;
 }
 
@@ -56,12 +62,17 @@ py::array_t<double> map_points(py::handle value, const std::string& name, const 
   return result;
 }
 
-Frame make_frame(const PixelArray& image, bool copy, std::optional<double> t, std::int64_t index,
-                 const PlaneMap& plane_map) {
+Frame frame_of(Image image, std::optional<double> t, std::int64_t index,
+               const PlaneMap& plane_map) {
   if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
   if (index < 0) throw py::value_error("index must be at least 0");
-  return {copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t, index,
-          plane_map};
+  return {std::move(image), t, index, plane_map};
+}
+
+Frame make_frame(const PixelArray& image, bool copy, std::optional<double> t, std::int64_t index,
+                 const PlaneMap& plane_map) {
+  return frame_of(copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t,
+                  index, plane_map);
 }
 
 void bind_plane_map(py::module_& module) {
@@ -105,28 +116,29 @@ area : tuple of float
       .def_static(
           "from_points",
           [](const ArrayLike& pixels, const ArrayLike& positions) {
-            return PlaneMap::from_points(four_points(pixels, "pixels"),
-                                         four_points(positions, "positions"));
+            return PlaneMap::from_points(points_from(pixels, "pixels"),
+                                         points_from(positions, "positions"));
           },
           py::arg("pixels"), py::arg("positions"), R"(
 Return the map of a camera that looks at the work area from any direction.
 
 Parameters
 ----------
-pixels : array (4, 2)
-    Pixels (u, v) of four points on the floor, no three of them on a line.
-positions : array (4, 2)
+pixels : array (N, 2)
+    Pixels (u, v) of four or more points on the floor; of four, no three on a line.
+positions : array (N, 2)
     Positions (x, y) of these points on the work area, in the same order (work-area px).
 
 Returns
 -------
 PlaneMap
-    The only homography that takes each pixel to its position.
+    Of four points, the only homography that takes each pixel to its position; of more, the one with
+    the least squared distances. ``plane_map.to_world(pixels) - positions`` says how far off it is.
 
 Raises
 ------
 TypeError, ValueError
-    If the shapes are others, three points lie on a line, or the positions go round in another order
+    If the shapes are others, too many points lie on a line, or the positions are in another order
     than the pixels.
 
 Examples
@@ -187,6 +199,9 @@ void bind_frame(py::module_& module) {
   Class<Frame> frame(public_in(module, "robsim"), "Frame", R"(
 A camera image with its time: all that the robot half gets to know of the world.
 
+The pixels are RGB. OpenCV's are BGR: use `Frame.from_bgr` for these, or the red and the blue marker
+change places, and the robot is measured facing backwards, in a wrong place.
+
 Parameters
 ----------
 image : array (H, W, 3) of uint8
@@ -211,6 +226,28 @@ A frame in shared memory, which then stays open as long as the frame (under a me
   frame
       .def(py::init(&make_frame), py::arg("image"), py::kw_only(), py::arg("copy") = true,
            py::arg("t") = py::none(), py::arg("index") = 0, py::arg("plane_map") = PlaneMap())
+      .def_static(
+          "from_bgr",
+          [](const PixelArray& image, std::optional<double> t, std::int64_t index,
+             const PlaneMap& plane_map) {
+            return frame_of(copy_of_bgr(image_view(image, "image")), t, index, plane_map);
+          },
+          py::arg("image"), py::kw_only(), py::arg("t") = py::none(), py::arg("index") = 0,
+          py::arg("plane_map") = PlaneMap(), R"(
+Return the frame of an image in OpenCV's order, BGR: a copy with the channels in the order RGB.
+
+Parameters
+----------
+image : array (H, W, 3) of uint8
+    BGR pixels, as from ``cv2.imread`` and ``cv2.VideoCapture``.
+t, index, plane_map
+    As for `Frame`.
+
+Examples
+--------
+>>> ok, image = cv2.VideoCapture(0).read()
+>>> frame = Frame.from_bgr(image, t=time.monotonic())
+)")
       .def_property_readonly(
           "image", [](const Frame& self) { return image_array(self.image); },
           "array (H, W, 3) of uint8: RGB, read-only; unless it was made with ``copy=False``,\n"

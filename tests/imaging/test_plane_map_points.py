@@ -62,13 +62,88 @@ def test_three_points_on_a_line(fourth):
 
 @pytest.mark.parametrize(
     "points",
-    [SQUARE[:3], [*SQUARE, (5, 5)], [(1, 2, 3)] * 4, "abc", [1, 2], None, [(0, 0), (1,)]],
+    [SQUARE[:3], [(1, 2, 3)] * 4, "abc", [1, 2], None, [(0, 0), (1,)]],
 )
 def test_other_shapes(points):
-    with pytest.raises((TypeError, ValueError), match=r"pixels must be four points.*\(4, 2\), got"):
+    wanted = r"pixels must be four or more points.*\(N, 2\), got"
+    with pytest.raises((TypeError, ValueError), match=wanted):
         PlaneMap.from_points(points, SQUARE)
 
 
+def test_as_many_pixels_as_positions():
+    with pytest.raises(ValueError, match=r"as many points, at least four, got 5 and 4"):
+        PlaneMap.from_points([*SQUARE, (5, 5)], SQUARE)
+
+
 def test_points_that_are_not_finite():
-    with pytest.raises(ValueError, match="positions must be four points, finite"):
+    with pytest.raises(ValueError, match="positions must be four or more points, finite"):
         PlaneMap.from_points(SQUARE, [*SQUARE[:3], (np.nan, 1)])
+
+
+TABLE = PlaneMap([[1.9, 0.3, -120], [-0.1, 2.4, -60], [1e-4, 5e-4, 1]])
+GRID = np.array([(u, v) for u in (40, 240, 440, 600) for v in (30, 200, 450)], float)
+
+
+def test_many_exact_points_give_their_homography_again():
+    found = PlaneMap.from_points(GRID, TABLE.to_world(GRID))
+    np.testing.assert_allclose(found.to_world(GRID), TABLE.to_world(GRID), atol=1e-8)
+
+
+def test_the_fifth_point_counts():
+    positions = TABLE.to_world(GRID)
+    positions[4] += (12, 0)
+    found = PlaneMap.from_points(GRID, positions)
+    residuals = found.to_world(GRID) - positions
+    assert np.argmax(np.hypot(*residuals.T)) == 4
+    assert 0 < np.hypot(*residuals[4]) < 12
+
+
+def test_more_points_are_more_exact(rng):
+    pixels = rng.uniform(20, 460, (40, 2))
+    errors = {4: [], 40: []}
+    for _ in range(30):
+        positions = TABLE.to_world(pixels) + rng.normal(0, 2, (40, 2))
+        spread = [np.argmin(pixels @ way) for way in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+        for chosen in (spread, range(40)):
+            found = PlaneMap.from_points(pixels[list(chosen)], positions[list(chosen)])
+            miss = found.to_world(GRID) - TABLE.to_world(GRID)
+            errors[len(list(chosen))].append(np.sqrt((miss**2).mean()))
+    assert np.median(errors[40]) < 0.6 * np.median(errors[4])
+
+
+def test_the_squared_distances_are_least(rng):
+    positions = TABLE.to_world(GRID) + rng.normal(0, 3, GRID.shape)
+    best = PlaneMap.from_points(GRID, positions)
+
+    def cost(matrix):
+        return ((PlaneMap(matrix).to_world(GRID) - positions) ** 2).sum()
+
+    for i, j in np.ndindex(3, 3):
+        if (i, j) != (2, 2):
+            for factor in (1 - 1e-4, 1 + 1e-4):
+                other = best.matrix.copy()
+                other[i, j] *= factor
+                assert cost(other) > cost(best.matrix)
+
+
+@pytest.mark.parametrize("order", ["backwards", "mirrored", "two swapped"])
+def test_another_order_of_many_points(order):
+    positions = TABLE.to_world(GRID)
+    if order == "backwards":
+        positions = np.roll(positions, 5, axis=0)
+    if order == "mirrored":
+        positions = positions * (-1, 1)
+    if order == "two swapped":
+        positions[[0, 11]] = positions[[11, 0]]
+    with pytest.raises(ValueError, match=r"in the same order.*no camera sees them"):
+        PlaneMap.from_points(GRID, positions)
+
+
+def test_points_that_do_not_determine_the_map():
+    line = np.array([(0, 0), (10, 5), (20, 10), (40, 20), (60, 30), (10, 90)], float)
+    with pytest.raises(ValueError, match="must not have all points but one on a line"):
+        PlaneMap.from_points(line, line)
+    with pytest.raises(ValueError, match="fewer than four different points"):
+        PlaneMap.from_points(*[[(0, 0), (0, 0), (9, 0), (9, 0), (0, 9)]] * 2)
+    with pytest.raises(ValueError, match="must have"):
+        PlaneMap.from_points(GRID[:5], [(0, 0)] * 5)

@@ -56,6 +56,21 @@ Image copy_of(const ImageView& view) {
   return image;
 }
 
+Image copy_of_bgr(const ImageView& view) {
+  Image image(view.width, view.height);
+  const WritableView copy = image.writable_view();
+  for (int v = 0; v < view.height; ++v) {
+    const std::uint8_t* bgr = view.row(v);
+    std::uint8_t* rgb = copy.row(v);
+    for (int u = 0; u < view.width; ++u, bgr += 3, rgb += 3) {
+      rgb[0] = bgr[2];
+      rgb[1] = bgr[1];
+      rgb[2] = bgr[0];
+    }
+  }
+  return image;
+}
+
 Image ImagePool::take(int width, int height) {
   const auto usable = [&](const Image& image) {
     return !image.is_shared() && image.width() == width && image.height() == height;

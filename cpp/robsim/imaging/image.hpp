@@ -76,6 +76,9 @@ class Image {
 
 Image copy_of(const ImageView& view);
 
+/// A copy of pixels in OpenCV's order: blue, green, red.
+Image copy_of_bgr(const ImageView& view);
+
 /// Provides images of one size, reusing buffers that are no longer held elsewhere.
 class ImagePool {
  public:

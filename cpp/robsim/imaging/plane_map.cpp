@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "robsim/imaging/fit_homography.hpp"
+
 namespace robsim {
 
 namespace {
@@ -50,8 +52,8 @@ Matrix product(const Matrix& a, const Matrix& b) {
   return result;
 }
 
-// For each three of four points +1 if they turn right, -1 if left.
-std::array<int, 4> turns(const char* name, const PlaneMap::FourPoints& points) {
+// For each three of the first four points +1 if they turn right, -1 if left.
+std::array<int, 4> turns(const char* name, const std::vector<Point>& points) {
   constexpr std::array<std::array<std::size_t, 3>, 4> triples = {
       {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}}};
   constexpr double flattest = 1e-3;  // area of a triangle as a fraction of the largest one's
@@ -72,9 +74,9 @@ std::array<int, 4> turns(const char* name, const PlaneMap::FourPoints& points) {
   return signs;
 }
 
-// The homography that takes (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1) to the points: its columns
+// The homography that takes (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1) to four points: its columns
 // are the first three points, each times the number that makes their sum the fourth.
-Matrix from_unit_points(const PlaneMap::FourPoints& p) {
+Matrix from_unit_points(const std::vector<Point>& p) {
   const Matrix columns = {p[0].x, p[1].x, p[2].x, p[0].y, p[1].y, p[2].y, 1, 1, 1};
   const Matrix m = inverse(columns);
   Matrix scaled = columns;
@@ -105,7 +107,14 @@ PlaneMap PlaneMap::scaled(int width, int height, double area_width, double area_
   return PlaneMap(Matrix{sx, 0, sx / 2 - 0.5 + origin.x, 0, sy, sy / 2 - 0.5 + origin.y, 0, 0, 1});
 }
 
-PlaneMap PlaneMap::from_points(const FourPoints& pixels, const FourPoints& positions) {
+PlaneMap PlaneMap::from_points(const std::vector<Point>& pixels,
+                               const std::vector<Point>& positions) {
+  if (pixels.size() != positions.size() || pixels.size() < 4) {
+    throw std::invalid_argument(
+        "pixels and positions must have as many points, at least four, got " +
+        std::to_string(pixels.size()) + " and " + std::to_string(positions.size()));
+  }
+  if (pixels.size() > 4) return PlaneMap(fit_homography(pixels, positions));
   if (turns("pixels", pixels) != turns("positions", positions)) {
     throw std::invalid_argument(
         "pixels and positions must have the four points in the same order: the first pixel belongs "

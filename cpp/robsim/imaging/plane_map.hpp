@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "robsim/geometry/pose.hpp"
 
@@ -11,7 +12,6 @@ namespace robsim {
 class PlaneMap {
  public:
   using Matrix = std::array<double, 9>;  // row by row
-  using FourPoints = std::array<Point, 4>;
 
   /// The identity.
   PlaneMap();
@@ -25,10 +25,12 @@ class PlaneMap {
   static PlaneMap scaled(int width, int height, double area_width, double area_height,
                          Point origin = {});
 
-  /// The only homography that takes each of four pixels to its position (work-area px).
-  /// Throws std::invalid_argument if three of the points lie on a line, or if the positions go
-  /// round in another order than the pixels.
-  static PlaneMap from_points(const FourPoints& pixels, const FourPoints& positions);
+  /// The only homography that takes each of four pixels to its position (work-area px); of more
+  /// points, the one with the least squared distances. Throws std::invalid_argument if there are
+  /// fewer, or not as many of both; if too many lie on a line; and if the positions are in another
+  /// order than the pixels.
+  static PlaneMap from_points(const std::vector<Point>& pixels,
+                              const std::vector<Point>& positions);
 
   Point to_world(const Point& pixel) const;
   Point to_pixel(const Point& position) const;
