@@ -37,6 +37,7 @@ from robsim.simulation._options import (
     step_count,
 )
 from robsim.simulation._outside.frame_source import FrameSource
+from robsim.simulation._outside.mirrored import mirrored_remark
 from robsim.simulation._outside.motors import Motors
 from robsim.simulation._runner import Runner
 from robsim.simulation._scenario import Scenario
@@ -135,6 +136,7 @@ class Experiment(Runner):
             check_float("frame_timeout", frame_timeout, "s", exclusive_minimum=0)
         self._source = FrameSource(frames, frame_timeout, is_polled=send is not None)
         self._model = model_value(model)
+        self._next_look = 1  # at the frames, by the number of steps
         self._motors = None if send is None else Motors(send, stop_input)
         super().__init__(
             _core.ExternalWorld(
@@ -200,7 +202,7 @@ class Experiment(Runner):
         Warns
         -----
         UserWarning
-            If the frames end before `steps` steps are done.
+            If the frames end before `steps` steps are done, or seem to be in OpenCV's order, BGR.
         """
         before = self.n_steps
         wanted = UNLIMITED if steps is None else step_count(steps)
@@ -210,6 +212,10 @@ class Experiment(Runner):
             if done == 0:
                 raise EOFError("there are no more frames")
             warnings.warn(f"the frames ended after {done} of {steps} steps", stacklevel=2)
+        if self.n_steps >= self._next_look:
+            self._next_look = 2 * self.n_steps  # seldom, as it costs as much as some steps
+            if remark := mirrored_remark(self):
+                warnings.warn(remark, stacklevel=2)
         return self.trace
 
     @contextmanager
