@@ -121,7 +121,10 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
         (("track", ".", "--out", "."), "--out . would overwrite .: give another folder"),
         (("track", "none.mp4"), "there is no file or folder none.mp4"),
         (("track", ".", "--pixels", "1,2 3,4"), "--pixels and --positions belong together"),
-        (("track", ".", "--pixels", "1,2", "--positions", "1,2"), "--pixels must be four points"),
+        (
+            ("track", ".", "--pixels", "1,2", "--positions", "1,2"),
+            "--pixels must be at least four points",
+        ),
         (("track", "."), "there are no images in the folder"),
     ],
 )
@@ -164,6 +167,46 @@ def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
     np.testing.assert_array_equal(one.pose_measured, other.pose_measured)
     recording = robsim.Recording(tmp_path / "robsim-track" / "tracked.mp4")
     assert len(list(recording)) == 8
+
+
+def test_why_some_frames_are_without_a_detection(tmp_path):
+    frames = tmp_path / "frames"
+    frames.mkdir()
+    image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
+    for k in range(6):
+        robsim.imaging.save_image(frames / f"{k}.png", image // 10 if k in (1, 2, 4) else image)
+    robsim.imaging.save_image(frames / "5.png", np.where(image[..., 2:] > 150, 90, image))
+    run = command("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
+    assert "6 steps, 2 seen" in run.stdout
+    assert (
+        "no detection in 4 of 6 steps: in 3, first in step 1, no red and no blue blob was "
+        "detected: check the frame and the colours; in 1: no blue blob"
+    ) in run.stderr
+
+
+def test_bgr_frames_are_told(tmp_path):
+    frames = tmp_path / "frames"
+    frames.mkdir()
+    image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
+    robsim.imaging.save_image(frames / "0.png", np.ascontiguousarray(image[..., ::-1]))
+    run = cli("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
+    assert "warning: the robot lab is seen only if red and blue are exchanged" in run.stderr
+
+
+def test_more_than_four_points_say_how_well_they_fit(tmp_path):
+    frames = tmp_path / "frames"
+    frames.mkdir()
+    image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
+    robsim.imaging.save_image(frames / "0.png", image)
+    points = "0,0 399,0 399,399 0,399 200,200"
+    places = "1,1 1198,1 1198,1198 1,1198 602,601"
+    run = command(
+        *("track", "frames", "--pixels", points, "--positions", places, "--no-video"),
+        *("--area", "1200x1200"),
+        cwd=tmp_path,
+    )
+    assert "the 5 points fit within 0.7 px of the work area (number 5), rms" in run.stderr
+    assert "1 seen" in run.stdout
 
 
 def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):

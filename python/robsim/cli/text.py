@@ -76,28 +76,28 @@ def parse_region(option: str, text: str) -> tuple[int, int, int, int]:
     return left, top, right, bottom
 
 
-def parse_points(option: str, text: str | None, *, count: int | None = None) -> Points | None:
-    """Return points from text such as "120,40 180,40 180,90": `count`, or at least three."""
+def parse_points(option: str, text: str | None, *, minimum: int = 3) -> Points | None:
+    """Return points from text such as "120,40 180,40 180,90"; one if the minimum is 1."""
     if text is None:
         return None
     try:
         found = [(float(x), float(y)) for x, y in (pair.split(",") for pair in text.split())]
     except ValueError:
         found = []
-    if len(found) != count and (count or len(found) < 3):
-        example, number = _EXAMPLES[count]
+    if len(found) < minimum or (minimum == 1 and len(found) > 1):
+        example, number = _EXAMPLES[minimum]
         raise ValueError(f"{option} must be {number} such as '{example}', got {text!r}")
     return found
 
 
 _EXAMPLES = {
-    None: ("120,40 180,40 180,90", "at least three points right,down"),
+    3: ("120,40 180,40 180,90", "at least three points right,down"),
     1: ("240,250", "one point right,down"),
-    4: ("0,0 9,0 9,9 0,9", "four points"),
+    4: ("0,0 9,0 9,9 0,9", "at least four points"),
 }
 
 
 def parse_point(option: str, text: str | None) -> tuple[float, float] | None:
     """Return a point from text such as 240,250."""
-    found = parse_points(option, text, count=1)
+    found = parse_points(option, text, minimum=1)
     return found[0] if found else None

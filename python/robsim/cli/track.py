@@ -5,14 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 from robsim.cli import errors
 from robsim.cli.outcome import finish, write_with_progress
 from robsim.cli.shared import Colors, Json, Robot, Smoothing
-from robsim.cli.text import parse_points, parse_size
+from robsim.cli.text import Points, parse_points, parse_size
 
 if TYPE_CHECKING:
+    from robsim._core import PlaneMap
     from robsim.imaging._recordings import Recording
     from robsim.simulation import Experiment
 
@@ -21,7 +23,7 @@ EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
 HELP = (
     "Track the robot in a video file or a folder of images.\n\n"
     "Writes the trace, the figures and an annotated video. For a camera that views the floor "
-    "obliquely, give four points whose positions are known."
+    "obliquely, give four or more points whose positions are known."
 )
 
 
@@ -38,7 +40,9 @@ def track(
     ] = None,
     pixels: Annotated[
         str | None,
-        typer.Option("--pixels", metavar="POINTS", help="Four points in the frames, in px."),
+        typer.Option(
+            "--pixels", metavar="POINTS", help="Four or more points in the frames, in px."
+        ),
     ] = None,
     positions: Annotated[
         str | None,
@@ -73,10 +77,11 @@ def track(
         plane_map = None
         if (pixels is None) != (positions is None):
             raise ValueError("--pixels and --positions belong together: give both or neither")
-        pixel_points = parse_points("--pixels", pixels, count=4)
-        world_points = parse_points("--positions", positions, count=4)
+        pixel_points = parse_points("--pixels", pixels, minimum=4)
+        world_points = parse_points("--positions", positions, minimum=4)
         if pixel_points and world_points:
             plane_map = PlaneMap.from_points(pixel_points, world_points)
+            _print_residuals(plane_map, pixel_points, world_points)
         recording = Recording(source, plane_map=plane_map, area=parse_size("--area", area), dt=dt)
         experiment = Experiment(recording, robot=robot, colors=colors, smoothing=smoothing)
     failure = None
@@ -95,6 +100,18 @@ def track(
     with errors.report_errors():
         if failure is not None:
             raise failure
+
+
+def _print_residuals(plane_map: PlaneMap, pixels: Points, positions: Points) -> None:
+    """Print how far the map is off at the points, if these are more than it is made of."""
+    if len(pixels) <= 4:
+        return
+    distances = np.linalg.norm(plane_map.to_world(pixels) - np.array(positions), axis=1)
+    worst = int(np.argmax(distances))
+    errors.print_note(
+        f"the {len(pixels)} points fit within {distances[worst]:.1f} px of the work area (number "
+        f"{worst + 1}), rms {np.sqrt((distances**2).mean()):.1f} px"
+    )
 
 
 def _write_video(experiment: Experiment, recording: Recording, file: Path) -> None:
