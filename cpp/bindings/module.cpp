@@ -1,4 +1,4 @@
-// The table of contents of the extension: one function per room, several for vision and for simulation.
+// The table of contents of the extension: one function per room, several for vision and simulation.
 #include <pybind11/pybind11.h>
 
 namespace py = pybind11;

@@ -114,11 +114,11 @@ def test_frame_refuses(arguments, sentence):
     assert sentence in refused("frame", *arguments)
 
 
-# --- show
+# --- list
 
 
-def test_show():
-    text = done("show")
+def test_list():
+    text = done("list")
     table = rows(text)
     assert [name for name, _ in table][:1] == ["colour"]
     names = [line.split()[0] for line in text.splitlines() if line.strip()]
@@ -132,14 +132,15 @@ def test_show():
     assert str(SHIPPED_COLORS) in text
 
 
-def test_show_a_file():
+def test_list_a_file():
     save_colors("mine.toml", [ColorClass("green [dark]", y=(0, 90)), ColorClass("x")])
-    text = done("show", "mine.toml")
+    text = done("list", "mine.toml")
+    assert done("show", "mine.toml") == text
     assert "green [dark]   0 .. 90   any" in text
     assert "from mine.toml" in text
-    assert "none.toml" in refused("show", "none.toml")
+    assert "none.toml" in refused("list", "none.toml")
     Path("bad.toml").write_text("[red]\nu = [1]")
-    assert "colour file bad.toml: u of [red] must be [lower, upper]" in refused("show", "bad.toml")
+    assert "colour file bad.toml: u of [red] must be [lower, upper]" in refused("list", "bad.toml")
 
 
 # --- train
@@ -294,7 +295,7 @@ def test_test_refuses(arguments, sentence):
 # --- help
 @pytest.mark.slow
 def test_the_examples_of_the_help_work_one_after_the_other():
-    for command in ("frame", "train", "show", "test"):
+    for command in ("frame", "train", "list", "show", "test"):
         text = done(command, "--help")
         assert max(map(len, text.splitlines())) <= 80
         example = re.search(r"Example: robsim colors (.+)", text, flags=re.DOTALL)[1].split()
@@ -306,4 +307,4 @@ def test_the_examples_of_the_help_work_one_after_the_other():
 
 def test_help_names_all_commands():
     text = done("--help")
-    assert all(f" {command} " in text for command in ("frame", "show", "train", "test"))
+    assert all(f" {command} " in text for command in ("frame", "list", "train", "test"))

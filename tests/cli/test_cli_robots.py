@@ -204,6 +204,15 @@ def test_add_from_a_picture():
     assert (robot.size, robot.alignment) == (100, -90)
 
 
+def test_an_opaque_picture_is_told():
+    opaque = painted(RED, BLUE)
+    opaque[..., 3] = 255
+    Image.fromarray(opaque).save("opaque.png")
+    with pytest.warns(UserWarning, match="make the surroundings transparent"):
+        done("add", "mine", "opaque.png")
+    done("add", "other", "opaque.png", "--outline", "9,9 390,9 390,390 9,390")
+
+
 @pytest.mark.usefixtures("photo")
 def test_add_with_all_options(tmp_path):
     (tmp_path / "colors.toml").write_text("[red]\n[blue]\n")

@@ -66,7 +66,7 @@ def test_other_colours(picture):
     assert "red marker: 0.0 %" in problem
     assert "V 240..255" in problem
     (problem,) = check_colors(robot(picture), load_colors()[:1]).sentences
-    assert problem == "blue marker: there is no colour blue, only red"
+    assert problem.startswith("blue marker: there is no colour blue, only red: the colour class of")
 
 
 def test_markers_that_are_too_small(picture):
@@ -99,7 +99,7 @@ def test_a_robot_with_two_such_markers(picture):
     double = filled(picture, box(80, 80, 159, 159), COLORS["red"])
     (problem,) = check_colors(robot(double)).sentences
     assert "the markers are detected, but the robot is not located by them" in problem
-    assert "(1 blue, 2 red)" in problem
+    assert "two pairs of red and blue blobs fit the markers equally well" in problem
 
 
 def test_the_smallest_markers_that_are_seen(picture):

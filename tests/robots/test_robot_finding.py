@@ -107,7 +107,8 @@ def test_the_outline_lies_close_around_what_is_opaque():
 def test_the_outline_of_an_opaque_picture_is_its_edge():
     image = painted(RED, BLUE)[:360]
     image[..., 3] = 255
-    outline = robot_from_image("toy", image).outline
+    with pytest.warns(UserWarning, match="no transparency, so its border is the outline"):
+        outline = robot_from_image("toy", image).outline
     assert {tuple(point) for point in outline} == {
         (-0.5, -0.5),
         (399.5, -0.5),
@@ -151,7 +152,7 @@ def test_a_photo_with_noise_and_blur(seed):
     image = Image.fromarray(painted(RED, BLUE)).convert("RGB").filter(ImageFilter.GaussianBlur(2))
     noisy = np.clip(np.array(image) + rng.normal(0, 12, (400, 400, 3)), 0, 255).astype(np.uint8)
     noisy = np.dstack((noisy, np.full((400, 400), 255, np.uint8)))
-    robot = robot_from_image("toy", noisy)
+    robot = robot_from_image("toy", noisy, outline=box(0, 0, 399, 399))
     assert check_colors(robot).ok
     assert robot.marker_layout().distance == pytest.approx(160 * 120 / 400, abs=0.3)
 

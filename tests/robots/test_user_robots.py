@@ -4,6 +4,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+import unicodedata
 from dataclasses import replace
 from pathlib import Path
 
@@ -105,6 +106,7 @@ def test_given_values_override_those_of_the_source(photo):
 
 
 @pytest.mark.parametrize("kind", ["jpg", "bmp", "gif", "webp", "grey.png"])
+@pytest.mark.filterwarnings("ignore:the image has no transparency")
 def test_any_kind_of_picture(tmp_path, kind):
     file = tmp_path / f"photo.{kind}"
     image = Image.fromarray(painted(RED, BLUE)).convert("RGB")
@@ -154,11 +156,25 @@ def test_an_own_robot_is_replaced_only_when_asked(user_folder):
     assert files(user_folder) == ["robots/mine/robot.png", "robots/mine/robot.toml"]
 
 
+@pytest.mark.parametrize("name", ["müller", "naïve", "größe-2", "ロボット", "लैब", "Ørsted_1"])
+def test_names_of_all_languages(name):
+    add_robot(name, "lab")
+    assert name in robot_names()
+    set_default_robot(name.upper())
+    assert default_robot() == name
+    assert load_robot().name == name
+    # An accent may be a character of its own.
+    assert load_robot(unicodedata.normalize("NFD", name)).name == name
+    with pytest.raises(ValueError, match="already"):
+        add_robot(unicodedata.normalize("NFD", name), "lab")
+    remove_robot(name)
+
+
 @pytest.mark.parametrize(
     "name",
     [
         *("", " ", ".", "..", "../x", "a/b", "a\\b", "/etc/x", "C:x", "a.b", "a b", "-a", "_a"),
-        *("x" * 41, "\0", "a\n", "größe", "naïve", "a*", "~", "$HOME", "con", "NUL", "com1"),
+        *("x" * 41, "\0", "a\n", "½", "\u0308a", "a*", "~", "$HOME", "con", "NUL", "com1"),
         *("Lpt9", "aux", "prn"),
     ],
 )

@@ -75,13 +75,14 @@ def frame(
         print(f"  {name:<4} marker: {_marker_region(simulation, name, start)}")
 
 
-@app.command(epilog="Example: robsim colors show")
-def show(
+@app.command("show", epilog="Example: robsim colors show", hidden=True)
+@app.command("list", epilog="Example: robsim colors list")
+def list_colors(
     file: Annotated[
         Path | None, typer.Argument(help="Colour file.", show_default="that of robsim")
     ] = None,
 ) -> None:
-    """Show the ranges of the colours in a file."""
+    """List the colours in a file, with their ranges."""
     with errors.report_errors():
         colors = load_colors(file)
     _print_table(

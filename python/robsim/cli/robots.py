@@ -88,7 +88,8 @@ def show(
     with errors.report_errors():
         robot = load_robot(name)
         problems = check_colors(robot, colors).sentences
-        file = out or Path(f"robot-{re.sub(r'[^A-Za-z0-9_-]+', '-', robot.name)}.png")
+        plain_name = re.sub(r"[^\w-]+", "-", robot.name)
+        file = out or Path(f"robot-{plain_name}.png")
         file = file if file.suffix else file.with_suffix(".png")
         file.parent.mkdir(parents=True, exist_ok=True)
         plot_robot(robot).figure.figure.savefig(file)
@@ -100,7 +101,9 @@ def show(
 
 @app.command(
     help="Add a robot to your user folder.\n\n"
-    "Options that are not given are derived from an image, or copied from another robot. Check the "
+    "Options that are not given are derived from an image, or copied from another robot. The "
+    "surroundings of the robot in the image must be transparent, or --outline be given. Red and "
+    "blue name the two markers, whatever their colours are: a colour file says these. Check the "
     "result with [bold]robsim robots show[/], rotate it with [bold]robsim robots rotate[/].",
     epilog="Example: robsim robots add mine photo.png --size 120",
 )
@@ -108,7 +111,7 @@ def add(
     name: Name,
     source: Annotated[
         str,
-        typer.Argument(help="An image, a robot, or a folder with one.", show_default=False),
+        typer.Argument(help="An image (PNG), a robot, or a folder with one.", show_default=False),
     ],
     size: Annotated[
         float | None,

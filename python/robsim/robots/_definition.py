@@ -36,7 +36,8 @@ class RobotDefinition:
         Clockwise rotation of the image (degrees) after which the robot faces right.
     outline, red, blue : array (N, 2)
         Polygons around the robot and its markers (image px): right, down from the centre of the
-        top left pixel.
+        top left pixel. ``red`` and ``blue`` name the two markers and the colour classes that find
+        them, whatever their colours are.
     centre : array (2,), optional
         The robot's centre (image px). Default: the centre of the image.
     maximum_blobs : int

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import replace
 from os import PathLike
@@ -70,6 +71,11 @@ def robot_from_image(
     ------
     ValueError
         If a marker is not found, or the result is not a valid robot definition.
+
+    Warns
+    -----
+    UserWarning
+        If the image has no transparency and no `outline` is given.
     """
     small, scale = _reduced(image)
     given: dict[str, Any] = {"outline": outline, "red": red, "blue": blue}
@@ -83,7 +89,7 @@ def robot_from_image(
         scaled_centre = area_and_centroid(points["outline"])[1]
     else:
         scaled_centre = (finite_array("centre", centre, (2,)) + 0.5) * scale - 0.5
-    return RobotDefinition(
+    robot = RobotDefinition(
         name=name,
         image=small,
         size=_SIZE if size is None else size,
@@ -93,6 +99,13 @@ def robot_from_image(
         red=points["red"],
         blue=points["blue"],
     )
+    if outline is None and (small[..., 3] > _OPAQUE).all():
+        warnings.warn(
+            "the image has no transparency, so its border is the outline, and what surrounds the "
+            "robot is part of it: make the surroundings transparent, or give an outline",
+            stacklevel=2,
+        )
+    return robot
 
 
 def _reduced(image: Pixels) -> tuple[Pixels, Floats]:
@@ -153,7 +166,10 @@ def _marker(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Floats:
     """Return a polygon with the centroid, the area and about the shape of the largest blob."""
     found = [color for color in colors if color.name == name]
     if not found:
-        raise ValueError(f"{name} marker: there is no colour {name}: give its polygon, {name}")
+        raise ValueError(
+            f"{name} marker: there is no colour {name}: give its polygon, {name}, or call the "
+            f"marker's colour {name}, whatever it is"
+        )
     pixels = over_grey(image)
     blobs = find_blobs(pixels, found, minimum_area=MINIMUM_AREA, maximum_count=1)[name]
     if not blobs:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import unicodedata
 from os import PathLike
 from pathlib import Path
 
@@ -39,9 +40,14 @@ def _folders(parent: Path) -> dict[str, Path]:
     return {file.parent.name: file.parent for file in files if file.parent.name[0] != "."}
 
 
+def name_key(name: str) -> str:
+    """Return what is equal for names that differ in case, or in how accents are encoded."""
+    return unicodedata.normalize("NFC", name).casefold()
+
+
 def same_name(name: str, names: dict[str, Path]) -> str | None:
     """Return the name that is equal without regard to case, or None."""
-    return next((other for other in names if other.casefold() == name.casefold()), None)
+    return next((other for other in names if name_key(other) == name_key(name)), None)
 
 
 def robot_names() -> list[str]:
@@ -85,17 +91,17 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
 
 def find_folder(robot: str | PathLike[str]) -> Path | None:
     """Return the folder of the robot with a name, or None."""
-    name = str(robot).casefold()
-    return _folder_in(_SHIPPED, name) or _folder_in(user_robots_folder(), name)
+    key = name_key(str(robot))
+    return _folder_in(_SHIPPED, key) or _folder_in(user_robots_folder(), key)
 
 
-def _folder_in(parent: Path, name: str) -> Path | None:
-    """Return the folder of a robot, by its name in lower case: `_folders` without reading all."""
+def _folder_in(parent: Path, key: str) -> Path | None:
+    """Return the folder of a robot, by the key of its name: `_folders` without reading all."""
     try:
         names = os.listdir(parent)
     except OSError:
         return None
-    same = (other for other in sorted(names) if other.casefold() == name and other[0] != ".")
+    same = (other for other in sorted(names) if name_key(other) == key and other[0] != ".")
     found = next((other for other in same if os.path.isfile(f"{parent}/{other}/{TOML}")), None)
     return None if found is None else parent / found
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats
-from robsim._core import Blob, ColorClass, PlaneMap, find_blobs, locate, rgb_to_yuv
+from robsim._core import Blob, ColorClass, PlaneMap, detect, find_blobs, rgb_to_yuv
 from robsim.imaging._images import Pixels, resized
 from robsim.imaging._shading import darkened
 from robsim.robots._definition import RobotDefinition
@@ -70,7 +70,10 @@ def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:
     problems = []
     for name in ("red", "blue"):
         if name not in classes:
-            problems.append(f"{name} marker: there is no colour {name}, only {', '.join(classes)}")
+            problems.append(
+                f"{name} marker: there is no colour {name}, only {', '.join(classes)}: the colour "
+                f"class of this marker must be called {name}, whatever its colour is"
+            )
         elif problem := view.problem(name, classes[name]):
             problems.append(f"{name} marker: {problem}")
     return problems or view.location_problems([classes["red"], classes["blue"]])
@@ -159,12 +162,12 @@ class _View:
             (self.pixels.shape[1] * self.unit, self.pixels.shape[0] * self.unit),
         )
         blobs = self._blobs(colors)
-        if locate(blobs, self.robot.marker_layout(), plane_map) is not None:
+        detection = detect(blobs, self.robot.marker_layout(), plane_map=plane_map)
+        if detection.measurement is not None:
             return []
-        counts = ", ".join(f"{len(found)} {name}" for name, found in blobs.items())
         return [
-            "the markers are detected, but the robot is not located by them: their blobs do not "
-            f"fit the polygons well enough, or other blobs of the colours ({counts}) fit as well"
+            "the markers are detected, but the robot is not located by them: "
+            + detection.explanation
         ]
 
     def _blobs(self, colors: list[ColorClass]) -> dict[str, list[Blob]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import shutil
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import replace
 from os import PathLike
@@ -24,6 +25,7 @@ from robsim.robots._files import TOML, read_robot, save_robot
 from robsim.robots._finding import reduced, robot_from_image
 from robsim.robots._lookup import (
     find_folder,
+    name_key,
     robot_names,
     same_name,
     shipped_robots,
@@ -34,7 +36,7 @@ from robsim.robots._marker_check import check_colors
 
 # Device names, which Windows does not allow for folders.
 _RESERVED = re.compile(r"(?i)con|prn|aux|nul|com\d|lpt\d")
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,39}")
+_MAXIMUM_NAME = 40  # letters
 
 
 def add_robot(
@@ -56,7 +58,7 @@ def add_robot(
     Parameters
     ----------
     name : str
-        Its name: 1 to 40 letters, digits, - and _; case does not matter.
+        Its name: 1 to 40 letters of any language, digits, - and _; case does not matter.
     source : RobotDefinition, str or path
         A definition, the name of a robot, a folder with a ``robot.toml``, or an image
         file. Arguments that are not given below are taken from it; from an image as by
@@ -88,8 +90,14 @@ def add_robot(
     ------
     ValueError
         If the name or the robot is not valid; the message says why. Nothing is stored then.
+
+    Warns
+    -----
+    UserWarning
+        If the image has no transparency and no `outline` is given.
     """
     _check_new(name, overwrite)
+    name = unicodedata.normalize("NFC", name)  # an umlaut may be one character or two
     given: dict[str, Any] = {"size": size, "alignment": alignment, "centre": centre}
     given |= {"outline": outline, "red": red, "blue": blue}
     template = source if isinstance(source, RobotDefinition) else _read_source(source)
@@ -154,7 +162,7 @@ def remove_robot(name: str) -> None:
     """
     folder = _user_robot(name)
     try:
-        is_default = default_robot().casefold() == name.casefold()
+        is_default = name_key(default_robot()) == name_key(name)
     except ValueError:
         is_default = False
     _discard(folder)
@@ -166,9 +174,9 @@ def _check_new(name: str, overwrite: bool) -> None:
     """Raise TypeError or ValueError for a name that a new robot cannot have."""
     if not isinstance(name, str):
         raise TypeError(f"name must be text, got {name!r}")
-    if not _NAME.fullmatch(name):
+    if not _is_plain(name):
         raise ValueError(
-            "name must be 1 to 40 letters (a to z), digits, - and _, the first a letter or a "
+            f"name must be 1 to {_MAXIMUM_NAME} letters, digits, - and _, the first a letter or a "
             f"digit, got {name!r}"
         )
     if _RESERVED.fullmatch(name):
@@ -179,6 +187,15 @@ def _check_new(name: str, overwrite: bool) -> None:
         raise ValueError(
             f"you have a robot {existing!r} already: overwrite=True (--overwrite) replaces it"
         )
+
+
+def _is_plain(name: str) -> bool:
+    """Return whether a name consists of letters, with their marks, digits, - and _."""
+    if not 0 < len(name) <= _MAXIMUM_NAME:
+        return False
+    kinds = [unicodedata.category(character) for character in name]  # L letter, M mark, N number
+    is_plain = (k[0] in "LM" or k == "Nd" or c in "-_" for k, c in zip(kinds, name, strict=True))
+    return kinds[0][0] in "LN" and all(is_plain)
 
 
 def _check_not_shipped(name: str) -> None:

@@ -20,7 +20,7 @@ _CHANNELS = ("y", "u", "v")
 
 _HEADER = """\
 # Colour classes: ranges of Y (brightness), U and V, both limits included. U = V = 128 is grey;
-# a larger U is bluer, a larger V is redder. `robsim colors show FILE` shows them.
+# a larger U is bluer, a larger V is redder. `robsim colors list FILE` shows them.
 
 """
 
