@@ -50,7 +50,7 @@ PYTHON = {
 
 
 # A folder that holds more is two rooms (a .cpp and its .hpp count once).
-MOST_MODULES = {"cli": 15, "plotting": 15}
+MOST_MODULES = {"cli": 15}
 MOST_MODULES_ELSEWHERE = 12
 
 

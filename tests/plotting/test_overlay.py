@@ -4,7 +4,7 @@ from matplotlib.colors import to_rgb
 
 import robsim
 from robsim.plotting import _style as style
-from robsim.plotting._overlay import draw_overlay
+from robsim.plotting._images.overlay import draw_overlay
 
 GREY = 120
 OUTLINE = [(50, 50), (50, -50), (-50, -50), (-50, 50)]

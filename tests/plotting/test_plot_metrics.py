@@ -19,7 +19,7 @@ from robsim.plotting import (
     plot_errors,
     plot_parameters,
 )
-from robsim.plotting._ellipses import ellipses
+from robsim.plotting._charts.ellipses import ellipses
 
 pytestmark = pytest.mark.kernels
 

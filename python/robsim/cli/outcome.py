@@ -50,7 +50,7 @@ def finish(
 
 
 def _write_videos(simulation: Simulation, video: Path | None, record: Path | None) -> None:
-    from robsim.plotting._replay import annotated_frames
+    from robsim.plotting._images.replay import annotated_frames
 
     trace = simulation.trace
     if video:

@@ -116,7 +116,7 @@ def _print_residuals(plane_map: PlaneMap, pixels: Points, positions: Points) -> 
 
 def _write_video(experiment: Experiment, recording: Recording, file: Path) -> None:
     from robsim.imaging._opencv import load_opencv
-    from robsim.plotting._replay import annotated_frames
+    from robsim.plotting._images.replay import annotated_frames
 
     try:
         load_opencv("writing a video")

@@ -5,17 +5,17 @@ downwards, as the camera sees the area; angles are in degrees.
 """
 
 from robsim._base.public import present as _present
-from robsim.plotting._batch import plot_batch
-from robsim.plotting._colors import plot_color_histograms
-from robsim.plotting._consistency import plot_consistency
-from robsim.plotting._ellipses import plot_ellipses
-from robsim.plotting._errors import plot_errors
-from robsim.plotting._frame import plot_frame
-from robsim.plotting._overlay import draw_overlay
-from robsim.plotting._parameters import plot_parameters
-from robsim.plotting._replay import annotated_frames, play
-from robsim.plotting._robot import plot_robot
-from robsim.plotting._traces import plot_traces
+from robsim.plotting._charts.batch import plot_batch
+from robsim.plotting._charts.color_histograms import plot_color_histograms
+from robsim.plotting._charts.consistency import plot_consistency
+from robsim.plotting._charts.ellipses import plot_ellipses
+from robsim.plotting._charts.errors import plot_errors
+from robsim.plotting._charts.parameters import plot_parameters
+from robsim.plotting._charts.traces import plot_traces
+from robsim.plotting._images.frame import plot_frame
+from robsim.plotting._images.overlay import draw_overlay
+from robsim.plotting._images.replay import annotated_frames, play
+from robsim.plotting._images.robot import plot_robot
 
 __all__ = [
     "annotated_frames",

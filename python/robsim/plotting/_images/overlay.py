@@ -17,7 +17,7 @@ from robsim._core import Blob, Estimate, Frame, Measurement
 from robsim.imaging._frames import frame_size
 from robsim.imaging._images import Pixels
 from robsim.plotting import _style as style
-from robsim.plotting._shapes import box_corners, heading_line, placed_outline
+from robsim.plotting._images.shapes import box_corners, heading_line, placed_outline
 
 SHADE = 0.35  # brightness of the image under the text
 SUPERSAMPLING = 3  # lines are drawn larger by this factor, then reduced, against jagged edges

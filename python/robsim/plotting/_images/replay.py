@@ -9,7 +9,7 @@ import numpy as np
 from robsim._core import Estimate, Frame, Measurement
 from robsim.imaging._clip import Clip
 from robsim.imaging._images import Pixels
-from robsim.plotting._overlay import draw_overlay
+from robsim.plotting._images.overlay import draw_overlay
 from robsim.simulation._runner import Runner
 from robsim.simulation._simulation import Simulation
 from robsim.trace import Trace

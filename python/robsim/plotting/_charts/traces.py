@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
 from robsim.plotting import _style as style
-from robsim.plotting._error_panels import draw_histogram, limit_panel
+from robsim.plotting._charts.error_panels import draw_histogram, limit_panel
 from robsim.trace import Trace
 from robsim.trace._trace import check_trace, longest_run
 

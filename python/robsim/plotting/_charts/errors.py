@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats
 from robsim.evaluation._errors import ErrorReport, mean_of_known
 from robsim.plotting import _style as style
-from robsim.plotting._error_panels import draw_histogram, limit_panel
+from robsim.plotting._charts.error_panels import draw_histogram, limit_panel
 
 
 @style.applied

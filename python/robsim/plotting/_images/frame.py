@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats
 from robsim._core import Blob, Frame, Measurement
 from robsim.plotting import _style as style
-from robsim.plotting._shapes import box_corners, heading_line, placed_outline
+from robsim.plotting._images.shapes import box_corners, heading_line, placed_outline
 from robsim.trace import Trace
 
 _Map = Callable[[ArrayLike], Floats]  # positions (N, 2) to positions (N, 2)

@@ -1,0 +1,1 @@
+"""Figures of numbers: of a run, of its reports, of colours."""

@@ -1,0 +1,1 @@
+"""Drawing on images: camera frames, clips, the image of a robot."""
