@@ -15,11 +15,12 @@ def test_the_figure_shows_histograms_and_ranges():
     histograms = color_histograms(image, (10, 10, 29, 29))
     color = ColorClass.from_histograms(histograms, name="red")
     figure = plot_color_histograms(
-        histograms, color, others=color_histograms(image, (0, 0, 39, 39))
+        histograms, color, others=color_histograms(image, (0, 0, 39, 39)), picture="floor.png"
     )
+    assert figure.get_suptitle() == "pixels of the colour red in floor.png"
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert titles == ["class: any", "class: 0 .. 154", "class: 156 .. 255"]
-    labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert titles == ["no limit", "from 0 to 154", "from 156 to 255"]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["the whole image", "pixels of red"]
     figure.canvas.draw()
     axes = np.array(figure.axes)

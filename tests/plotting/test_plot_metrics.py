@@ -13,7 +13,6 @@ from robsim.evaluation._consistency import nees_consistency, nis_consistency
 from robsim.evaluation._errors import estimation_errors, pose_errors
 from robsim.plotting import _style as style
 from robsim.plotting import (
-    plot_batch,
     plot_consistency,
     plot_ellipses,
     plot_errors,
@@ -80,7 +79,11 @@ def test_errors_stand_beside_their_histograms():
     trace = make_trace(first_step=7)
     figure = render(plot_errors(pose_errors(trace)))
     panels, histograms = figure.axes[::2], figure.axes[1::2]
-    assert [panel.get_ylabel() for panel in panels] == ["x (px)", "y (px)", "heading (deg)"]
+    assert [panel.get_ylabel() for panel in panels] == [
+        "x error (px)",
+        "y error (px)",
+        "heading error (deg)",
+    ]
     np.testing.assert_array_equal(line(panels[0], "error").get_xdata(), np.arange(7, 57))
     np.testing.assert_allclose(line(panels[0], "error").get_ydata(), 1.0)
     np.testing.assert_allclose(line(panels[2], "error").get_ydata(), np.rad2deg(0.02))
@@ -135,7 +138,7 @@ def test_an_error_far_outside_is_marked_at_the_edge():
     estimated[20, 0] += 1000
     panel = plot_errors(pose_errors(make_trace(pose_estimated=estimated))).axes[0]
     assert panel.get_ylim()[1] < 100
-    assert "1 beyond" in [text.get_text() for text in panel.texts]
+    assert panel.get_title(loc="right") == "1 error beyond the edge: triangle"
 
 
 # NEES and NIS
@@ -203,22 +206,39 @@ def test_ellipses_lie_on_the_path_as_the_camera_sees_it():
     # sqrt(5.99) times the standard deviations 2 and 1
     size = 2 * np.sqrt(5.9915) * np.array([2, 1])
     np.testing.assert_allclose(np.ptp(drawn, axis=1)[0], size, rtol=1e-4)
-    true = line(axes, "true position").get_xydata()
-    np.testing.assert_allclose(true, make_trace().pose_true[::10, :2])
+    np.testing.assert_allclose(line(axes, "true path").get_xydata(), make_trace().pose_true[:, :2])
     assert axes.yaxis_inverted()
     assert axes.get_aspect() == 1
-    assert axes.get_title(loc="left") == ""
+    assert axes.get_title(loc="left") == "0 of 5 ellipses miss the true position"
     render(axes.figure)
 
 
-def test_errors_are_magnified_with_the_ellipses():
+def test_the_paths_stay_where_they_are_when_the_ellipses_are_larger():
     axes = plot_ellipses(make_trace(), every=10, magnify=5)
-    np.testing.assert_allclose(
-        line(axes, "true position").get_xydata(), make_trace().pose_true[::10, :2] - [4, 0]
-    )
-    assert "5 times as large" in axes.get_title(loc="left")
+    for label, poses in (
+        ("true path", make_trace().pose_true),
+        ("estimated path", make_trace().pose_estimated),
+    ):
+        np.testing.assert_allclose(line(axes, label).get_xydata(), poses[:, :2])
+    usual = drawn_ellipses(plot_ellipses(make_trace(), every=10, magnify=1))
+    larger = drawn_ellipses(axes)
+    np.testing.assert_allclose(np.ptp(larger, axis=1), 5 * np.ptp(usual, axis=1))
+    assert axes.get_title(loc="left").endswith("true position, drawn 5 times as large")
     small = make_trace(covariance=np.broadcast_to(1e-6 * np.eye(3), (50, 3, 3)))
     assert "2000 times as large" in plot_ellipses(small).get_title(loc="left")
+
+
+def test_an_ellipse_that_misses_the_truth_is_red_at_any_size():
+    estimated = make_trace().pose_estimated.copy()
+    estimated[10, 0] += 4.5  # 5.5 px off; the ellipse ends at 2 sqrt(5.99) = 4.9 px
+    trace = make_trace(pose_estimated=estimated)
+    for magnify in (1, 20):
+        axes = plot_ellipses(trace, every=10, magnify=magnify)
+        assert axes.get_title(loc="left").startswith("1 of 5 ellipses miss the true position")
+        inside, missed = axes.collections
+        assert same_color(missed.get_edgecolor()[0], style.WRONG)
+        assert (len(inside.get_paths()), len(missed.get_paths())) == (4, 1)
+        assert missed.get_label() == "95 % ellipse that misses the truth"
 
 
 def test_only_steps_with_an_estimate_have_an_ellipse():
@@ -261,29 +281,19 @@ def test_ellipses_need_covariances():
 
 
 @pytest.mark.long
-def test_two_standard_errors_are_shaded_around_the_true_parameters():
+def test_two_standard_errors_are_dashed_lines():
     theta = robsim.RobotModel().theta
     trace = make_trace(parameters=np.broadcast_to(theta, (50, 3, 5)))
     errors = np.full((50, 3, 5), 0.01)
     errors[:5] = np.inf
     figure = render(plot_parameters(trace, standard_errors=errors))
-    assert "shaded: true value +- 2 standard errors" in figure.get_suptitle()
-    band = figure.axes[0].collections[0]
-    assert band.get_paths()[0].vertices[:, 0].min() == 5
-    assert max(top_of(band).values()) == pytest.approx(theta[0, 0] + 0.02)
-    assert not plot_parameters(trace).axes[0].collections
+    assert figure.get_suptitle().endswith("dashed: two standard errors")
+    dashed = [one for one in figure.axes[0].get_lines() if one.get_linestyle() == "--"]
+    assert len(dashed) == 5
+    values = np.asarray(dashed[0].get_ydata())
+    assert np.isnan(values[:5]).all()
+    np.testing.assert_allclose(values[5:], 0.02 / theta[0, 0])
+    shown = plot_parameters(trace).axes[0].get_lines()
+    assert not [one for one in shown if one.get_linestyle() == "--"]
     with pytest.raises(ValueError, match=r"standard_errors must be of shape \(50, 3, 5\)"):
         plot_parameters(trace, standard_errors=errors[:, 0])
-
-
-@pytest.mark.parametrize(
-    ("plot", "source"),
-    [
-        (plot_errors, "pose_errors"),
-        (plot_consistency, "pose_consistency"),
-        (plot_batch, "batch_estimate"),
-    ],
-)
-def test_a_figure_of_a_report_says_where_to_get_one(plot, source):
-    with pytest.raises(TypeError, match=f"report must be what {source}.* got <Trace"):
-        plot(make_trace())

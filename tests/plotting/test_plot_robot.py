@@ -74,6 +74,15 @@ def test_the_arrow_points_to_what_will_face_right(alignment, forward):
     assert aside == pytest.approx(0, abs=1e-9)
 
 
+def test_the_arrow_stays_within_the_drawing():
+    for alignment in (0, 45, 90, 180, -90):
+        drawn = plot_robot(robot(alignment=alignment, centre=(330, 60)))
+        (arrow,) = [text for text in drawn.texts if text.arrow_patch]
+        (left, right), (bottom, top) = drawn.get_xlim(), drawn.get_ylim()
+        assert left < arrow.xy[0] < right
+        assert top < arrow.xy[1] < bottom
+
+
 @pytest.mark.parametrize(("size", "length"), [(1, 0.1), (60, 10), (100, 10), (120, 20), (400, 50)])
 def test_the_scale_is_a_round_number_of_px(size, length):
     drawn = plot_robot(robot(size=size))

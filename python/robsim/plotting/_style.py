@@ -16,6 +16,8 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from robsim._base.checks import Floats
+from robsim._core import wrap_angle
+from robsim.plotting._arguments import check_kind
 from robsim.trace import PARAMETER_NAMES, Trace
 
 TRUE = "#d100c9"  # the true pose and the true parameters
@@ -28,7 +30,11 @@ REPORTED = "#d5e1f8"  # 95 % should lie in it: reported standard deviations, the
 BOUND = "#b3541e"  # the Cramér-Rao bound
 WRONG = "#c62828"  # not seen; above the band
 SEGMENT = "#eef1f5"  # background of the steps that the histograms are made from
+GOAL = "#ff9800"  # where the robot is to go
 GUIDE = "#9aa0a6"  # guide lines and notes, no data
+
+#: Above that many steps lines would be solid ink.
+SOME_STEPS, MANY_STEPS = 300, 3000
 
 #: The background of a note in a figure.
 BOX: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 2}
@@ -87,6 +93,14 @@ class NotebookAxes(Axes):
         return figure._repr_png_()
 
 
+def panel(ax: Axes | None, size: tuple[float, float]) -> Axes:
+    """Return the axes given to a figure of one panel, or those of a new figure (inches)."""
+    if ax is None:
+        return NotebookFigure(figsize=size).add_subplot(axes_class=NotebookAxes)
+    check_kind("ax", ax, Axes)
+    return ax
+
+
 def show_steps(axes: Axes, trace: Trace) -> None:
     """Make the steps of the trace the x axis."""
     first = int(trace.k[0]) if len(trace) else 0
@@ -96,16 +110,32 @@ def show_steps(axes: Axes, trace: Trace) -> None:
 
 
 def dot_size(steps: int) -> float:
-    """Return the marker size of a dot (points): smaller for more steps."""
+    """Return the marker size of a dot (points) that must not touch its neighbours."""
     return float(np.clip(3.0 * math.sqrt(800 / max(steps, 1)), 2.0, 5.0))
 
 
+def pose_dot_size(steps: int) -> float:
+    """Return the marker size of a measured pose (points): wider than the line of the truth."""
+    return 7.0 if steps <= MANY_STEPS else 4.0
+
+
+def true_width(steps: int) -> float:
+    """Return the width of the line of the truth (points), which lies on the measured dots."""
+    return 1.5 if steps <= MANY_STEPS else 0.6
+
+
 def draw_path(axes: Axes, true: Floats, measured: Floats) -> None:
-    """Draw the true path (N, 2) as a line and the measured positions on it as dots."""
-    if np.isfinite(true).any():
-        axes.plot(*true.T, color=TRUE, linewidth=3.0, label="true path")
-    size = dot_size(len(true))
+    """Draw the measured positions (N, 2) as dots, and the true path on them as a line."""
+    size = pose_dot_size(len(true))
     axes.plot(*measured.T, ".", color=MEASURED, markersize=size, label="measured path")
+    if np.isfinite(true).any():
+        axes.plot(*true.T, color=TRUE, linewidth=true_width(len(true)), label="true path")
+
+
+def degrees(heading: Floats) -> Floats:
+    """Return headings in degrees, -180..180."""
+    turned: Floats = np.rad2deg(wrap_angle(heading))
+    return turned
 
 
 def shown_unit(unit: str) -> tuple[float, str]:

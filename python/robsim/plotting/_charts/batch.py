@@ -8,10 +8,13 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.markers import CARETLEFT
+from matplotlib.ticker import LogLocator
 
 from robsim._base.checks import Floats
 from robsim.identification._batch import BatchEstimate
 from robsim.plotting import _style as style
+from robsim.plotting._arguments import check_kind
+from robsim.plotting._charts.parameters import percent, relative_scale
 
 _MARKERS = {"batch": "o", "online": "D"}
 _COLORS = {
@@ -30,7 +33,7 @@ _IS_D1 = np.arange(15) % 5 == 4
 def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     """Draw the errors of the batch and the online estimates of the 15 parameters.
 
-    The axis is logarithmic, so that 1e-12 and 1e6 are both readable. The error is relative to the
+    The axis is logarithmic, so that 1e-12 and 50 % are both readable. The error is relative to the
     true value; that of d1, which may be 0, is absolute, with hollow markers. A triangle at the
     left edge is an error of exactly 0. The values are listed on the right. A pale bar ends at two
     standard errors of the batch estimate: for equation noise 95 % of the errors lie within it.
@@ -52,16 +55,15 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     TypeError
         If `report` is not a BatchEstimate.
     """
-    if not isinstance(report, BatchEstimate):
-        raise TypeError(f"report must be what batch_estimate returns, got {report!r}")
-    if ax is None:
-        ax = style.NotebookFigure(figsize=(9, 7)).add_subplot(axes_class=style.NotebookAxes)
+    check_kind("report", report, BatchEstimate)
+    ax = style.panel(ax, (9, 7))
     true = report.theta_true.ravel()
+    scale = relative_scale(report.theta_true).ravel()
     estimates = {"batch": report.batch.ravel()}
     if np.isfinite(report.online).any():
         estimates["online"] = report.online.ravel()
-    deviations = {name: _relative(np.abs(theta - true), true) for name, theta in estimates.items()}
-    bars = 2 * _relative(report.standard_errors.ravel(), true)
+    deviations = {name: np.abs(theta - true) / scale for name, theta in estimates.items()}
+    bars = 2 * report.standard_errors.ravel() / scale
     low, high = _decades(np.concatenate([*deviations.values(), bars]))
     is_true = report.is_model_exact
     _finish_axes(ax, low, high, "true value" if is_true else "model's value")
@@ -69,37 +71,30 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     for name, values in deviations.items():
         _draw_deviations(ax, values, low, name)
     for i, (name, values) in enumerate({"true" if is_true else "model": true, **estimates}.items()):
-        _write_column(ax, name, values, offset=62.0 + 84.0 * i)
+        _write_column(ax, name, values, offset=72.0 + 80.0 * i)
     ax.set_title(report.title, loc="left", pad=24)
     ax.legend(loc="upper left", bbox_to_anchor=(1, 0), borderaxespad=0.6, ncols=2)
     return ax
 
 
-def _relative(size: Floats, theta_true: Floats) -> Floats:
-    """Return sizes relative to the true values; those of d1 and of a true 0 stay absolute."""
-    scale = np.abs(theta_true)
-    scale[_IS_D1 | (scale == 0)] = 1.0
-    return size / scale
-
-
 def _decades(deviations: Floats) -> tuple[float, float]:
-    """Return axis limits in whole decades; the lower one also marks an error of 0."""
+    """Return axis limits around all errors; the lower one also marks an error of 0."""
     seen = deviations[np.isfinite(deviations) & (deviations > 0)]
-    low, high = seen.min(initial=1e-3), seen.max(initial=1.0)
-    return 10.0 ** (math.floor(math.log10(low)) - 1), 10.0 ** (math.ceil(math.log10(high)) + 0.5)
+    low, high = (seen.min(), seen.max()) if len(seen) else (1e-3, 1e-1)
+    return 10.0 ** (math.floor(math.log10(low)) - 0.5), 10.0 ** (math.ceil(math.log10(high)) + 0.2)
 
 
 def _finish_axes(axes: Axes, low: float, high: float, origin: str) -> None:
     axes.set_xscale("log")
     axes.set(xlim=(low, high), ylim=(_ROWS[-1] + 0.6, -0.6))
+    axes.xaxis.set_major_locator(LogLocator(numticks=8))
+    axes.xaxis.set_major_formatter(percent)
     axes.minorticks_off()
     axes.set_yticks(_ROWS, style.PARAMETER_LABELS)
     axes.tick_params(axis="y", length=0)
-    for fraction, text in ((0.01, "1 %"), (1.0, "100 %")):
-        axes.axvline(fraction, color=style.GUIDE, linewidth=0.9, linestyle="--")
-        transform = axes.get_xaxis_transform()
-        axes.text(fraction, 1.01, text, transform=transform, ha="center", color="#606060")
-    axes.set_xlabel(f"deviation from the {origin}: relative; of d1 (hollow) absolute")
+    axes.set_xlabel(
+        f"error: deviation from the {origin}\n(of d1, hollow, absolute: 100 % = 1 px, 1 rad)"
+    )
 
 
 def _draw_standard_errors(axes: Axes, bars: Floats, low: float) -> None:
@@ -114,7 +109,7 @@ def _draw_standard_errors(axes: Axes, bars: Floats, low: float) -> None:
             color=style.BATCH,
             alpha=0.22,
             linewidth=0,
-            label="2 standard errors",
+            label="2 standard errors of the batch",
         )
 
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats
 from robsim._core import ColorClass
 from robsim.plotting import _style as style
+from robsim.plotting._arguments import check_axes, check_kind
 
 _NAMES = ("Y: brightness", "U: more = bluer", "V: more = redder")
 
@@ -22,6 +23,7 @@ def plot_color_histograms(
     color: ColorClass,
     *,
     others: ArrayLike | None = None,
+    picture: str | None = None,
     axes: Any = None,
 ) -> Figure:
     """Draw the Y, U and V histograms of a colour's pixels, and the ranges of its class.
@@ -34,6 +36,8 @@ def plot_color_histograms(
         The class; its ranges are shaded.
     others : array_like (3, 256), optional
         Histograms to compare with, such as those of the whole image.
+    picture : str, optional
+        Name of the image, for the title.
     axes : array_like (3,) of matplotlib.axes.Axes, optional
         Where to draw: Y, U, V. Default: a new figure.
 
@@ -44,17 +48,20 @@ def plot_color_histograms(
 
     Raises
     ------
-    ValueError
-        If the histograms are not of shape (3, 256), or `axes` is not of shape (3,).
+    TypeError, ValueError
+        If `color` is not a ColorClass, the histograms are not of shape (3, 256), or `axes` is not
+        of shape (3,).
     """
+    check_kind("color", color, ColorClass)
     heights = _normalised("histograms", histograms)
     other_heights = None if others is None else _normalised("others", others)
+    is_new = axes is None
     if axes is None:
-        figure = style.NotebookFigure(figsize=(9, 2.8))
+        figure = style.NotebookFigure(figsize=(9, 3.2))
+        where = "" if picture is None else f" in {picture}"
+        figure.suptitle(f"pixels of the colour {color.name}{where}", parse_math=False)
         axes = figure.subplots(1, 3, sharey=True)
-    axes = np.asarray(axes, dtype=object)
-    if axes.shape != (3,):
-        raise ValueError(f"axes: expected an array of 3 axes, got the shape {axes.shape}")
+    axes = check_axes(axes, (3,))
     for i, (panel, limits) in enumerate(zip(axes, (color.y, color.u, color.v), strict=True)):
         if other_heights is not None:
             _draw_histogram(panel, other_heights[i], style.GUIDE, "the whole image")
@@ -62,7 +69,11 @@ def plot_color_histograms(
         _draw_range(panel, limits, _NAMES[i])
     axes[0].set_ylabel("pixels (maximum = 1)")
     first: Axes = axes[0]
-    first.legend(loc="upper left", fontsize=7.5)
+    handles, labels = first.get_legend_handles_labels()
+    if is_new:
+        first.figure.figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    else:
+        first.legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 1.1))
     return first.figure.figure
 
 
@@ -86,7 +97,7 @@ def _draw_range(axes: Axes, limits: tuple[int, int], name: str) -> None:
     if not is_open:
         shade = axes.axvspan(lower - 0.5, upper + 0.5, color=style.MEASURED, linewidth=0)
         shade.set(alpha=0.15, zorder=0)
-    axes.set(xlim=(-0.5, 255.5), ylim=(0, 1.4), xticks=(0, 64, 128, 192, 255))
+    axes.set(xlim=(-0.5, 255.5), ylim=(0, 1.05), xticks=(0, 64, 128, 192, 255))
     axes.set_yticks((0, 0.5, 1))
     axes.set_xlabel(name)
-    axes.set_title("class: any" if is_open else f"class: {lower} .. {upper}", loc="left")
+    axes.set_title("no limit" if is_open else f"from {lower} to {upper}", loc="left")

@@ -7,6 +7,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from robsim.evaluation._consistency import ConsistencyReport
 from robsim.plotting import _style as style
+from robsim.plotting._arguments import check_kind
 
 
 @style.applied
@@ -33,14 +34,8 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     TypeError
         If `report` is not a ConsistencyReport.
     """
-    if not isinstance(report, ConsistencyReport):
-        raise TypeError(
-            "report must be what pose_consistency, nees_consistency or nis_consistency returns, "
-            f"got {report!r}"
-        )
-    if ax is None:
-        figure = style.NotebookFigure(figsize=(8, 3.2))
-        ax = figure.add_subplot(axes_class=style.NotebookAxes)
+    check_kind("report", report, ConsistencyReport)
+    ax = style.panel(ax, (8, 3.2))
     k, values, (low, high) = report.k, report.values, report.band.T
     is_inside = (values >= low) & (values <= high)
     band = f"{100 * report.level:g} % band"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, check_float, check_int
 from robsim.plotting import _style as style
+from robsim.plotting._arguments import check_steps
 from robsim.trace import Trace
 
 # Corners of the polygon that stands for an ellipse.
@@ -29,11 +30,10 @@ def plot_ellipses(
 ) -> Axes:
     """Draw the covariance of the estimated position as ellipses along the path.
 
-    The true position should lie in its ellipse in 95 % of the steps. Since ellipses are often too
-    small to be seen beside a path, they can be magnified; the error of the estimate is then
-    magnified by the same factor, so that the true position stays inside or outside of the ellipse.
-    An ellipse much larger than the path and the others, such as that of a robot not seen yet, is
-    omitted.
+    The true position should lie in its ellipse in 95 % of the steps; an ellipse that misses it is
+    red. Ellipses are often too small to be seen beside a path, so they can be drawn larger: the
+    paths stay where they are, and the colour is that of the ellipse in its true size. An ellipse
+    much larger than the path and the others, such as that of a robot not seen yet, is omitted.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def plot_ellipses(
     level : float
         Probability that the true position lies in its ellipse.
     magnify : float, optional
-        Factor by which ellipses and errors are magnified. Default: one that makes them visible.
+        Factor by which the ellipses are drawn larger. Default: one that makes them visible.
     ax : matplotlib.axes.Axes, optional
         Where to draw. Default: a new figure of 7 x 7 inches.
 
@@ -59,8 +59,7 @@ def plot_ellipses(
         If the trace has no estimates with a covariance, or an argument has the wrong type or is
         out of range.
     """
-    if not isinstance(trace, Trace):
-        raise TypeError(f"trace must be a Trace, got {trace!r}")
+    check_steps(trace)
     level = check_float("level", level, exclusive_minimum=0.0)
     if level >= 1.0:
         raise ValueError(f"level must lie between 0 and 1, got {level!r}")
@@ -69,17 +68,22 @@ def plot_ellipses(
     shapes = ellipses(covariances, level)
     default = _magnification(trace, shapes)
     times = default if magnify is None else check_float("magnify", magnify, exclusive_minimum=0.0)
-    if ax is None:
-        figure = style.NotebookFigure(figsize=(7, 7))
-        ax = figure.add_subplot(axes_class=style.NotebookAxes)
-    ax.plot(
-        *trace.pose_estimated[:, :2].T, color=style.ESTIMATED, linewidth=1.0, label="estimated path"
-    )
-    label = f"{100 * level:g} % ellipse"
-    corners = (positions[:, np.newaxis] + times * shapes)[_fits(trace, times * shapes)]
-    ax.add_collection(_polygons(corners, label), autolim=True)
-    _draw_truth(ax, positions, times * (trace.pose_true[rows, :2] - positions))
-    _finish(ax, times)
+    ax = style.panel(ax, (7, 7))
+    fits = _fits(trace, times * shapes)
+    is_missed = _squared_distances(trace, rows)[fits] > _squared_radius(level)
+    corners = (positions[:, np.newaxis] + times * shapes)[fits]
+    name = f"{100 * level:g} % ellipse"
+    for chosen, color, label in (
+        (~is_missed, style.ESTIMATED, name),
+        (is_missed, style.WRONG, f"{name} that misses the truth"),
+    ):
+        if chosen.any():
+            ax.add_collection(_polygons(corners[chosen], color, label), autolim=True)
+    _draw_paths(ax, trace, rows)
+    missed = f"{np.count_nonzero(is_missed)} of {len(is_missed)} ellipses miss the true position"
+    larger = "" if times == 1.0 else f", drawn {times:g} times as large"
+    ax.set_title(f"{missed}{larger}", loc="left")
+    _finish(ax)
     return ax
 
 
@@ -107,14 +111,26 @@ def ellipses(covariances: Floats, level: float) -> Floats:
     if (eigenvalues[:, 0] < -1e-9 * eigenvalues[:, 1]).any():
         minimum = eigenvalues[:, 0].min()
         raise ValueError(f"covariance must be positive definite, got the eigenvalue {minimum:g}")
-    # With 2 degrees of freedom the chi-square quantile has a closed form: -2 ln(1 - level).
-    radius = math.sqrt(-2.0 * math.log1p(-level))
+    radius = math.sqrt(_squared_radius(level))
     angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
     circle = radius * np.column_stack((np.cos(angle), np.sin(angle)))
     # semi-axes: radius sqrt(eigenvalues)
     scaled = axes * np.sqrt(np.maximum(eigenvalues, 0.0))[:, np.newaxis, :]
     corners: Floats = circle @ np.swapaxes(scaled, 1, 2)
     return corners
+
+
+def _squared_radius(level: float) -> float:
+    """Return the quantile of the chi-square distribution with 2 degrees of freedom."""
+    return -2.0 * math.log1p(-level)
+
+
+def _squared_distances(trace: Trace, rows: NDArray[np.int64]) -> Floats:
+    """Return e' P^-1 e of the positions (n,); NaN where the truth is not known."""
+    error = trace.pose_estimated[rows, :2] - trace.pose_true[rows, :2]
+    inverse = np.linalg.pinv(trace.covariance[rows, :2, :2], hermitian=True)
+    distances: Floats = np.einsum("ki,kij,kj->k", error, inverse, error)
+    return distances
 
 
 def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
@@ -154,29 +170,26 @@ def _magnification(trace: Trace, shapes: Floats) -> float:
     return float(max(step * decade for step in (1, 2, 5) if step * decade <= wanted))
 
 
-def _polygons(corners: Floats, label: str) -> PolyCollection:
+def _polygons(corners: Floats, color: str, label: str) -> PolyCollection:
     return PolyCollection(
         list(corners),
-        facecolor=(*to_rgb(style.ESTIMATED), 0.15),
-        edgecolor=style.ESTIMATED,
+        facecolor=(*to_rgb(color), 0.15),
+        edgecolor=color,
         linewidth=0.9,
         label=label,
     )
 
 
-def _draw_truth(ax: Axes, positions: Floats, errors: Floats) -> None:
-    true = positions + errors
-    ax.plot(*positions.T, ".", color=style.ESTIMATED, markersize=3)
+def _draw_paths(ax: Axes, trace: Trace, rows: NDArray[np.int64]) -> None:
+    estimated, true = trace.pose_estimated[:, :2], trace.pose_true[:, :2]
     if np.isfinite(true).any():
-        ends = np.stack((positions, true, np.full_like(true, np.nan)), axis=1).reshape(-1, 2)
-        ax.plot(*ends.T, color=style.TRUE, linewidth=0.7)
-        ax.plot(*true.T, ".", color=style.TRUE, markersize=5, label="true position")
+        ax.plot(*true.T, color=style.TRUE, linewidth=2.0, label="true path")
+    ax.plot(*estimated.T, color=style.ESTIMATED, linewidth=0.8, label="estimated path")
+    ax.plot(*estimated[rows].T, ".", color=style.ESTIMATED, markersize=4)
 
 
-def _finish(ax: Axes, times: float) -> None:
+def _finish(ax: Axes) -> None:
     ax.set(xlabel="x (px)", ylabel="y (px)")
-    if times != 1.0:
-        ax.set_title(f"ellipses and errors {times:g} times as large", loc="left")
     ax.autoscale_view()
     ax.set_aspect("equal", adjustable="datalim")
     if not ax.yaxis_inverted():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +13,44 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
 from robsim.plotting import _style as style
+
+# Of a long run each of so many parts is drawn as one column.
+_COLUMNS = 250
+
+
+def draw_errors(panel: Axes, k: NDArray[np.int64], errors: Floats, *, color: str) -> None:
+    """Draw errors over the steps, so that they can be told apart.
+
+    Dots with a line; above 300 steps dots alone, which are no solid ink; above 3000 steps the
+    range of the errors, and within it that of their middle 68 %.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        Where to draw.
+    k, errors : array (N,)
+        Steps and errors; NaN = not known.
+    color : str
+        Their colour.
+    """
+    if len(k) > style.MANY_STEPS:
+        _draw_ranges(panel, k, errors, color)
+        return
+    size = 0.8 * style.dot_size(len(k))
+    width = 0.6 if len(k) <= style.SOME_STEPS else 0.0
+    panel.plot(k, errors, color=color, linewidth=width, marker=".", markersize=size, label="error")
+
+
+def _draw_ranges(panel: Axes, k: NDArray[np.int64], errors: Floats, color: str) -> None:
+    parts = [part[np.isfinite(part)] for part in np.array_split(errors, _COLUMNS)]
+    levels = (0.0, 0.16, 0.84, 1.0)
+    low, inner_low, inner_high, high = np.array(
+        [np.quantile(part, levels) if len(part) else [np.nan] * 4 for part in parts]
+    ).T
+    starts = np.array([part[0] for part in np.array_split(k, _COLUMNS)])
+    look: dict[str, Any] = {"color": color, "linewidth": 0, "step": "post"}
+    panel.fill_between(starts, low, high, alpha=0.25, label="all errors", **look)
+    panel.fill_between(starts, inner_low, inner_high, alpha=0.6, label="68 % of them", **look)
 
 
 def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats) -> None:
@@ -28,11 +67,13 @@ def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats) -> None:
     above, below = errors > high, errors < low
     for beyond, edge, marker in ((above, high, CARETUP), (below, low, CARETDOWN)):
         edges = np.where(beyond, edge, np.nan)
-        panel.plot(k, edges, linestyle="none", marker=marker, color=style.HELD)
+        panel.plot(k, edges, linestyle="none", marker=marker, markersize=4, color=style.HELD)
     if count := np.count_nonzero(above | below):
-        panel.text(
-            0.01, 0.95, f"{count} beyond", transform=panel.transAxes, va="top", bbox=style.BOX
+        is_one = count == 1
+        text = (
+            f"{count} error{'' if is_one else 's'} beyond the edge: triangle{'' if is_one else 's'}"
         )
+        panel.set_title(text, loc="right", fontsize=8, pad=3)
     panel.set_ylim(low, high)
 
 
@@ -45,7 +86,7 @@ def _usual_limits(values: Floats) -> tuple[float, float]:
     usual = values[(values >= low - tolerance) & (values <= high + tolerance)]
     low, high = float(usual.min()), float(usual.max())
     # A minimum range: rounding errors must not look like measurement errors.
-    margin = max(0.3 * (high - low), 1e-3 * abs(low), 1e-3)
+    margin = max(0.15 * (high - low), 1e-3 * abs(low), 1e-3)
     return low - margin, high + margin
 
 
@@ -68,9 +109,9 @@ def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.
     if not len(errors):
         return
     low, high = axes.get_ylim()
-    # Rice's rule, 2 n^(1/3), over the 5/8 of the panel's height with errors. An odd number, so
+    # Rice's rule, 2 n^(1/3), over the 10/13 of the panel's height with errors. An odd number, so
     # that one bin is centred in the middle.
-    bins = 2 * int(np.clip(1.6 * len(errors) ** (1 / 3), 5, 32)) + 1
+    bins = 2 * int(np.clip(1.3 * len(errors) ** (1 / 3), 5, 26)) + 1
     axes.hist(errors, bins, range=(low, high), orientation="horizontal", color=color, alpha=0.55)
     mean, sd, width = float(errors.mean()), float(errors.std()), (high - low) / bins
     # A curve much narrower than a bin would only be a spike.
@@ -78,6 +119,5 @@ def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.
         values = np.linspace(low, high, 400)
         density = np.exp(-0.5 * ((values - mean) / sd) ** 2) / (sd * math.sqrt(2.0 * math.pi))
         axes.plot(len(errors) * width * density, values, color=style.FITTED, linewidth=1.0)
-    axes.margins(x=0.12)
-    text = f"mean {mean:.3f}, sd {sd:.3f} {unit}"
-    axes.text(0.99, 0.98, text, transform=axes.transAxes, ha="right", va="top")
+    axes.margins(x=0.06)
+    axes.set_title(f"mean {mean:.3f}, sd {sd:.3f} {unit}", loc="left", fontsize=8, pad=3)

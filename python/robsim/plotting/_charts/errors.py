@@ -7,13 +7,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
 from robsim.evaluation._errors import ErrorReport, mean_of_known
 from robsim.plotting import _style as style
-from robsim.plotting._charts.error_panels import draw_histogram, limit_panel
+from robsim.plotting._arguments import check_axes, check_kind
+from robsim.plotting._charts.error_panels import draw_errors, draw_histogram, limit_panel
 
 
 @style.applied
@@ -46,16 +48,11 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
     TypeError, ValueError
         If `report` is not an ErrorReport, or if `bound` or `axes` has the wrong shape.
     """
-    if not isinstance(report, ErrorReport):
-        raise TypeError(
-            f"report must be what pose_errors or estimation_errors returns, got {report!r}"
-        )
+    check_kind("report", report, ErrorReport)
     size = len(report.names)
     minimum_sd = _minimum_sd(bound, (len(report.k), size))
     is_new = axes is None
-    axes = _new_axes(report, size) if is_new else np.asarray(axes, dtype=object)
-    if axes.shape != (size, 2):
-        raise ValueError(f"axes: expected an array of {size} x 2 axes, got the shape {axes.shape}")
+    axes = _new_axes(report, size) if is_new else check_axes(axes, (size, 2))
     color = style.MEASURED if report.source == "measurement" else style.ESTIMATED
     for i, (panel, histogram) in enumerate(axes):
         factor, unit = style.shown_unit(report.units[i])
@@ -64,7 +61,8 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
         _draw_errors(panel, report, errors, color)
         if minimum_sd is not None:
             _draw_bound(panel, report, 2.0 * factor * minimum_sd[:, i])
-        panel.set_ylabel(f"{report.names[i]} ({unit})" if unit else report.names[i])
+        name = f"{report.names[i]} error"
+        panel.set_ylabel(f"{name} ({unit})" if unit else name)
         histogram.sharey(panel)
         draw_histogram(histogram, errors[~np.isnan(errors)], unit, color=color)
     _finish(axes, is_new=is_new)
@@ -105,15 +103,16 @@ def _minimum_sd(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | Non
 def _draw_errors(panel: Axes, report: ErrorReport, errors: Floats, color: str) -> None:
     runs = len(errors)
     panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
-    look: dict[str, Any] = {"linewidth": 0.7, "marker": ".", "markersize": 2.0}
-    if runs > 1:
-        look = {"linewidth": 0.4, "alpha": max(0.25, 1.0 / runs)}
+    if runs == 1:
+        draw_errors(panel, report.k, errors[0], color=color)
+    else:
+        for i, run in enumerate(errors):
+            look: dict[str, Any] = {"linewidth": 0.4, "alpha": max(0.25, 1.0 / runs)}
+            panel.plot(report.k, run, color=color, label="error" if i == 0 else None, **look)
         rmse = np.sqrt(mean_of_known(np.square(errors), axis=0))
         line: dict[str, Any] = {"color": style.FITTED, "linewidth": 1.2}
         panel.plot(report.k, 2.0 * rmse, label="2 rmse of the runs", **line)
         panel.plot(report.k, -2.0 * rmse, **line)
-    for i, run in enumerate(errors):
-        panel.plot(report.k, run, color=color, label="error" if i == 0 else None, **look)
     limit_panel(panel, np.tile(report.k, runs), errors.ravel())
     panel.set_xlim(report.k[0] - 0.5, report.k[-1] + 0.5)
 
@@ -137,4 +136,5 @@ def _finish(axes: Any, *, is_new: bool) -> None:
         look = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
     legend = parent.legend(handles, labels, ncols=4, **look)
     for handle in legend.legend_handles:
-        handle.set_alpha(1.0)
+        if isinstance(handle, Line2D):
+            handle.set_alpha(1.0)

@@ -1,4 +1,4 @@
-"""`plot_parameters`: the history of the online parameter estimates."""
+"""`plot_parameters`: how the online parameter estimates converge."""
 
 from __future__ import annotations
 
@@ -7,24 +7,38 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
+from matplotlib.ticker import LogLocator, NullLocator
+from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
 from robsim.identification._identifiability import identifiability
 from robsim.plotting import _style as style
+from robsim.plotting._arguments import check_axes, check_steps
 from robsim.trace import Trace
+
+# One look for each of a1, a2, b1, b2, d1.
+_LOOKS: list[dict[str, Any]] = [
+    {"color": "#1f5fe0", "linestyle": "-"},
+    {"color": "#7aa5f5", "linestyle": "-"},
+    {"color": "#00796b", "linestyle": "-"},
+    {"color": "#5fc2b5", "linestyle": "-"},
+    {"color": "#6b6f76", "linestyle": ":"},
+]
+_AXES = ("x", "y", "heading")
+_D1 = 4
 
 
 @style.applied
 def plot_parameters(
     trace: Trace, *, standard_errors: ArrayLike | None = None, axes: Any = None
 ) -> Figure:
-    """Draw the history of the 15 online parameter estimates beside their true values.
+    """Draw the errors of the 15 online parameter estimates over the steps, on a logarithmic axis.
 
-    The true value is a dotted line that ends in a cross. The limits of each panel contain it and
-    the estimates of the second half of the run; earlier ones may lie outside. A note says how well
-    the run excites the parameter, from `robsim.identifiability`: this is about the spread of the
-    estimate by noise, not about its bias.
+    A curve that falls converges; one that levels off is biased, or follows the noise. The errors
+    are relative to the true values, those of d1, which may be 0, absolute. The true values and
+    the last estimates stand beside the curves, with a note where the run excites a parameter
+    poorly or not at all, from `robsim.identifiability`: this is about the spread of the estimate by
+    noise, not about its bias.
 
     Parameters
     ----------
@@ -32,10 +46,10 @@ def plot_parameters(
         A run with ``estimate_parameters=True``.
     standard_errors : array (N, 3, 5), optional
         Standard errors of the estimates in each step, such as ``trace.standard_errors_unscaled``
-        times ``robsim.identifiability(trace).sigma[:, np.newaxis]``: drawn as a band of +- two of
-        them around the true value, in which 95 % of the estimates should lie; inf = no band.
-    axes : array_like (5, 3) of matplotlib.axes.Axes, optional
-        Where to draw: rows a1, a2, b1, b2, d1, columns X, Y, P (heading). Default: a new figure.
+        times ``robsim.identifiability(trace).sigma[:, np.newaxis]``: two of them are drawn as a
+        dashed line, below which 95 % of the errors should lie; inf = no line.
+    axes : array_like (3,) of matplotlib.axes.Axes, optional
+        Where to draw: x, y, heading. Default: a new figure.
 
     Returns
     -------
@@ -44,79 +58,97 @@ def plot_parameters(
 
     Raises
     ------
-    ValueError
-        If the trace has no parameter estimates, or an array has the wrong shape.
+    TypeError, ValueError
+        If `trace` is not a Trace or has no parameter estimates, or an array has the wrong shape.
     """
+    check_steps(trace)
     trace.require("parameters")
+    limits = None if standard_errors is None else _limits(standard_errors, trace.parameters.shape)
     if axes is None:
         figure = style.NotebookFigure(figsize=(9, 7))
-        shaded = "" if standard_errors is None else "; shaded: true value +- 2 standard errors"
-        figure.suptitle(f"Online parameter estimation from {trace.info.identify_from}{shaded}")
-        axes = figure.subplots(5, 3, sharex=True)
-    axes = np.asarray(axes, dtype=object)
-    if axes.shape != (5, 3):
-        raise ValueError(f"axes: expected an array of 5 x 3 axes, got the shape {axes.shape}")
-    bands = None if standard_errors is None else _bands(standard_errors, trace.parameters.shape)
+        dashed = "" if limits is None else "; dashed: two standard errors"
+        source = f"Online parameter estimates from {trace.info.identify_from}"
+        figure.suptitle(f"{source}; dotted: d1, absolute, 100 % = 1 px, 1 rad{dashed}")
+        axes = figure.subplots(3, sharex=True)
+    axes = check_axes(axes, (3,))
+    true = np.array(trace.info.theta_true)
     has_errors = np.isfinite(trace.standard_errors_unscaled).any()
     verdicts = identifiability(trace).verdicts if has_errors else np.full((3, 5), "")
-    for i, true in enumerate(np.ravel(trace.info.theta_true)):
-        axis, parameter = divmod(i, 5)
-        panel = axes[parameter, axis]
+    for axis, panel in enumerate(axes):
         style.show_steps(panel, trace)
-        panel.set_ylabel(style.PARAMETER_LABELS[i])
-        _draw_parameter(panel, trace.k, trace.parameters[:, axis, parameter], float(true))
-        _add_verdict(panel, str(verdicts[axis, parameter]))
-        if bands is not None:
-            _draw_band(panel, trace.k, float(true), bands[:, axis, parameter])
-    for panel, name in zip(axes[0], ("X", "Y", "P (heading)"), strict=True):
-        panel.text(0.5, 1.24, name, transform=panel.transAxes, ha="center", size=9.5, weight="bold")
-    for panel in axes[:-1].flat:
+        scale = relative_scale(true[axis])
+        deviations = np.abs(trace.parameters[:, axis] - true[axis]) / scale
+        _draw_deviations(panel, trace, deviations)
+        if limits is not None:
+            _draw_limits(panel, trace, limits[:, axis] / scale)
+        _finish_axes(panel, deviations, f"{_AXES[axis]}: error of the estimate")
+        _write_values(panel, axis, true[axis], trace.parameters[-1, axis], verdicts[axis])
+    for panel in axes[:-1]:
         panel.set_xlabel("")
     style.rasterize_long_lines(axes.flat)
-    first: Axes = axes[0, 0]
+    first: Axes = axes[0]
     return first.figure.figure
 
 
-def _draw_parameter(axes: Axes, k: NDArray[np.int64], history: Floats, true: float) -> None:
-    axes.plot(k, history, color=style.ESTIMATED, linewidth=1.1)
-    axes.axhline(true, color=style.TRUE, linewidth=1.0, linestyle=":")
-    axes.plot(
-        k[-1:], [true], "x", color=style.TRUE, markersize=7, markeredgewidth=1.8, clip_on=False
-    )
-    axes.set_ylim(_limits(history, true))
-    axes.locator_params(axis="y", nbins=4)
-    axes.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
-    last = f"{history[-1]:.5g}" if np.isfinite(history[-1]) else "none"
-    axes.set_title(f"true {true:.5g}, last {last}", loc="right", fontsize=7.5, pad=3)
+def relative_scale(true: Floats) -> Floats:
+    """Return what errors of a1, a2, b1, b2, d1 are divided by: 1 for d1 and for a true 0."""
+    scale = np.abs(true)
+    scale[..., _D1] = 1.0
+    scale[(scale == 0) | np.isnan(scale)] = 1.0
+    return scale
 
 
-def _add_verdict(axes: Axes, verdict: str) -> None:
-    color = style.GUIDE if verdict == "well" else style.BOUND
-    look: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "center"}
-    text = verdict if verdict in ("", "not excited") else f"{verdict} excited"
-    box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
-    axes.text(0.97, 0.33, text, fontsize=7.5, color=color, bbox=box, **look)
+def percent(fraction: float, _position: float) -> str:
+    """Return a fraction as a tick label in percent."""
+    return f"{100 * fraction:g} %"
 
 
-def _bands(standard_errors: ArrayLike, shape: tuple[int, ...]) -> Floats:
+def _limits(standard_errors: ArrayLike, shape: tuple[int, ...]) -> Floats:
     errors = np.asarray(standard_errors, dtype=np.float64)
     if errors.shape != shape:
         raise ValueError(f"standard_errors must be of shape {shape}, got {errors.shape}")
-    return 2.0 * errors
+    return 2.0 * np.where(np.isfinite(errors), errors, np.nan)
 
 
-def _draw_band(axes: Axes, k: NDArray[np.int64], true: float, half_width: Floats) -> None:
-    half_width = np.where(np.isfinite(half_width), half_width, np.nan)
-    look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0, "zorder": 0.5}
-    axes.fill_between(k, true - half_width, true + half_width, **look)
+def _draw_deviations(panel: Axes, trace: Trace, deviations: Floats) -> None:
+    # A logarithmic axis has no 0.
+    shown = np.where(deviations > 0, deviations, np.nan)
+    for values, look in zip(shown.T, _LOOKS, strict=True):
+        panel.plot(trace.k, values, linewidth=1.3, **look)
 
 
-def _limits(history: Floats, true: float) -> tuple[float, float]:
-    """Return limits that contain the true value and the second half of the history."""
-    later = history[len(history) // 2 :]
-    later = later[np.isfinite(later)]
-    low, high = np.quantile(later, (0.02, 0.98)) if len(later) else (true, true)
-    low, high = min(float(low), true), max(float(high), true)
-    # A minimum range: rounding errors must not look like a drift of the estimate.
-    margin = max(0.25 * (high - low), 0.02 * abs(true), 1e-6)
-    return low - margin, high + margin
+def _draw_limits(panel: Axes, trace: Trace, limits: Floats) -> None:
+    for values, look in zip(limits.T, _LOOKS, strict=True):
+        panel.plot(trace.k, values, linewidth=0.6, color=look["color"], linestyle="--")
+
+
+def _finish_axes(panel: Axes, deviations: Floats, label: str) -> None:
+    panel.set_yscale("log")
+    known = deviations[np.isfinite(deviations) & (deviations > 0)]
+    # The first estimates may be off by any factor, and a curve that crosses the truth dips deep.
+    low, high = (np.quantile(known, 0.01), min(known.max(), 100.0)) if len(known) else (1e-3, 1.0)
+    panel.set_ylim(low / 3, max(high, 10 * low) * 3)
+    panel.yaxis.set_major_locator(LogLocator(numticks=7))
+    panel.yaxis.set_major_formatter(percent)
+    panel.yaxis.set_minor_locator(NullLocator())
+    panel.set_ylabel(label)
+
+
+def _write_values(panel: Axes, axis: int, true: Floats, last: Floats, verdicts: Floats) -> None:
+    """Write the true values and the last estimates right of the panel, as its legend."""
+    look: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
+    look |= {"va": "center", "size": 8}
+    for offset, text, color in ((132, "true", style.TRUE), (192, "last", style.ESTIMATED)):
+        panel.annotate(text, (1, 0.97), (offset, 0), ha="right", weight="bold", color=color, **look)
+    for i in range(5):
+        height, color = 0.81 - 0.17 * i, _LOOKS[i]["color"]
+        line: dict[str, Any] = {"transform": panel.transAxes, "clip_on": False, "linewidth": 2}
+        panel.plot([1.02, 1.05], [height] * 2, **line, **_LOOKS[i])
+        name = style.PARAMETER_LABELS[5 * axis + i]
+        panel.annotate(name, (1.05, height), (4, 0), color=color, weight="bold", **look)
+        for offset, value in ((132, true[i]), (192, last[i])):
+            text = f"{value:.5g}" if np.isfinite(value) else "none"
+            panel.annotate(text, (1, height), (offset, 0), ha="right", **look)
+        if verdicts[i] not in ("", "well"):
+            text = "not excited" if verdicts[i] == "not excited" else "poorly excited"
+            panel.annotate(text, (1, height), (200, 0), color=style.BOUND, **look)

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
 from robsim.plotting import _style as style
-from robsim.plotting._charts.error_panels import draw_histogram, limit_panel
+from robsim.plotting._arguments import check_steps
+from robsim.plotting._charts.error_panels import draw_errors, draw_histogram, limit_panel
 from robsim.trace import Trace
-from robsim.trace._trace import check_trace, longest_run
 
 
 @style.applied
@@ -23,9 +24,10 @@ def plot_traces(
 ) -> Figure:
     """Draw poses, measurement errors with their histograms, and the path.
 
-    The histograms are those of the longest unbroken segment of measurements, whose steps have a
-    shaded background. The bell curve is the normal distribution with the mean and the standard
-    deviation of the segment. Outliers are drawn as triangles at the edge.
+    The line of the truth lies on the dots of the measurement. Errors are measured minus true; their
+    histograms are of all steps in which the robot was seen, and the bell curve is the normal
+    distribution of the same mean and standard deviation. Outliers are drawn as triangles at the
+    edge.
 
     Parameters
     ----------
@@ -48,18 +50,15 @@ def plot_traces(
     Raises
     ------
     TypeError, ValueError
-        If `trace` is not a Trace, or one of the axes is missing.
+        If `trace` is not a Trace or has no steps, or one of the axes is missing.
     """
-    check_trace(trace)
-    tracked = bool(np.isfinite(trace.pose_held).any())
-    rows: list[list[Any]] = [["x", "path"], ["y", "path"], ["heading", "path"]]
-    has_errors = tracked and bool(np.isfinite(trace.pose_true).any())
-    if has_errors:
-        rows += [["dx", "dx bins"], ["dy", "dy bins"], ["dheading", "dheading bins"]]
+    check_steps(trace)
+    has_errors = bool(np.isfinite(trace.error[:, 0]).any())
+    rows = [*_POSE_ROWS, *_ERROR_ROWS] if has_errors else _POSE_ROWS
     is_new = axes is None
     if axes is None:
         figure = style.NotebookFigure(figsize=(10, 8 if has_errors else 4.6))
-        axes = figure.subplot_mosaic(rows, width_ratios=(1.7, 1))
+        axes = figure.subplot_mosaic([list(row) for row in rows], width_ratios=(1.7, 1))
     elif missing := sorted({name for row in rows for name in row} - axes.keys()):
         raise ValueError(f"axes must have the panels {', '.join(missing)}, got {', '.join(axes)}")
     left, right = ([axes[name] for name in column] for column in zip(*rows, strict=True))
@@ -72,32 +71,58 @@ def plot_traces(
     if has_errors:
         _draw_errors(left[3:], right[3:], trace)
     style.rasterize_long_lines(axes.values())
-    look: dict[str, Any] = {"markerscale": 8 / style.dot_size(len(trace))}
-    if is_new:
-        figure.align_ylabels(left)
-        figure.suptitle(trace.tracking().line if tracked else _untracked_title(trace))
-        labels = left[0].get_legend_handles_labels()
-        figure.legend(*labels, loc="outside lower center", ncols=8, **look)
-    else:
-        left[0].legend(ncols=4, **look)
+    _add_legend(left, trace, is_new=is_new)
     return left[0].figure.figure
 
 
-def _untracked_title(trace: Trace) -> str:
-    reason = "the robot was never seen" if trace.is_tracked else "not tracked"
-    return f"{len(trace)} steps of {trace.info.dt:g} s, {reason}"
+_POSE_ROWS = [("x", "path"), ("y", "path"), ("heading", "path")]
+_ERROR_ROWS = [("dx", "dx bins"), ("dy", "dy bins"), ("dheading", "dheading bins")]
+
+
+def _add_legend(left: Sequence[Axes], trace: Trace, *, is_new: bool) -> None:
+    handles, labels = left[0].get_legend_handles_labels()
+    look: dict[str, Any] = {"markerscale": 8 / style.pose_dot_size(len(trace))}
+    if not is_new:
+        left[0].legend(handles, labels, ncols=4, **look)
+        return
+    if len(trace) > style.MANY_STEPS and len(left) > 3:
+        bands = left[3].get_legend_handles_labels()
+        handles, labels = [*handles, *bands[0]], [*labels, *bands[1]]
+    figure = left[0].figure.figure
+    figure.align_ylabels(list(left))
+    figure.suptitle(_title(trace))
+    legend = figure.legend(handles, labels, loc="outside lower center", ncols=8, **look)
+    for handle in legend.legend_handles:
+        if isinstance(handle, Line2D) and handle.get_linewidth():
+            handle.set_linewidth(2.0)
+
+
+def _title(trace: Trace) -> str:
+    steps = f"{len(trace)} steps of {trace.info.dt:g} s"
+    if not trace.is_tracked:
+        return f"{steps}, not measured"
+    seen = trace.tracking()
+    if not seen.seen:
+        return f"{steps}, the robot was never seen"
+    parts = [steps, f"robot seen in {'all' if seen.seen == len(trace) else seen.seen}"]
+    if seen.false_poses:
+        parts.append(f"{seen.false_poses} poses false")
+    if seen.rmse_xy == seen.rmse_xy:
+        parts.append(f"rmse {seen.rmse_xy:.3f} px and {seen.rmse_heading_deg:.3f} deg")
+    return ", ".join(parts)
 
 
 def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> None:
-    k, size = trace.k, style.dot_size(len(trace))
+    k, size = trace.k, style.pose_dot_size(len(trace))
     held = np.where(trace.seen[:, np.newaxis], np.nan, trace.pose_held)
     near: dict[str, Any] = {"near": trace.pose_true[:, 2]}
     dots = {"linestyle": "none", "marker": ".", "markersize": size, **near}
-    _draw_poses(panels, k, trace.pose_true, color=style.TRUE, linewidth=3.0, label="true")
+    _draw_poses(panels, k, trace.pose_measured, color=style.MEASURED, label="measured", **dots)
     if show_blobs:
         _draw_blobs(panels[:2], trace)
-    _draw_poses(panels, k, trace.pose_measured, color=style.MEASURED, label="measured", **dots)
-    line = {"color": style.ESTIMATED, "linewidth": 0.8, **near}
+    line: dict[str, Any] = {"color": style.TRUE, "linewidth": style.true_width(len(trace))}
+    _draw_poses(panels, k, trace.pose_true, label="true", **line)
+    line = {"color": style.ESTIMATED, "linewidth": 0.7, **near}
     _draw_poses(panels, k, trace.pose_estimated, label="estimated", **line)
     _draw_poses(panels, k, held, color=style.HELD, label="not seen: last pose held", **dots)
     for panel, label in zip(panels, ("x (px)", "y (px)", "heading (deg)"), strict=True):
@@ -107,7 +132,7 @@ def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> N
         low, high = panel.get_ylim()
         if high - low < 2:  # a robot that stands still: a line, not its rounding errors
             panel.set_ylim((low + high) / 2 - 1, (low + high) / 2 + 1)
-    panels[2].set(ylim=(-8, 368), yticks=(0, 90, 180, 270, 360))
+    panels[2].set(ylim=(-188, 188), yticks=(-180, -90, 0, 90, 180))
 
 
 def _draw_poses(
@@ -123,15 +148,16 @@ def _draw_poses(
         return
     panels[0].plot(k, poses[:, 0], **look)
     panels[1].plot(k, poses[:, 1], **look)
-    degrees = np.rad2deg(poses[:, 2]) % 360.0
-    if near is not None:  # a measurement of 359.9 degrees near a truth of 0 is drawn at -0.1
-        truth = np.rad2deg(near) % 360.0
-        unwrapped = truth + (degrees - truth + 180.0) % 360.0 - 180.0
-        degrees = np.where(np.isfinite(truth), unwrapped, degrees)
-    # No line from 360 down to 0 degrees.
-    wraps = np.flatnonzero(np.abs(np.diff(degrees)) > 180.0) + 1
+    heading = style.degrees(poses[:, 2])
+    if near is not None:  # a measurement of -179.9 degrees near a truth of 180 is drawn at 180.1
+        truth = style.degrees(near)
+        heading = np.where(np.isfinite(truth), truth + style.degrees(poses[:, 2] - near), heading)
+    if len(k) > style.MANY_STEPS:  # a line that turns so often would be solid ink
+        look |= {"linestyle": "none", "marker": ".", "markersize": 1.5}
+    # No line from 180 down to -180 degrees.
+    wraps = np.flatnonzero(np.abs(np.diff(heading)) > 180.0) + 1
     panels[2].plot(
-        np.insert(k.astype(float), wraps, np.nan), np.insert(degrees, wraps, np.nan), **look
+        np.insert(k.astype(float), wraps, np.nan), np.insert(heading, wraps, np.nan), **look
     )
 
 
@@ -172,24 +198,15 @@ def _draw_plan(axes: Axes, trace: Trace) -> None:
 
 
 def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trace) -> None:
-    errors = trace.error * (1.0, 1.0, np.rad2deg(1.0))
-    segment = longest_run(trace.seen)
-    for axis, (name, unit) in enumerate((("dx", "px"), ("dy", "px"), ("d heading", "deg"))):
-        _draw_error(panels[axis], trace.k, errors[:, axis], segment)
-        panels[axis].set_ylabel(f"{name} ({unit})")
-        histograms[axis].sharey(panels[axis])
-        draw_histogram(histograms[axis], errors[segment, axis], unit)
-    k = trace.k[segment]
-    histograms[0].set_title(
-        f"longest segment: {k[0]}..{k[-1]}, n = {len(k)}" if len(k) else "no measurement"
-    )
+    errors = trace.error
+    errors[:, 2] = np.rad2deg(errors[:, 2])
+    for axis, (name, unit) in enumerate((("x", "px"), ("y", "px"), ("heading", "deg"))):
+        panel, known = panels[axis], errors[trace.seen, axis]
+        panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
+        draw_errors(panel, trace.k, errors[:, axis], color=style.MEASURED)
+        limit_panel(panel, trace.k, errors[:, axis])
+        panel.set_ylabel(f"{name} error ({unit})")
+        histograms[axis].sharey(panel)
+        draw_histogram(histograms[axis], known[np.isfinite(known)], unit)
+    panels[0].set_title("measured minus true", loc="left")
     histograms[-1].set_xlabel("steps per bin")
-
-
-def _draw_error(panel: Axes, k: NDArray[np.int64], errors: Floats, segment: slice) -> None:
-    first, last = k[0] + segment.start - 0.5, k[0] + segment.stop - 0.5
-    panel.axvspan(first, last, color=style.SEGMENT, linewidth=0, zorder=0)
-    panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
-    size = 0.8 * style.dot_size(len(k))
-    panel.plot(k, errors, color=style.MEASURED, linewidth=0.6, marker=".", markersize=size)
-    limit_panel(panel, k, errors)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +13,9 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats
 from robsim._core import Blob, Frame, Measurement
 from robsim.plotting import _style as style
+from robsim.plotting._arguments import check_kind, check_positions
 from robsim.plotting._images.shapes import box_corners, heading_line, placed_outline
+from robsim.robots import load_robot
 from robsim.trace import Trace
 
 _Map = Callable[[ArrayLike], Floats]  # positions (N, 2) to positions (N, 2)
@@ -28,6 +31,7 @@ def plot_frame(
     outline: ArrayLike | None = None,
     trace: Trace | None = None,
     k: int | None = None,
+    goals: ArrayLike | None = None,
 ) -> Axes:
     """Draw a camera frame with the results of the vision on it.
 
@@ -48,11 +52,13 @@ def plot_frame(
         the figure says "not seen".
     outline : array_like (N, 2), optional
         Outline of the robot in its own axes, x forward and y to the right (work-area px), drawn at
-        the measured pose.
+        the measured pose, or else at the end of the path. Default: with `trace`, that of its robot.
     trace : Trace, optional
-        The run whose path is drawn.
+        The run whose path is drawn, up to the robot with its heading at the end.
     k : int, optional
         The last step of `trace` to draw. Default: the whole path.
+    goals : array_like (N, 2), optional
+        Positions that the robot is to reach (work-area px), drawn as rings.
 
     Returns
     -------
@@ -61,23 +67,31 @@ def plot_frame(
 
     Raises
     ------
-    ValueError
-        If `outline` is not of shape (N, 2), or `k` is not a step of `trace`.
+    TypeError, ValueError
+        If `frame` is not a Frame or `trace` not a Trace, `outline` or `goals` is not of shape
+        (N, 2), or `k` is not a step of `trace`.
     """
-    if ax is None:
-        ax = style.NotebookFigure(figsize=(7, 7)).add_subplot(axes_class=style.NotebookAxes)
+    check_kind("frame", frame, Frame)
+    outline = None if outline is None else check_positions("outline", outline)
+    shown = _part(trace, k)
+    ax = style.panel(ax, (7, 7))
     from_pixel, from_world = _show_image(ax, frame)
-    if trace is not None or k is not None:
-        _draw_path_until(ax, trace, k, from_world)
+    if shown is not None and len(shown):
+        _draw_path(ax, shown, from_world)
+        outline = _outline_of(shown) if outline is None else outline
     for color, found in (blobs or {}).items():
         for blob in found:
             _draw_blob(ax, blob, style.drawn_color(color), from_pixel)
     if measurement is not None:
-        _draw_measurement(ax, measurement, outline, from_world)
-    elif blobs is not None:
-        ax.text(0.02, 0.02, "not seen", transform=ax.transAxes, fontsize=11, bbox=style.BOX)
+        _draw_pose(ax, measurement.pose, outline, from_world, style.MEASURED)
+    elif shown is not None and len(shown):
+        _draw_end(ax, shown, outline, from_world)
+    if goals is not None:
+        _draw_goals(ax, from_world(check_positions("goals", goals)))
     time = "" if frame.t is None else f", t = {frame.t:.2f} s"
-    ax.set_title(f"frame {frame.index}{time}", loc="left")
+    seen = ", not seen" if blobs is not None and measurement is None else ""
+    ax.set_title(f"frame {frame.index}{time}{seen}", loc="left")
+    _add_legend(ax)
     return ax
 
 
@@ -100,23 +114,64 @@ def _show_image(axes: Axes, frame: Frame) -> tuple[_Map, _Map]:
     return maps
 
 
-def _draw_path_until(axes: Axes, trace: Trace | None, k: int | None, from_world: _Map) -> None:
+def _part(trace: Trace | None, k: int | None) -> Trace | None:
+    """Return the trace up to step k."""
     if trace is None:
-        raise ValueError(f"k needs a trace, got k = {k} and no trace")
-    if k is not None:
-        if k not in trace.k:
-            raise ValueError(f"k must be a step of {trace!r}, got {k}")
-        trace = trace[: k - int(trace.k[0]) + 1]
+        if k is not None:
+            raise ValueError(f"k needs a trace, got k = {k} and no trace")
+        return None
+    check_kind("trace", trace, Trace)
+    if k is None:
+        return trace
+    if k not in trace.k:
+        raise ValueError(f"k must be a step of {trace!r}, got {k}")
+    part: Trace = trace[: k - int(trace.k[0]) + 1]
+    return part
+
+
+def _draw_path(axes: Axes, trace: Trace, from_world: _Map) -> None:
     measured = trace.pose_measured[trace.seen, :2]
     style.draw_path(axes, from_world(trace.pose_true[:, :2]), from_world(measured))
     style.rasterize_long_lines([axes])
-    axes.legend(
-        loc="lower right",
-        bbox_to_anchor=(1, 1),
-        borderaxespad=0,
-        ncols=2,
-        markerscale=8 / style.dot_size(len(trace)),
+
+
+def _outline_of(trace: Trace) -> Floats | None:
+    """Return the outline of the robot of a run, if a robot of that name is still there."""
+    try:
+        robot = load_robot(trace.info.robot)
+    except (OSError, ValueError):
+        return None
+    return robot.to_robot_frame(robot.outline)
+
+
+def _draw_end(axes: Axes, trace: Trace, outline: Floats | None, from_world: _Map) -> None:
+    """Draw the robot at the end of its path: where it was measured, or else where it is."""
+    if trace.seen[-1]:
+        _draw_pose(axes, trace.pose_measured[-1], outline, from_world, style.MEASURED)
+    elif np.isfinite(trace.pose_true[-1]).all():
+        _draw_pose(axes, trace.pose_true[-1], outline, from_world, style.TRUE)
+
+
+def _draw_goals(axes: Axes, positions: Floats) -> None:
+    look: dict[str, Any] = {
+        "color": style.GOAL,
+        "linestyle": "none",
+        "path_effects": style.haloed(2),
+    }
+    look |= {"zorder": 5, "markeredgewidth": 2.0}
+    axes.plot(*positions.T, marker="o", markersize=14, markerfacecolor="none", **look)
+    axes.plot(*positions.T, marker=".", markersize=5, **look)
+    axes.plot(
+        [], [], "o", color=style.GOAL, markerfacecolor="none", markeredgewidth=2, label="goal"
     )
+
+
+def _add_legend(axes: Axes) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    if not handles:
+        return
+    look: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1, 1), "borderaxespad": 0}
+    axes.legend(handles, labels, ncols=3, **look)
 
 
 def _draw_blob(axes: Axes, blob: Blob, color: str, from_pixel: _Map) -> None:
@@ -135,12 +190,11 @@ def _draw_polygon(axes: Axes, corners: Floats, color: str) -> None:
     axes.add_patch(Polygon(corners, fill=False, edgecolor=color, linewidth=1, path_effects=halo))
 
 
-def _draw_measurement(
-    axes: Axes, measurement: Measurement, outline: ArrayLike | None, from_world: _Map
+def _draw_pose(
+    axes: Axes, pose: Floats, outline: Floats | None, from_world: _Map, color: str
 ) -> None:
-    line = from_world(heading_line(measurement.pose))
-    axes.plot(*line.T, color=style.MEASURED, linewidth=2.2, path_effects=style.haloed(2.2))
-    axes.plot(*line[0], "o", color=style.MEASURED, markersize=5, path_effects=style.haloed(0.5))
+    line = from_world(heading_line(pose))
+    axes.plot(*line.T, color=color, linewidth=2.2, path_effects=style.haloed(2.2))
+    axes.plot(*line[0], "o", color=color, markersize=5, path_effects=style.haloed(0.5))
     if outline is not None:
-        corners = placed_outline(outline, measurement.pose)
-        _draw_polygon(axes, from_world(corners), style.MEASURED)
+        _draw_polygon(axes, from_world(placed_outline(outline, pose)), color)

@@ -17,6 +17,7 @@ from robsim._core import Blob, Estimate, Frame, Measurement
 from robsim.imaging._frames import frame_size
 from robsim.imaging._images import Pixels
 from robsim.plotting import _style as style
+from robsim.plotting._arguments import check_kind, check_positions
 from robsim.plotting._images.shapes import box_corners, heading_line, placed_outline
 
 SHADE = 0.35  # brightness of the image under the text
@@ -61,12 +62,13 @@ def draw_overlay(
 
     Raises
     ------
-    ValueError
-        If `outline` or `path` is not of shape (N, 2).
+    TypeError, ValueError
+        If `frame` is not a Frame, or `outline` or `path` is not of shape (N, 2).
     """
+    check_kind("frame", frame, Frame)
     canvas = _Canvas(frame)
     if path is not None:
-        canvas.trail(_places(path), style.MEASURED)
+        canvas.trail(check_positions("path", path), style.MEASURED)
     for color, found in (blobs or {}).items():
         for blob in found:
             canvas.box(box_corners(blob), style.drawn_color(color))
@@ -197,10 +199,3 @@ def _font(size: int) -> FreeTypeFont:
 def _closed(corners: Floats) -> Floats:
     """Return the corners of a closed line; it continues past the first, to join the ends."""
     return np.vstack((corners, corners[:2]))
-
-
-def _places(path: ArrayLike) -> Floats:
-    positions = np.asarray(path, dtype=np.float64)
-    if positions.ndim != 2 or positions.shape[1] != 2:
-        raise ValueError(f"path: expected the shape (N, 2), got {positions.shape}")
-    return positions

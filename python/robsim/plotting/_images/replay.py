@@ -57,7 +57,7 @@ def annotated_frames(
 def _caption(k: int, t: float, pose: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
     text = f"k {k}   t {t:.1f} s"
     if np.isfinite(pose).all():
-        x, y, degrees = pose[0], pose[1], np.rad2deg(pose[2]) % 360
+        x, y, degrees = pose[0], pose[1], np.rad2deg(pose[2])
         text += f"   x {x:.1f}  y {y:.1f} px   heading {degrees:.1f} deg"
     return text
 

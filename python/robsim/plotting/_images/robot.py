@@ -9,6 +9,7 @@ from matplotlib.transforms import offset_copy
 
 from robsim._base.checks import Floats
 from robsim.plotting import _style as style
+from robsim.plotting._arguments import check_kind
 from robsim.robots import RobotDefinition
 from robsim.robots._polygons import area_and_centroid
 
@@ -42,11 +43,8 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     TypeError
         If `robot` is not a RobotDefinition.
     """
-    if not isinstance(robot, RobotDefinition):
-        raise TypeError(f"robot must be a RobotDefinition, got {robot!r}")
-    if ax is None:
-        size = _figure_size(robot)
-        ax = style.NotebookFigure(figsize=size).add_subplot(axes_class=style.NotebookAxes)
+    check_kind("robot", robot, RobotDefinition)
+    ax = style.panel(ax, _figure_size(robot))
     _show_image(ax, robot)
     _draw_polygon(ax, robot.outline, _OUTLINE, "outline")
     _draw_polygon(ax, robot.red, "red", "red marker")
@@ -129,13 +127,9 @@ def _draw_heading(axes: Axes, robot: RobotDefinition) -> None:
     assert robot.centre is not None
     # The alignment rotates the image clockwise, so its front lies anticlockwise by that angle.
     angle = -np.deg2rad(robot.alignment)
-    length = 0.8 * robot.radius / robot.unit
-    tip = robot.centre + length * np.array((np.cos(angle), np.sin(angle)))
-    margin = 0.05 * robot.radius / robot.unit
-    left, right = axes.get_xlim()
-    bottom, top = axes.get_ylim()
-    axes.set(xlim=(min(left, tip[0] - margin), max(right, tip[0] + margin)))
-    axes.set(ylim=(max(bottom, tip[1] + margin), min(top, tip[1] - margin)))
+    forward = np.array((np.cos(angle), np.sin(angle)))
+    length = min(0.8 * robot.radius / robot.unit, 0.95 * _reach(axes, robot.centre, forward))
+    tip = robot.centre + length * forward
     axes.annotate(
         "",
         tuple(tip),
@@ -157,6 +151,14 @@ def _draw_heading(axes: Axes, robot: RobotDefinition) -> None:
         path_effects=style.haloed(0.5),
         label="centre, heading",
     )
+
+
+def _reach(axes: Axes, start: Floats, direction: Floats) -> float:
+    """Return how far it is from a point in a direction to the edge of the axes."""
+    limits = np.sort((axes.get_xlim(), axes.get_ylim()), axis=1)
+    edges = np.where(direction > 0, limits[:, 1], limits[:, 0])
+    moves = np.abs(direction) > 1e-9
+    return float(np.min((edges - start)[moves] / direction[moves]))
 
 
 def _draw_scale(axes: Axes, robot: RobotDefinition) -> None:

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
 from robsim._core import Blob
+from robsim.plotting._arguments import check_positions
 
 HEADING_LINE = 80.0  # length of a heading's line (work-area px)
 
@@ -31,9 +32,7 @@ def placed_outline(outline: ArrayLike, pose: Floats) -> Floats:
     ValueError
         If `outline` is not of shape (N, 2).
     """
-    points = np.asarray(outline, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 2:
-        raise ValueError(f"outline: expected the shape (N, 2), got {points.shape}")
+    points = check_positions("outline", outline)
     # y to the right of the robot: forward rotated by +90 degrees, clockwise in the image.
     forward = _forward(pose)
     right = np.array((-forward[1], forward[0]))

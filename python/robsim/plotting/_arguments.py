@@ -1,0 +1,80 @@
+"""What the arguments of all figures are checked against: one sentence for each kind."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from robsim._base.checks import Floats, as_float_array
+from robsim._core import ColorClass, Frame
+from robsim.evaluation._consistency import ConsistencyReport
+from robsim.evaluation._errors import ErrorReport
+from robsim.identification._batch import BatchEstimate
+from robsim.robots import RobotDefinition
+from robsim.trace import Trace
+
+# Where one gets a value of that kind from.
+_SOURCES: dict[type, str] = {
+    Trace: "sim.trace",
+    Frame: "sim.frame, or robsim.Frame(image)",
+    RobotDefinition: "sim.robot, or robsim.load_robot(name)",
+    ColorClass: "one of robsim.load_colors()",
+    BatchEstimate: "robsim.batch_estimate(trace)",
+    ErrorReport: "robsim.pose_errors(trace), or robsim.evaluation.estimation_errors(...)",
+    ConsistencyReport: "robsim.pose_consistency(traces), or nees_consistency or nis_consistency "
+    "in robsim.evaluation",
+    Axes: "axes of matplotlib, such as figure.add_subplot()",
+}
+
+
+def check_kind(name: str, value: Any, kind: type) -> None:
+    """Raise a TypeError unless a value is of a kind; it says where to get one from.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+        What was given.
+    kind : type
+        Trace, Frame, RobotDefinition, ColorClass, Axes or a report.
+    """
+    if not isinstance(value, kind):
+        raise TypeError(
+            f"{name} must be {_with_article(kind)}, got {_with_article(type(value))}: "
+            f"give {_SOURCES[kind]}"
+        )
+
+
+def _with_article(kind: type) -> str:
+    if kind is type(None):
+        return "None"
+    return f"{'an' if kind.__name__[0] in 'AEIOUaeiou' else 'a'} {kind.__name__}"
+
+
+def check_steps(trace: Any) -> None:
+    """Raise a TypeError unless it is a trace, a ValueError if nothing has run yet."""
+    check_kind("trace", trace, Trace)
+    if not len(trace):
+        raise ValueError("the trace has no steps yet: run the simulation, sim.run(100)")
+
+
+def check_axes(axes: Any, shape: tuple[int, ...]) -> Any:
+    """Return `axes` as an array of Axes; raise a ValueError unless it has the shape."""
+    found = np.asarray(axes, dtype=object)
+    size = " x ".join(map(str, shape))
+    if found.shape != shape:
+        raise ValueError(f"axes: expected an array of {size} axes, got the shape {found.shape}")
+    for one in found.flat:
+        check_kind("axes", one, Axes)
+    return found
+
+
+def check_positions(name: str, values: Any) -> Floats:
+    """Return `values` as an array (N, 2); raise a ValueError if they have another shape."""
+    positions = as_float_array(name, values)
+    if positions.ndim != 2 or positions.shape[1] != 2:
+        raise ValueError(f"{name}: expected the shape (N, 2), got {positions.shape}")
+    return positions
