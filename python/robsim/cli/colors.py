@@ -130,7 +130,8 @@ def train(
         histograms, others = _histograms(images, boxes)
         color = ColorClass.from_histograms(histograms, name=name, margin=margin, limit_y=limit_y)
         if figure:
-            _write_histograms(figure, histograms, color, others)
+            picture = ", ".join(image.name for image in images)
+            _write_histograms(figure, histograms, color, others, picture)
         if to:
             save_colors(to, color)
     print(colors_to_toml(color))
@@ -216,11 +217,13 @@ def _histograms(images: list[Path], regions: list[Region]) -> tuple[Any, Any]:
     return inside, whole
 
 
-def _write_histograms(file: Path, histograms: Any, color: ColorClass, others: Any) -> None:
+def _write_histograms(
+    file: Path, histograms: Any, color: ColorClass, others: Any, picture: str
+) -> None:
     from robsim.plotting import plot_color_histograms
 
     file.parent.mkdir(parents=True, exist_ok=True)
-    plot_color_histograms(histograms, color, others=others).savefig(file)
+    plot_color_histograms(histograms, color, others=others, picture=picture).savefig(file)
 
 
 def _marked_regions(
