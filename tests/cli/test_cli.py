@@ -28,7 +28,9 @@ def test_the_demo_writes_its_figures_and_its_trace(demo):
             assert min(picture.size) > 500
     trace = robsim.Trace.load(folder / "trace.npz")
     assert len(trace) == 1000
-    assert trace.info.boundary == "unlimited"
+    assert trace.info.identify_from == "measurement"
+    assert np.ptp(trace.pose_true[:, :2], axis=0).max() > 300  # it drives
+    assert trace.noise.any()
 
 
 def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
@@ -39,10 +41,12 @@ def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
     assert list(parameters) == list(robsim.trace.PARAMETER_NAMES)
     for name, values in parameters.items():
         assert set(values) == {"true", "batch", "standard_error", "online", "excited"}
-        limits = (1e-9, 1e-6) if name.startswith("d1") else (1e-6, 1e-4)
-        scale = 1 if name.startswith("d1") else abs(values["true"])
-        assert abs(values["batch"] - values["true"]) < limits[0] * scale
-        assert abs(values["online"] - values["true"]) < limits[1] * scale
+        if name.startswith("d1"):
+            continue
+        batch, online = (abs(values[key] / values["true"] - 1) for key in ("batch", "online"))
+        assert batch < 0.005  # without bias, though the poses are noisy
+        assert batch < online < 0.5
+        assert abs(values["batch"] - values["true"]) < 4 * values["standard_error"]
     trace = robsim.Trace.load(folder / "trace.npz")
     error = trace.error[trace.seen]
     tracking = numbers["tracking"]
@@ -56,22 +60,19 @@ def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
     assert tracking["seen"] > 990
     assert tracking["rmse_xy"] == pytest.approx(np.sqrt((error[:, :2] ** 2).sum(axis=1).mean()))
     assert tracking["rmse_xy"] < 0.6
-    assert 2.7 < tracking["rmse_heading_deg"] < 3.1
-
-
-def test_the_demo_first_spins_then_drives(demo):
-    u = robsim.Trace.load(demo[0] / "trace.npz").u
-    assert (u[:200] == (0.05, -0.05)).all()
-    assert (u[200:].max(), u[200:].min()) != (0.05, -0.05)
+    assert tracking["rmse_heading_deg"] < 0.6
 
 
 @pytest.mark.slow
 def test_the_demo_shows_progress_and_prints_the_table(tmp_path):
-    run = cli("demo", "--out", str(tmp_path), "--steps", "230")
+    run = cli("demo", "--out", str(tmp_path), "--steps", "120")
     assert run.returncode == 0
-    assert "200/200" in run.stderr
-    assert "Batch estimate from truth" in run.stdout
-    assert "tracking: 230 steps" in run.stdout
+    assert "120/120" in run.stderr
+    for word in ("true", "online", "batch", "off by", "std. error", "not biased"):
+        assert word in run.stdout
+    for name in robsim.trace.PARAMETER_NAMES:
+        assert f" {name} " in run.stdout
+    assert max(map(len, run.stdout.splitlines()[:-1])) <= 100
     assert f"written to {tmp_path}" in run.stdout
 
 

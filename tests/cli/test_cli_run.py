@@ -92,7 +92,7 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
     ("arguments", "message"),
     [
         (("dance",), "No such command 'dance'"),
-        (("demo", "--steps", "20"), "steps must be above"),
+        (("demo", "--steps", "20"), "steps must be at least 50"),
         (("demo", "--seed", "-1"), "seed must be at least 0"),
         (("demo", "--steps", "many"), "Invalid value for '--steps'"),
         (("run", "none"), "no folder none: robsim new none creates it"),

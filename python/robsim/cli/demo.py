@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from robsim.cli import errors
 from robsim.cli.shared import Json
 
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from robsim.identification._batch import BatchEstimate
+
 EXAMPLE = "Example: robsim demo"
 HELP = (
     "Drive a robot, track it by camera and estimate its parameters.\n\n"
-    "The robot spins, then drives around in an unlimited area. Vision tracks it, recursive least "
-    "squares estimates its parameters online, a batch estimate follows at the end. Figures and the "
-    "trace are written to a folder."
+    "The robot drives around; a noisy camera measures where it is. From these measurements "
+    "recursive least squares estimates the parameters of its model online, and a batch fit at the "
+    "end. Both stand beside the true values. Figures and the trace are written to a folder."
 )
 
 
@@ -24,9 +29,7 @@ def demo(
     out: Annotated[
         Path, typer.Option("--out", help="Folder for the figures and the trace.")
     ] = Path("robsim-demo"),
-    steps: Annotated[
-        int, typer.Option("--steps", help="Number of steps; in the first 200 the robot spins.")
-    ] = 1000,
+    steps: Annotated[int, typer.Option("--steps", help="Number of steps, at least 50.")] = 1000,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the run.")] = 2008,
     as_json: Json = False,
 ) -> None:
@@ -38,5 +41,67 @@ def demo(
     if as_json:
         print(json.dumps(result.to_dict(), indent=2))
         return
-    print(result)
+    if result.report is not None:
+        _print_report(result.report)
+    print(result.tracking)
     print(f"written to {out}: {', '.join(file.name for file in result.files)}")
+
+
+def _print_report(report: BatchEstimate) -> None:
+    import numpy as np
+    from rich.console import Console
+
+    Console().print(_table(report))
+    error = np.abs(report.batch - report.theta_true)
+    near = np.count_nonzero(error <= 2 * report.standard_errors)
+    method = report.method.replace("_", " ")
+    print("online: recursive least squares, biased: the noise is in its regressors, too")
+    print(f"batch:  {method}, not biased: {near} of 15 within two standard errors of the truth")
+
+
+def _table(report: BatchEstimate) -> Table:
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    title = "The robot's parameters, estimated from what the camera measured"
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, title=title, title_justify="left")
+    table.add_column("")
+    for name, color in (
+        ("true", "magenta"),
+        ("online", "blue"),
+        ("off by", "blue"),
+        ("batch", "yellow"),
+        ("off by", "yellow"),
+        ("std. error", "yellow"),
+    ):
+        table.add_column(name, justify="right", no_wrap=True, header_style=f"bold {color}")
+    for name, value in report.to_dict().items():
+        true, online, batch = value["true"], value["online"], value["batch"]
+        table.add_row(
+            name,
+            _number(true),
+            *(_number(online), _error(online, true, name)),
+            *(_number(batch), _error(batch, true, name)),
+            _share(value["standard_error"], true, name),
+            end_section=name in ("d1X", "d1Y"),
+        )
+    return table
+
+
+def _number(value: float | None) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.1e}" if 0 < abs(value) < 1e-3 else f"{value:.5g}"
+
+
+def _error(value: float | None, true: float | None, name: str) -> str:
+    return "-" if value is None or true is None else _share(abs(value - true), true, name)
+
+
+def _share(size: float | None, true: float | None, name: str) -> str:
+    """Return a size in percent of the true value; d1, which is almost 0, in its unit."""
+    if size is None:
+        return "-"
+    if name.startswith("d1") or not true:
+        return f"{size:.0e} {'rad' if name.endswith('P') else 'px'}"
+    return f"{100 * size / abs(true):.2g} %"

@@ -1,30 +1,67 @@
-"""The run of ``robsim demo``: spin, drive around, track, estimate, write the figures."""
+"""The run of ``robsim demo``: drive around, measure, estimate from the measurements."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from robsim._core import DriveAround, Spin
+from robsim._core import DriveAround
 from robsim.cli.results import Results, check_folder, write_results
+from robsim.imaging import GaussianNoise
 from robsim.simulation._simulation import Simulation
 
-#: Number of steps that the robot spins before it drives around.
-SPIN_STEPS = 200
+_MINIMUM_STEPS = 50
+
+#: The batch method: from noisy poses least squares is biased, this one is not.
+METHOD = "output_error"
+
+
+def simulate_demo(*, steps: int = 1000, seed: int = 2008, progress: bool = False) -> Simulation:
+    """Drive through a noisy camera's view and estimate the parameters from what it measures.
+
+    Parameters
+    ----------
+    steps : int
+        Number of steps, at least 50.
+    seed : int
+        Seed of the run.
+    progress : bool
+        Show a progress bar.
+
+    Returns
+    -------
+    Simulation
+        The simulation after the run.
+
+    Raises
+    ------
+    ValueError
+        If `steps` is less than 50.
+    """
+    if steps < _MINIMUM_STEPS:
+        raise ValueError(f"steps must be at least {_MINIMUM_STEPS}, got {steps}")
+    simulation = Simulation(
+        control=DriveAround(),
+        resolution=(600, 600),
+        noise=GaussianNoise(10),
+        headings=None,
+        measure=True,
+        identify_from="measurement",
+        estimate_parameters=True,
+        seed=seed,
+    )
+    simulation.run(steps, progress=progress and "drive around")
+    return simulation
 
 
 def run_demo(out: Path, *, steps: int = 1000, seed: int = 2008, progress: bool = True) -> Results:
-    """Spin, drive, track, and estimate the model's parameters; write the figures.
+    """Run the demo and write its figures.
 
     Parameters
     ----------
     out : Path
         Folder for the figures and the trace; created if needed.
-    steps : int
-        Number of steps, more than 200: the robot spins for the first 200.
-    seed : int
-        Seed of the run.
-    progress : bool
-        Show a progress bar.
+    steps, seed, progress
+        As of `simulate_demo`.
 
     Returns
     -------
@@ -34,15 +71,8 @@ def run_demo(out: Path, *, steps: int = 1000, seed: int = 2008, progress: bool =
     Raises
     ------
     ValueError
-        If `steps` is 210 or less.
+        If `steps` is less than 50.
     """
-    if steps <= SPIN_STEPS + 10:
-        raise ValueError(f"steps must be above {SPIN_STEPS + 10}, got {steps}")
     check_folder(out)
-    simulation = Simulation(
-        boundary="unlimited", measure=True, estimate_parameters=True, control=Spin(), seed=seed
-    )
-    simulation.run(SPIN_STEPS, progress=progress and "spin        ")
-    simulation.control = DriveAround()
-    simulation.run(steps - SPIN_STEPS, progress=progress and "drive around")
-    return write_results(out, simulation)
+    simulation = simulate_demo(steps=steps, seed=seed, progress=progress)
+    return write_results(out, simulation, method=METHOD)

@@ -55,7 +55,7 @@ def check_folder(out: Path) -> None:
         raise NotADirectoryError(f"{out} is a file, not a folder: give another name")
 
 
-def write_results(out: Path, simulation: Runner) -> Results:
+def write_results(out: Path, simulation: Runner, *, method: str = "least_squares") -> Results:
     """Write the figures and the trace of a run.
 
     Parameters
@@ -64,6 +64,8 @@ def write_results(out: Path, simulation: Runner) -> Results:
         Folder to write to; created if needed.
     simulation : Simulation or Experiment
         A simulation that has run.
+    method : str
+        The method of the batch estimate.
 
     Returns
     -------
@@ -79,7 +81,7 @@ def write_results(out: Path, simulation: Runner) -> Results:
         "camera.png": _camera_figure(simulation),
         "traces.png": plotting.plot_traces(trace),
     }
-    report = _report(simulation)
+    report = _report(simulation, method)
     if np.isfinite(trace.parameters).any() and np.isfinite(trace.pose_true).any():
         figures["parameters.png"] = plotting.plot_parameters(trace)
     if report is not None:
@@ -101,15 +103,16 @@ def _camera_figure(simulation: Runner) -> Any:
         blobs=step.blobs if is_tracked else None,
         measurement=step.measurement,
         outline=simulation.robot.to_robot_frame(simulation.robot.outline),
+        trace=simulation.trace,
     )
     return axes.get_figure(root=True)
 
 
-def _report(simulation: Runner) -> BatchEstimate | None:
+def _report(simulation: Runner, method: str) -> BatchEstimate | None:
     """Return the batch estimate, if parameters were estimated and the record is long enough."""
     if not np.isfinite(simulation.trace.parameters).any():
         return None
     try:
-        return batch_estimate(simulation.trace)
+        return batch_estimate(simulation.trace, method=method)
     except ValueError:
         return None
