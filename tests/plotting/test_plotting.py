@@ -414,7 +414,7 @@ def test_parameters_are_errors_on_a_logarithmic_axis(estimated):
     assert tuple(figure.get_size_inches()) == (9, 7)
     assert figure.get_dpi() == 110
     for axis, axes in enumerate(figure.axes):
-        assert axes.get_ylabel() == f"{('x', 'y', 'heading')[axis]}: error of the estimate"
+        assert axes.get_ylabel() == f"{('x', 'y', 'heading')[axis]}: error"
         assert axes.get_yscale() == "log"
         assert axes.get_xlabel() == ("step k (of 0.2 s)" if axis == 2 else "")
         true = np.array(THETA_TRUE[axis])

@@ -14,6 +14,7 @@ from matplotlib.colors import is_color_like
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import offset_copy
 
 from robsim._base.checks import Floats
 from robsim._core import wrap_angle
@@ -151,6 +152,14 @@ def drawn_color(name: str) -> str:
 def haloed(width: float) -> list[Any]:
     """Return the effect that keeps a line of this width visible on any background."""
     return [withStroke(linewidth=width + 1.6, foreground="white")]
+
+
+def legend_below(axes: Axes, **look: Any) -> None:
+    """Put the legend, if there is one to draw, below the label of the x axis."""
+    if axes.get_legend_handles_labels()[0]:
+        below = offset_copy(axes.transAxes, axes.figure.figure, y=-36, units="points")
+        look |= {"bbox_to_anchor": (0.5, 0), "bbox_transform": below, "borderaxespad": 0}
+        axes.legend(loc="upper center", **look)
 
 
 def rasterize_long_lines(panels: Iterable[Axes]) -> None:

@@ -81,7 +81,7 @@ def plot_parameters(
         _draw_deviations(panel, trace, deviations)
         if limits is not None:
             _draw_limits(panel, trace, limits[:, axis] / scale)
-        _finish_axes(panel, deviations, f"{_AXES[axis]}: error of the estimate")
+        _finish_axes(panel, deviations, f"{_AXES[axis]}: error")
         _write_values(panel, axis, true[axis], trace.parameters[-1, axis], verdicts[axis])
     for panel in axes[:-1]:
         panel.set_xlabel("")

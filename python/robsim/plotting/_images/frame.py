@@ -91,7 +91,7 @@ def plot_frame(
     time = "" if frame.t is None else f", t = {frame.t:.2f} s"
     seen = ", not seen" if blobs is not None and measurement is None else ""
     ax.set_title(f"frame {frame.index}{time}{seen}", loc="left")
-    _add_legend(ax)
+    style.legend_below(ax, ncols=3)
     return ax
 
 
@@ -164,14 +164,6 @@ def _draw_goals(axes: Axes, positions: Floats) -> None:
     axes.plot(
         [], [], "o", color=style.GOAL, markerfacecolor="none", markeredgewidth=2, label="goal"
     )
-
-
-def _add_legend(axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    if not handles:
-        return
-    look: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1, 1), "borderaxespad": 0}
-    axes.legend(handles, labels, ncols=3, **look)
 
 
 def _draw_blob(axes: Axes, blob: Blob, color: str, from_pixel: _Map) -> None:

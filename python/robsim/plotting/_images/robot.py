@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
-from matplotlib.transforms import offset_copy
 
 from robsim._base.checks import Floats
 from robsim.plotting import _style as style
@@ -57,16 +56,7 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
         loc="left",
         parse_math=False,
     )
-    below = offset_copy(ax.transAxes, ax.figure.figure, y=-36, units="points")
-    ax.legend(
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0),
-        bbox_transform=below,
-        ncols=5,
-        borderaxespad=0,
-        columnspacing=1.2,
-        handlelength=1.5,
-    )
+    style.legend_below(ax, ncols=5, columnspacing=1.2, handlelength=1.5)
     return ax
 
 
