@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from robsim.simulation._folders.callback_folder import new_folder
@@ -72,10 +73,12 @@ def test_the_robot_of_the_experiment_arrives_and_is_stopped():
 
 def test_the_first_block_is_five_lines_and_ends_with_a_picture():
     lines = [line for line in BLOCKS[0].splitlines() if line]
-    assert len(lines) <= 5
+    assert len(lines) == 5
     names = {}
     exec(BLOCKS[0].replace("robsim.plot", "figure = robsim.plot"), names)
     assert names["figure"]._repr_png_().startswith(b"\x89PNG")
+    assert names["trace"].seen.all()
+    assert np.ptp(names["trace"].pose_true[:, :2], axis=0).max() > 100  # the robot drives
 
 
 def test_the_table_of_callbacks_names_every_slot():

@@ -1,0 +1,90 @@
+"""The pictures of the README are those that the code draws today."""
+
+import importlib.util
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "assets" / "readme"
+
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(not FOLDER.is_dir(), reason="needs the sources"),
+]
+
+REMEDY = "the picture {} of the README is out of date: ./run pictures, look at it, commit it"
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+# Grey levels of 255, for pictures reduced to blocks of 16 x 16 px: what other fonts and another
+# version of matplotlib may change, but nothing that one sees.
+MOST_DIFFERENCE = 2.5
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("draw_readme", ROOT / "assets/draw_readme.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def figures(script):
+    return script.figures()
+
+
+def numbers(texts):
+    return [float(number) for text in texts for number in NUMBER.findall(text)]
+
+
+def words(texts):
+    return [NUMBER.sub("#", text) for text in texts]
+
+
+def difference(one, other):
+    """The mean difference of two images of about the same size, coarsely (grey levels)."""
+    size = (one.width // 16, one.height // 16)
+    a, b = (
+        np.asarray(i.convert("RGB").resize(size, Image.Resampling.BOX), float) for i in (one, other)
+    )
+    return np.abs(a - b).mean()
+
+
+def test_every_picture_has_its_texts_and_is_in_the_readme(figures):
+    assert set(json.loads((FOLDER / "texts.json").read_text())) == set(figures)
+    assert {file.name for file in FOLDER.iterdir()} == {*figures, "texts.json"}
+    shown = re.findall(r"!\[[^]]*\]\(assets/readme/([^)]+)\)", (ROOT / "README.md").read_text())
+    assert sorted(shown) == sorted(figures)
+    assert sum((FOLDER / name).stat().st_size for name in figures) < 300_000
+
+
+@pytest.mark.parametrize("name", ["demo.jpg", "traces.png"])
+def test_the_picture_says_what_the_code_draws(name, figures, script):
+    stored = json.loads((FOLDER / "texts.json").read_text())[name]
+    drawn = script.texts(figures[name])
+    assert words(drawn) == words(stored), REMEDY.format(name)
+    # The last digit may differ between processors.
+    for now, then in zip(numbers(drawn), numbers(stored), strict=True):
+        assert math.isclose(now, then, rel_tol=2e-3, abs_tol=2e-3), REMEDY.format(name)
+
+
+@pytest.mark.parametrize("name", ["demo.jpg", "traces.png"])
+def test_the_picture_looks_as_the_code_draws_it(name, figures, script):
+    drawn = script.picture(figures[name])
+    with Image.open(FOLDER / name) as stored:
+        assert abs(stored.width / drawn.width - 1) < 0.03, REMEDY.format(name)
+        assert abs(stored.height / drawn.height - 1) < 0.03, REMEDY.format(name)
+        assert difference(stored, drawn) < MOST_DIFFERENCE, REMEDY.format(name)
+
+
+def test_another_picture_is_noticed(figures, script):
+    other = script.picture(figures["traces.png"])
+    with Image.open(FOLDER / "traces.png") as stored:
+        flipped = stored.convert("RGB").transpose(Image.Transpose.FLIP_LEFT_RIGHT)
+        assert difference(flipped, other) > 3 * MOST_DIFFERENCE
