@@ -80,9 +80,9 @@ def test_errors_stand_beside_their_histograms():
     figure = render(plot_errors(pose_errors(trace)))
     panels, histograms = figure.axes[::2], figure.axes[1::2]
     assert [panel.get_ylabel() for panel in panels] == [
-        "x error (px)",
-        "y error (px)",
-        "heading error (deg)",
+        "x error\n(px)",
+        "y error\n(px)",
+        "heading error\n(deg)",
     ]
     np.testing.assert_array_equal(line(panels[0], "error").get_xdata(), np.arange(7, 57))
     np.testing.assert_allclose(line(panels[0], "error").get_ydata(), 1.0)

@@ -137,7 +137,7 @@ def long():
 def test_traces_have_six_panels_a_plan_and_three_histograms(usual):
     _, figure = usual
     labels = [axes.get_ylabel() for axes in figure.axes]
-    errors = ("x error (px)", "y error (px)", "heading error (deg)")
+    errors = ("x error\n(px)", "y error\n(px)", "heading error\n(deg)")
     for label in ("x (px)", "heading (deg)", *errors):
         assert labels.count(label) == 1
     assert labels.count("y (px)") == 2  # over the steps, and of the plan
@@ -209,9 +209,9 @@ def test_blobs_are_drawn_only_when_asked_for_in_x_and_y(rich, usual):
 
 def test_errors_are_measured_minus_true(usual):
     trace, figure = usual
-    (dx,) = lines(panel(figure, "x error (px)"), style.MEASURED)
+    (dx,) = lines(panel(figure, "x error\n(px)"), style.MEASURED)
     np.testing.assert_array_equal(dx.get_ydata(), trace.error[:, 0])
-    (turn,) = lines(panel(figure, "heading error (deg)"), style.MEASURED)
+    (turn,) = lines(panel(figure, "heading error\n(deg)"), style.MEASURED)
     np.testing.assert_allclose(turn.get_ydata(), np.rad2deg(trace.error[:, 2]))
 
 
@@ -230,12 +230,12 @@ def test_histograms_are_of_all_steps_in_which_the_robot_was_seen():
 
 
 def test_errors_are_dots_with_a_line_then_dots_then_ranges(long, usual):
-    (few,) = lines(panel(usual[1], "x error (px)"), style.MEASURED)
+    (few,) = lines(panel(usual[1], "x error\n(px)"), style.MEASURED)
     assert few.get_linewidth() > 0
-    (some,) = lines(panel(plot_traces(make_trace(301)), "x error (px)"), style.MEASURED)
+    (some,) = lines(panel(plot_traces(make_trace(301)), "x error\n(px)"), style.MEASURED)
     assert (some.get_linewidth(), some.get_marker()) == (0, ".")
     trace, figure = long
-    axes = panel(figure, "x error (px)")
+    axes = panel(figure, "x error\n(px)")
     assert not lines(axes, style.MEASURED)
     widest, inner = (band.get_paths()[0].vertices[:, 1] for band in axes.collections)
     error = trace.error[:, 0]
@@ -267,7 +267,7 @@ def test_long_runs_are_drawn_as_images_in_vector_files(long, usual):
 
 
 def test_a_false_pose_does_not_hide_the_others(rich):
-    axes = panel(rich[1], "x error (px)")
+    axes = panel(rich[1], "x error\n(px)")
     low, high = axes.get_ylim()
     assert -2 < low < -0.5
     assert 0.5 < high < 2
@@ -331,7 +331,7 @@ def test_one_valid_step_and_none():
 
 def test_rounding_errors_do_not_look_like_errors():
     figure = plot_traces(make_trace(noise=1e-13))
-    low, high = panel(figure, "x error (px)").get_ylim()
+    low, high = panel(figure, "x error\n(px)").get_ylim()
     assert low < -1e-4 < 1e-4 < high
     assert max(bar.get_width() for bar in histograms(figure)[1].patches) == 60
 
@@ -340,9 +340,9 @@ def test_a_constant_error_far_from_zero():
     trace = make_trace(noise=0.0)
     trace = changed(trace, "pose_measured", lambda poses: np.add(poses, (14, 0, 0), out=poses))
     figure = plot_traces(trace)
-    low, high = panel(figure, "x error (px)").get_ylim()
+    low, high = panel(figure, "x error\n(px)").get_ylim()
     assert low < 14 < high
-    low, high = panel(figure, "y error (px)").get_ylim()
+    low, high = panel(figure, "y error\n(px)").get_ylim()
     assert low < 0 < high
     texts = [axes.get_title(loc="left") for axes in histograms(figure)]
     assert texts == [

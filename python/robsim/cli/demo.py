@@ -75,7 +75,7 @@ def _table(report: BatchEstimate) -> Table:
         ("std. error", "yellow"),
     ):
         table.add_column(name, justify="right", no_wrap=True, header_style=f"bold {color}")
-    for name, value in report.to_dict().items():
+    for name, value in report.to_dict()["parameters"].items():
         true, online, batch = value["true"], value["online"], value["batch"]
         table.add_row(
             name,

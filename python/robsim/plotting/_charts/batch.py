@@ -87,7 +87,7 @@ def _decades(deviations: Floats) -> tuple[float, float]:
 def _finish_axes(axes: Axes, low: float, high: float, origin: str) -> None:
     axes.set_xscale("log")
     axes.set(xlim=(low, high), ylim=(_ROWS[-1] + 0.6, -0.6))
-    axes.xaxis.set_major_locator(LogLocator(numticks=8))
+    axes.xaxis.set_major_locator(LogLocator(numticks=6))
     axes.xaxis.set_major_formatter(percent)
     axes.minorticks_off()
     axes.set_yticks(_ROWS, style.PARAMETER_LABELS)

@@ -62,7 +62,7 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
         if minimum_sd is not None:
             _draw_bound(panel, report, 2.0 * factor * minimum_sd[:, i])
         name = f"{report.names[i]} error"
-        panel.set_ylabel(f"{name} ({unit})" if unit else name)
+        panel.set_ylabel(f"{name}\n({unit})" if unit else name)
         histogram.sharey(panel)
         draw_histogram(histogram, errors[~np.isnan(errors)], unit, color=color)
     _finish(axes, is_new=is_new)

@@ -205,7 +205,7 @@ def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trac
         panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
         draw_errors(panel, trace.k, errors[:, axis], color=style.MEASURED)
         limit_panel(panel, trace.k, errors[:, axis])
-        panel.set_ylabel(f"{name} error ({unit})")
+        panel.set_ylabel(f"{name} error\n({unit})")
         histograms[axis].sharey(panel)
         draw_histogram(histograms[axis], known[np.isfinite(known)], unit)
     panels[0].set_title("measured minus true", loc="left")
