@@ -256,7 +256,9 @@ MUST_BE = "^{name} must be"
         lambda x: GoToPoint(x, 2), "x", (np.nan,), r"^x must be finite \(px\), got nan", ValueError
     ),
     Refusal(lambda y: GoToPoint(1, y), "y", ((2, 3),), "^y must be a number", TypeError),
-    Refusal(lambda value: GoToPoint(1, 2, value), "GoToPoint", (3,), "positional", TypeError),
+    Refusal(
+        lambda value: GoToPoint(1, 2, value), "GoToPoint", (3,), "only x, y without", TypeError
+    ),
 )
 def test_what_is_no_path(refusal):
     refusal()

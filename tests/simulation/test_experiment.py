@@ -103,6 +103,7 @@ def test_progress_and_no_frames_at_all(run, capsys):
     ("frames", "options", "error", "message"),
     [
         (5, {}, TypeError, "frames must be an iterable of Frame"),
+        ("run.mkv", {}, TypeError, "folder of images, give robsim.Recording\\('run.mkv'\\)"),
         (
             [np.zeros((4, 4, 3), np.uint8)],
             {},
@@ -125,7 +126,7 @@ def test_the_slots_of_the_world_half_are_not_there():
     experiment = robsim.Experiment([])
     with pytest.raises(AttributeError, match="Experiment has no slot 'evaluate_model': there are"):
         experiment.evaluate_model = robsim.Unicycle()
-    with pytest.raises(TypeError, match="Experiment has no option 'noise'"):
+    with pytest.raises(TypeError, match="Experiment has no option 'noise': it is an option of"):
         robsim.Experiment([], noise=robsim.GaussianNoise(5))
 
 

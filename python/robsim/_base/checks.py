@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robsim._base.spelling import suggestion
+
 Floats = NDArray[np.float64]
 
 
@@ -76,7 +78,7 @@ def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
     if not isinstance(value, str):
         raise TypeError(expected)
     if value not in choices:
-        raise ValueError(expected)
+        raise ValueError(expected + suggestion(value, choices))
     return value
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
+from robsim._base.spelling import suggestion
+
 
 def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]:
     """Copy files into a folder: all of them, or none if one of them exists there."""
@@ -47,13 +49,30 @@ def read_toml(path: str | PathLike[str]) -> dict[str, Any]:
     ValueError
         If it is not TOML; the message names the file.
     """
-    content = Path(path).read_bytes()
+    content = content_of(Path(path))
     try:
         return tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise ValueError(f"{path} is not a TOML file: it is not UTF-8 text") from error
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path} is not a TOML file: {error}") from error
+
+
+def content_of(path: Path, size: int = -1) -> bytes:
+    """Return the first `size` bytes of a file, all by default.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file, with the one in its folder that was probably meant.
+    """
+    try:
+        with path.open("rb") as file:
+            return file.read(size)
+    except FileNotFoundError as error:
+        others = sorted(path.parent.glob(f"*{path.suffix}")) if path.suffix else []
+        hint = suggestion(path.name, [other.name for other in others])
+        raise FileNotFoundError(error.errno, f"{error.strerror}{hint}", str(path)) from None
 
 
 def write_whole(file: Path, content: bytes) -> None:

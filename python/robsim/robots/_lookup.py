@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 
 from robsim._base.shipped import ASSETS
+from robsim._base.spelling import suggestion
 from robsim.robots._default_robot import (
     data_folder,
     default_robot,
@@ -108,7 +109,9 @@ def _folder_in(parent: Path, key: str) -> Path | None:
 
 def unknown_robot_error(robot: object, hint: str = "") -> ValueError:
     """Return the error for the name of a robot that does not exist."""
-    return ValueError(f"no robot {str(robot)!r}: there are {', '.join(robot_names())}{hint}")
+    names = robot_names()
+    meant = suggestion(str(robot), names)
+    return ValueError(f"no robot {str(robot)!r}: there are {', '.join(names)}{meant or hint}")
 
 
 def set_default_robot(name: str) -> None:

@@ -29,6 +29,7 @@ from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
 from robsim.simulation import _slots as slots
 from robsim.simulation._options import (
+    NOT_OF_EXPERIMENT,
     UNLIMITED,
     colors_value,
     markers_value,
@@ -40,7 +41,7 @@ from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.mirrored import mirrored_remark
 from robsim.simulation._outside.motors import Motors
 from robsim.simulation._runner import Runner
-from robsim.simulation._scenario import Scenario
+from robsim.simulation._scenario import OPTIONS, Scenario
 from robsim.simulation._slots import RobotCallbacks
 from robsim.trace import Trace
 from robsim.trace._columns import POSES, RECORDED
@@ -108,6 +109,9 @@ class Experiment(Runner):
     """
 
     _GROUPS = RECORDED
+    _OPTIONS_ELSEWHERE = NOT_OF_EXPERIMENT | dict.fromkeys(
+        (*OPTIONS, "adjust_background"), "it is an option of robsim.Simulation, of its world"
+    )
 
     @slots.shows_slots(RobotCallbacks, _DEFAULTS)
     def __init__(

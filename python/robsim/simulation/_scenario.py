@@ -7,7 +7,7 @@ import warnings
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
@@ -29,6 +29,7 @@ from robsim.imaging._noise import Noise, as_native_noise
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
 from robsim.simulation import _options as options
+from robsim.simulation._slots import ARGUMENTS
 from robsim.simulation._world.disturbances import (
     ParameterMismatch,
     PoseNoise,
@@ -124,6 +125,11 @@ class Scenario:
     True
     >>> others = [scenario.replace(seed=seed) for seed in range(10)]
     """
+
+    _OPTIONS_ELSEWHERE: ClassVar[dict[str, str]] = options.NOT_OF_SIMULATION | dict.fromkeys(
+        (*(slot for slot in ARGUMENTS if slot not in options.KINDS), "time_limit"),
+        "code is no data: give it to Simulation itself",
+    )
 
     robot: str | PathLike[str] | RobotDefinition | None = None
     area: tuple[int, int] = (1200, 1200)

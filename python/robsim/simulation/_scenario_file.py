@@ -16,6 +16,7 @@ import numpy as np
 from PIL import Image
 
 from robsim._base.checks import check_choice, check_float, check_int
+from robsim._base.files import content_of
 from robsim._base.seeds import SeedRecord
 from robsim._base.spelling import check_names
 from robsim._core import (
@@ -302,8 +303,7 @@ def read_text(path: Path) -> str:
     ValueError
         If it is larger, or not text.
     """
-    with path.open("rb") as file:
-        content = file.read(MOST_BYTES + 1)
+    content = content_of(path, MOST_BYTES + 1)
     if len(content) > MOST_BYTES:
         raise ValueError(f"scenario file {path} must have at most {MOST_BYTES >> 20} MB")
     try:

@@ -85,6 +85,7 @@ class Simulation(WorldSlots, Runner):
 
     SLOTS = slots.names()
     _GROUPS = SIMULATED
+    _OPTIONS_ELSEWHERE = options.NOT_OF_SIMULATION
 
     @slots.shows_slots(AllCallbacks, dict.fromkeys(_STAGES, _SAME))
     def __init__(
@@ -117,7 +118,10 @@ class Simulation(WorldSlots, Runner):
         self._check_names(callbacks)
         given |= callbacks
         if scenario is not None and not isinstance(scenario, Scenario):
-            raise TypeError(f"scenario must be a Scenario, got {scenario!r}: give options by name")
+            hint = f", such as robot={scenario!r}" if isinstance(scenario, str) else ""
+            raise TypeError(
+                f"scenario must be a Scenario, got {scenario!r}: give options by name{hint}"
+            )
         data = {name: given[name] for name in OPTIONS if name in given}
         code = {
             name: data.pop(name) for name in _STAGES if name in data and not _is_data(name, data)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.spelling import check_names
+from robsim._base.public import hint_at_option
+from robsim._base.spelling import closest
 from robsim._core import Step
 from robsim.simulation import _slots as table
 from robsim.simulation._callbacks.checks import check_callback
@@ -44,8 +45,10 @@ class Slotted(RobotSlots, ABC):
     @classmethod
     def _check_names(cls, callbacks: Iterable[str]) -> None:
         """Raise TypeError if the ``**callbacks`` of the class have a name that is no slot."""
-        known = [*cls.SLOTS, *inspect.signature(cls).parameters]
-        check_names(f"{cls.__name__} has no option", callbacks, known, TypeError)
+        for name in callbacks:
+            if name not in cls.SLOTS:
+                hint = hint_at_option(cls, name, inspect.signature(cls).parameters)
+                raise TypeError(f"{cls.__name__} has no option {name!r}: {hint}")
 
     def _fill_slots(self, given: Mapping[str, Any]) -> None:
         """Fill the slots with what was given for them, or the default."""
@@ -130,10 +133,11 @@ class Slotted(RobotSlots, ABC):
             is_known = True
         if "_core" in self.__dict__ and not is_known:
             kind = type(self).__name__
-            raise AttributeError(
-                f"{kind} has no slot {name!r}: there are {', '.join(self.SLOTS)}; "
-                f"options are given to {kind}(...)"
-            )
+            if name in inspect.signature(type(self)).parameters:
+                raise AttributeError(f"{name} is fixed: give it to {kind}({name}=...)")
+            meant = None if name in SLOTS else closest(name, self.SLOTS)
+            hint = f"did you mean {meant!r}?" if meant else f"there are {', '.join(self.SLOTS)}"
+            raise AttributeError(f"{kind} has no slot {name!r}: {hint}")
         super().__setattr__(name, value)
 
     def _set_slot(self, slot: str, callback: Any) -> None:

@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from os import PathLike
 from typing import Any
 
 from robsim._core import Arrival, Frame, Observation, RobotModel, RobotParameters
@@ -44,6 +45,11 @@ class FrameSource:
         *,
         is_polled: bool = False,
     ) -> None:
+        if isinstance(frames, (str, PathLike)):
+            raise TypeError(
+                f"frames must be an iterable of Frame objects, got {frames!r}: for a video or a "
+                f"folder of images, give robsim.Recording({str(frames)!r})"
+            )
         if not isinstance(frames, Iterable):
             raise TypeError(f"frames must be an iterable of Frame objects, got {frames!r}")
         self.area: tuple[int, int] | None = getattr(frames, "area", None)
