@@ -1,6 +1,7 @@
 """The robot half on frames that come from elsewhere."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -90,7 +91,8 @@ def test_an_error_of_the_source_ends_the_run_and_keeps_the_trace(run):
     assert sim.trace.seen.all()
 
 
-def test_progress_and_no_frames_at_all(run, capsys):
+def test_progress_and_no_frames_at_all(run, capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     assert len(robsim.Experiment(run[0]).run(progress="look")) == 20
     assert "look" in capsys.readouterr().err
     sim = robsim.Experiment([])

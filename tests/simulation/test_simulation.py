@@ -491,8 +491,12 @@ def test_ctrl_c_stops_a_run_with_its_trace_kept(control, request):
     assert len(sim.run(10)) == done + 10
 
 
-def test_progress_shows_a_bar(capsys):
-    robsim.Simulation(measure=True, **SMALL).run(20, progress=True)
+def test_progress_shows_a_bar_on_a_terminal_alone(capsys, monkeypatch):
+    sim = robsim.Simulation(measure=True, **SMALL)
+    sim.run(20, progress=True)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    sim.run(20, progress=True)
     assert "20/20" in capsys.readouterr().err
 
 

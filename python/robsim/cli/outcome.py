@@ -70,9 +70,8 @@ def _frames(simulation: Simulation) -> Iterator[Frame]:
 
 def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Trace) -> None:
     """Write the frames of a run to a video file, with a progress bar."""
-    from tqdm.auto import tqdm
-
     from robsim.imaging._video import save_video
+    from robsim.simulation._progress import progress_bar
 
-    shown = tqdm(frames, total=len(trace), unit="frame", desc=file.name)
+    shown = progress_bar(frames, total=len(trace), unit="frame", desc=file.name)
     save_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))

@@ -91,11 +91,11 @@ class Runner(Slotted):
         if not progress:
             with self._guarded():
                 return self._core.run(steps)
-        from tqdm.auto import tqdm
+        from robsim.simulation._progress import progress_bar
 
         label = progress if isinstance(progress, str) else None
         before = self._core.rows
-        with tqdm(total=total, unit="step", desc=label) as bar, self._guarded():
+        with progress_bar(total=total, unit="step", desc=label) as bar, self._guarded():
             is_at_end = self._core.run(steps, lambda done: bar.update(done - bar.n))
             bar.update(self._core.rows - before - bar.n)
         return is_at_end
