@@ -2,8 +2,9 @@
 
 import os
 import tomllib
-from collections.abc import Iterable
-from os import PathLike
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -78,11 +79,23 @@ def content_of(path: Path, size: int = -1) -> bytes:
 def write_whole(file: Path, content: bytes) -> None:
     """Write a file atomically: readers get the old or the new content, never a part."""
     temporary = temporary_path(file)
+    with naming(file):
+        try:
+            temporary.write_bytes(content)
+            temporary.replace(file)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def naming(file: str | PathLike[str]) -> Iterator[None]:
+    """Let an OSError inside the context name a file: that of a full disk names none."""
     try:
-        temporary.write_bytes(content)
-        temporary.replace(file)
-    finally:
-        temporary.unlink(missing_ok=True)
+        yield
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise OSError(error.errno, error.strerror, fspath(file)) from error
 
 
 def temporary_path(file: Path) -> Path:

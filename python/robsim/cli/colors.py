@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from robsim._base.files import naming
 from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
 from robsim.cli.shared import Colors, Json, Noise, Robot
@@ -223,7 +224,8 @@ def _write_histograms(
     from robsim.plotting import plot_color_histograms
 
     file.parent.mkdir(parents=True, exist_ok=True)
-    plot_color_histograms(histograms, color, others=others, picture=picture).savefig(file)
+    with naming(file):
+        plot_color_histograms(histograms, color, others=others, picture=picture).savefig(file)
 
 
 def _marked_regions(

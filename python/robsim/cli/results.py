@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from robsim import plotting
+from robsim._base.files import naming
 from robsim._base.report import Report
 from robsim.identification._batch import BatchEstimate, batch_estimate
 from robsim.simulation._runner import Runner
@@ -88,7 +89,8 @@ def write_results(out: Path, simulation: Runner, *, method: str = "least_squares
         figures["batch.png"] = plotting.plot_batch(report).get_figure(root=True)
     for name in _FIGURES:
         if name in figures:
-            figures[name].savefig(out / name)
+            with naming(out / name):
+                figures[name].savefig(out / name)
         else:  # remove the figure of an earlier run
             (out / name).unlink(missing_ok=True)
     files = tuple(out / name for name in (*figures, "trace.npz"))

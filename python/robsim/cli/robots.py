@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from robsim._base.files import naming
 from robsim.cli import errors
 from robsim.cli.text import parse_point, parse_points
 
@@ -92,7 +93,8 @@ def show(
         file = out or Path(f"robot-{plain_name}.png")
         file = file if file.suffix else file.with_suffix(".png")
         file.parent.mkdir(parents=True, exist_ok=True)
-        plot_robot(robot).figure.figure.savefig(file)
+        with naming(file):
+            plot_robot(robot).figure.figure.savefig(file)
     print(_described(robot))
     print(f"figure written to {file}")
     for problem in problems:

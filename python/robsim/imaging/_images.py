@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
+from robsim._base.files import naming
+
 Pixels = NDArray[np.uint8]
 
 _WHITE = 65535  # of an image with 16 bits per pixel
@@ -84,7 +86,8 @@ def save_image(path: str | PathLike[str], image: Pixels) -> None:
     ValueError
         If the suffix names no known format.
     """
-    Image.fromarray(image).save(path)
+    with naming(path):
+        Image.fromarray(image).save(path)
 
 
 def png_bytes(pixels: Pixels) -> bytes:
