@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import subprocess
 import sys
 
 import numpy as np
@@ -101,7 +102,24 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
             "--resolution must be a size such as 640x480, got 'large'",
         ),
         (("run", "--noise", "loud"), "--noise must be a noise such as gaussian:10"),
-        (("run", "--control", "dance"), "control must be one of 'spin', 'drive-around', "),
+        (("run", "--noise", "gausian:4"), "got 'gausian:4'; did you mean 'gaussian'?"),
+        (("run", "--noise", "gaussian:-4"), "--noise: percent must be finite and at least 0"),
+        (("run", "--control", "dance"), "--control must be one of spin, drive-around, "),
+        (("run", "--control", "go-to-pont:3,4"), "; did you mean 'go-to-point'?"),
+        (("run", "--control", "spin:3,4"), "--control spin takes no points, got 'spin:3,4'"),
+        (("run", "--control", "go-to-point"), "--control go-to-point:... must be one point"),
+        (("run", "--control", "follow-path:3"), "must be one or more points right,down such as"),
+        (("run", "--control", "go-to-point:inf,3"), "--control: x must be finite (px), got inf"),
+        (("run", "--start", "300,300"), "--start must be x,y,heading in px, px and degrees"),
+        (("run", "--start", "a,300,nan"), "--start must be x,y,heading in px, px and degrees"),
+        (("run", "--start", "-3,300,0"), "start must lie within the area of 1200 x 1200 px"),
+        (("run", "--steps", "-1"), "--steps: steps must be at least 0"),
+        (("run", "--seed", "-1"), "--seed: seed must be at least 0"),
+        (("run", "--headings", "999"), "--headings: headings must lie within 1..360"),
+        (("run", "--smoothing", "99"), "--smoothing: smoothing must lie within 1..15"),
+        (("run", "--time-limit", "-1"), "--time-limit: time_limit must be finite and above 0"),
+        (("run", "--area", "5x5"), "--area must lie within 16..16384 px"),
+        (("run", "--scenario", "no.toml"), "no.toml: No such file or directory"),
         (
             ("run", "--noise", "uniform"),
             "--noise must be a noise such as gaussian:10 or uniform:10",
@@ -246,6 +264,70 @@ def test_figures_of_another_run_do_not_stay(tmp_path):
     assert command("run", "--steps", "3", cwd=tmp_path).exit_code == 0
     names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
     assert names == {"camera.png", "traces.png", "trace.npz", "mine.txt"}
+
+
+def test_a_controller_that_needs_a_point(tmp_path):
+    arguments = ("--control", "go-to-point:700,600", "--start", "600,600,0", "--seed", "0")
+    command("run", "--steps", "60", *arguments, cwd=tmp_path)
+    trace = robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")
+    assert trace.seen.all()
+    assert trace.pose_true[-1, 0] > 680
+    scenario = robsim.Scenario.of(trace)
+    assert scenario.start == (600, 600, 0)
+    assert scenario.seed == 0
+
+
+def test_a_path_and_a_start_in_degrees(tmp_path):
+    path = ("--control", "follow-path:300,400 300,500", "--start", "300,300,450")
+    command("run", "--steps", "2", *path, cwd=tmp_path)
+    trace = robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")
+    np.testing.assert_allclose(trace.pose_true[0], (300, 300, np.pi / 2))
+
+
+def test_a_second_run_says_that_it_replaces_the_first(tmp_path):
+    remark = "the earlier run in robsim-run is replaced; --out gives another folder"
+    assert remark not in command("run", "--steps", "2", cwd=tmp_path).stderr
+    assert remark in command("run", "--steps", "3", cwd=tmp_path).stderr
+    assert len(robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")) == 3
+
+
+def test_a_log_has_no_progress_bar(desk):
+    run = cli("run", "--steps", "3", "--out", "logged", cwd=desk)
+    assert "it/s" not in run.stderr
+    assert "\r" not in run.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
+def test_a_disk_that_is_full_is_told_by_the_name_of_the_file(tmp_path):
+    def run(*arguments, kilobytes):
+        program = f"import resource as r; r.setrlimit(r.RLIMIT_FSIZE, ({kilobytes} * 1024,) * 2); "
+        program += "from robsim.cli import main; main()"
+        return subprocess.run(
+            [sys.executable, "-c", program, *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+        )
+
+    data = {"robsim-run/trace.npz": 0, "robsim-run/camera.png": 8}
+    for file, kilobytes in data.items():
+        assert (
+            f"error: {file}: File too large"
+            in run("run", "--steps", "5", kilobytes=kilobytes).stderr
+        )
+    assert "error: frame.png: File" in run("colors", "frame", kilobytes=8).stderr
+    assert "error: robot-lab.png: File" in run("robots", "show", "lab", kilobytes=8).stderr
+    assert not list(tmp_path.rglob(".*"))
+
+
+def test_a_command_that_is_stopped_says_so(monkeypatch):
+    def stopped(**options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("robsim.bench.run_bench", stopped)
+    run = command("bench")
+    assert run.stderr == "stopped\n"
+    assert run.exit_code == 130
 
 
 def test_a_callback_that_ends_the_program_keeps_the_steps(mine):

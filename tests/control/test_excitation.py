@@ -9,7 +9,8 @@ import pytest
 
 import robsim
 from commands import command
-from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary, controller_named
+from robsim.control._by_name import NAMES, POINTS, controller_named
+from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary
 
 pytestmark = pytest.mark.kernels
 
@@ -258,8 +259,10 @@ def test_a_frequency_must_be_below_half_the_sampling_frequency(kind):
 def test_a_controller_by_its_name():
     assert controller_named("chirp") == Chirp()
     assert isinstance(controller_named("drive-around"), robsim.DriveAround)
-    with pytest.raises(ValueError, match=r"^control must be one of 'spin', .*, got 'dance'$"):
-        controller_named("dance")
+    assert controller_named("go-to-point", [(1, 2)]).y == 2
+    assert len(controller_named("follow-path", [(1, 2), (3, 4)]).waypoints) == 2
+    assert all(callable(controller_named(name, [(1, 2)])) for name in NAMES)
+    assert set(NAMES) > set(POINTS)
 
 
 @pytest.mark.long

@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from robsim.cli import bench, colors, demo, errors, notebooks, robots, run, track
+from robsim.cli.shared import SWITCH
+
+
+class _Program(TyperGroup):
+    """The commands; Ctrl-C ends each of them with a word."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            errors.print_note("stopped")
+            raise typer.Exit(130) from None  # as a shell has it: 128 + SIGINT
+
 
 app = typer.Typer(
+    cls=_Program,
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
@@ -31,7 +47,7 @@ app.add_typer(colors.app, name="colors")
 @app.callback(invoke_without_command=True)
 def _root(
     show_version: Annotated[
-        bool, typer.Option("--version", help="Print the version and stop.")
+        bool, typer.Option("--version", metavar=SWITCH, help="Print the version and stop.")
     ] = False,
 ) -> None:
     if show_version:
@@ -41,6 +57,8 @@ def _root(
 
 def main() -> None:
     """Run the command line: the entry point ``robsim``."""
+    # It speaks of its cache where that cannot be written.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     with warnings.catch_warnings():
         warnings.showwarning = lambda message, *_: errors.print_note(f"warning: {message}")
         app(prog_name="robsim")

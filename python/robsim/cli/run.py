@@ -9,8 +9,18 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.outcome import finish
-from robsim.cli.shared import Colors, Json, Noise, Robot, Smoothing
-from robsim.cli.text import parse_dropout, parse_headings, parse_noise, parse_size
+from robsim.cli.shared import SWITCH, Colors, Json, Noise, Robot, Seed, Smoothing, earlier_run
+from robsim.cli.text import (
+    about,
+    parse_control,
+    parse_dropout,
+    parse_headings,
+    parse_noise,
+    parse_size,
+    parse_start,
+)
+from robsim.control._by_name import NAMES, POINTS
+from robsim.imaging._video import CODECS, LOSSLESS
 
 if TYPE_CHECKING:
     from robsim import Simulation
@@ -25,12 +35,22 @@ RUN_EXAMPLE = "Example: robsim run mine --steps 300 --measure"
 RUN_HELP = (
     "Run a simulation, optionally with the callbacks of a folder.\n\n"
     "Figures and the trace are written to a folder. Without a controller, yours or --control, the "
-    "robot spins."
+    "robot spins. Ctrl-C ends the run and keeps its results."
 )
+
+# The names are written out where --help must show points, too.
+_CONTROLS = ", ".join(
+    f"{name}:X,Y" if POINTS.get(name) else f"{name}:'X,Y X,Y ...'" if name in POINTS else name
+    for name in NAMES
+)
+_LOSSLESS = " and ".join(suffix for suffix, codec in CODECS.items() if codec == LOSSLESS)
+_SUFFIXES = f"{', '.join(CODECS)}; {_LOSSLESS} are lossless."
 
 
 def new(
-    folder: Annotated[Path, typer.Argument(help="The folder; created if needed.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="The folder; created if needed.")
+    ],
 ) -> None:
     """Write the default callbacks to a folder."""
     from robsim.simulation._folders.callback_folder import new_folder
@@ -42,31 +62,51 @@ def new(
 
 
 def run(
-    folder: Annotated[Path | None, typer.Argument(help="Folder with your callbacks.")] = None,
+    folder: Annotated[
+        Path | None, typer.Argument(metavar="FOLDER", help="Folder with your callbacks.")
+    ] = None,
     scenario: Annotated[
         Path | None,
         typer.Option(
             "--scenario",
+            metavar="FILE",
             help="TOML file of a scenario, as Scenario.save writes it; other options change it.",
         ),
     ] = None,
-    steps: Annotated[int, typer.Option("--steps", help="Number of steps.")] = 500,
-    seed: Annotated[int | None, typer.Option("--seed", help="Seed of the run.")] = None,
+    steps: Annotated[int, typer.Option("--steps", metavar="N", help="Number of steps.")] = 500,
+    seed: Seed = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            "--start",
+            metavar="X,Y,DEGREES",
+            help="First position in px and heading in degrees, clockwise from facing right, such "
+            "as 300,300,90; or: random. Default: the centre, facing right.",
+        ),
+    ] = None,
     measure: Annotated[
-        bool, typer.Option("--measure", help="Measure the pose by vision, if the folder does not.")
+        bool,
+        typer.Option(
+            "--measure",
+            metavar=SWITCH,
+            help="Measure the pose by vision, if the folder does not.",
+        ),
     ] = False,
     estimate_parameters: Annotated[
         bool,
         typer.Option(
-            "--estimate-parameters", help="Estimate the parameters, if the folder does not."
+            "--estimate-parameters",
+            metavar=SWITCH,
+            help="Estimate the parameters, if the folder does not.",
         ),
     ] = False,
     control: Annotated[
         str | None,
         typer.Option(
             "--control",
-            help="A built-in controller in place of the folder's: spin, drive-around, "
-            "pseudo-random-binary, multi-sine, chirp.",
+            metavar="NAME[:POINTS]",
+            help="A built-in controller in place of the folder's: "
+            f"{_CONTROLS}. Points are in px; with them the pose is measured.",
         ),
     ] = None,
     noise: Noise = None,
@@ -82,6 +122,7 @@ def run(
         str | None,
         typer.Option(
             "--boundary",
+            metavar="KIND",
             help="bounce: walls, the default. unlimited: the view follows the robot.",
         ),
     ] = None,
@@ -89,12 +130,18 @@ def run(
         str | None,
         typer.Option(
             "--headings",
+            metavar="N",
             help="Number of headings that the robot is drawn in, or: continuous. Default: 36.",
         ),
     ] = None,
     robot: Robot = None,
     markers: Annotated[
-        str | None, typer.Option("--markers", help="Robot whose markers vision looks for.")
+        str | None,
+        typer.Option(
+            "--markers",
+            metavar="NAME|FOLDER",
+            help="Robot whose markers vision looks for. Default: those of the robot.",
+        ),
     ] = None,
     colors: Colors = None,
     smoothing: Smoothing = None,
@@ -107,59 +154,104 @@ def run(
         typer.Option("--resolution", metavar="WxH", help="Frame size in px. Default: the area."),
     ] = None,
     time_limit: Annotated[
-        float | None, typer.Option("--time-limit", help="Maximum duration of a callback call in s.")
+        float | None,
+        typer.Option(
+            "--time-limit",
+            metavar="SECONDS",
+            help="Maximum duration of a call of one of your callbacks. Default: none.",
+        ),
     ] = None,
-    out: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(
-        "robsim-run"
-    ),
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
+    ] = Path("robsim-run"),
     video: Annotated[
         Path | None,
-        typer.Option("--video", help="Video of the run: .mp4, .webm, .mkv (lossless)."),
+        typer.Option("--video", metavar="FILE", help=f"Video of the run: {_SUFFIXES}"),
     ] = None,
     record: Annotated[
-        Path | None, typer.Option("--record", help="Video of the camera's frames without overlays.")
+        Path | None,
+        typer.Option(
+            "--record",
+            metavar="FILE",
+            help="Video of the camera's frames, as the robot's software gets them: "
+            f"{_LOSSLESS} for measurements.",
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Run a simulation."""
-    from robsim.cli.results import check_folder
-    from robsim.control._excitation import controller_named
-    from robsim.imaging._video import VideoWriter
     from robsim.simulation import Scenario, Simulation
+    from robsim.simulation._options import step_count
+    from robsim.simulation._time_limit import TimeLimit
 
     with errors.report_errors(folder):
-        options: dict[str, Any] = {
-            "robot": robot,
-            "markers": markers,
-            "colors": colors,
-            "smoothing": smoothing,
-            "area": parse_size("--area", area),
-            "resolution": parse_size("--resolution", resolution),
-            "boundary": boundary,
-            "noise": parse_noise("--noise", noise),
-            "dropout": parse_dropout("--dropout", dropout),
-            "seed": seed,
-            "time_limit": time_limit,
-            "measure": measure or None,
-            "estimate_parameters": estimate_parameters or None,
-            "control": None if control is None else controller_named(control),
-            "scenario": None if scenario is None else Scenario.load(scenario),
-        }
-        options = {name: value for name, value in options.items() if value is not None}
+        with about("--steps"):
+            step_count(steps)
+        world = _given(
+            robot=robot,
+            markers=markers,
+            colors=colors,
+            smoothing=smoothing,
+            area=parse_size("--area", area),
+            resolution=parse_size("--resolution", resolution),
+            boundary=boundary,
+            noise=parse_noise("--noise", noise),
+            dropout=parse_dropout("--dropout", dropout),
+            seed=seed,
+        )
         if headings is not None:
-            options["headings"] = parse_headings("--headings", headings)
+            world["headings"] = parse_headings("--headings", headings)
+        _check_each(world)
+        with about("--time-limit"):
+            limit = None if time_limit is None else TimeLimit(time_limit).seconds
+        options = world | _given(
+            start=parse_start("--start", start),
+            time_limit=limit,
+            measure=measure or _needs_pose(control) or None,
+            estimate_parameters=estimate_parameters or None,
+            control=parse_control("--control", control),
+            scenario=None if scenario is None else Scenario.load(scenario),
+        )
         if folder is None:
             simulation = Simulation(**options)
         else:
             simulation = Simulation.from_folder(folder, **options)
-        # Errors of the outputs are raised before the run.
-        check_folder(out)
-        for file in filter(None, (video, record)):
-            VideoWriter(file, fps=1)
-        if video and record and video.resolve() == record.resolve():
-            raise ValueError(f"--video and --record must be two files, got {video} for both")
+        _check_outputs(out, video, record)
+        remark = earlier_run(out)
         run_kept(simulation, steps, out)
     finish(simulation, out, as_json=as_json, video=video, record=record)
+    if remark:
+        errors.print_note(remark)
+
+
+def _given(**options: Any) -> dict[str, Any]:
+    """Return the options that are given: the others stay as the scenario or the folder has them."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def _check_each(options: dict[str, Any]) -> None:
+    """Raise an error that names an option as the shell does, if one alone is wrong."""
+    from robsim.simulation import Scenario
+
+    for name, value in options.items():
+        with about(f"--{name}"):
+            Scenario(**{name: value})
+
+
+def _needs_pose(control: str | None) -> bool:
+    return control is not None and control.partition(":")[0] in POINTS
+
+
+def _check_outputs(out: Path, video: Path | None, record: Path | None) -> None:
+    """Raise the errors of the outputs, before the run."""
+    from robsim.cli.results import check_folder
+    from robsim.imaging._video import VideoWriter
+
+    check_folder(out)
+    for file in filter(None, (video, record)):
+        VideoWriter(file, fps=1)
+    if video and record and video.resolve() == record.resolve():
+        raise ValueError(f"--video and --record must be two files, got {video} for both")
 
 
 def run_kept(simulation: Simulation, steps: int | None, out: Path) -> None:

@@ -7,17 +7,26 @@ from typing import Annotated
 
 import typer
 
+#: A switch has no value: in place of its type, --help shows nothing.
+SWITCH = ""
+
 Robot = Annotated[
     str | None,
-    typer.Option("--robot", help="Name or folder of the robot. Default: the default robot."),
+    typer.Option(
+        "--robot",
+        metavar="NAME|FOLDER",
+        help="Name or folder of the robot. Default: the one chosen with robsim robots use.",
+    ),
 ]
 Colors = Annotated[
-    Path | None, typer.Option("--colors", help="Colour file. Default: the shipped one.")
+    Path | None,
+    typer.Option("--colors", metavar="FILE", help="Colour file. Default: the shipped one."),
 ]
 Smoothing = Annotated[
     int | None,
     typer.Option(
         "--smoothing",
+        metavar="PX",
         help="Width of the averaging window in px: 3, 5, ... 15; 1 = off. Default: by the markers.",
     ),
 ]
@@ -29,4 +38,22 @@ Noise = Annotated[
         help="Camera noise, such as gaussian:10 or uniform:10.",
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print only the numbers, as JSON.")]
+Seed = Annotated[
+    int | None,
+    typer.Option(
+        "--seed",
+        metavar="N",
+        help="Seed of the random numbers: the same one gives the same results. Default: another "
+        "one each time.",
+    ),
+]
+Json = Annotated[
+    bool, typer.Option("--json", metavar=SWITCH, help="Print only the numbers, as JSON.")
+]
+
+
+def earlier_run(out: Path) -> str | None:
+    """Return the remark that a folder's results of an earlier run are replaced, or None."""
+    if (out / "trace.npz").exists():
+        return f"the earlier run in {out} is replaced; --out gives another folder"
+    return None

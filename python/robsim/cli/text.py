@@ -1,13 +1,34 @@
-"""Parsers of option texts (sizes, regions, points, noise, dropouts), for the commands."""
+"""Parsers of option texts (sizes, regions, points, noise, controllers, ...), for the commands."""
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
 
+from robsim._base.checks import check_size
+from robsim._base.spelling import suggestion
+from robsim.control._by_name import NAMES, POINTS, controller_named
 from robsim.imaging import GaussianNoise, UniformNoise
 from robsim.simulation import Dropout
 
 Points = list[tuple[float, float]]
+
+_NOISES: dict[str, type[GaussianNoise | UniformNoise]] = {
+    "gaussian": GaussianNoise,
+    "uniform": UniformNoise,
+}
+
+
+@contextmanager
+def about(option: str) -> Iterator[None]:
+    """Begin the message of an error inside the context with the option that it is about."""
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{option}: {error}") from error
 
 
 def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
@@ -17,7 +38,7 @@ def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise ValueError(f"{option} must be a size such as 640x480, got {text!r}")
-    return int(width), int(height)
+    return check_size(option, (int(width), int(height)))
 
 
 def parse_noise(option: str, text: str | None) -> GaussianNoise | UniformNoise | None:
@@ -25,15 +46,13 @@ def parse_noise(option: str, text: str | None) -> GaussianNoise | UniformNoise |
     if text is None:
         return None
     kind, _, percent = text.lower().partition(":")
-    kinds: dict[str, type[GaussianNoise | UniformNoise]] = {
-        "gaussian": GaussianNoise,
-        "uniform": UniformNoise,
-    }
-    if kind not in kinds or not _is_number(percent):
+    if kind not in _NOISES or not _is_number(percent):
         raise ValueError(
             f"{option} must be a noise such as gaussian:10 or uniform:10, got {text!r}"
+            + ("" if kind in _NOISES else suggestion(kind, _NOISES))
         )
-    return kinds[kind](float(percent))
+    with about(option):
+        return _NOISES[kind](float(percent))
 
 
 def parse_dropout(option: str, text: str | None) -> Dropout | None:
@@ -45,7 +64,8 @@ def parse_dropout(option: str, text: str | None) -> Dropout | None:
         raise ValueError(
             f"{option} must be a probability such as 0.2, or 0.2:5 for 5 steps, got {text!r}"
         )
-    return Dropout(float(probability), int(steps) if colon else 1)
+    with about(option):
+        return Dropout(float(probability), int(steps) if colon else 1)
 
 
 def parse_headings(option: str, text: str) -> int | None:
@@ -65,6 +85,39 @@ def _is_number(text: str) -> bool:
     return True
 
 
+def parse_control(option: str, text: str | None) -> Callable[..., Any] | None:
+    """Return the controller from text such as drive-around or go-to-point:900,300."""
+    if text is None:
+        return None
+    name, colon, points = text.partition(":")
+    if name not in NAMES:
+        raise ValueError(
+            f"{option} must be one of {', '.join(NAMES)}, got {text!r}{suggestion(name, NAMES)}"
+        )
+    if name not in POINTS:
+        if colon:
+            raise ValueError(f"{option} {name} takes no points, got {text!r}")
+        return controller_named(name)
+    found = parse_points(f"{option} {name}:...", points, count=POINTS[name], minimum=1)
+    with about(option):
+        return controller_named(name, found or ())
+
+
+def parse_start(option: str, text: str | None) -> tuple[float, float, float] | str | None:
+    """Return the pose from text such as 300,300,90, in px, px and degrees; or "random"."""
+    if text is None or text == "random":
+        return text
+    parts = text.split(",")
+    numbers = [float(part) for part in parts if _is_number(part)]
+    if len(parts) != 3 or len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise ValueError(
+            f"{option} must be x,y,heading in px, px and degrees, such as 300,300,90, or random, "
+            f"got {text!r}"
+        )
+    x, y, degrees = numbers
+    return x, y, math.radians(math.remainder(degrees, 360))
+
+
 def parse_region(option: str, text: str) -> tuple[int, int, int, int]:
     """Return left, top, right, bottom from text such as 573,609,599,634."""
     parts = [part.strip() for part in text.split(",")]
@@ -76,28 +129,32 @@ def parse_region(option: str, text: str) -> tuple[int, int, int, int]:
     return left, top, right, bottom
 
 
-def parse_points(option: str, text: str | None, *, minimum: int = 3) -> Points | None:
-    """Return points from text such as "120,40 180,40 180,90"; one if the minimum is 1."""
+def parse_points(
+    option: str, text: str | None, *, count: int | None = None, minimum: int = 3
+) -> Points | None:
+    """Return points from text such as "120,40 180,40 180,90": `count`, or at least `minimum`."""
     if text is None:
         return None
     try:
         found = [(float(x), float(y)) for x, y in (pair.split(",") for pair in text.split())]
     except ValueError:
         found = []
-    if len(found) < minimum or (minimum == 1 and len(found) > 1):
-        example, number = _EXAMPLES[minimum]
+    if len(found) != count and (count or len(found) < minimum):
+        example, number = _EXAMPLES[count or -minimum]
         raise ValueError(f"{option} must be {number} such as '{example}', got {text!r}")
     return found
 
 
+# By their number; negative: at least as many.
 _EXAMPLES = {
-    3: ("120,40 180,40 180,90", "at least three points right,down"),
+    -3: ("120,40 180,40 180,90", "at least three points right,down"),
+    -1: ("400,400 800,400", "one or more points right,down"),
     1: ("240,250", "one point right,down"),
-    4: ("0,0 9,0 9,9 0,9", "at least four points"),
+    -4: ("0,0 9,0 9,9 0,9", "at least four points"),
 }
 
 
 def parse_point(option: str, text: str | None) -> tuple[float, float] | None:
     """Return a point from text such as 240,250."""
-    found = parse_points(option, text, minimum=1)
+    found = parse_points(option, text, count=1)
     return found[0] if found else None

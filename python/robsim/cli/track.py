@@ -10,7 +10,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.outcome import finish, write_with_progress
-from robsim.cli.shared import Colors, Json, Robot, Smoothing
+from robsim.cli.shared import Colors, Json, Robot, Smoothing, earlier_run
 from robsim.cli.text import Points, parse_points, parse_size
 
 if TYPE_CHECKING:
@@ -84,6 +84,7 @@ def track(
             _print_residuals(plane_map, pixel_points, world_points)
         recording = Recording(source, plane_map=plane_map, area=parse_size("--area", area), dt=dt)
         experiment = Experiment(recording, robot=robot, colors=colors, smoothing=smoothing)
+        remark = earlier_run(out)
     failure = None
     try:
         experiment.run(progress=True)
@@ -93,6 +94,8 @@ def track(
         failure = error
     if count := len(experiment.trace):
         finish(experiment, out, as_json=as_json)
+        if remark:
+            errors.print_note(remark)
         if video:
             _write_video(experiment, recording, out / VIDEO)
         if failure is not None:

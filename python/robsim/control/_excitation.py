@@ -1,20 +1,15 @@
-"""Open-loop controllers that excite the robot for parameter identification.
-
-Users pass them as ``Simulation(control=...)``; the command line picks them by name.
-"""
+"""Open-loop controllers that excite the robot for parameter identification."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats, check_choice, check_float, check_int
-from robsim._core import DriveAround, Spin, Step
+from robsim._base.checks import Floats, check_float, check_int
+from robsim._core import Step
 
 # Register length -> the cells that are fed back: primitive polynomials, x^7 + x^6 + 1 and so on.
 _FEEDBACK_TAPS = {
@@ -329,23 +324,3 @@ class Chirp(_Band):
         swept = self._frequency(progress) - self.minimum_frequency
         log_ratio = math.log(self.maximum_frequency / self.minimum_frequency)
         return 2 * math.pi * self.duration * swept / log_ratio
-
-
-_NAMES: dict[str, Callable[[], Callable[[Step], Any]]] = {
-    "spin": Spin,
-    "drive-around": DriveAround,
-    "pseudo-random-binary": PseudoRandomBinary,
-    "multi-sine": MultiSine,
-    "chirp": Chirp,
-}
-
-
-def controller_named(name: str) -> Callable[[Step], Any]:
-    """Return an open-loop controller with its default options, as the command line names it.
-
-    Parameters
-    ----------
-    name : str
-        ``"spin"``, ``"drive-around"``, ``"pseudo-random-binary"``, ``"multi-sine"`` or ``"chirp"``.
-    """
-    return _NAMES[check_choice("control", name, tuple(_NAMES))]()
