@@ -324,7 +324,7 @@ def test_rotate():
     result = robots("rotate", "mine", "far")
     assert result.exit_code == 2
     assert "Invalid value for" in result.stderr
-    assert "degrees" in result.stderr
+    assert "DEGREES" in result.stderr
     assert "Traceback" not in result.stderr
 
 

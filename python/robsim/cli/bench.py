@@ -22,7 +22,10 @@ def bench(
     rounds: Annotated[
         int,
         typer.Option(
-            "--rounds", min=1, help="Number of timings of each case; the median is reported."
+            "--rounds",
+            metavar="N",
+            min=1,
+            help="Number of timings of each case; the median is reported.",
         ),
     ] = 25,
     as_json: Json = False,

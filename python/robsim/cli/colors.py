@@ -13,7 +13,7 @@ import typer
 from robsim._base.files import naming
 from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
-from robsim.cli.shared import Colors, Json, Noise, Robot
+from robsim.cli.shared import SWITCH, Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import parse_noise, parse_point, parse_region
 from robsim.imaging._images import Pixels, load_image, save_image
 from robsim.robots._polygons import area_and_centroid, mask
@@ -35,7 +35,7 @@ _MINIMUM_INSIDE = 0.8  # fraction of a region that must lie in the marker
 
 _SMOOTHING = "Width of the averaging window in px: 3, 5, ... 15; 1 = off."
 
-Images = Annotated[list[Path], typer.Argument(help="Images.", show_default=False)]
+Images = Annotated[list[Path], typer.Argument(metavar="IMAGE", help="Images.", show_default=False)]
 
 
 @app.command(
@@ -44,7 +44,7 @@ Images = Annotated[list[Path], typer.Argument(help="Images.", show_default=False
     epilog="Example: robsim colors frame frame.png",
 )
 def frame(
-    file: Annotated[Path, typer.Argument(help="The image.")] = Path("frame.png"),
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The image.")] = Path("frame.png"),
     robot: Robot = None,
     at: Annotated[
         str | None,
@@ -53,10 +53,13 @@ def frame(
         ),
     ] = None,
     heading: Annotated[
-        float, typer.Option("--heading", help="Heading in degrees, clockwise from facing right.")
+        float,
+        typer.Option(
+            "--heading", metavar="DEGREES", help="Heading in degrees, clockwise from facing right."
+        ),
     ] = 0.0,
     noise: Noise = None,
-    seed: Annotated[int | None, typer.Option("--seed", help="Seed of the noise.")] = None,
+    seed: Seed = None,
 ) -> None:
     """Write an image of the simulated robot."""
     with errors.report_errors():
@@ -80,7 +83,8 @@ def frame(
 @app.command("list", epilog="Example: robsim colors list")
 def list_colors(
     file: Annotated[
-        Path | None, typer.Argument(help="Colour file.", show_default="that of robsim")
+        Path | None,
+        typer.Argument(metavar="FILE", help="Colour file.", show_default="that of robsim"),
     ] = None,
 ) -> None:
     """List the colours in a file, with their ranges."""
@@ -110,19 +114,30 @@ def train(
             help="Box in px around pixels of the colour: left,top,right,bottom. Can be repeated.",
         ),
     ],
-    name: Annotated[str, typer.Option("--name", help="Name of the colour: red, blue, ...")],
+    name: Annotated[
+        str, typer.Option("--name", metavar="NAME", help="Name of the colour: red, blue, ...")
+    ],
     to: Annotated[
-        Path | None, typer.Option("--to", help="Colour file to write to; created if needed.")
+        Path | None,
+        typer.Option("--to", metavar="FILE", help="Colour file to write to; created if needed."),
     ] = None,
     margin: Annotated[
-        int, typer.Option("--margin", help="Widening of the ranges found, in levels.")
+        int,
+        typer.Option(
+            "--margin", metavar="LEVELS", help="Widening of the ranges found, in levels of 0..255."
+        ),
     ] = 52,
     limit_y: Annotated[
         bool,
-        typer.Option("--limit-y", help="Limit the brightness Y, too; needed for black and white."),
+        typer.Option(
+            "--limit-y",
+            metavar=SWITCH,
+            help="Limit the brightness Y, too; needed for black and white.",
+        ),
     ] = False,
     figure: Annotated[
-        Path | None, typer.Option("--figure", help="File for the histograms, such as red.png.")
+        Path | None,
+        typer.Option("--figure", metavar="FILE", help="File for the histograms, such as red.png."),
     ] = None,
 ) -> None:
     """Find the ranges of a colour in images of it."""
@@ -152,7 +167,7 @@ def train(
 def try_colors(
     images: Images,
     colors: Colors = None,
-    smoothing: Annotated[int, typer.Option("--smoothing", help=_SMOOTHING)] = 7,
+    smoothing: Annotated[int, typer.Option("--smoothing", metavar="PX", help=_SMOOTHING)] = 7,
     regions: Annotated[
         list[str] | None,
         typer.Option(
@@ -165,6 +180,7 @@ def try_colors(
         Path | None,
         typer.Option(
             "--out",
+            metavar="FILE|FOLDER",
             help="Image file that shows which pixel belongs to which colour; a folder if several "
             "images are given.",
         ),

@@ -17,7 +17,9 @@ HELP = (
 
 
 def notebooks(
-    folder: Annotated[Path, typer.Argument(help="The folder; created if needed.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="The folder; created if needed.")
+    ],
 ) -> None:
     """Copy the notebooks for students into a folder."""
     from robsim._base.shipped import copy_notebooks

@@ -10,6 +10,7 @@ import typer
 
 from robsim._base.files import naming
 from robsim.cli import errors
+from robsim.cli.shared import SWITCH
 from robsim.cli.text import parse_point, parse_points
 
 if TYPE_CHECKING:
@@ -26,9 +27,10 @@ app = typer.Typer(
     epilog="Start with: robsim robots list",
 )
 
-Name = Annotated[str, typer.Argument(help="Name of the robot.", show_default=False)]
+Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of the robot.", show_default=False)]
 Colors = Annotated[
-    Path | None, typer.Option("--colors", help="Colour file.", show_default="that of robsim")
+    Path | None,
+    typer.Option("--colors", metavar="FILE", help="Colour file.", show_default="that of robsim"),
 ]
 
 _FACES = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
@@ -74,11 +76,17 @@ def list_robots() -> None:
 def show(
     name: Annotated[
         str | None,
-        typer.Argument(help="A robot, or a folder with one.", show_default="the default robot"),
+        typer.Argument(
+            metavar="NAME|FOLDER",
+            help="A robot, or a folder with one.",
+            show_default="the default robot",
+        ),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", help="File for the drawing.", show_default="robot-NAME.png"),
+        typer.Option(
+            "--out", metavar="FILE", help="File for the drawing.", show_default="robot-NAME.png"
+        ),
     ] = None,
     colors: Colors = None,
 ) -> None:
@@ -113,21 +121,30 @@ def add(
     name: Name,
     source: Annotated[
         str,
-        typer.Argument(help="An image (PNG), a robot, or a folder with one.", show_default=False),
+        typer.Argument(
+            metavar="SOURCE",
+            help="An image (PNG), a robot, or a folder with one.",
+            show_default=False,
+        ),
     ],
     size: Annotated[
         float | None,
-        typer.Option(help="Width of the image on the work area in px.", show_default="120"),
+        typer.Option(
+            metavar="PX", help="Width of the image on the work area in px.", show_default="120"
+        ),
     ] = None,
     alignment: Annotated[
         float | None,
         typer.Option(
-            help="Degrees clockwise, after which the robot faces right.", show_default="0"
+            metavar="DEGREES",
+            help="Degrees clockwise, after which the robot faces right.",
+            show_default="0",
         ),
     ] = None,
     centre: Annotated[
         str | None,
         typer.Option(
+            metavar="X,Y",
             help="Centre in the image, as '240,250': px right,down.",
             show_default="that of the outline",
         ),
@@ -135,23 +152,34 @@ def add(
     outline: Annotated[
         str | None,
         typer.Option(
-            help="Polygon, as '120,40 180,40 180,90'.", show_default="around the opaque pixels"
+            metavar="POINTS",
+            help="Polygon in the image, as '120,40 180,40 180,90'.",
+            show_default="around the opaque pixels",
         ),
     ] = None,
     red: Annotated[
         str | None,
-        typer.Option(help="Polygon of the red marker.", show_default="the largest red blob"),
+        typer.Option(
+            metavar="POINTS", help="Polygon of the red marker.", show_default="the largest red blob"
+        ),
     ] = None,
     blue: Annotated[
         str | None,
-        typer.Option(help="Polygon of the blue marker.", show_default="the largest blue blob"),
+        typer.Option(
+            metavar="POINTS",
+            help="Polygon of the blue marker.",
+            show_default="the largest blue blob",
+        ),
     ] = None,
     colors: Colors = None,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace your robot of this name.")
+        bool, typer.Option("--overwrite", metavar=SWITCH, help="Replace your robot of this name.")
     ] = False,
     anyway: Annotated[
-        bool, typer.Option("--anyway", help="Add it even if its markers are not detected.")
+        bool,
+        typer.Option(
+            "--anyway", metavar=SWITCH, help="Add it even if its markers are not detected."
+        ),
     ] = False,
 ) -> None:
     """Add a robot to your user folder."""
@@ -183,7 +211,10 @@ def add(
 def rotate(
     name: Name,
     degrees: Annotated[
-        float, typer.Argument(help="Angle in degrees, clockwise; negative: anticlockwise.")
+        float,
+        typer.Argument(
+            metavar="DEGREES", help="Angle in degrees, clockwise; negative: anticlockwise."
+        ),
     ],
 ) -> None:
     """Rotate the image of one of your robots, so that the robot faces right."""

@@ -10,7 +10,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.outcome import finish, write_with_progress
-from robsim.cli.shared import Colors, Json, Robot, Smoothing, earlier_run
+from robsim.cli.shared import SWITCH, Colors, Json, Robot, Smoothing, earlier_run
 from robsim.cli.text import Points, parse_points, parse_size
 
 if TYPE_CHECKING:
@@ -28,7 +28,9 @@ HELP = (
 
 
 def track(
-    source: Annotated[Path, typer.Argument(help="Video file, or folder of images.")],
+    source: Annotated[
+        Path, typer.Argument(metavar="SOURCE", help="Video file, or folder of images.")
+    ],
     robot: Robot = None,
     colors: Colors = None,
     smoothing: Smoothing = None,
@@ -41,7 +43,9 @@ def track(
     pixels: Annotated[
         str | None,
         typer.Option(
-            "--pixels", metavar="POINTS", help="Four or more points in the frames, in px."
+            "--pixels",
+            metavar="POINTS",
+            help="Four or more points in the frames, in px, such as '0,0 639,0 639,479 0,479'.",
         ),
     ] = None,
     positions: Annotated[
@@ -53,14 +57,16 @@ def track(
     dt: Annotated[
         float | None,
         typer.Option(
-            "--dt", help="Time between two frames in s. Default: from the video; 0.2 for images."
+            "--dt",
+            metavar="SECONDS",
+            help="Time between two frames in s. Default: from the video; 0.2 for images.",
         ),
     ] = None,
-    out: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(
-        "robsim-track"
-    ),
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
+    ] = Path("robsim-track"),
     video: Annotated[
-        bool, typer.Option(help="Write the annotated video, tracked.mp4, too.")
+        bool, typer.Option(metavar=SWITCH, help="Write the annotated video, tracked.mp4, too.")
     ] = True,
     as_json: Json = False,
 ) -> None:
