@@ -1,6 +1,7 @@
 import base64
 import contextlib
 import io
+import re
 import tomllib
 
 import numpy as np
@@ -12,6 +13,8 @@ from PIL import Image
 import robsim
 from robsim import Replay, Scenario
 from robsim.simulation import _scenario_file
+from robsim.simulation._scenario import OPTIONS
+from robsim.simulation._scenario_file import _KINDS, _PLAIN
 from scenarios import FULL, scenarios
 
 # --- there and back
@@ -114,7 +117,7 @@ REFUSED = {
     "start = 2020-01-01": "start must",
     "start = [1, 2, nan]": "start must",
     "seed = -1": "seed must",
-    "seed = 'x'": "seed must be an int",
+    "seed = 'x'": "seed must be a whole number",
     "[seed]\nentropy = [1, -1]": r"\[seed\] entropy must",
     "[seed]\nentropy = 1\nspawn_key = 'x'": r"\[seed\] spawn_key must",
     "robot = '/etc'": "robot must be one of 'lab'",
@@ -132,7 +135,7 @@ REFUSED = {
     "[markers]\nred = [1, 2]": r"\[markers\] blue is missing",
     "[markers]\nred = [1, 2]\nblue = 'x'": r"\[markers\] blue must",
     "[markers]\nred = [1, 2]\nblue = [1, 2]": r"\[markers\] distance",
-    "[noise]\npercent = 1": r"\[noise\] kind must be one of 'GaussianNoise', 'UniformNoise'",
+    "[noise]\npercent = 1": r"\[noise\] kind is missing, one of 'GaussianNoise', 'UniformNoise'",
     "[noise]\nkind = 'os.system'\npercent = 1": r"\[noise\] kind must be one of",
     "[noise]\nkind = 'UniformNoise'\npercnt = 1": "no key 'percnt': did you mean 'percent'",
     "[noise]\nkind = 'UniformNoise'\npercent = 'x'": r"\[noise\] percent must",
@@ -146,12 +149,12 @@ REFUSED = {
     "[model]\nkind = 'RobotParameters'\nmass = '1'": r"\[model\] mass must",
     "[model]\nkind = 'RobotParameters'\nmass = -1": r"\[model\] mass",
     "[model]\nkind = 'RobotParameters'\nmotor_gain = [1]": r"\[model\] motor_gain must",
-    "[control]": r"\[control\] kind must",
+    "[control]": r"\[control\] kind is missing",
     "[control]\nkind = 'DriveAround'\nhold = 0": r"\[control\] hold must",
     "[control]\nkind = 'DriveAround'\nhold = 99999999999": r"\[control\] hold must",
     "[control]\nkind = 'Replay'\nu = 'ä'": r"\[control\] u must be base64",
     "[control]\nkind = 'Replay'\nu = 'AAAA'": r"\[control\] u must be pairs of float64",
-    "[control]\nkind = 'Replay'\nu = [1]": r"\[control\] u must be text",
+    "[control]\nkind = 'Replay'\nu = [1]": r"\[control\] u must be a text",
     "[evaluate_model]\nkind = 'eval'": r"\[evaluate_model\] kind must",
     f"[background]\npixels = '{png('RGB', (5001, 5000))}'": "pixels must be RGB or RGBA of at most",
     f"[background]\npixels = '{png('L', (5, 5))}'": r"pixels must be RGB or RGBA",
@@ -213,3 +216,35 @@ def test_whatever_stands_there_is_an_error_or_a_scenario(values):
     text = "\n".join(f"{name} = {value!r}" for name, value in values.items())
     with contextlib.suppress(ValueError):
         assert isinstance(Scenario.from_toml(text), Scenario)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "seed = 1979-05-27T07:32:00Z",
+            "whole number, or a table [seed], got the time 1979-05-27T",
+        ),
+        ("measure = 1", "measure must be true or false, got 1"),
+        ("smoothing = true", "smoothing must be a whole number, got true"),
+        ("boundary = {}", "boundary must be a text, got a table"),
+        ("area = '5x5'", "area must be [width, height] in px, got '5x5'"),
+        ("[noise]\npercent = 5", "[noise] kind is missing, one of 'GaussianNoise', 'UniformNoise'"),
+        ("[dropout]\nprobability = 0.1\nsteps = 1.5", "[dropout] steps must be a whole number"),
+        ("[dropout]\nprobability = 07:32:00", "must be a number, got the time 07:32:00"),
+        ("[colors.red]\ny = [1, false]", "y must be [lower, upper], two whole numbers, got false"),
+    ],
+)
+def test_errors_speak_of_what_toml_has(text, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        Scenario.from_toml(text)
+
+
+def test_every_option_has_its_type_in_a_file():
+    assert _PLAIN.keys() | _KINDS.keys() | {"colors"} == set(OPTIONS)
+
+
+def test_a_file_that_cannot_be_written_is_named(tmp_path):
+    with pytest.raises(FileNotFoundError) as caught:
+        Scenario().save(tmp_path / "nowhere" / "run.toml")
+    assert caught.value.filename == str(tmp_path / "nowhere" / "run.toml")

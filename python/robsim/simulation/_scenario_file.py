@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import datetime
 import io
 import reprlib
 import tomllib
@@ -62,28 +63,52 @@ class _Key:
 
 
 def _number(unit: str = "") -> _Key:
-    return _Key(check_float, unit)
+    return _Key(_float, unit)
 
 
 def _array(unit: str = "", *, is_needed: bool = False) -> _Key:
     return _Key(_list, unit, is_needed=is_needed)
 
 
-_COUNT = _Key(partial(check_int, minimum=0, maximum=2**31 - 1))
+def _float(name: str, value: Any) -> float:
+    return check_float(name, _of_type(name, value, "a number", int, float))
+
+
+def _count(name: str, value: Any) -> int:
+    number = _of_type(name, value, "a whole number", int)
+    return check_int(name, number, minimum=0, maximum=2**31 - 1)
+
+
+_COUNT = _Key(_count)
 
 
 def _list(name: str, value: Any) -> Any:
     if isinstance(value, list) and len(value) > _MOST_ROWS:
         raise ValueError(f"{name} must have at most {_MOST_ROWS} rows, got {len(value)}")
-    if isinstance(value, (list, int, float)):
-        return value
-    raise TypeError(f"{name} must be numbers, got {reprlib.repr(value)}")
+    return _of_type(name, value, "numbers", list, int, float)
 
 
 def _text(name: str, value: Any) -> str:
-    if isinstance(value, str):
+    text: str = _of_type(name, value, "a text", str)
+    return text
+
+
+def _of_type(name: str, value: Any, expected: str, *types: type) -> Any:
+    """Return a value of TOML if it has one of these types; in TOML, true is no number."""
+    if type(value) in types:
         return value
-    raise TypeError(f"{name} must be text, got {reprlib.repr(value)}")
+    raise TypeError(f"{name} must be {expected}, got {_as_toml(value)}")
+
+
+def _as_toml(value: Any) -> str:
+    """Return what a value of TOML is, in its words."""
+    if isinstance(value, (datetime.date, datetime.time)):
+        return f"the time {value.isoformat()}"
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return reprlib.repr(value)
 
 
 def _bytes(name: str, value: Any) -> bytes:
@@ -185,6 +210,24 @@ _MAKERS: dict[type, Callable[..., Any]] = {
 
 # The options that may be tables, and of which kinds.
 _KINDS = KINDS | {"seed": (SeedRecord,)}
+# The types of the others, in words.
+_WHOLE_NUMBER = ("a whole number", int)
+_ON = ("true or false", bool)
+_SIZE = ("[width, height] in px", list)
+_PLAIN: dict[str, tuple[Any, ...]] = {
+    "area": _SIZE,
+    "resolution": _SIZE,
+    "boundary": ("a text", str),
+    "headings": ('a whole number, or "continuous"', int),
+    "camera_delay": _WHOLE_NUMBER,
+    "motor_delay": _WHOLE_NUMBER,
+    "start": ('[x, y, heading] in px, px and rad, or "random"', list, str),
+    "seed": ("a whole number, or a table [seed]", int),
+    "smoothing": _WHOLE_NUMBER,
+    "identify_from": ("a text", str),
+    "estimate_parameters": _ON,
+    "measure": _ON,
+}
 _UNITS = {
     "area": "width and height, px",
     "resolution": "px",
@@ -360,13 +403,13 @@ def _read(name: str, value: Any) -> Any:
     if name == "colors":
         return _in_table(name, lambda: _colors_of(value))
     if name == "robot" and not isinstance(value, dict):
-        return check_choice("robot", value, tuple(robot_names()))
+        text = _of_type(name, value, "a text, or a table [robot]", str)
+        return check_choice("robot", text, tuple(robot_names()))
     if name == "headings" and value == _CONTINUOUS:
         return None
     if name not in _KINDS or (name == "seed" and not isinstance(value, dict)):
-        return value
-    if not isinstance(value, dict):
-        raise TypeError(f"{name} must be a table [{name}], got {reprlib.repr(value)}")
+        return _of_type(name, value, *_PLAIN[name])
+    _of_type(name, value, f"a table [{name}]", dict)
     return _in_table(name, lambda: _value_of(dict(value), _KINDS[name]))
 
 
@@ -380,7 +423,10 @@ def _in_table(name: str, read: Callable[[], Any]) -> Any:
 def _value_of(table: dict[str, Any], kinds: tuple[type, ...]) -> Any:
     by_name = {kind.__name__: kind for kind in kinds}
     default = kinds[0].__name__ if len(kinds) == 1 else None
-    kind = by_name[check_choice("kind", table.pop("kind", default), tuple(by_name))]
+    if "kind" not in table and default is None:
+        raise ValueError(f"kind is missing, one of {', '.join(map(repr, by_name))}")
+    text = _of_type("kind", table.pop("kind", default), "a text", str)
+    kind = by_name[check_choice("kind", text, tuple(by_name))]
     keys = _TABLES[kind]
     check_names("there is no key", table, keys, ValueError)
     missing = [name for name, key in keys.items() if key.is_needed and name not in table]
@@ -392,19 +438,21 @@ def _value_of(table: dict[str, Any], kinds: tuple[type, ...]) -> Any:
 
 def _colors_of(tables: Any) -> tuple[ColorClass, ...]:
     if not isinstance(tables, dict):
-        raise TypeError(f"colors must be tables such as [colors.red], got {tables!r}")
+        raise TypeError(f"colors must be tables such as [colors.red], got {_as_toml(tables)}")
     return tuple(_in_table(name, partial(_color_of, name, table)) for name, table in tables.items())
 
 
 def _color_of(name: str, table: Any) -> ColorClass:
     if not isinstance(table, dict):
-        raise TypeError(f"a colour must be a table with y, u and v, got {table!r}")
+        raise TypeError(f"a colour must be a table with y, u and v, got {_as_toml(table)}")
     check_names("there is no key", table, ("y", "u", "v"), ValueError)
     return ColorClass(name, **{channel: _range(channel, table[channel]) for channel in table})
 
 
 def _range(name: str, value: Any) -> tuple[int, int]:
     if not isinstance(value, list) or len(value) != 2:
-        raise ValueError(f"{name} must be [lower, upper], two ints, got {reprlib.repr(value)}")
+        raise ValueError(f"{name} must be [lower, upper], two whole numbers, got {_as_toml(value)}")
+    for one in value:
+        _of_type(name, one, "[lower, upper], two whole numbers", int)
     lower, upper = (check_int(name, one, minimum=0, maximum=255) for one in value)
     return lower, upper
