@@ -189,6 +189,20 @@ def test_unknown_slots_are_named(tmp_path, slots):
         robsim.Simulation.from_folder(tmp_path, slots=slots)
 
 
+@pytest.mark.parametrize(
+    ("slots", "error", "message"),
+    [
+        (3, TypeError, "slots must be names of slots, such as .'control',., got 3"),
+        ((), ValueError, "slots must name at least one of define_model, "),
+        (("contrl",), ValueError, "got 'contrl'; did you mean 'control'?"),
+        ((3,), ValueError, "slots must be among define_model, .*, got 3"),
+    ],
+)
+def test_slots_that_are_none(tmp_path, slots, error, message):
+    with pytest.raises(error, match=message):
+        robsim.Simulation.from_folder(tmp_path, slots=slots)
+
+
 def test_a_folder_without_a_file_for_a_wanted_slot(tmp_path):
     write(tmp_path, "measure", "def measure(step):\n    return None")
     with pytest.raises(ValueError, match="has no callback files"):

@@ -10,6 +10,7 @@ from typing import Any, ParamSpec, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robsim._base.spelling import suggestion
 from robsim._core import (
     Controller,
     DriveAround,
@@ -148,13 +149,18 @@ def is_default(value: object) -> bool:
     return isinstance(value, str) and value == DEFAULT
 
 
-def checked_slots(slots: str | Iterable[str], known: tuple[str, ...]) -> tuple[str, ...]:
+def checked_slots(slots: Any, known: tuple[str, ...]) -> tuple[str, ...]:
     """Return names of slots as a tuple, after a check that they are known."""
-    wanted = (slots,) if isinstance(slots, str) else tuple(slots)
-    for name in wanted:
+    if not isinstance(slots, Iterable):
+        raise TypeError(f"slots must be names of slots, such as ('control',), got {slots!r}")
+    names = (slots,) if isinstance(slots, str) else tuple(slots)
+    for name in names:
         if name not in known:
-            raise ValueError(f"slots must be among {', '.join(known)}, got {name!r}")
-    return wanted
+            hint = suggestion(name, known) if isinstance(name, str) else ""
+            raise ValueError(f"slots must be among {', '.join(known)}, got {name!r}{hint}")
+    if not names:
+        raise ValueError(f"slots must name at least one of {', '.join(known)}, got none")
+    return names
 
 
 def documented(slots: Iterable[str]) -> str:
