@@ -161,3 +161,8 @@ NO_SIGMA = (None, "1", -1, *NOT_FINITE, 1j, True)
 )
 def test_what_is_no_disturbance(refusal):
     refusal()
+
+
+def test_a_sigma_whose_square_is_no_number_is_named():
+    with pytest.raises(ValueError, match=r"y must lie within 0\.\.1e\+06 \(px\), got 1e\+300"):
+        PoseNoise.from_sigma(1, 1e300, 1)

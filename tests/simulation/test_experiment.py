@@ -96,7 +96,8 @@ def test_progress_and_no_frames_at_all(run, capsys, monkeypatch):
     assert len(robsim.Experiment(run[0]).run(progress="look")) == 20
     assert "look" in capsys.readouterr().err
     sim = robsim.Experiment([])
-    assert len(sim.run()) == 0
+    with pytest.warns(UserWarning, match="frames gave no frame: there was nothing to run"):
+        assert len(sim.run()) == 0
     with pytest.raises(RuntimeError, match="there is no frame yet"):
         _ = sim.frame
 
@@ -105,6 +106,8 @@ def test_progress_and_no_frames_at_all(run, capsys, monkeypatch):
     ("frames", "options", "error", "message"),
     [
         (5, {}, TypeError, "frames must be an iterable of Frame"),
+        ([], {"area": 0}, TypeError, "area must be .width, height. in px, got 0"),
+        ([], {"stop_input": 3}, ValueError, "stop_input must be .u1, u2., finite"),
         ("run.mkv", {}, TypeError, "folder of images, give robsim.Recording\\('run.mkv'\\)"),
         (
             [np.zeros((4, 4, 3), np.uint8)],
@@ -115,7 +118,7 @@ def test_progress_and_no_frames_at_all(run, capsys, monkeypatch):
         ([], {"estimate_parameters": True}, ValueError, "estimate_parameters needs the inputs"),
         ([], {"send": 3}, TypeError, "send must be callable, got 3"),
         ([], {"send": print, "stop_input": (1,)}, ValueError, r"stop_input must be \(u1, u2\)"),
-        ([], {"frame_timeout": 0}, ValueError, "frame_timeout must be finite and above 0"),
+        ([], {"frame_timeout": 0}, ValueError, "frame_timeout must be above 0 .s., or inf"),
         ([], {"area": (0, 5)}, ValueError, "area must"),
     ],
 )
@@ -299,8 +302,13 @@ def test_frames_of_another_size_are_refused_and_the_run_goes_on_behind_them(run)
         sim.run()
     trace = sim.run()
     np.testing.assert_array_equal(trace.pose_measured[2], run[1].pose_measured[3])
-    sim = robsim.Experiment([small])
-    assert not sim.run().seen.any()
+    sim = robsim.Experiment([small, small])
+    with pytest.warns(UserWarning, match="have 50 x 40 px and no plane map, but the area") as told:
+        assert not sim.run().seen.any()
+    assert len(told) == 1
+    assert told[0].filename == __file__
+    assert str(told[0].message).endswith("((50, 40), (1200, 1200)), or Experiment area=(50, 40)")
+    robsim.Experiment([small], area=(50, 40)).run()
 
 
 def test_a_part_of_the_frames_has_times(run):

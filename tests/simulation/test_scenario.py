@@ -115,16 +115,24 @@ def test_sizes_and_poses_are_tuples_of_plain_numbers():
     scenario = Scenario(
         area=np.array((100, 90)),
         resolution=[np.int16(50), 45],
-        start=np.array((1, 2, 7), np.float32),
+        start=np.array((1, 2, 6), np.float32),
         headings=np.uint8(4),
         camera_delay=np.int64(1),
         measure=np.True_,
     )
     assert repr(scenario.area) == "(100, 90)"
     assert repr(scenario.resolution) == "(50, 45)"
-    assert scenario.start == (1.0, 2.0, 7 - 2 * np.pi)
+    assert scenario.start == (1.0, 2.0, 6 - 2 * np.pi)
     assert type(scenario.headings) is type(scenario.camera_delay) is int
     assert scenario.measure is True
+
+
+@pytest.mark.parametrize("heading", [90, -180.0, 6.3])
+def test_a_start_in_degrees_is_told(heading):
+    with pytest.raises(ValueError, match=rf"got {heading:g}: if that is in degrees, it is .* rad"):
+        Scenario(start=(300, 300, heading))
+    with pytest.raises(ValueError, match="in degrees"):
+        Scenario.from_toml(f"start = [300, 300, {heading}]")
 
 
 def test_seeds_are_data():

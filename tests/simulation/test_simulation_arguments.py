@@ -71,6 +71,18 @@ def test_numpy_ints_are_ints(value):
     Simulation(headings=value, area=(np.int64(100), np.int64(100)))
 
 
+def test_a_background_of_another_type_is_described():
+    with pytest.raises(TypeError, match=r"got a float64 array of shape \(9, 9, 3\)$"):
+        Simulation(background=np.zeros((9, 9, 3)))
+
+
+def test_the_number_of_a_step_is_an_int(sim):
+    for k in ("1", 1.5, None, True):
+        refuses("k", sim.render_step, k)
+    with pytest.raises(IndexError, match=r"there are steps 0\.\.0, got k = 3"):
+        sim.render_step(3)
+
+
 def test_missing_color_and_picture_files(tmp_path):
     missing = tmp_path / "missing"
     with pytest.raises(FileNotFoundError, match="missing"):

@@ -14,6 +14,7 @@ import robsim
 from robsim.simulation._outside.motors import Motors
 
 IMAGE = np.zeros((6, 8, 3), np.uint8)
+MAP = robsim.imaging.PlaneMap.scaled((8, 6), (1200, 1200))
 STOP = (0.0, 0.0)
 SOON = 10  # s, for what comes at once
 
@@ -36,7 +37,7 @@ def _no_thread_survives():
 
 
 def frame(k):
-    return robsim.Frame(IMAGE, index=k)
+    return robsim.Frame(IMAGE, index=k, plane_map=MAP)
 
 
 def input_of(k):

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.checks import Floats, check_choice, check_float, check_size
+from robsim._base.checks import Floats, check_choice
 from robsim._base.seeds import Seed, seed_sequence
 from robsim._core import (
     ColorClass,
@@ -36,12 +36,13 @@ from robsim.simulation._options import (
     model_value,
     smoothing_value,
     step_count,
+    timeout_value,
 )
 from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.mirrored import mirrored_remark
-from robsim.simulation._outside.motors import Motors
+from robsim.simulation._outside.motors import Motors, stop_input_value
 from robsim.simulation._runner import Runner
-from robsim.simulation._scenario import OPTIONS, Scenario
+from robsim.simulation._scenario import OPTIONS
 from robsim.simulation._slots import RobotCallbacks
 from robsim.trace import Trace
 from robsim.trace._columns import POSES, RECORDED
@@ -134,14 +135,12 @@ class Experiment(Runner):
     ) -> None:
         self._check_names(callbacks)
         definition = as_robot(robot)
-        if frame_timeout is None:
-            frame_timeout = math.inf if send is None else _FRAME_TIMEOUT
-        elif frame_timeout != math.inf:
-            check_float("frame_timeout", frame_timeout, "s", exclusive_minimum=0)
-        self._source = FrameSource(frames, frame_timeout, is_polled=send is not None)
+        timeout = timeout_value(frame_timeout, math.inf if send is None else _FRAME_TIMEOUT)
+        self._source = FrameSource(frames, timeout, area=area, is_polled=send is not None)
         self._model = model_value(model)
         self._next_look = 1  # at the frames, by the number of steps
-        self._motors = None if send is None else Motors(send, stop_input)
+        stops = stop_input_value(stop_input)
+        self._motors = None if send is None else Motors(send, stops)
         super().__init__(
             _core.ExternalWorld(
                 take=self._source.take,
@@ -149,7 +148,7 @@ class Experiment(Runner):
                 stop=self._motors and self._motors.stop,
             ),
             robot=definition,
-            area=check_size("area", area or self._source.area or Scenario.area),
+            area=self._source.area,
             boundary="recorded",
             seed=seed_sequence(seed),
             colors=colors_value(colors, smoothing_value(smoothing)),
@@ -206,12 +205,15 @@ class Experiment(Runner):
         Warns
         -----
         UserWarning
-            If the frames end before `steps` steps are done, or seem to be in OpenCV's order, BGR.
+            If the frames end before `steps` steps are done, or there are none; if the first one has
+            another size than the area and no plane map, or they seem to be in OpenCV's order, BGR.
         """
         before = self.n_steps
         wanted = UNLIMITED if steps is None else step_count(steps)
         is_at_end = self._run(wanted, progress, steps)
         done = self.n_steps - before
+        if is_at_end and steps is None and not self.n_steps:
+            warnings.warn("frames gave no frame: there was nothing to run", stacklevel=2)
         if is_at_end and steps is not None and done < steps:
             if done == 0:
                 raise EOFError("there are no more frames")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from functools import lru_cache
 from os import PathLike
@@ -82,6 +83,18 @@ def step_count(steps: Any) -> int:
     return int(steps)
 
 
+def timeout_value(timeout: float | None, default: float) -> float:
+    """Return the option ``frame_timeout`` in s; inf = no limit."""
+    if timeout is None:
+        return default
+    is_number = isinstance(timeout, (int, float, np.integer, np.floating))
+    if not is_number or isinstance(timeout, bool):
+        raise TypeError(f"frame_timeout must be a number (s), got {timeout!r}")
+    if not timeout > 0:  # NaN is not, too
+        raise ValueError(f"frame_timeout must be above 0 (s), or inf for no limit, got {timeout!r}")
+    return float(timeout)
+
+
 def background_value(background: Background) -> Floor | None:
     """Return the option ``background`` as a value, in its own size; None stays None."""
     if background is None or isinstance(background, Floor):
@@ -125,6 +138,11 @@ def start_value(
     if area and not (0 <= x <= area[0] - 1 and 0 <= y <= area[1] - 1):
         raise ValueError(
             f"start must lie within the area of {area[0]} x {area[1]} px, got {start!r}"
+        )
+    if abs(heading) > 2 * math.pi:
+        raise ValueError(
+            f"start must have a heading in rad, within -2 pi..2 pi, got {heading:g}: if that is in "
+            f"degrees, it is {math.radians(heading):.4g} rad, numpy.radians({heading:g})"
         )
     if max(abs(x), abs(y)) > _MAXIMUM_START:
         raise ValueError(f"start must lie within {_MAXIMUM_START:g} px, got {start!r}")

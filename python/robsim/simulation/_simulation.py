@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
+from robsim._base.checks import is_int
 from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
 from robsim._core import Frame, RobotModel, RobotParameters
 from robsim.imaging._images import Pixels
@@ -330,6 +331,8 @@ class Simulation(WorldSlots, Runner):
 
         Raises
         ------
+        TypeError
+            If `k` is not an int.
         IndexError
             If there is no such step, or its frame has not come yet.
         RuntimeError
@@ -338,6 +341,8 @@ class Simulation(WorldSlots, Runner):
         self._start()
         self._core.check_thread()
         newest = self._core.last_step.k
+        if not is_int(k):
+            raise TypeError(f"k must be an int, the number of a step, got {k!r}")
         if not 0 <= k <= newest:
             raise IndexError(f"there are steps 0..{newest}, got k = {k}")
         captured = k - self._scenario.camera_delay

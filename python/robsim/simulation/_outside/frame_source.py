@@ -7,12 +7,18 @@ import math
 import queue
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from os import PathLike
 from typing import Any
 
+import numpy as np
+
+from robsim._base.checks import check_size
 from robsim._core import Arrival, Frame, Observation, RobotModel, RobotParameters
+from robsim.imaging._frames import frame_size
+from robsim.simulation._scenario import Scenario
 
 DT_TOLERANCE = 2e-3  # relative; video files round their frame rate
 
@@ -29,13 +35,15 @@ class FrameSource:
         and the time between two frames (s).
     timeout : float
         Maximum wait for a frame (s); inf = none.
+    area : tuple of int, optional
+        Width and height of the work area (px). Default: that of `frames`, or 1200 x 1200.
     is_polled : bool
         Whether a run can be stopped while it waits for a frame, though there is no maximum.
 
     Raises
     ------
-    TypeError
-        If `frames` is not iterable.
+    TypeError, ValueError
+        If `frames` is not iterable, or `area` is no size.
     """
 
     def __init__(
@@ -43,6 +51,7 @@ class FrameSource:
         frames: Iterable[Frame | Observation | None],
         timeout: float = math.inf,
         *,
+        area: tuple[int, int] | None = None,
         is_polled: bool = False,
     ) -> None:
         if isinstance(frames, (str, PathLike)):
@@ -52,7 +61,8 @@ class FrameSource:
             )
         if not isinstance(frames, Iterable):
             raise TypeError(f"frames must be an iterable of Frame objects, got {frames!r}")
-        self.area: tuple[int, int] | None = getattr(frames, "area", None)
+        given = getattr(frames, "area", None) if area is None else area
+        self.area = check_size("area", Scenario.area if given is None else given)
         self.dt: float | None = getattr(frames, "dt", None)
         self._frames = frames
         self._iterator = iter(frames)
@@ -61,6 +71,7 @@ class FrameSource:
         self._reader: _Reader | None = None
         self._reading = threading.Lock()
         self._has_begun = False
+        self._is_seen = False  # a frame, as yet
         self._failed_at: int | None = None
         #: What the frames have to bring, as the message of an error; None = frames are enough.
         self.lacks: str | None = None
@@ -113,7 +124,26 @@ class FrameSource:
             raise ValueError(f"{self.lacks}, or frames that are Observation objects with it")
         if taken is not Arrival.NOTHING_YET:
             self._failed_at = None
+        if not self._is_seen:
+            self._look_at(taken)
         return taken
+
+    def _look_at(self, taken: Any) -> None:
+        """Warn if the first frame cannot be of the work area as it is."""
+        frame = taken.frame if isinstance(taken, Observation) else taken
+        if not isinstance(frame, Frame):
+            return
+        self._is_seen = True
+        size = frame_size(frame.image)
+        is_mapped = not np.array_equal(frame.plane_map.matrix, np.eye(3))
+        if size != self.area and not is_mapped:
+            warnings.warn(
+                f"the frames have {size[0]} x {size[1]} px and no plane map, but the area has "
+                f"{self.area[0]} x {self.area[1]} px: a pixel counts as a px of the area. Give "
+                f"each Frame plane_map=robsim.imaging.PlaneMap.scaled({size}, {self.area}), or "
+                f"Experiment area={size}",
+                stacklevel=5,
+            )
 
     def model(self) -> RobotModel:
         """Return the default model, with the dt of the frames."""

@@ -17,24 +17,20 @@ class Motors:
     ----------
     send : callable
         ``send(u)``: brings an input (2,), in V, to the robot.
-    stop_input : sequence of 2 floats, or None
+    stop_input : array (2,), or None
         What stops the robot (V); None = nothing is sent at the end of a run.
 
     Raises
     ------
-    TypeError, ValueError
-        If an argument has the wrong type or shape.
+    TypeError
+        If `send` is not callable.
     """
 
-    def __init__(self, send: Callable[[Floats], Any], stop_input: Sequence[float] | None) -> None:
+    def __init__(self, send: Callable[[Floats], Any], stop_input: Floats | None) -> None:
         if not callable(send):
             raise TypeError(f"send must be callable, got {send!r}")
         self._send = send
-        self._stop_input = None if stop_input is None else as_float_array("stop_input", stop_input)
-        if self._stop_input is not None and not _is_input(self._stop_input):
-            raise ValueError(
-                f"stop_input must be (u1, u2), finite, in V, or None, got {stop_input!r}"
-            )
+        self._stop_input = stop_input
         self._has_moved = False
         #: What went wrong when the robot was stopped.
         self.error: BaseException | None = None
@@ -69,5 +65,11 @@ class Motors:
         return None
 
 
-def _is_input(u: Floats) -> bool:
-    return u.shape == (2,) and bool(np.isfinite(u).all())
+def stop_input_value(stop_input: Sequence[float] | None) -> Floats | None:
+    """Return the option ``stop_input`` as an array (2,); None = nothing is sent."""
+    if stop_input is None:
+        return None
+    u = as_float_array("stop_input", stop_input)
+    if u.shape != (2,) or not np.isfinite(u).all():
+        raise ValueError(f"stop_input must be (u1, u2), finite, in V, or None, got {stop_input!r}")
+    return u

@@ -13,6 +13,8 @@ from robsim._core import RobotModel
 
 _Row = tuple[float, float, float]
 
+_MAXIMUM_SIGMA = 1e6  # px or rad: its square is a number, too
+
 # Columns of theta.
 _A1, _A2, _B1, _B2, _D1 = range(5)
 
@@ -69,12 +71,12 @@ class PoseNoise:
         Raises
         ------
         TypeError, ValueError
-            If one is not a number of at least 0.
+            If one is not a number within 0..1e6.
         """
         sigma = (
-            check_float("x", x, "px", minimum=0),
-            check_float("y", y, "px", minimum=0),
-            check_float("heading", heading, "rad", minimum=0),
+            check_float("x", x, "px", minimum=0, maximum=_MAXIMUM_SIGMA),
+            check_float("y", y, "px", minimum=0, maximum=_MAXIMUM_SIGMA),
+            check_float("heading", heading, "rad", minimum=0, maximum=_MAXIMUM_SIGMA),
         )
         return cls(np.diag(np.square(sigma)))
 
