@@ -195,7 +195,7 @@ def test_unknown_slots_are_named(tmp_path, slots):
         (3, TypeError, "slots must be names of slots, such as .'control',., got 3"),
         ((), ValueError, "slots must name at least one of define_model, "),
         (("contrl",), ValueError, "got 'contrl'; did you mean 'control'?"),
-        ((3,), ValueError, "slots must be among define_model, .*, got 3"),
+        ((3,), TypeError, "slots must be names of slots, such as .'control',., got 3"),
     ],
 )
 def test_slots_that_are_none(tmp_path, slots, error, message):

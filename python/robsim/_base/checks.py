@@ -63,8 +63,8 @@ def as_float_array(name: str, values: Any) -> Floats:
     """Return `values` as a float array of any shape; NaN and infinity are allowed."""
     try:
         given = np.asarray(values)
-        # No text, dates or complex numbers.
-        if given.dtype.kind not in "biufO":
+        # No text, dates or complex numbers. None in an array is NaN: not known.
+        if given.dtype.kind not in "biufO" or values is None:
             raise TypeError(given.dtype)
         return given.astype(np.float64, copy=False)
     except (TypeError, ValueError, OverflowError):  # rows of different lengths, too

@@ -1,6 +1,7 @@
 """Reading TOML and writing files so that nothing is overwritten or left half written."""
 
 import os
+import reprlib
 import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -30,9 +31,14 @@ def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]
 
 def as_folder(folder: str | PathLike[str]) -> Path:
     """Return `folder` as a Path; raise TypeError if it is not path-like."""
-    if not isinstance(folder, (str, PathLike)):
-        raise TypeError(f"folder must be a path, got {folder!r}")
-    return Path(folder)
+    return as_path(folder, "folder")
+
+
+def as_path(path: str | PathLike[str], name: str = "path") -> Path:
+    """Return the argument `name` as a Path; raise TypeError if it is not path-like."""
+    if not isinstance(path, (str, PathLike)):
+        raise TypeError(f"{name} must be a path, got {reprlib.repr(path)}")
+    return Path(path)
 
 
 def read_toml(path: str | PathLike[str]) -> dict[str, Any]:

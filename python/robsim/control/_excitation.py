@@ -303,8 +303,13 @@ class Chirp(_Band):
         ----------
         t : float
             Time since the start (s).
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `t` is not a finite number.
         """
-        progress = t / self.duration % 1.0
+        progress = check_float("t", t, "s") / self.duration % 1.0
         return self._frequency(progress), self._frequency(1 - progress)
 
     def __call__(self, step: Step) -> tuple[float, float]:

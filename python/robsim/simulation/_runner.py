@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from abc import abstractmethod
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -78,7 +79,14 @@ class Runner(Slotted):
         -------
         dict of str to list of Blob
             The blobs by colour, the largest first.
+
+        Raises
+        ------
+        TypeError
+            If `frame` is not a Frame.
         """
+        if not isinstance(frame, Frame):
+            raise TypeError(f"frame must be a Frame, got {reprlib.repr(frame)}")
         return _core.find_blobs(frame, self.colors, markers=self.markers, smoothing=self._smoothing)
 
     @abstractmethod
@@ -87,6 +95,8 @@ class Runner(Slotted):
 
     def _run(self, steps: int, progress: bool | str, total: int | None) -> bool:
         """Run some steps; return whether the world has come to its end."""
+        if not isinstance(progress, (bool, str)):
+            raise TypeError(f"progress must be True, False or a label, got {progress!r}")
         self._prepare()
         if not progress:
             with self._guarded():

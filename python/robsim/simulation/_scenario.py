@@ -6,13 +6,12 @@ import dataclasses
 import warnings
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import check_choice, check_size
-from robsim._base.files import write_whole
+from robsim._base.files import as_path, write_whole
 from robsim._base.seeds import Seed, seed_value
 from robsim._base.spelling import check_names
 from robsim._core import (
@@ -357,7 +356,7 @@ class Scenario:
         ValueError
             If an image, or the record of inputs, is too large for a file.
         """
-        write_whole(_as_path(path), self.to_toml().encode())
+        write_whole(as_path(path), self.to_toml().encode())
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Scenario:
@@ -381,7 +380,7 @@ class Scenario:
         """
         from robsim.simulation._scenario_file import from_toml, read_text
 
-        return from_toml(cls, read_text(_as_path(path)), f"scenario file {path}")
+        return from_toml(cls, read_text(as_path(path)), f"scenario file {path}")
 
     def __repr__(self) -> str:
         shown = {name: repr(value) for name, value in self.changes().items()}
@@ -393,9 +392,3 @@ class Scenario:
 
 
 OPTIONS = tuple(field.name for field in dataclasses.fields(Scenario))
-
-
-def _as_path(path: str | PathLike[str]) -> Path:
-    if not isinstance(path, (str, PathLike)):
-        raise TypeError(f"path must be a path, got {path!r}")
-    return Path(path)

@@ -155,8 +155,10 @@ def checked_slots(slots: Any, known: tuple[str, ...]) -> tuple[str, ...]:
         raise TypeError(f"slots must be names of slots, such as ('control',), got {slots!r}")
     names = (slots,) if isinstance(slots, str) else tuple(slots)
     for name in names:
+        if not isinstance(name, str):
+            raise TypeError(f"slots must be names of slots, such as ('control',), got {name!r}")
         if name not in known:
-            hint = suggestion(name, known) if isinstance(name, str) else ""
+            hint = suggestion(name, known)
             raise ValueError(f"slots must be among {', '.join(known)}, got {name!r}{hint}")
     if not names:
         raise ValueError(f"slots must name at least one of {', '.join(known)}, got none")

@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from robsim._base.files import read_toml, write_whole
+from robsim._base.files import as_path, read_toml, write_whole
 from robsim._base.shipped import ASSETS
 from robsim._base.values import FileVersion
 from robsim._core import ColorClass
@@ -52,7 +52,7 @@ def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ..
     ValueError
         If it is not TOML, or not a colour file; the message names the file and the table.
     """
-    return _shipped_colors(FileVersion.of(SHIPPED_COLORS)) if path is None else _read(Path(path))
+    return _shipped_colors(FileVersion.of(SHIPPED_COLORS)) if path is None else _read(as_path(path))
 
 
 @lru_cache(maxsize=1)
@@ -113,7 +113,7 @@ def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorCl
         If the existing file is not a colour file (it is left unchanged), if `colors` is empty, or
         if two colours have the same name.
     """
-    path, classes = Path(path), _classes(colors)
+    path, classes = as_path(path), _classes(colors)
     if not classes:
         raise ValueError("colors must have at least one ColorClass, got none")
     if path.exists():

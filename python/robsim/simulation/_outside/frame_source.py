@@ -5,10 +5,11 @@ from __future__ import annotations
 import functools
 import math
 import queue
+import reprlib
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
 from typing import Any
@@ -59,8 +60,9 @@ class FrameSource:
                 f"frames must be an iterable of Frame objects, got {frames!r}: for a video or a "
                 f"folder of images, give robsim.Recording({str(frames)!r})"
             )
-        if not isinstance(frames, Iterable):
-            raise TypeError(f"frames must be an iterable of Frame objects, got {frames!r}")
+        if not isinstance(frames, Iterable) or isinstance(frames, (bytes, Mapping, np.ndarray)):
+            message = f"frames must be an iterable of Frame objects, got {reprlib.repr(frames)}"
+            raise TypeError(message)
         given = getattr(frames, "area", None) if area is None else area
         self.area = check_size("area", Scenario.area if given is None else given)
         self.dt: float | None = getattr(frames, "dt", None)

@@ -40,7 +40,13 @@ def draw_red_square(background: Pixels) -> Pixels:
     -------
     array (H, W, 3) of uint8
         The same array.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it has the wrong type or shape.
     """
+    _check_pixels(background)
     left, top, side, color = _SQUARE
     background[top : top + side, left : left + side] = color
     return background
@@ -175,11 +181,17 @@ def as_floor(pixels: Pixels) -> Floor:
     TypeError, ValueError
         If it has the wrong type or shape.
     """
-    if not isinstance(pixels, np.ndarray) or pixels.dtype != np.uint8:
-        raise TypeError(f"background must be a uint8 array or a file, got {_described(pixels)}")
-    if pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
-        raise ValueError(f"background must have the shape (H, W, 3), got {pixels.shape}")
+    _check_pixels(pixels, " or a file")
     return Floor(pixels)
+
+
+def _check_pixels(background: Pixels, alternative: str = "") -> None:
+    if not isinstance(background, np.ndarray) or background.dtype != np.uint8:
+        raise TypeError(
+            f"background must be a uint8 array{alternative}, got {_described(background)}"
+        )
+    if background.ndim != 3 or background.shape[2] != 3 or not background.size:
+        raise ValueError(f"background must have the shape (H, W, 3), got {background.shape}")
 
 
 def _described(value: object) -> str:
