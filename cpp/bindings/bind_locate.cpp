@@ -4,7 +4,6 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <tuple>
 
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
@@ -28,7 +27,7 @@ Numbers numbers_of(const Measurement& measurement) {
 Measurement measurement_from(const Numbers& pose) { return {pose_from(py::cast(pose), "pose")}; }
 
 void bind_measurement(py::module_& module) {
-  py::class_<Measurement> measurement(public_in(module, "robsim"), "Measurement", R"(
+  Class<Measurement> measurement(public_in(module, "robsim"), "Measurement", R"(
 The pose of a detected robot. A frame without a detection gives None instead.
 
 Parameters
@@ -37,7 +36,7 @@ pose : array (3,)
     x, y (work-area px), heading (rad, not degrees). The heading is wrapped to (-pi, pi].
 )");
   measurement
-      .def(py::init([](const py::object& pose) { return Measurement{pose_from(pose, "pose")}; }),
+      .def(py::init([](const ArrayLike& pose) { return Measurement{pose_from(pose, "pose")}; }),
            py::arg("pose"))
       .def_property_readonly(
           "pose", [](const Measurement& self) { return to_array(self.pose); },
@@ -45,25 +44,8 @@ pose : array (3,)
   define_value(measurement, Fields(&measurement_from, Field("", &numbers_of)));
 }
 
-// A blob as plain values.
-using BlobRecord = std::tuple<std::string, std::int64_t, double, double, std::array<int, 4>, bool>;
-
-std::optional<BlobRecord> record_of(const std::optional<Blob>& blob) {
-  if (!blob) return std::nullopt;
-  const PixelBox& box = blob->box;
-  return BlobRecord(blob->color, blob->area, blob->centroid.x, blob->centroid.y,
-                    std::array<int, 4>{box.left, box.top, box.right, box.bottom}, blob->at_border);
-}
-
-std::optional<Blob> blob_from(const std::optional<BlobRecord>& record) {
-  if (!record) return std::nullopt;
-  const auto& [color, area, u, v, box, at_border] = *record;
-  return Blob{color, area, {u, v}, {box[0], box[1], box[2], box[3]}, at_border};
-}
-
 Detection detection_from(std::optional<Measurement> measurement, int result,
-                         const std::optional<BlobRecord>& red,
-                         const std::optional<BlobRecord>& blue,
+                         const std::optional<Blob>& red, const std::optional<Blob>& blue,
                          const std::array<double, 6>& numbers, const MarkerLayout& markers) {
   if (result < 0 || result > static_cast<int>(DetectionResult::ambiguous)) {
     throw py::value_error("a Detection cannot be made of the result " + std::to_string(result));
@@ -71,8 +53,8 @@ Detection detection_from(std::optional<Measurement> measurement, int result,
   Detection detection;
   detection.measurement = measurement;
   detection.result = static_cast<DetectionResult>(result);
-  detection.red = blob_from(red);
-  detection.blue = blob_from(blue);
+  detection.red = red;
+  detection.blue = blue;
   detection.misfit = numbers[0];
   detection.runner_up = numbers[1];
   detection.exchanged = numbers[2];
@@ -87,8 +69,7 @@ auto detection_fields() {
   return Fields(
       &detection_from, Field("measurement", &Detection::measurement),
       Field("result", [](const Detection& self) { return static_cast<int>(self.result); }),
-      Field("red", [](const Detection& self) { return record_of(self.red); }),
-      Field("blue", [](const Detection& self) { return record_of(self.blue); }),
+      Field("red", &Detection::red), Field("blue", &Detection::blue),
       Field("numbers",
             [](const Detection& self) {
               return std::array<double, 6>{self.misfit,   self.runner_up, self.exchanged,
@@ -106,7 +87,7 @@ std::string repr(const Detection& self) {
 }
 
 void bind_detection(py::module_& module) {
-  py::class_<Detection> detection(public_in(module, "robsim.vision"), "Detection", R"(
+  Class<Detection> detection(public_in(module, "robsim.vision"), "Detection", R"(
 What `detect` found: the pair of blobs that fits the markers best, how well, and what follows.
 
 The misfit is the sum of three squared deviations: of the distance, as a fraction of
@@ -151,7 +132,7 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
   define_hash(detection, fields);
   define_pickle(detection, fields);
 
-  py::class_<MissedDetections>(public_in(module, "robsim.vision"), "MissedDetections", R"(
+  Class<MissedDetections>(public_in(module, "robsim.vision"), "MissedDetections", R"(
 The steps of a run in which the default measurement detected no robot, for the same reason.
 )")
       .def_property_readonly(

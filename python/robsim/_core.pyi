@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'check_mean_interval', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'model_steps', 'path_sensitivities', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'trace_schema', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'check_mean_interval', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'detect', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'model_steps', 'path_sensitivities', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'trace_schema', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -28,20 +28,21 @@ class PlaneMap:
         
         Parameters
         ----------
-        pixels : array (4, 2)
-            Pixels (u, v) of four points on the floor, no three of them on a line.
-        positions : array (4, 2)
+        pixels : array (N, 2)
+            Pixels (u, v) of four or more points on the floor; of four, no three on a line.
+        positions : array (N, 2)
             Positions (x, y) of these points on the work area, in the same order (work-area px).
         
         Returns
         -------
         PlaneMap
-            The only homography that takes each pixel to its position.
+            Of four points, the only homography that takes each pixel to its position; of more, the one with
+            the least squared distances. ``plane_map.to_world(pixels) - positions`` says how far off it is.
         
         Raises
         ------
         TypeError, ValueError
-            If the shapes are others, three points lie on a line, or the positions go round in another order
+            If the shapes are others, too many points lie on a line, or the positions are in another order
             than the pixels.
         
         Examples
@@ -113,6 +114,9 @@ class Frame:
     """
     A camera image with its time: all that the robot half gets to know of the world.
     
+    The pixels are RGB. OpenCV's are BGR: use `Frame.from_bgr` for these, or the red and the blue marker
+    change places, and the robot is measured facing backwards, in a wrong place.
+    
     Parameters
     ----------
     image : array (H, W, 3) of uint8
@@ -134,6 +138,23 @@ class Frame:
     
     >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
     """
+    @staticmethod
+    def from_bgr(image: numpy.typing.NDArray[numpy.uint8], *, t: float | None = None, index: int = 0, plane_map: PlaneMap = ...) -> Frame:
+        """
+        Return the frame of an image in OpenCV's order, BGR: a copy with the channels in the order RGB.
+        
+        Parameters
+        ----------
+        image : array (H, W, 3) of uint8
+            BGR pixels, as from ``cv2.imread`` and ``cv2.VideoCapture``.
+        t, index, plane_map
+            As for `Frame`.
+        
+        Examples
+        --------
+        >>> ok, image = cv2.VideoCapture(0).read()
+        >>> frame = Frame.from_bgr(image, t=time.monotonic())
+        """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
     def __getstate__(self) -> typing.Any:
@@ -734,7 +755,7 @@ class Measurement:
     Parameters
     ----------
     pose : array (3,)
-        x, y (work-area px), heading (rad).
+        x, y (work-area px), heading (rad, not degrees). The heading is wrapped to (-pi, pi].
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -754,6 +775,101 @@ class Measurement:
     def pose(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).
+        """
+class Detection:
+    """
+    What `detect` found: the pair of blobs that fits the markers best, how well, and what follows.
+    
+    The misfit is the sum of three squared deviations: of the distance, as a fraction of
+    ``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of that of
+    ``area_tolerance``. In a pair that is accepted each is at most 1.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    @property
+    def blue(self) -> Blob | None:
+        """
+        Blob or None: the blue blob of the pair.
+        """
+    @property
+    def distance(self) -> float:
+        """
+        float: distance between the two blobs (work-area px); NaN without a pair.
+        """
+    @property
+    def exchanged_misfit(self) -> float:
+        """
+        float: misfit of the pair if the red blob were the blue marker, and the blue blob the red
+        one: smaller in mirrored frames, if the areas of the markers differ.
+        """
+    @property
+    def explanation(self) -> str:
+        """
+        str: a sentence on the result, with the numbers that decided.
+        """
+    @property
+    def measurement(self) -> Measurement | None:
+        """
+        Measurement or None: None = not detected, see `reason`.
+        """
+    @property
+    def misfit(self) -> float:
+        """
+        float: misfit of the pair, from 0 = perfect; inf without a pair.
+        """
+    @property
+    def reason(self) -> str | None:
+        """
+        str or None: why there is no measurement: ``"no blobs"``, ``"no red blob"``,
+        ``"no blue blob"``, ``"at the border"``, ``"distance"``, ``"areas"`` or ``"ambiguous"``.
+        """
+    @property
+    def red(self) -> Blob | None:
+        """
+        Blob or None: the red blob of the pair; if no pair is accepted, of the one most
+        like the markers.
+        """
+    @property
+    def runner_up(self) -> float:
+        """
+        float: misfit of the second best pair that is accepted; inf if there is none. Near the
+        misfit, the choice is ambiguous.
+        """
+class MissedDetections:
+    """
+    The steps of a run in which the default measurement detected no robot, for the same reason.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def first(self) -> Detection:
+        """
+        Detection: that of the first step.
+        """
+    @property
+    def first_k(self) -> int:
+        """
+        int: the first of these steps.
+        """
+    @property
+    def reason(self) -> str:
+        """
+        str: the reason, as in `Detection`.
+        """
+    @property
+    def steps(self) -> int:
+        """
+        int: number of these steps.
         """
 class RecursiveLeastSquares:
     """
@@ -1148,6 +1264,12 @@ class Step:
     def blobs(self) -> dict[str, list[Blob]]:
         """
         dict of str to list of Blob: per colour the blobs in the frame, the largest first.
+        """
+    @property
+    def detection(self) -> Detection | None:
+        """
+        Detection or None: what the default measurement found, and why there is no measurement.
+        None before that stage, for a callback, and without a frame.
         """
     @property
     def dt(self) -> float:
@@ -1579,6 +1701,11 @@ class Loop:
         int: of the blobs in the newest frame (px).
         """
     @property
+    def missed_detections(self) -> list[MissedDetections]:
+        """
+        list of MissedDetections: the most frequent reason first.
+        """
+    @property
     def model(self) -> RobotModel:
         ...
     @property
@@ -1651,6 +1778,34 @@ def cpu_path() -> str:
 def cpu_paths() -> list[str]:
     """
     Return the paths available on this processor, the fastest last.
+    """
+def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, *, plane_map: PlaneMap = ...) -> Detection:
+    """
+    Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
+    
+    The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
+    used: they may be cut off.
+    
+    Parameters
+    ----------
+    blobs : dict of str to list of Blob
+        As from `find_blobs`; "red" and "blue" are used: names of the two markers, whatever their
+        colours are.
+    markers : MarkerLayout
+        The positions of the markers on the robot.
+    plane_map : PlaneMap, optional
+        From pixels of the blobs' frame to the work area. Default: the identity.
+    
+    Returns
+    -------
+    Detection
+        Its measurement, misfit and reason.
+    
+    Examples
+    --------
+    >>> blobs = robsim.find_blobs(frame, robsim.load_colors())
+    >>> detection = robsim.vision.detect(blobs, robsim.load_robot("lab").marker_layout())
+    >>> detection.reason, detection.explanation
     """
 def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, minimum_area: int | None = None, maximum_count: int | None = None, smoothing: int | None = None, region: collections.abc.Sequence[int] | None = None) -> dict[str, list[Blob]]:
     """
@@ -1742,7 +1897,7 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     Returns
     -------
     Measurement or None
-        None = not detected: no pair fits, or two fit equally well.
+        None = not detected: no pair fits, or two fit equally well. `robsim.vision.detect` says why.
     """
 def model_steps(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], dt: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """

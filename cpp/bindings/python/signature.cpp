@@ -172,7 +172,8 @@ PyObject* call(PyObject* self, PyObject* const* arguments, Py_ssize_t n_position
   if (result || !PyErr_ExceptionMatches(PyExc_TypeError)) return result;
   const Signature& signature = signatures().at(self);
   if (signature.has_self && n_positional == 0) {
-    PyErr_SetString(PyExc_TypeError, (signature.name + "() is a method: it needs an object").c_str());
+    PyErr_SetString(PyExc_TypeError,
+                    (signature.name + "() is a method: it needs an object").c_str());
     return nullptr;
   }
   std::string text;

@@ -104,36 +104,37 @@ void define_step_value(Class<Step, std::shared_ptr<Step>>& cls) {
   const auto parameters = [](const Step& s) {
     return converted(s.parameters, [](const AxisMatrix& m) { return values_of(m); });
   };
-  const auto make = [](std::int64_t k, double t, double dt, const Pair& last_input,
-                       const std::optional<Pair>& input, const std::optional<Sample>& sample,
-                       const std::optional<Matrix>& theta,
-                       const std::optional<Measurement>& measurement,
-                       const std::optional<Estimate>& estimate, const FrameOfStep& frame,
-                       const std::optional<Vision>& vision) {
-    const std::shared_ptr<Step> step = new_step(frame.second, frame.first, vision);
-    step->k = k;
-    step->t = t;
-    step->dt = dt;
-    step->last_u = input_of(last_input);
-    step->u = converted(input, [](const Pair& v) { return input_of(v); });
-    step->sample = sample;
-    step->parameters = converted(theta, [](const Matrix& m) { return matrix_of(m); });
-    step->measurement = measurement;
-    step->estimate = estimate;
-    return step;
-  };
+  const auto make =
+      [](std::int64_t k, double t, double dt, const Pair& last_input,
+         const std::optional<Pair>& input, const std::optional<Sample>& sample,
+         const std::optional<Matrix>& theta, const std::optional<Measurement>& measurement,
+         const std::optional<Detection>& detection, const std::optional<Estimate>& estimate,
+         const FrameOfStep& frame, const std::optional<Vision>& vision) {
+        const std::shared_ptr<Step> step = new_step(frame.second, frame.first, vision);
+        step->k = k;
+        step->t = t;
+        step->dt = dt;
+        step->last_u = input_of(last_input);
+        step->u = converted(input, [](const Pair& v) { return input_of(v); });
+        step->sample = sample;
+        step->parameters = converted(theta, [](const Matrix& m) { return matrix_of(m); });
+        step->measurement = measurement;
+        step->detection = detection;
+        step->estimate = estimate;
+        return step;
+      };
   const auto no_make = [] { return std::shared_ptr<Step>(); };
   define_equality(
       cls, Fields(no_make, Field("k", &Step::k), Field("t", &Step::t), Field("dt", &Step::dt),
                   Field("last_u", last_u), Field("u", u), Field("sample", &Step::sample),
                   Field("parameters", parameters), Field("measurement", &Step::measurement),
-                  Field("estimate", &Step::estimate)));
+                  Field("detection", &Step::detection), Field("estimate", &Step::estimate)));
   define_pickle(cls,
                 Fields(make, Field("k", &Step::k), Field("t", &Step::t), Field("dt", &Step::dt),
                        Field("last_u", last_u), Field("u", u), Field("sample", &Step::sample),
                        Field("parameters", parameters), Field("measurement", &Step::measurement),
-                       Field("estimate", &Step::estimate), Field("frame", &frame_of),
-                       Field("vision", &vision_of)));
+                       Field("detection", &Step::detection), Field("estimate", &Step::estimate),
+                       Field("frame", &frame_of), Field("vision", &vision_of)));
 }
 
 void bind_step(py::module_& module) {

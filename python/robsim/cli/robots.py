@@ -123,7 +123,7 @@ def add(
         str,
         typer.Argument(
             metavar="SOURCE",
-            help="An image (PNG), a robot, or a folder with one.",
+            help="An image (PNG), a robot, or a folder.",
             show_default=False,
         ),
     ],

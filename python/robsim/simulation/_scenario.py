@@ -28,7 +28,7 @@ from robsim.imaging._noise import Noise, as_native_noise
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
 from robsim.simulation import _options as options
-from robsim.simulation._slots import ARGUMENTS
+from robsim.simulation._slots import SLOTS
 from robsim.simulation._world.disturbances import (
     ParameterMismatch,
     PoseNoise,
@@ -126,7 +126,7 @@ class Scenario:
     """
 
     _OPTIONS_ELSEWHERE: ClassVar[dict[str, str]] = options.NOT_OF_SIMULATION | dict.fromkeys(
-        (*(slot for slot in ARGUMENTS if slot not in options.KINDS), "time_limit"),
+        (*(slot for slot in SLOTS if slot not in options.KINDS), "time_limit"),
         "code is no data: give it to Simulation itself",
     )
 
