@@ -76,7 +76,7 @@ def test_a_sideways_slide_is_braked():
 @pytest.mark.parametrize("gap", [1, 2, 4])
 def test_speed_is_per_time_even_when_steps_are_missed(gap):
     # At the wanted speed there is nothing to do; taken for faster, the robot would brake.
-    control = GoToPoint(10_000, 0, max_speed=20)
+    control = GoToPoint(10_000, 0, maximum_speed=20)
     for k in range(0, 60, gap):
         u = control(seen(k, 4.0 * k, 0, 0.0))
         for missed in range(k + 1, k + gap):
@@ -116,20 +116,22 @@ def test_the_estimate_comes_before_the_measurement():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("max_voltage", [0.1, 0.3, 1.0, 2.7])
-def test_no_voltage_is_above_the_limit(max_voltage, rng):
+@pytest.mark.parametrize("maximum_voltage", [0.1, 0.3, 1.0, 2.7])
+def test_no_voltage_is_above_the_limit(maximum_voltage, rng):
     controls = [
-        GoToPoint(600, 600, max_voltage=max_voltage),
-        FollowPath(rng.uniform(0, 1200, (5, 2)), max_voltage=max_voltage),
-        GoToPoint(600, 600, max_voltage=max_voltage, heading_gain=30, speed_gain=20, turn_gain=9),
+        GoToPoint(600, 600, maximum_voltage=maximum_voltage),
+        FollowPath(rng.uniform(0, 1200, (5, 2)), maximum_voltage=maximum_voltage),
+        GoToPoint(
+            600, 600, maximum_voltage=maximum_voltage, heading_gain=30, speed_gain=20, turn_gain=9
+        ),
     ]
     largest = np.zeros(3)
     for k in range(300):
         pose = (*rng.uniform(0, 1200, 2), rng.uniform(-np.pi, np.pi))
         u = np.abs([control(seen(k, *pose)) for control in controls])
-        assert u.max() <= max_voltage
+        assert u.max() <= maximum_voltage
         largest = np.maximum(largest, u.max(axis=1))
-    np.testing.assert_allclose(largest, max_voltage)
+    np.testing.assert_allclose(largest, maximum_voltage)
 
 
 # --- the memory of a path
@@ -191,7 +193,7 @@ CORNERS = {
 @pytest.mark.parametrize("corner", CORNERS)
 def test_it_slows_down_at_the_end_and_at_sharp_corners_only(corner):
     after, expected = CORNERS[corner]
-    control = FollowPath([(100, 0), *after], lookahead=60, max_voltage=9)
+    control = FollowPath([(100, 0), *after], lookahead=60, maximum_voltage=9)
     control(seen(0, 0, 0, 0.0))
     drive = sum(control(seen(20, 70, 0, 0.0))) / 2
     # speed_gain distance_gain = 0.05 V/px
@@ -221,12 +223,16 @@ def test_the_options_are_fixed_and_the_waypoints_are_copied():
     with pytest.raises(FrozenInstanceError):
         path.waypoint_radius = 30
     with pytest.raises(FrozenInstanceError):
-        GoToPoint(1, 2).max_voltage = 3
-    assert repr(GoToPoint(1, 2)).startswith("GoToPoint(x=1, y=2, max_voltage=1.0, max_speed=40.0,")
-    assert repr(FollowPath([(1, 2)])).startswith("FollowPath(waypoints=array([[1., 2.]]), max_")
+        GoToPoint(1, 2).maximum_voltage = 3
+    assert repr(GoToPoint(1, 2)).startswith(
+        "GoToPoint(x=1, y=2, maximum_voltage=1.0, maximum_speed=40.0,"
+    )
+    assert repr(FollowPath([(1, 2)])).startswith("FollowPath(waypoints=array([[1., 2.]]), maximum_")
 
 
-OPTIONS = "max_voltage max_speed distance_gain speed_gain heading_gain turn_gain min_voltage"
+OPTIONS = (
+    "maximum_voltage maximum_speed distance_gain speed_gain heading_gain turn_gain minimum_voltage"
+)
 MUST_BE = "^{name} must be"
 
 

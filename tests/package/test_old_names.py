@@ -43,6 +43,7 @@ OLD = {
     r"\b(batch_estimate|regression_of)\([^)]*\bsamples=": "select=",
     r"RecursiveLeastSquares\([^)]*\bfilters=": "n_filters=",
     r"too (confident|cautious)": "optimistic, conservative",
+    r"max_(voltage|speed)|min_voltage": "maximum_voltage, maximum_speed, minimum_voltage",
     # the command line
     r"--(noise-percent|dropout-steps|rotation|camera|places)\b": "--noise gaussian:10, --headings",
     # private words

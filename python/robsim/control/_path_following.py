@@ -55,26 +55,26 @@ class _Motion:
 class _Drive:
     """The control law towards a goal, which both controllers share, and its options."""
 
-    max_voltage: float = 1.0  # V
-    max_speed: float = 40.0  # px/s
+    maximum_voltage: float = 1.0  # V
+    maximum_speed: float = 40.0  # px/s
     distance_gain: float = 0.5  # px/s per px
     speed_gain: float = 0.1  # V per px/s
     heading_gain: float = 0.7  # V per rad
     turn_gain: float = 0.4  # V per rad/s
-    min_voltage: float = 0.3  # V
+    minimum_voltage: float = 0.3  # V
     _motion: _Motion = field(default_factory=_Motion, init=False)
 
     needs: ClassVar = ("measurement", "estimate")  # one of them, to know where the robot is
 
     def __post_init__(self) -> None:
         for name, unit in {
-            "max_voltage": "V",
-            "max_speed": "px/s",
+            "maximum_voltage": "V",
+            "maximum_speed": "px/s",
             "distance_gain": "px/s per px",
             "speed_gain": "V per px/s",
             "heading_gain": "V per rad",
             "turn_gain": "V per rad/s",
-            "min_voltage": "V",
+            "minimum_voltage": "V",
         }.items():
             check_float(name, getattr(self, name), unit, minimum=0)
 
@@ -88,12 +88,12 @@ class _Drive:
         """Return the voltages (u1, u2) that drive the robot to a position and stop it there."""
         position, heading = self._motion.pose[:2], self._motion.pose[2]
         velocity, turn_rate = self._motion.velocity[:2], self._motion.velocity[2]
-        # wanted velocity = distance_gain (goal - position), at most max_speed
+        # wanted velocity = distance_gain (goal - position), at most maximum_speed
         wanted = self.distance_gain * (goal - position)
-        wanted *= min(1.0, self.max_speed / max(math.hypot(*wanted), 1e-9))
+        wanted *= min(1.0, self.maximum_speed / max(math.hypot(*wanted), 1e-9))
         # force = speed_gain (wanted velocity - velocity): it also brakes a sideways slide
         force = self.speed_gain * (wanted - velocity)
-        if math.hypot(*force) < self.min_voltage:
+        if math.hypot(*force) < self.minimum_voltage:
             return 0.0, 0.0
         # the components of the force along the heading and to its right
         ahead = force[0] * math.cos(heading) + force[1] * math.sin(heading)
@@ -101,10 +101,11 @@ class _Drive:
         # error = angle from the robot's axis to the force, whichever end of the axis is nearer
         error = math.atan2(math.copysign(1, ahead) * right, abs(ahead))
         # turn = heading_gain error - turn_gain turn rate; the remaining voltage drives
-        turn = _limited(self.heading_gain * error - self.turn_gain * turn_rate, self.max_voltage)
-        drive = _limited(ahead, self.max_voltage - abs(turn))
+        limit = self.maximum_voltage
+        turn = _limited(self.heading_gain * error - self.turn_gain * turn_rate, limit)
+        drive = _limited(ahead, limit - abs(turn))
         # u1 = drive + turn, u2 = drive - turn: a faster left wheel turns the robot to the right
-        return _limited(drive + turn, self.max_voltage), _limited(drive - turn, self.max_voltage)
+        return _limited(drive + turn, limit), _limited(drive - turn, limit)
 
 
 def _limited(value: float, limit: float) -> float:
@@ -123,10 +124,10 @@ class GoToPoint(_Drive):
     ----------
     x, y : float
         The point (work-area px).
-    max_voltage : float
+    maximum_voltage : float
         Maximum voltage of each motor, forwards and backwards (V). Turning has priority over
         driving.
-    max_speed : float
+    maximum_speed : float
         Maximum of the wanted speed (px/s). The default robot drives at 33 px/s with 1 V.
     distance_gain : float
         Wanted speed per distance from the goal (px/s per px): large = brakes late.
@@ -136,9 +137,9 @@ class GoToPoint(_Drive):
         Voltage per heading error (V per rad): turns the robot's axis to the wanted force.
     turn_gain : float
         Voltage per turn rate (V per rad/s): damps the turning.
-    min_voltage : float
+    minimum_voltage : float
         Dead zone: for a smaller force the voltages are 0 (V). At rest the robot may be
-        ``min_voltage / (speed_gain * distance_gain)`` from the goal, 6 px by default.
+        ``minimum_voltage / (speed_gain * distance_gain)`` from the goal, 6 px by default.
 
     Raises
     ------
@@ -151,10 +152,10 @@ class GoToPoint(_Drive):
     control law is therefore one of forces. The distance gives the wanted velocity, the velocity
     error gives a force, and the robot turns its axis towards that force:
 
-        wanted velocity = distance_gain (goal - position), at most max_speed
+        wanted velocity = distance_gain (goal - position), at most maximum_speed
         force = speed_gain (wanted velocity - velocity)
         turn = heading_gain (direction of the force - heading) - turn_gain turn rate
-        drive = component of the force along the heading, at most max_voltage - |turn|
+        drive = component of the force along the heading, at most maximum_voltage - |turn|
         u1 = drive + turn,  u2 = drive - turn
 
     The velocity and the turn rate are low-pass filtered differences of the poses.
@@ -205,7 +206,9 @@ class FollowPath(_Drive):
     lookahead : float
         Distance along the path from the point nearest to the robot to the goal (px): small = slow
         and close to the line.
-    max_voltage, max_speed, distance_gain, speed_gain, heading_gain, turn_gain, min_voltage : float
+    maximum_voltage, maximum_speed, minimum_voltage : float
+        As for `GoToPoint`.
+    distance_gain, speed_gain, heading_gain, turn_gain : float
         As for `GoToPoint`.
 
     Raises
