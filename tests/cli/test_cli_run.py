@@ -195,7 +195,7 @@ def test_why_some_frames_are_without_a_detection(tmp_path):
         robsim.imaging.save_image(frames / f"{k}.png", image // 10 if k in (1, 2, 4) else image)
     robsim.imaging.save_image(frames / "5.png", np.where(image[..., 2:] > 150, 90, image))
     run = command("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
-    assert "6 steps, 2 seen" in run.stdout
+    assert "2 (33.3 %)" in run.stdout
     assert (
         "no detection in 4 of 6 steps: in 3, first in step 1, no red and no blue blob was "
         "detected: check the frame and the colours; in 1: no blue blob"
@@ -224,7 +224,7 @@ def test_more_than_four_points_say_how_well_they_fit(tmp_path):
         cwd=tmp_path,
     )
     assert "the 5 points fit within 0.7 px of the work area (number 5), rms" in run.stderr
-    assert "1 seen" in run.stdout
+    assert "1 (100 %)" in run.stdout
 
 
 def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):

@@ -76,7 +76,7 @@ def test_a_folder_with_a_misspelled_option(tmp_path):
     [
         ("mesure", "Simulation has no slot 'mesure': did you mean 'measure'?"),
         ("area", r"area is fixed: give it to Simulation(area=...)"),
-        ("model", r"model is fixed: give it to Simulation(model=...)"),
+        ("model", "model cannot be set: fill define_model, then call sim.reset()"),
         ("zzz", "Simulation has no slot 'zzz': there are define_model, init_"),
     ],
 )

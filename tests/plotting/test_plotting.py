@@ -688,6 +688,19 @@ def test_a_camera_at_an_angle_is_shown_in_its_own_pixels():
     np.testing.assert_allclose(path.get_xydata(), AT_AN_ANGLE.to_pixel(trace.pose_true[:, :2]))
 
 
+def test_frame_of_a_camera_from_the_side_shows_the_path_of_a_run_without_truth():
+    image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
+    pixels, positions = [(0, 0), (399, 0), (390, 399), (5, 399)], [(0, 0), (9, 0), (9, 9), (0, 9)]
+    plane_map = robsim.imaging.PlaneMap.from_points(pixels, 133 * np.array(positions))
+    experiment = robsim.Experiment([robsim.Frame(image, plane_map=plane_map)])
+    trace = experiment.run()
+    assert trace.seen.all()
+    lines = plot_frame(experiment.frame, trace=trace).lines
+    measured = next(line for line in lines if line.get_label() == "measured path")
+    position = trace.pose_measured[0, :2]
+    np.testing.assert_allclose(measured.get_xydata()[0], plane_map.to_pixel(position))
+
+
 def test_frame_draws_in_given_axes():
     given = Figure().add_subplot()
     assert plot_frame(make_frame(), ax=given) is given

@@ -20,6 +20,7 @@ from robsim.simulation._slots import SLOTS
 
 PACKAGE = Path(robsim.__file__).parent
 FRAME = robsim.Frame(np.zeros((60, 60, 3), np.uint8))
+SIZE = (60, 60)
 
 
 def drive(step):
@@ -240,9 +241,9 @@ def test_a_callback_of_ones_own_may_say_what_it_needs():
 
 def test_an_observation_may_bring_what_a_controller_needs():
     with pytest.raises(ValueError, match=r"needs step\.measurement .* Observation"):
-        Experiment([FRAME], measure=None, **GOAL).run()
+        Experiment([FRAME], area=SIZE, measure=None, **GOAL).run()
     seen = robsim.simulation.Observation(frame=FRAME, measurement=(100, 200, 0))
-    assert Experiment([seen], measure=None, **GOAL).run().u.any()
+    assert Experiment([seen], area=SIZE, measure=None, **GOAL).run().u.any()
 
 
 def raised(**options):
@@ -300,7 +301,7 @@ def test_frames_and_send_are_places_too():
         raise OSError("gone")
 
     with pytest.raises(OSError, match="gone") as caught:
-        Experiment(frames()).run()
+        Experiment(frames(), area=SIZE).run()
     assert (caught.value.callback.slot, caught.value.callback.k) == ("frames", 1)
     assert caught.value.callback.source.text == 'raise OSError("gone")'
 

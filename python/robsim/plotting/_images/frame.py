@@ -131,7 +131,9 @@ def _part(trace: Trace | None, k: int | None) -> Trace | None:
 
 def _draw_path(axes: Axes, trace: Trace, from_world: _Map) -> None:
     measured = trace.pose_measured[trace.seen, :2]
-    style.draw_path(axes, from_world(trace.pose_true[:, :2]), from_world(measured))
+    true = trace.pose_true[:, :2]
+    true = true[np.isfinite(true).all(axis=1)]  # of frames from elsewhere it is not known
+    style.draw_path(axes, from_world(true), from_world(measured))
     style.rasterize_long_lines([axes])
 
 
