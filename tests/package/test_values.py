@@ -16,7 +16,9 @@ from robsim import (
     ColorClass,
     DriveAround,
     Estimate,
+    FollowPath,
     Frame,
+    GoToPoint,
     Measurement,
     Observation,
     RecursiveLeastSquares,
@@ -42,6 +44,8 @@ PAIRS = [
     (Spin(), Spin(0.1)),
     (DriveAround(), DriveAround(hold=3)),
     (Replay([(1, 2)]), Replay([(1, 2), (3, 4)])),
+    (GoToPoint(1, 2), GoToPoint(1, 2, turn_gain=1)),
+    (FollowPath([(1, 2)]), FollowPath([(1, 2), (3, 4)])),
     (RobotParameters(), RobotParameters(motor_gain=(0.05, 0.06))),
     (RobotModel(), RobotModel(RobotParameters(mass=0.31))),
     (ColorClass("red", u=(1, 2)), ColorClass("red", u=(1, 3))),
@@ -65,7 +69,7 @@ RECORDS = [
 ]
 RECORDED = [one for pair in RECORDS for one in pair]
 VALUES = [*(one for pair in PAIRS for one in pair), Unicycle(), *RECORDED]
-LONG = (Replay, RobotModel, *(type(one) for one in RECORDED))
+LONG = (FollowPath, Replay, RobotModel, *(type(one) for one in RECORDED))
 NAMES = {
     name: value
     for name, value in globals().items()

@@ -327,7 +327,7 @@ def estimate(step):
      ({"control": reads_measurement, "measure": lambda step: None},
       "step.measurement is None: the robot was not seen in this step"),
      ({"control": reads_measurement, "measure": True, "dropout": robsim.Dropout(0.9)},
-      "step.measurement is None: the robot was not seen in this step"),
+      "step.measurement is None: the robot was not seen in this step: no blue blob was detected"),
      ({"estimate_parameters": reads_measurement, "measure": True},
       "step.measurement is None: measure comes after estimate_parameters in a step"),
      ({"control": estimate}, "step.estimate is None: there is no state estimator; give"),

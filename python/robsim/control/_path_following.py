@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass, field, fields
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -78,10 +78,24 @@ class _Drive:
         }.items():
             check_float(name, getattr(self, name), unit, minimum=0)
 
-    def __repr__(self) -> str:
-        # in the order of the call: positional arguments first
+    def _options(self) -> dict[str, Any]:
+        """Return the options in the order of the call: positional arguments first."""
         shown = sorted((f for f in fields(self) if f.init), key=lambda f: bool(f.kw_only))
-        options = ", ".join(f"{f.name}={getattr(self, f.name)!r}" for f in shown)
+        return {f.name: getattr(self, f.name) for f in shown}
+
+    def _key(self) -> tuple[type, bytes]:
+        return type(self), np.concatenate([*map(np.ravel, self._options().values())]).tobytes()
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, _Drive):
+            return NotImplemented
+        return self._key() == other._key()  # what it remembers of a run does not count
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __repr__(self) -> str:
+        options = ", ".join(f"{name}={value!r}" for name, value in self._options().items())
         return f"{type(self).__name__}({options})"
 
     def _towards(self, goal: Floats) -> tuple[float, float]:

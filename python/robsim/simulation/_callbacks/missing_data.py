@@ -90,6 +90,8 @@ def _reason(name: str, step: Step, slot: str, is_on: Callable[[str], bool]) -> s
     order = list(SLOTS)
     if order.index(slot) < order.index(datum.slot):
         return f"{datum.slot} comes after {slot} in a step"
+    if name == "measurement" and step.detection is not None:
+        return f"{datum.absent}: {step.detection.explanation}"
     return datum.absent
 
 
