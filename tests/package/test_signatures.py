@@ -1,6 +1,8 @@
 """Native functions and classes: their signatures, and calls that fit none."""
 
 import inspect
+import pickle
+import pydoc
 from types import WrapperDescriptorType
 
 import numpy as np
@@ -117,3 +119,16 @@ def test_a_type_error_of_a_callback_stays_what_it_is():
     with pytest.raises(TypeError, match="unsupported operand") as caught:
         robsim.Simulation(control=control).run(1)
     assert caught.traceback[-1].name == "control"
+
+
+@pytest.mark.parametrize("name", ["find_blobs", "locate", "wrap_angle"])
+def test_native_functions_are_functions_of_their_module(name):
+    function = getattr(robsim, name)
+    assert repr(function) == f"<built-in function {name}>"
+    assert pickle.loads(pickle.dumps(function)) is function
+    assert "pybind11" not in pydoc.render_doc(function)
+
+
+def test_a_static_method_is_one_of_its_class():
+    assert pickle.loads(pickle.dumps(Frame.from_bgr)) == Frame.from_bgr
+    assert "record" not in pydoc.render_doc(Frame.from_bgr)

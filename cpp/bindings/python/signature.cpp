@@ -2,7 +2,9 @@
 
 #include <string.h>  // strdup
 
+#include <array>
 #include <cstdlib>
+#include <stdexcept>
 #include <unordered_map>
 
 #include "python/numpy.hpp"
@@ -187,23 +189,58 @@ PyObject* call(PyObject* self, PyObject* const* arguments, Py_ssize_t n_position
   return nullptr;
 }
 
-}  // namespace
+PyCFunction as_c_function(FastCall function) {
+  return reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(function));
+}
 
-void give_signature(const py::object& function, const Signature& signature) {
+PyCFunctionObject& c_function(const py::object& function) {
   PyObject* const plain = PyInstanceMethod_Check(function.ptr())
                               ? PyInstanceMethod_GET_FUNCTION(function.ptr())
                               : function.ptr();
-  auto* const object = reinterpret_cast<PyCFunctionObject*>(plain);
+  return *reinterpret_cast<PyCFunctionObject*>(plain);
+}
+
+// Functions that belong to a module or class in the eyes of Python. What pybind11 needs as `self`
+// is kept here, and each has an entry of its own that knows its place.
+constexpr std::size_t maximum_functions = 64;
+std::array<PyObject*, maximum_functions> records{};
+std::size_t n_functions = 0;
+
+template <std::size_t place>
+PyObject* enter(PyObject*, PyObject* const* arguments, Py_ssize_t n_positional,
+                PyObject* keywords) {
+  return call(records[place], arguments, n_positional, keywords);
+}
+
+template <std::size_t... places>
+constexpr std::array<FastCall, sizeof...(places)> entries(std::index_sequence<places...>) {
+  return {&enter<places>...};
+}
+
+}  // namespace
+
+void give_signature(const py::object& function, const Signature& signature) {
+  PyCFunctionObject* const object = &c_function(function);
   PyMethodDef& method = *object->m_ml;
   const std::string doc = with_signature(method, signature);
   std::free(const_cast<char*>(method.ml_doc));
   method.ml_doc = strdup(doc.c_str());
-  constexpr int fast_call = METH_FASTCALL | METH_KEYWORDS;
-  if (method.ml_flags != fast_call) throw std::logic_error("pybind11 calls in another way");
+  // Should pybind11 call in another way one day, its own errors stay.
+  if (method.ml_flags != (METH_FASTCALL | METH_KEYWORDS)) return;
   const auto original = reinterpret_cast<FastCall>(reinterpret_cast<void (*)()>(method.ml_meth));
   if (!dispatcher) dispatcher = original;
-  method.ml_meth = reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&call));
+  method.ml_meth = as_c_function(&call);
   signatures().emplace(object->m_self, signature);
+}
+
+void give_owner(const py::object& function, py::handle owner) {
+  static constexpr auto all = entries(std::make_index_sequence<maximum_functions>());
+  PyCFunctionObject& object = c_function(function);
+  if (object.m_ml->ml_meth != as_c_function(&call)) return;
+  if (n_functions == all.size()) throw std::logic_error("more functions than maximum_functions");
+  records[n_functions] = object.m_self;  // kept for good
+  object.m_self = owner.inc_ref().ptr();
+  object.m_ml->ml_meth = as_c_function(all[n_functions++]);
 }
 
 }  // namespace robsim::bindings

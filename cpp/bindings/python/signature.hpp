@@ -33,6 +33,10 @@ struct Signature {
 /// TypeError that names the argument, what was expected and what came.
 void give_signature(const py::object& function, const Signature& signature);
 
+/// Lets a native function with a signature belong to a module or class, as those of Python do: help
+/// would say that it is a method of something of pybind11, and it could not be pickled.
+void give_owner(const py::object& function, py::handle owner);
+
 /// The types of a callable's arguments, as a tuple.
 template <typename F>
 struct ArgumentTypes : ArgumentTypes<decltype(&F::operator())> {};
@@ -95,6 +99,7 @@ class Module : public py::module_ {
   Module& def(const char* name, F&& f, const Extra&... extra) {
     py::module_::def(name, std::forward<F>(f), extra...);
     give_signature(attr(name), signature_of<F>(name, false, extra...));
+    give_owner(attr(name), *this);
     return *this;
   }
 };
@@ -139,6 +144,7 @@ class Class : public py::class_<T, Options...> {
   Class& def_static(const char* name, F&& f, const Extra&... extra) {
     Base::def_static(name, std::forward<F>(f), extra...);
     give_signature(this->attr(name), signature_of<F>(name, false, extra...));
+    give_owner(this->attr(name), *this);
     return *this;
   }
 
