@@ -7,13 +7,22 @@ import re
 from collections.abc import Callable, Iterable
 
 
-def closest(name: str, known: Iterable[str]) -> str | None:
+def closest(name: str, known: Iterable[str], *, cutoff: float = 0.6) -> str | None:
     """Return the known name that `name` resembles most, or None if it resembles none.
 
     Case, underscores, hyphens and spaces do not count.
+
+    Parameters
+    ----------
+    name : str
+        The name that came.
+    known : iterable of str
+        All names that there are.
+    cutoff : float
+        How much it must resemble one: 1 = it is the same.
     """
     plain = {_plain(other): other for other in known}
-    close = difflib.get_close_matches(_plain(name), plain, 1)
+    close = difflib.get_close_matches(_plain(name), plain, 1, cutoff)
     return plain[close[0]] if close else None
 
 
