@@ -9,6 +9,7 @@ import pytest
 
 import robsim
 from robsim import Dropout, GaussianNoise, Replay, Scenario, Simulation, WheelNoise
+from robsim.trace import NotRecordedError
 
 NOISY = Scenario(
     measure=True,
@@ -74,8 +75,9 @@ def test_other_callbacks_are_named():
 
 def test_a_trace_of_an_experiment_has_no_scenario():
     frames = [Simulation(NOISY).step().frame]
-    with pytest.raises(ValueError, match="the trace has no scenario"):
+    with pytest.raises(NotRecordedError, match="the trace has no scenario") as caught:
         Scenario.of(robsim.Experiment(frames).run())
+    assert caught.value.columns == ("scenario",)
 
 
 def test_a_new_seed_gives_the_run_of_a_new_simulation():

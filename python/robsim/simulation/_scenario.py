@@ -38,7 +38,7 @@ from robsim.simulation._world.disturbances import (
 )
 from robsim.simulation._world.dropout import Dropout, as_dropout
 from robsim.simulation._world.scene import HEADINGS, Floor
-from robsim.trace import Trace
+from robsim.trace import NotRecordedError, Trace
 from robsim.trace._columns import POSES
 from robsim.trace._trace import check_trace
 from robsim.vision._color_files import as_colors
@@ -237,8 +237,10 @@ class Scenario:
 
         Raises
         ------
+        NotRecordedError
+            If the trace has no scenario.
         TypeError, ValueError
-            If `trace` is not a Trace, or has no scenario; if it begins later.
+            If `trace` is not a Trace, or begins later.
 
         Warns
         -----
@@ -249,7 +251,7 @@ class Scenario:
         check_trace(trace)
         scenario = trace.info.scenario
         if scenario is None:
-            raise ValueError("the trace has no scenario: it is not of a Simulation")
+            raise NotRecordedError(("scenario",), "it is not of a Simulation")
         if isinstance(scenario, str):
             scenario = cls.from_toml(scenario)
         callbacks = set(trace.info.callbacks)
