@@ -585,6 +585,14 @@ def test_it_gets_over_a_wall():
     [
         (ExtendedKalmanFilter, {"process_sigma": 0.1}, "process_sigma must be 3 numbers"),
         (ExtendedKalmanFilter, {"process_sigma": (0.1, 0.1, -1)}, "process_sigma must be .* -1"),
+        *(
+            (
+                kind,
+                {"process_sigma": robsim.WheelNoise(0.02).sigma},
+                r"WheelNoise .* noise.Q\(model",
+            )
+            for kind in (ExtendedKalmanFilter, UnscentedKalmanFilter, ParticleFilter)
+        ),
         (UnscentedKalmanFilter, {"kappa": -3}, "kappa must .* at least 0, got -3"),
         (ParticleFilter, {"n_particles": 5}, "n_particles must lie within 1000"),
         (ParticleFilter, {"measurement_sigma": (1, 1)}, "measurement_sigma must be 3 numbers"),

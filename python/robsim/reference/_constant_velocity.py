@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, check_float
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
 from robsim.reference._noise import MEASUREMENT_SIGMA, covariance
@@ -58,7 +58,8 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
 
     def predict(self, u: Floats, dt: float) -> None:
         """Predict the state one step of dt (s) ahead; the input u is not used."""
-        T, I, O = dt, np.eye(3), np.zeros((3, 3))  # noqa: E741
+        T = check_float("dt", dt, "s", exclusive_minimum=0)
+        I, O = np.eye(3), np.zeros((3, 3))  # noqa: E741
         # pose(k) = pose(k-1) + T v(k-1) + T^2/2 acceleration,  v(k) = v(k-1) + T acceleration
         F = np.block([[I, T * I], [O, I]])
         G = np.vstack((T**2 / 2 * I, T * I))

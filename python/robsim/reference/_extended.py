@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from robsim._base.checks import Floats
 from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
 from robsim.reference._motion import RobotMotion
-from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, covariance
+from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, check_process_sigma
 
 
 class ExtendedKalmanFilter(KalmanFilter):
@@ -72,7 +74,7 @@ class ExtendedKalmanFilter(KalmanFilter):
         prior: Prior | None = None,
     ) -> None:
         self.motion = RobotMotion(model)
-        self.Q = covariance("process_sigma", process_sigma, minimum=0)
+        self.Q = np.diag(check_process_sigma(process_sigma) ** 2)
         super().__init__(measurement_sigma=measurement_sigma, prior=prior)
 
     def predict(self, u: Floats, dt: float) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, as_float_array
 from robsim._core import wrap_angle
 from robsim.reference._estimator import Prior, StateEstimator
 from robsim.reference._noise import MEASUREMENT_SIGMA, covariance
@@ -16,7 +16,10 @@ H = np.eye(3, 6)
 
 
 def innovation_of(z: Floats, poses: Floats) -> Floats:
-    """Return the innovation of a measured pose, (3,) or (N, 3), its heading wrapped."""
+    """Return the innovations of a measured pose z, (3,), at poses (3,) or (N, 3); wrapped."""
+    z = as_float_array("z", z)
+    if z.shape != (3,):
+        raise ValueError(f"z must be a pose (x, y, heading), got the shape {z.shape}")
     # innovation = z - H x
     innovation = z - poses
     innovation[..., 2] = wrap_angle(innovation[..., 2])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, as_float_array
 from robsim._core import RobotModel
 
 
@@ -32,8 +32,11 @@ class RobotMotion:
         self.model = RobotModel() if model is None else model
         self.T = self.model.dt
 
-    def _poses(self, states: Floats) -> tuple[Floats, Floats]:
-        """Return the last pose of each state and the one before."""
+    def _poses(self, name: str, states: Floats) -> tuple[Floats, Floats]:
+        """Return the last pose of each state and the one before; the errors name the argument."""
+        states = as_float_array(name, states)
+        if states.shape[-1:] != (6,):
+            raise ValueError(f"{name} must be of shape (..., 6), got {states.shape}")
         pose_1, velocity = states[..., :3], states[..., 3:]
         # pose(k-2) = pose(k-1) - T v(k-1)
         return pose_1, pose_1 - self.T * velocity
@@ -48,14 +51,14 @@ class RobotMotion:
         u : array (2,)
             Input of step k-1 (V).
         """
-        pose_1, pose_2 = self._poses(states)
+        pose_1, pose_2 = self._poses("states", states)
         pose = self.model.predict(pose_1, pose_2, u, unwrapped=True)
         # v(k) = (pose(k) - pose(k-1)) / T
         return np.concatenate((pose, (pose - pose_1) / self.T), axis=-1)
 
     def jacobian(self, state: Floats, u: Floats) -> Floats:
         """Return F, (6, 6): the derivative of the next state by a state, (6,)."""
-        J = self.model.jacobian(*self._poses(state), u)
+        J = self.model.jacobian(*self._poses("state", state), u)
         # d pose(k) = (J_1 + J_2) d pose(k-1) - T J_2 d v(k-1)
         by_pose, by_velocity = J[:, :3] + J[:, 3:], -self.T * J[:, 3:]
         # d v(k) = (d pose(k) - d pose(k-1)) / T

@@ -39,6 +39,17 @@ def check_vector3(
     )
 
 
+def check_process_sigma(sigma: Sequence[float]) -> Floats:
+    """Return the checked option ``process_sigma``, an array (3,)."""
+    if isinstance(sigma, (tuple, list)) and len(sigma) == 2:
+        raise ValueError(
+            f"process_sigma must be 3 numbers, for x, y and the heading, got {sigma!r}: those of "
+            "a WheelNoise are in V; noise.Q(model, heading) is the covariance of the pose that it "
+            "causes"
+        )
+    return check_vector3("process_sigma", sigma, minimum=0)
+
+
 def covariance(
     name: str,
     sigma: Sequence[float],

@@ -12,7 +12,13 @@ from robsim._core import RobotModel, wrap_angle
 from robsim.reference._estimator import Prior, StateEstimator
 from robsim.reference._kalman import innovation_of, kalman_update
 from robsim.reference._motion import RobotMotion
-from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, check_vector3, root
+from robsim.reference._noise import (
+    MEASUREMENT_SIGMA,
+    PROCESS_SIGMA,
+    check_process_sigma,
+    check_vector3,
+    root,
+)
 
 #: With a smaller effective sample size after a measurement, the particles are drawn anew.
 MINIMUM_SAMPLE_SIZE = 200
@@ -74,7 +80,7 @@ class ParticleFilter(StateEstimator):
         prior: Prior | None = None,
     ) -> None:
         self.motion = RobotMotion(model)
-        self.process_sigma = check_vector3("process_sigma", process_sigma, minimum=0)
+        self.process_sigma = check_process_sigma(process_sigma)
         self.measurement_sigma = check_vector3(
             "measurement_sigma", measurement_sigma, exclusive_minimum=0
         )

@@ -11,7 +11,7 @@ from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
 from robsim.reference._motion import RobotMotion
-from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, covariance, root
+from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, check_process_sigma, root
 
 
 class UnscentedKalmanFilter(KalmanFilter):
@@ -62,7 +62,7 @@ class UnscentedKalmanFilter(KalmanFilter):
         prior: Prior | None = None,
     ) -> None:
         self.motion = RobotMotion(model)
-        self.Q = covariance("process_sigma", process_sigma, minimum=0)
+        self.Q = np.diag(check_process_sigma(process_sigma) ** 2)
         self.kappa = check_float("kappa", kappa, minimum=0)
         super().__init__(measurement_sigma=measurement_sigma, prior=prior)
 
