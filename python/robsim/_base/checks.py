@@ -72,6 +72,20 @@ def as_float_array(name: str, values: Any) -> Floats:
         raise TypeError(message) from None
 
 
+def check_bool(name: str, value: Any) -> bool:
+    """Return `value` if it is True or False; else raise TypeError."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} must be True or False, got {reprlib.repr(value)}")
+    return bool(value)
+
+
+def check_text(name: str, value: Any) -> str:
+    """Return `value` if it is text; else raise TypeError."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be text, got {reprlib.repr(value)}")
+    return value
+
+
 def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
     """Return `value` if it is one of `choices`; else raise TypeError or ValueError."""
     expected = f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}"

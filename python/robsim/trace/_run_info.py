@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robsim._base.checks import check_text
 from robsim.trace._columns import as_numbers
 
 
@@ -53,6 +54,8 @@ class RunInfo:
     changed: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        for name in ("identify_from", "boundary", "robot"):
+            check_text(name, getattr(self, name))
         is_number = isinstance(self.dt, (int, float)) and not isinstance(self.dt, bool)
         if not is_number or not 0 < self.dt < 1e9:
             raise ValueError(f"dt must be a positive number (s), got {self.dt!r}")
@@ -66,9 +69,6 @@ class RunInfo:
         area = self.area if isinstance(self.area, tuple) else ()
         if len(area) != 2 or not all(type(size) is int and size > 0 for size in area):
             raise ValueError(f"area must be (width, height), two ints, got {self.area!r}")
-        for name in ("identify_from", "boundary", "robot"):
-            if not isinstance(getattr(self, name), str):
-                raise ValueError(f"{name} must be text, got {getattr(self, name)!r}")
         for name in ("callbacks", "changed"):
             texts = getattr(self, name)
             if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):

@@ -6,13 +6,13 @@ import csv
 import reprlib
 from collections.abc import Mapping
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, check_choice
+from robsim._base.files import as_path, naming
 from robsim._base.report.as_data import import_pandas
 from robsim._base.spelling import check_names, suggestion
 from robsim._core import TraceGroup, wrap_angle
@@ -157,7 +157,7 @@ class Trace:
         """
         missing = {}
         for name in names:
-            check_choice("name", name, (*GROUPS, "theta_true"))
+            check_choice("names", name, (*GROUPS, "theta_true"))
             values = self.info.theta_true if name == "theta_true" else self._numbers(GROUPS[name])
             if not np.isfinite(values).any():
                 missing[name] = name in self._groups
@@ -301,7 +301,8 @@ class Trace:
             The file to write.
         """
         columns = self._columns()
-        with Path(path).open("w", newline="", encoding="utf-8") as file:
+        target = as_path(path)
+        with naming(target), target.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)
             for row in zip(*(values.tolist() for values in columns.values()), strict=True):
@@ -315,7 +316,7 @@ class Trace:
         path : path
             The file to write; by custom its name ends with ``.npz``.
         """
-        write_trace(path, (self._groups, self.info, self._first_step))
+        write_trace(as_path(path), (self._groups, self.info, self._first_step))
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Trace:
@@ -333,4 +334,4 @@ class Trace:
         ValueError
             If it is damaged, or not a trace of robsim.
         """
-        return read_trace(path, lambda content: Trace(*content[:2], first_step=content[2]))
+        return read_trace(as_path(path), lambda content: Trace(*content[:2], first_step=content[2]))

@@ -8,7 +8,6 @@ import tokenize
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping
-from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,7 +26,7 @@ Content = tuple[Mapping[str, Floats], RunInfo, int]
 """Groups of columns, what concerns the run as a whole, number of the first step."""
 
 
-def write_trace(path: str | PathLike[str], content: Content) -> None:
+def write_trace(path: Path, content: Content) -> None:
     """Write the content of a trace into one file."""
     groups, run_info, first_step = content
     info = {
@@ -39,12 +38,12 @@ def write_trace(path: str | PathLike[str], content: Content) -> None:
     text = np.array(json.dumps(info))
     archive = io.BytesIO()
     np.savez_compressed(archive, allow_pickle=False, info=text, **groups)
-    write_whole(Path(path), archive.getvalue())
+    write_whole(path, archive.getvalue())
 
 
-def read_trace(path: str | PathLike[str], build: Callable[[Content], T]) -> T:
+def read_trace(path: Path, build: Callable[[Content], T]) -> T:
     """Return what `build` makes of a file that `write_trace` wrote; else a ValueError names it."""
-    with Path(path).open("rb") as file:
+    with path.open("rb") as file:
         try:
             if not zipfile.is_zipfile(file):
                 raise ValueError("it is not an archive of arrays")
