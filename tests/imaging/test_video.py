@@ -170,10 +170,10 @@ def test_a_folder_that_is_not_there(tmp_path):
 @pytest.mark.parametrize(
     ("frame", "error", "message"),
     [
-        ("abc", TypeError, "Frames or arrays, got 'abc'"),
-        (np.zeros((8, 8)), ValueError, r"\(H, W, 3\) of uint8, got \(8, 8\) of float64"),
-        (np.zeros((8, 8, 4), dtype=np.uint8), ValueError, r"got \(8, 8, 4\) of uint8"),
-        (np.zeros((0, 8, 3), dtype=np.uint8), ValueError, r"got \(0, 8, 3\) of uint8"),
+        ("abc", TypeError, r"frames\[0\] must be a Frame or a uint8 array .*, got 'abc'"),
+        (np.zeros((8, 8)), ValueError, r"\(H, W, 3\), got float64 of shape \(8, 8\)"),
+        (np.zeros((8, 8, 4), dtype=np.uint8), ValueError, r"got uint8 of shape \(8, 8, 4\)"),
+        (np.zeros((0, 8, 3), dtype=np.uint8), ValueError, r"got uint8 of shape \(0, 8, 3\)"),
     ],
 )
 def test_frames_of_another_kind(tmp_path, frame, error, message):

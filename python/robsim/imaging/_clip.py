@@ -7,13 +7,13 @@ import io
 import math
 from collections.abc import Iterable, Iterator
 from os import PathLike
-from pathlib import Path
 
 from PIL import Image, ImageSequence
 
 from robsim._base.checks import check_float, check_int
+from robsim._base.files import as_path, naming
 from robsim._core import Frame
-from robsim.imaging._frames import check_same_size, frame_pixels, frame_size
+from robsim.imaging._frames import check_iterable, check_same_size, frame_pixels, frame_size
 from robsim.imaging._images import Pixels, resized
 
 MAXIMUM_WIDTH = 16383  # px, a limit of WebP
@@ -47,6 +47,7 @@ class Clip:
     def __init__(self, frames: Iterable[Frame | Pixels], *, fps: float, width: int = 480) -> None:
         milliseconds = round(1000 / check_float("fps", fps, "1/s", minimum=0.1, maximum=60))
         width = check_int("width", width, minimum=1, maximum=MAXIMUM_WIDTH)
+        check_iterable(frames)
         images = list(_reduced(frames, width))
         if not images:
             raise ValueError("frames: a clip needs at least one, got none")
@@ -65,14 +66,16 @@ class Clip:
 
         Raises
         ------
-        ValueError
-            If `path` has another suffix.
+        TypeError, ValueError
+            If `path` is not a path, or has another suffix.
         """
-        suffix = Path(path).suffix.lower()
+        file = as_path(path)
+        suffix = file.suffix.lower()
         if suffix not in (".webp", ".gif"):
             raise ValueError(f"{path}: the name of a clip must end in .webp or .gif")
         data = self._webp if suffix == ".webp" else self._gif()
-        Path(path).write_bytes(data)
+        with naming(file):
+            file.write_bytes(data)
 
     def _gif(self) -> bytes:
         with Image.open(io.BytesIO(self._webp)) as clip:
@@ -101,7 +104,7 @@ class Clip:
 def _reduced(frames: Iterable[Frame | Pixels], width: int) -> Iterator[Image.Image]:
     first = None
     for index, frame in enumerate(frames):
-        pixels = frame_pixels(frame)
+        pixels = frame_pixels(f"frames[{index}]", frame)
         size = frame_size(pixels)
         first = first or size
         check_same_size(f"frame {index}", size, first)

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterable
+from typing import Any
 
 from robsim._core import Frame
-from robsim.imaging._images import Pixels
+from robsim.imaging._images import Pixels, check_pixels
 
 
-def frame_pixels(frame: Frame | Pixels) -> Pixels:
+def check_iterable(frames: Any) -> None:
+    """Raise TypeError unless the argument ``frames`` can be iterated over."""
+    if not isinstance(frames, Iterable):
+        raise TypeError(f"frames must be an iterable of frames, got {frames!r}")
+
+
+def frame_pixels(name: str, frame: Frame | Pixels) -> Pixels:
     """Return the pixels of a Frame, or an image array after a check of its type and shape."""
-    pixels = frame.image if isinstance(frame, Frame) else frame
-    if not isinstance(pixels, np.ndarray):
-        raise TypeError(f"frames must be Frames or arrays, got {frame!r}")
-    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
-        raise ValueError(
-            f"frames must be arrays (H, W, 3) of uint8, got {pixels.shape} of {pixels.dtype}"
-        )
-    return pixels
+    if isinstance(frame, Frame):
+        return frame.image
+    return check_pixels(name, frame, 3, "a Frame or ")
 
 
 def frame_size(pixels: Pixels) -> tuple[int, int]:

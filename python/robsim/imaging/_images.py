@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import io
+import reprlib
 import warnings
 from os import PathLike
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
-from robsim._base.files import naming
+from robsim._base.checks import check_choice
+from robsim._base.files import as_path, naming
 
 Pixels = NDArray[np.uint8]
 
@@ -43,7 +45,8 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     ValueError
         If the file is not an image, is damaged, or is too large.
     """
-    with Path(path).open("rb") as file, warnings.catch_warnings():
+    check_choice("mode", mode, ("RGB", "RGBA"))
+    with as_path(path).open("rb") as file, warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
         try:
             with Image.open(file) as image:
@@ -83,11 +86,23 @@ def save_image(path: str | PathLike[str], image: Pixels) -> None:
     ------
     OSError
         If the file cannot be written.
-    ValueError
-        If the suffix names no known format.
+    TypeError, ValueError
+        If `image` has another type or shape, or the suffix names no known format.
     """
-    with naming(path):
-        Image.fromarray(image).save(path)
+    file = as_path(path)
+    pixels = check_pixels("image", image, 3)
+    with naming(file):
+        Image.fromarray(pixels).save(file)
+
+
+def check_pixels(name: str, pixels: Any, channels: int, alternative: str = "") -> Pixels:
+    """Return an image (H, W, channels) of uint8; else raise TypeError or ValueError."""
+    expected = f"{name} must be {alternative}a uint8 array of shape (H, W, {channels})"
+    if not isinstance(pixels, np.ndarray):
+        raise TypeError(f"{expected}, got {reprlib.repr(pixels)}")
+    if pixels.dtype != np.uint8 or pixels.shape[2:] != (channels,) or not pixels.size:
+        raise ValueError(f"{expected}, got {pixels.dtype} of shape {pixels.shape}")
+    return pixels
 
 
 def png_bytes(pixels: Pixels) -> bytes:

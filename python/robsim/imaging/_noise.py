@@ -6,7 +6,7 @@ import functools
 from dataclasses import dataclass
 from typing import ClassVar
 
-from robsim._base.checks import check_float
+from robsim._base.checks import check_float, check_int
 from robsim._core import VisualNoise
 from robsim.imaging._images import Pixels
 
@@ -49,9 +49,11 @@ class _Noise:
         Raises
         ------
         TypeError, ValueError
-            If an image has the wrong type or shape, or `out` is read-only or overlaps the memory
-            of `image` only in part.
+            If an argument has the wrong type, an image the wrong shape, or `out` is read-only or
+            overlaps the memory of `image` only in part.
         """
+        seed = check_int("seed", seed, minimum=0, maximum=2**64 - 1)
+        index = check_int("index", index, minimum=0, maximum=2**64 - 1)
         return self._native.add(image, seed, index, out=out)
 
 

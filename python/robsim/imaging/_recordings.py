@@ -15,6 +15,7 @@ import numpy as np
 from PIL import Image
 
 from robsim._base.checks import check_float, check_size
+from robsim._base.files import as_path
 from robsim._core import Frame, PlaneMap
 from robsim.imaging._frames import check_same_size, frame_size
 from robsim.imaging._images import Pixels, load_image
@@ -66,10 +67,10 @@ class Recording:
         If there is no such file or folder.
     ImportError
         If it is a video, and OpenCV is not installed.
-    ValueError
-        If the file is not a video, has no frames or no plausible frame rate, if the folder has no
-        images, if `dt` or `area` is not positive. During iteration: if a frame is damaged, or its
-        size differs from that of the first.
+    TypeError, ValueError
+        If an argument has the wrong type, the file is not a video, has no frames or no plausible
+        frame rate, if the folder has no images, if `dt` or `area` is not positive. During
+        iteration: if a frame is damaged, or its size differs from that of the first.
 
     Warns
     -----
@@ -90,7 +91,9 @@ class Recording:
         area: tuple[int, int] | None = None,
         dt: float | None = None,
     ) -> None:
-        self.source = Path(source)
+        self.source = as_path(source, "source")
+        if not (plane_map is None or isinstance(plane_map, PlaneMap)):
+            raise TypeError(f"plane_map must be a PlaneMap or None, got {plane_map!r}")
         if not self.source.exists():
             raise FileNotFoundError(f"there is no file or folder {self.source}")
         self._images = _Folder(self.source) if self.source.is_dir() else _Video(self.source)

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import check_float
-from robsim._base.files import temporary_path
+from robsim._base.files import as_path, temporary_path
 from robsim._core import Frame
-from robsim.imaging._frames import check_same_size, frame_pixels, frame_size
+from robsim.imaging._frames import check_iterable, check_same_size, frame_pixels, frame_size
 from robsim.imaging._images import Pixels
 from robsim.imaging._opencv import load_opencv, quiet
 
@@ -61,7 +61,7 @@ class VideoWriter:
     """
 
     def __init__(self, path: str | PathLike[str], *, fps: float) -> None:
-        self.path = Path(path)
+        self.path = as_path(path)
         self.count = 0
         self._codec = _codec(self.path)
         # MPEG-4 counts time in at most 65535 parts of a second.
@@ -89,9 +89,13 @@ class VideoWriter:
             If it has the wrong type or shape, has another size than the frames before, or has an
             odd width or height and the codec is lossless.
         """
+        self._write("frame", frame)
+
+    def _write(self, name: str, frame: Frame | Pixels) -> None:
+        """Add a frame; the errors call it by the name."""
         if self._is_closed:
             raise ValueError(f"{self.path} is complete: open another VideoWriter")
-        pixels = frame_pixels(frame)
+        pixels = frame_pixels(name, frame)
         even = _even(pixels, self._codec)
         if self._writer is None:
             self._size = frame_size(pixels)
@@ -165,9 +169,10 @@ def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, f
     ImportError, OSError, TypeError, ValueError
         As `VideoWriter`.
     """
+    check_iterable(frames)
     with VideoWriter(path, fps=fps) as video:
-        for frame in frames:
-            video.write(frame)
+        for index, frame in enumerate(frames):
+            video._write(f"frames[{index}]", frame)
 
 
 def _codec(path: Path) -> str:

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats, check_float, check_int
+from robsim._base.checks import Floats, check_float, check_int, check_text
 from robsim._base.values import digest, frozen
 from robsim._core import MarkerLayout
-from robsim.imaging._images import Pixels
+from robsim.imaging._images import Pixels, check_pixels
 from robsim.robots._geometry_check import geometry_problems
 from robsim.robots._polygon_checks import finite_array, polygon
 
@@ -62,14 +62,8 @@ class RobotDefinition:
     maximum_blobs: int = 64
 
     def __post_init__(self) -> None:
-        image = np.asarray(self.image)
-        if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 4 or not image.size:
-            raise ValueError(
-                f"image must be a uint8 array of shape (h, w, 4), got {image.dtype} of shape "
-                f"{image.shape}"
-            )
-        if not isinstance(self.name, str):
-            raise TypeError(f"name must be text, got {self.name!r}")
+        image = check_pixels("image", self.image, 4)
+        check_text("name", self.name)
         check_float("size", self.size, "work-area px", minimum=1, maximum=10_000)
         check_float("alignment", self.alignment, "degrees")
         check_int("maximum_blobs", self.maximum_blobs, minimum=1, maximum=100_000)

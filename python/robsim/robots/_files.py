@@ -13,7 +13,7 @@ import numpy as np
 from PIL import Image
 
 from robsim._base.checks import Floats
-from robsim._base.files import read_toml, write_whole
+from robsim._base.files import as_folder, read_toml, write_whole
 from robsim._base.values import FileVersion
 from robsim.imaging._images import load_image
 from robsim.robots._definition import RobotDefinition
@@ -82,13 +82,13 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     Raises
     ------
     TypeError
-        If `robot` is not a RobotDefinition.
+        If `robot` is not a RobotDefinition, or `folder` not a path.
     OSError
         If a file cannot be written.
     """
     if not isinstance(robot, RobotDefinition):
         raise TypeError(f"robot must be a RobotDefinition, got {robot!r}")
-    folder = Path(folder)
+    folder = as_folder(folder)
     folder.mkdir(parents=True, exist_ok=True)
     image = io.BytesIO()
     Image.fromarray(robot.image).save(image, format="PNG")

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
-from robsim.imaging._images import Pixels, resized
+from robsim.imaging._images import Pixels, check_pixels, resized
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._marker_check import MINIMUM_AREA, over_grey, ranges
 from robsim.robots._polygon_checks import finite_array
@@ -69,15 +69,16 @@ def robot_from_image(
 
     Raises
     ------
-    ValueError
-        If a marker is not found, or the result is not a valid robot definition.
+    TypeError, ValueError
+        If `image` has another type or shape, a marker is not found, or the result is not a valid
+        robot definition.
 
     Warns
     -----
     UserWarning
         If the image has no transparency and no `outline` is given.
     """
-    small, scale = _reduced(image)
+    small, scale = _reduced(check_pixels("image", image, 4))
     given: dict[str, Any] = {"outline": outline, "red": red, "blue": blue}
     points = {key: _scaled(key, value, scale) for key, value in given.items() if value is not None}
     if outline is None:

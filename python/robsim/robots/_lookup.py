@@ -7,6 +7,7 @@ import unicodedata
 from os import PathLike
 from pathlib import Path
 
+from robsim._base.checks import check_text
 from robsim._base.shipped import ASSETS
 from robsim._base.spelling import suggestion
 from robsim.robots._default_robot import (
@@ -82,6 +83,8 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
         if folder is None:
             raise missing_robot_error(name)
         return read_robot(folder)
+    if not isinstance(robot, (str, PathLike)):
+        raise TypeError(f"robot must be a name or a folder, got {robot!r}")
     folder = find_folder(robot)
     if folder is None and (Path(robot) / TOML).is_file():
         folder = Path(robot)
@@ -129,7 +132,7 @@ def set_default_robot(name: str) -> None:
     ValueError
         If there is no such robot, or its files do not define one.
     """
-    folder = find_folder(name)
+    folder = find_folder(check_text("name", name))
     if folder is None:
         raise unknown_robot_error(name, "; `robsim robots add` adds others")
     read_robot(folder)

@@ -51,8 +51,11 @@ def check_colors(
     Raises
     ------
     TypeError, ValueError
-        If `colors` is not a colour file or an iterable of ColorClass.
+        If `robot` is not a RobotDefinition, or `colors` not a colour file or an iterable of
+        ColorClass.
     """
+    if not isinstance(robot, RobotDefinition):
+        raise TypeError(f"robot must be a RobotDefinition, got {robot!r}")
     classes = {color.name: color for color in as_colors(colors)}
     sentences = _problems(_View(robot), classes)
     if not sentences:

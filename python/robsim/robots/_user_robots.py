@@ -15,7 +15,7 @@ from uuid import uuid4
 
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import check_float
+from robsim._base.checks import check_bool, check_float, check_text
 from robsim._base.files import write_whole
 from robsim._core import ColorClass
 from robsim.imaging._images import Pixels, load_image
@@ -96,7 +96,8 @@ def add_robot(
     UserWarning
         If the image has no transparency and no `outline` is given.
     """
-    _check_new(name, overwrite)
+    _check_new(name, check_bool("overwrite", overwrite))
+    check_bool("ignore_colors", ignore_colors)
     name = unicodedata.normalize("NFC", name)  # an umlaut may be one character or two
     given: dict[str, Any] = {"size": size, "alignment": alignment, "centre": centre}
     given |= {"outline": outline, "red": red, "blue": blue}
@@ -172,9 +173,7 @@ def remove_robot(name: str) -> None:
 
 def _check_new(name: str, overwrite: bool) -> None:
     """Raise TypeError or ValueError for a name that a new robot cannot have."""
-    if not isinstance(name, str):
-        raise TypeError(f"name must be text, got {name!r}")
-    if not _is_plain(name):
+    if not _is_plain(check_text("name", name)):
         raise ValueError(
             f"name must be 1 to {_MAXIMUM_NAME} letters, digits, - and _, the first a letter or a "
             f"digit, got {name!r}"
@@ -210,11 +209,11 @@ def _check_not_shipped(name: str) -> None:
 def _user_robot(name: str) -> Path:
     """Return the folder of one of the user's robots; raise ValueError if there is none."""
     robots = user_robots()
-    found = same_name(str(name), robots)
+    found = same_name(check_text("name", name), robots)
     if found is None:
-        _check_not_shipped(str(name))
+        _check_not_shipped(name)
         names = f"there are {', '.join(robots)}" if robots else "there is none yet"
-        raise ValueError(f"you have no robot {str(name)!r} of your own: {names}")
+        raise ValueError(f"you have no robot {name!r} of your own: {names}")
     return robots[found]
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robsim._base.checks import Floats, check_int
+from robsim._base.checks import Floats, check_int, is_int
 from robsim._base.report import Column, Quantity, Report, Row, Table, percent
 from robsim._core import Blob, ColorClass, Frame, color_histograms, find_blobs
 from robsim.imaging._images import Pixels
@@ -184,6 +184,8 @@ def score_color(
     if not isinstance(color, ColorClass):
         raise TypeError(f"color must be a ColorClass, got {color!r}")
     boxes = _checked(pixels, regions)
+    if not is_int(smoothing):
+        raise TypeError(f"smoothing must be an int, got {smoothing!r}")
     repeats = check_int("repeats", repeats, minimum=1, maximum=10_000)
     seed = check_int("seed", seed, minimum=0, maximum=2**64 - 1)
     classes = _widenings(color)
