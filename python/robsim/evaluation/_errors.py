@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robsim._base.checks import Floats, as_float_array, is_int
+from robsim._base.checks import Floats, as_float_array, check_text, is_int
 from robsim._base.report import Column, Quantity, Report, Row, Table, count
 from robsim._core import wrap_angle
 from robsim.trace import Trace
@@ -205,9 +205,8 @@ def estimation_errors(
     TypeError, ValueError
         If an argument has the wrong type, or the shapes do not fit together.
     """
-    for name, texts in (("names", names), ("units", units)):
-        if isinstance(texts, str) or not isinstance(texts, Iterable):
-            raise TypeError(f"{name} must be a sequence of texts, got {texts!r}")
+    names, units = _texts("names", names), _texts("units", units)
+    check_text("source", source)
     angles = [i for i, unit in enumerate(units) if unit == "rad"]
     error = wrapped_error(estimate, truth, angles=angles)
     if (
@@ -230,10 +229,16 @@ def estimation_errors(
         source=source,
         error=error.reshape(-1, *error.shape[-2:]),
         reported_sd=None if reported_sd is None else reported_sd.reshape(-1, *error.shape[-2:]),
-        names=tuple(names),
-        units=tuple(units),
+        names=names,
+        units=units,
         k=np.arange(error.shape[-2]),
     )
+
+
+def _texts(name: str, texts: Sequence[str]) -> tuple[str, ...]:
+    if isinstance(texts, str) or not isinstance(texts, Iterable):
+        raise TypeError(f"{name} must be a sequence of texts, got {texts!r}")
+    return tuple(check_text(name, text) for text in texts)
 
 
 def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> ErrorReport:

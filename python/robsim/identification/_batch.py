@@ -8,7 +8,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, check_choice
 from robsim._base.report import Column, Report, Table
 from robsim._core import least_squares
 from robsim.identification._fits import METHODS
@@ -22,6 +22,7 @@ from robsim.identification._regression import (
 )
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace._columns import POSES
+from robsim.trace._trace import check_trace
 
 _MINIMUM_SAMPLES = 5
 _ROUNDING = 1e-6  # px and rad
@@ -231,11 +232,8 @@ def batch_estimate(
         If `trace` is not a Trace, it has too few samples, or a name is unknown; if the time
         between two steps is not a multiple of the model's dt.
     """
-    if not isinstance(trace, Trace):
-        raise TypeError(f"trace must be a Trace, got {trace!r}")
-    if method not in _METHODS:
-        names = ", ".join(map(repr, _METHODS))
-        raise ValueError(f"method must be one of {names}, got {method!r}")
+    check_trace(trace)
+    check_choice("method", method, _METHODS)
     found = regression_of(trace, identify_from=identify_from, select=select)
     if len(found.k) < _MINIMUM_SAMPLES:
         trace.require(POSES[found.identify_from])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robsim._base.checks import Floats, as_float_array, check_int
+from robsim._base.checks import Floats, as_float_array, check_choice, check_int
 from robsim._base.report import Column, Report, Table, percent
 from robsim.identification._parameter_table import equation_noise, parameter_table
 from robsim.identification._regression import regression_of
@@ -60,7 +60,14 @@ class Identifiability(Report):
         )
 
     def names(self, verdict: str) -> list[str]:
-        """Return the names of the parameters with a verdict: ``["a1X", ...]``."""
+        """Return the names of the parameters with a verdict: ``["a1X", ...]``.
+
+        Parameters
+        ----------
+        verdict : str
+            ``"well"``, ``"poorly"`` or ``"not excited"``.
+        """
+        check_choice("verdict", verdict, _VERDICTS)
         return [
             name
             for name, given in zip(PARAMETER_NAMES, self.verdicts.ravel(), strict=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, check_choice
 from robsim._core import check_mean_interval, model_steps, regression
 from robsim.trace import Trace
 from robsim.trace._columns import POSES
@@ -71,8 +71,8 @@ def regression_of(
     """
     check_trace(trace)
     source = trace.info.identify_from if identify_from is None else identify_from
-    _check("identify_from", source, tuple(POSES))
-    _check("select", select, SELECTIONS)
+    check_choice("identify_from", source, tuple(POSES))
+    check_choice("select", select, SELECTIONS)
     poses = trace.poses_from(source)
     follows = _follows(trace, poses, over_bounces=select == "all")
     if select == "longest":
@@ -91,11 +91,6 @@ def regression_of(
         identify_from=source,
         left_out=0 if select == "longest" else int((~is_whole).sum()),
     )
-
-
-def _check(name: str, value: str, known: tuple[str, ...]) -> None:
-    if value not in known:
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, known))}, got {value!r}")
 
 
 def inputs_of(trace: Trace) -> Floats:

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from robsim._base.checks import check_float, check_int
+
 #: A format specification such as ``".4g"``, or a function of the value that returns its text.
 Format = str | Callable[[Any], str]
 
@@ -23,10 +25,13 @@ def percent(fraction: float, decimals: int = 1) -> str:
     Parameters
     ----------
     fraction : float
-        The fraction: 1 is 100 %.
+        The fraction, at least 0: 1 is 100 %.
     decimals : int
-        Number of decimals, if they are enough.
+        Number of decimals, if they are enough, within 0..3.
     """
+    if not (isinstance(fraction, float) and fraction == math.inf):
+        check_float("fraction", fraction, minimum=0)
+    check_int("decimals", decimals, minimum=0, maximum=3)
     if fraction in (0.0, 1.0):
         return f"{100 * fraction:.0f} %"
     if fraction > 10.0:

@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from robsim._base.checks import check_int
 from robsim._base.report.as_data import as_dict, as_frame
 from robsim._base.report.as_html import as_html
 from robsim._base.report.as_text import as_line, as_text
@@ -130,6 +131,8 @@ class Report(ABC):
         indent : int, optional
             Number of spaces that a level is indented by; None = all in one line.
         """
+        if indent is not None:
+            check_int("indent", indent, minimum=0, maximum=16)
         return json.dumps(self.to_dict(), indent=indent, allow_nan=False)
 
     def to_pandas(self) -> pandas.DataFrame:

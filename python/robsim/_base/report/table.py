@@ -2,11 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import sys
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from robsim._base.checks import check_int, check_text
 from robsim._base.report.numbers import Format, shown, shown_unit
+
+
+def _check_labels(label: Quantity | Column) -> None:
+    for name in ("key", "title", "missing"):
+        check_text(name, getattr(label, name))
+    if label.unit is not None or isinstance(label, Quantity):
+        check_text("unit", label.unit)
+    if not (isinstance(label.format, str) or callable(label.format)):
+        raise TypeError(f"format must be a format such as '.4g' or a function, got {label.format}")
+
+
+def _tuple_of(name: str, values: Any, kind: type) -> tuple[Any, ...]:
+    if not isinstance(values, Iterable):
+        raise TypeError(f"{name} must be a sequence of {kind.__name__}, got {values!r}")
+    entries = tuple(values)
+    for entry in entries:
+        if not isinstance(entry, kind):
+            raise TypeError(f"{name} must be a sequence of {kind.__name__}, got one of {entry!r}")
+    return entries
 
 
 def _headed(title: str, unit: str) -> str:
@@ -17,7 +40,7 @@ def _headed(title: str, unit: str) -> str:
 class Quantity:
     """A single number, or text, of a report.
 
-    Attributes
+    Parameters
     ----------
     key : str
         Its name in programs: in `Report.to_dict`, in the data frame.
@@ -40,6 +63,9 @@ class Quantity:
     format: Format = ".4g"
     missing: str = "-"
 
+    def __post_init__(self) -> None:
+        _check_labels(self)
+
     @property
     def heading(self) -> str:
         """The title with the unit that is shown."""
@@ -60,7 +86,7 @@ class Quantity:
 class Column:
     """A column of a table.
 
-    Attributes
+    Parameters
     ----------
     key, title, format, missing
         As those of a `Quantity`.
@@ -74,12 +100,15 @@ class Column:
     format: Format = ".4g"
     missing: str = "-"
 
+    def __post_init__(self) -> None:
+        _check_labels(self)
+
 
 @dataclass(frozen=True)
 class Row:
     """A row of a table.
 
-    Attributes
+    Parameters
     ----------
     title : str
         Its name, in programs, too.
@@ -93,12 +122,19 @@ class Row:
     values: Sequence[Any]
     unit: str = ""
 
+    def __post_init__(self) -> None:
+        check_text("title", self.title)
+        check_text("unit", self.unit)
+        is_text = isinstance(self.values, (str, bytes))
+        if is_text or not isinstance(self.values, (Sequence, np.ndarray)):
+            raise TypeError(f"values must be a sequence, got {self.values!r}")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
     """A table of a report.
 
-    Attributes
+    Parameters
     ----------
     key : str
         Its name in programs.
@@ -117,6 +153,13 @@ class Table:
     rows: Sequence[Row]
     row_title: str = ""
     group: int = 0
+
+    def __post_init__(self) -> None:
+        check_text("key", self.key)
+        check_text("row_title", self.row_title)
+        check_int("group", self.group, minimum=0, maximum=sys.maxsize)
+        object.__setattr__(self, "columns", _tuple_of("columns", self.columns, Column))
+        object.__setattr__(self, "rows", _tuple_of("rows", self.rows, Row))
 
     @property
     def headings(self) -> list[str]:
