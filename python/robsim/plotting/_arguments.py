@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import reprlib
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from robsim._base.checks import Floats, as_float_array
-from robsim._core import ColorClass, Frame
+from robsim._core import Blob, ColorClass, Estimate, Frame, Measurement
 from robsim.evaluation._consistency import ConsistencyReport
 from robsim.evaluation._errors import ErrorReport
 from robsim.identification._batch import BatchEstimate
 from robsim.robots import RobotDefinition
+from robsim.simulation import Simulation
+from robsim.simulation._runner import Runner
 from robsim.trace import Trace
 
 # Where one gets a value of that kind from.
 _SOURCES: dict[type, str] = {
     Trace: "sim.trace",
+    Simulation: "robsim.Simulation(...), after sim.run(100)",
+    Runner: "the Simulation or Experiment that has run",
+    Measurement: "step.measurement, or robsim.locate(blobs, robot.marker_layout())",
+    Estimate: "step.estimate, or robsim.Estimate(pose, covariance)",
     Frame: "sim.frame, or robsim.Frame(image)",
     RobotDefinition: "sim.robot, or robsim.load_robot(name)",
     ColorClass: "one of robsim.load_colors()",
@@ -27,6 +35,24 @@ _SOURCES: dict[type, str] = {
     "in robsim.evaluation",
     Axes: "axes of matplotlib, such as figure.add_subplot()",
 }
+
+
+def check_optional(name: str, value: Any, kind: type) -> None:
+    """Raise a TypeError unless a value is None or of a kind; see `check_kind`."""
+    if value is not None:
+        check_kind(name, value, kind)
+
+
+def check_blobs(blobs: Any) -> None:
+    """Raise a TypeError unless it is None, or a dict of the blobs of each colour."""
+    if blobs is None:
+        return
+    for found in blobs.values() if isinstance(blobs, Mapping) else [None]:
+        if not isinstance(found, Sequence) or not all(isinstance(one, Blob) for one in found):
+            raise TypeError(
+                "blobs must be a dict of the list of Blob of each colour, as from "
+                f"robsim.find_blobs(frame, colors), got {reprlib.repr(blobs)}"
+            )
 
 
 def check_kind(name: str, value: Any, kind: type) -> None:
@@ -39,7 +65,7 @@ def check_kind(name: str, value: Any, kind: type) -> None:
     value : object
         What was given.
     kind : type
-        Trace, Frame, RobotDefinition, ColorClass, Axes or a report.
+        One of those that stand above.
     """
     if not isinstance(value, kind):
         raise TypeError(
@@ -70,6 +96,16 @@ def check_axes(axes: Any, shape: tuple[int, ...]) -> Any:
     for one in found.flat:
         check_kind("axes", one, Axes)
     return found
+
+
+def check_panels(axes: Any, names: set[str]) -> None:
+    """Raise a TypeError or ValueError unless it is a dict of Axes that has the names."""
+    if not isinstance(axes, Mapping):
+        raise TypeError(f"axes must be a dict of axes by name, got {reprlib.repr(axes)}")
+    if missing := sorted(names - axes.keys()):
+        raise ValueError(f"axes must have the panels {', '.join(missing)}, got {', '.join(axes)}")
+    for one in axes.values():
+        check_kind("axes", one, Axes)
 
 
 def check_positions(name: str, values: Any) -> Floats:

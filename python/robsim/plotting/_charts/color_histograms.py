@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, as_float_array, check_text
 from robsim._core import ColorClass
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_axes, check_kind
@@ -55,6 +55,8 @@ def plot_color_histograms(
     check_kind("color", color, ColorClass)
     heights = _normalised("histograms", histograms)
     other_heights = None if others is None else _normalised("others", others)
+    if picture is not None:
+        check_text("picture", picture)
     is_new = axes is None
     if axes is None:
         figure = style.NotebookFigure(figsize=(9, 3.2))
@@ -79,7 +81,7 @@ def plot_color_histograms(
 
 def _normalised(name: str, histograms: ArrayLike) -> Floats:
     """Return the histograms scaled to a maximum of 1."""
-    counts = np.asarray(histograms, dtype=float)
+    counts = as_float_array(name, histograms)
     if counts.shape != (3, 256):
         raise ValueError(f"{name} must be of shape (3, 256), got {counts.shape}")
     heights: Floats = counts / np.maximum(counts.max(axis=1, keepdims=True), 1)

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, as_float_array
 from robsim.evaluation._errors import ErrorReport, mean_of_known
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_axes, check_kind
@@ -94,7 +94,7 @@ def _draw_reported_sd(panel: Axes, report: ErrorReport, i: int, factor: float) -
 def _minimum_sd(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | None:
     if bound is None:
         return None
-    covariances = np.asarray(bound, dtype=np.float64)
+    covariances = as_float_array("bound", bound)
     if covariances.shape != (*shape, shape[1]):
         raise ValueError(f"bound must be of shape {(*shape, shape[1])}, got {covariances.shape}")
     return np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))

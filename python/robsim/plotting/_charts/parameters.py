@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, as_float_array
 from robsim.identification._identifiability import identifiability
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_axes, check_steps
@@ -104,7 +104,7 @@ def percent(fraction: float, _position: float) -> str:
 
 
 def _limits(standard_errors: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    errors = np.asarray(standard_errors, dtype=np.float64)
+    errors = as_float_array("standard_errors", standard_errors)
     if errors.shape != shape:
         raise ValueError(f"standard_errors must be of shape {shape}, got {errors.shape}")
     return 2.0 * np.where(np.isfinite(errors), errors, np.nan)

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, check_bool
 from robsim.plotting import _style as style
-from robsim.plotting._arguments import check_steps
+from robsim.plotting._arguments import check_panels, check_steps
 from robsim.plotting._charts.error_panels import draw_errors, draw_histogram, limit_panel
 from robsim.trace import Trace
 
@@ -53,14 +53,15 @@ def plot_traces(
         If `trace` is not a Trace or has no steps, or one of the axes is missing.
     """
     check_steps(trace)
+    check_bool("show_blobs", show_blobs)
     has_errors = bool(np.isfinite(trace.error[:, 0]).any())
     rows = [*_POSE_ROWS, *_ERROR_ROWS] if has_errors else _POSE_ROWS
     is_new = axes is None
     if axes is None:
         figure = style.NotebookFigure(figsize=(10, 8 if has_errors else 4.6))
         axes = figure.subplot_mosaic([list(row) for row in rows], width_ratios=(1.7, 1))
-    elif missing := sorted({name for row in rows for name in row} - axes.keys()):
-        raise ValueError(f"axes must have the panels {', '.join(missing)}, got {', '.join(axes)}")
+    else:
+        check_panels(axes, {name for row in rows for name in row})
     left, right = ([axes[name] for name in column] for column in zip(*rows, strict=True))
     for panel in left[:-1]:
         panel.sharex(left[-1])

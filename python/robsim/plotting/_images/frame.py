@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats
 from robsim._core import Blob, Frame, Measurement
 from robsim.plotting import _style as style
-from robsim.plotting._arguments import check_kind, check_positions
+from robsim.plotting._arguments import check_blobs, check_kind, check_optional, check_positions
 from robsim.plotting._images.shapes import box_corners, heading_line, placed_outline
 from robsim.robots import load_robot
 from robsim.trace import Trace
@@ -68,10 +68,12 @@ def plot_frame(
     Raises
     ------
     TypeError, ValueError
-        If `frame` is not a Frame or `trace` not a Trace, `outline` or `goals` is not of shape
-        (N, 2), or `k` is not a step of `trace`.
+        If an argument has the wrong type, `outline` or `goals` is not of shape (N, 2), or `k` is
+        not a step of `trace`.
     """
     check_kind("frame", frame, Frame)
+    check_blobs(blobs)
+    check_optional("measurement", measurement, Measurement)
     outline = None if outline is None else check_positions("outline", outline)
     shown = _part(trace, k)
     ax = style.panel(ax, (7, 7))

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw, ImageFont
 from PIL.ImageFont import FreeTypeFont
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, check_text
 from robsim._core import Blob, Estimate, Frame, Measurement
 from robsim.imaging._frames import frame_size
 from robsim.imaging._images import Pixels
 from robsim.plotting import _style as style
-from robsim.plotting._arguments import check_kind, check_positions
+from robsim.plotting._arguments import check_blobs, check_kind, check_optional, check_positions
 from robsim.plotting._images.shapes import box_corners, heading_line, placed_outline
 
 SHADE = 0.35  # brightness of the image under the text
@@ -63,9 +63,13 @@ def draw_overlay(
     Raises
     ------
     TypeError, ValueError
-        If `frame` is not a Frame, or `outline` or `path` is not of shape (N, 2).
+        If an argument has the wrong type, or `outline` or `path` is not of shape (N, 2).
     """
     check_kind("frame", frame, Frame)
+    check_optional("measurement", measurement, Measurement)
+    check_blobs(blobs)
+    check_optional("estimate", estimate, Estimate)
+    contour = None if outline is None else check_positions("outline", outline)
     canvas = _Canvas(frame)
     if path is not None:
         canvas.trail(check_positions("path", path), style.MEASURED)
@@ -73,14 +77,14 @@ def draw_overlay(
         for blob in found:
             canvas.box(box_corners(blob), style.drawn_color(color))
     if estimate is not None:
-        canvas.pose(estimate.pose, outline, style.ESTIMATED)
+        canvas.pose(estimate.pose, contour, style.ESTIMATED)
         canvas.cross(estimate.pose, style.ESTIMATED)
     if measurement is not None:
-        canvas.pose(measurement.pose, outline, style.MEASURED)
+        canvas.pose(measurement.pose, contour, style.MEASURED)
     elif blobs is not None:
         canvas.label("not seen", style.WRONG)
-    if text:
-        canvas.caption(text)
+    if text is not None:
+        canvas.caption(check_text("text", text))
     return canvas.image
 
 
@@ -106,7 +110,7 @@ class _Canvas:
     def box(self, corners: Floats, color: str) -> None:
         self._stroke(_closed(corners), color, 2)
 
-    def pose(self, pose: Floats, outline: ArrayLike | None, color: str) -> None:
+    def pose(self, pose: Floats, outline: Floats | None, color: str) -> None:
         if outline is not None:
             self._stroke(_closed(self._pixels(placed_outline(outline, pose))), color, 3)
         self._stroke(self._pixels(heading_line(pose)), color, 4)

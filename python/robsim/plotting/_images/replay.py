@@ -6,9 +6,12 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from robsim._base.checks import check_bool, check_int
 from robsim._core import Estimate, Frame, Measurement
 from robsim.imaging._clip import Clip
+from robsim.imaging._frames import check_iterable
 from robsim.imaging._images import Pixels
+from robsim.plotting._arguments import check_kind
 from robsim.plotting._images.overlay import draw_overlay
 from robsim.simulation._runner import Runner
 from robsim.simulation._simulation import Simulation
@@ -21,7 +24,7 @@ def annotated_frames(
     *,
     simulation: Runner,
 ) -> Iterator[Pixels]:
-    """Yield the frames of a run with the measured and estimated poses drawn onto them.
+    """Return the frames of a run with the measured and estimated poses drawn onto them.
 
     Parameters
     ----------
@@ -32,16 +35,29 @@ def annotated_frames(
     simulation : Simulation or Experiment
         What has run: its robot's outline is drawn, and the blobs that it finds.
 
-    Yields
+    Returns
+    -------
+    iterator of array (H, W, 3) of uint8
+        RGB, drawn one by one.
+
+    Raises
     ------
-    array (H, W, 3) of uint8
-        RGB.
+    TypeError
+        If an argument, or one of the frames, has the wrong type.
     """
+    check_iterable(frames)
+    check_kind("trace", trace, Trace)
+    check_kind("simulation", simulation, Runner)
+    return _annotated(frames, trace, simulation)
+
+
+def _annotated(frames: Iterable[Frame], trace: Trace, simulation: Runner) -> Iterator[Pixels]:
     robot = simulation.robot
     is_tracked = trace.is_tracked
     outline = robot.to_robot_frame(robot.outline)
     measured, estimated, covariance = trace.pose_measured, trace.pose_estimated, trace.covariance
     for i, frame in zip(range(len(trace)), frames, strict=False):
+        check_kind(f"frames[{i}]", frame, Frame)
         is_estimated = np.isfinite(estimated[i]).all()
         yield draw_overlay(
             frame,
@@ -93,12 +109,16 @@ def play(
 
     Raises
     ------
-    ValueError
-        If the run has no such steps.
+    TypeError, ValueError
+        If an argument has the wrong type, or the run has no such steps.
     """
-    trace = simulation.trace[start:stop]
+    check_kind("simulation", simulation, Simulation)
+    trace = simulation.trace
+    first = check_int("start", start, minimum=0, maximum=len(trace))
+    end = len(trace) if stop is None else check_int("stop", stop, minimum=0, maximum=len(trace))
+    trace = trace[first:end]
     frames: Iterable[Frame | Pixels] = (simulation.render_step(int(k)) for k in trace.k)
-    if overlay:
+    if check_bool("overlay", overlay):
         frames = annotated_frames(
             frames,  # type: ignore[arg-type]
             trace,
