@@ -255,7 +255,7 @@ at_border : bool
     Whether it touches the edge of the frame and may continue beyond it.
 )");
   blob.def(py::init(&make_blob), py::arg("color"), py::kw_only(), py::arg("area"),
-           py::arg("centroid"), py::arg("bounding_box"), py::arg("at_border") = false)
+           py::arg("centroid"), py::arg("bounding_box"), py::arg("at_border").noconvert() = false)
       .def_readonly("color", &Blob::color, "str: name of the colour class.")
       .def_readonly("area", &Blob::area, "int: number of pixels.")
       .def_property_readonly(

@@ -82,7 +82,7 @@ void bind_training(py::module_& module, Class<ColorClass>& color_class) {
           },
           py::arg("image"), py::arg("region"), py::kw_only(), py::arg("name"),
           py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
-          py::arg("limit_y") = defaults.limit_y, R"(
+          py::arg("limit_y").noconvert() = defaults.limit_y, R"(
 Return the colour class of a region of an image, such as that of a marker.
 
 Parameters
@@ -123,7 +123,7 @@ the class, however large the margin.
           },
           py::arg("histograms"), py::kw_only(), py::arg("name"),
           py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
-          py::arg("limit_y") = defaults.limit_y, R"(
+          py::arg("limit_y").noconvert() = defaults.limit_y, R"(
 Return the colour class of regions with these histograms, which add up over images.
 
 Parameters

@@ -224,8 +224,9 @@ A frame in shared memory, which then stays open as long as the frame (under a me
 >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
 )");
   frame
-      .def(py::init(&make_frame), py::arg("image"), py::kw_only(), py::arg("copy") = true,
-           py::arg("t") = py::none(), py::arg("index") = 0, py::arg("plane_map") = PlaneMap())
+      .def(py::init(&make_frame), py::arg("image"), py::kw_only(),
+           py::arg("copy").noconvert() = true, py::arg("t") = py::none(), py::arg("index") = 0,
+           py::arg("plane_map") = PlaneMap())
       .def_static(
           "from_bgr",
           [](const PixelArray& image, std::optional<double> t, std::int64_t index,

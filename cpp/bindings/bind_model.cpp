@@ -342,7 +342,7 @@ dt : float
           "array (3, 5): rows X, Y, P (heading), columns a1, a2, b1, b2, d1.")
       .def_property_readonly("dt", &RobotModel::dt, "float: sample time (s).")
       .def("predict", &predict_of, py::arg("pose_1"), py::arg("pose_2"), py::arg("u"),
-           py::kw_only(), py::arg("unwrapped") = false, R"(
+           py::kw_only(), py::arg("unwrapped").noconvert() = false, R"(
 Return the pose of step k, or those of N steps.
 
 Parameters

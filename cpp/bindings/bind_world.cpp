@@ -41,6 +41,7 @@ std::shared_ptr<Scene> make_scene(const std::pair<PixelArray, PixelArray>& floor
                                   double shadow_factor, const PixelArray& sprite,
                                   const ArrayLike& centre, double unit, double alignment,
                                   int headings, std::pair<int, int> area) {
+  if (shadow_left < 0) throw py::value_error("shadow_left must be at least 0 px");
   if (area.first < 1 || area.second < 1) throw py::value_error("area must be above 0");
   if (!std::isfinite(alignment)) throw py::value_error("alignment must be finite (rad)");
   Background background(layer_from(floor, "floor"), layer_from(home, "home"), shadow_left,

@@ -1983,7 +1983,7 @@ def trace_schema() -> list[TraceGroup]:
     list of TraceGroup
         The groups in the order of the documentation.
     """
-def wrap_angle(angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+def wrap_angle(angle: numpy.typing.ArrayLike) -> typing.Any:
     """
     Return the angle in (-pi, pi] that differs by full turns.
     

@@ -94,7 +94,10 @@ IMAGE = np.zeros((4, 4, 3), np.uint8)
             "frame must be a Frame or None, got a uint8 array of shape (4, 4, 3)",
         ),
         (lambda: Spin()(3), "step must be a Step, got 3"),
-        (lambda: robsim.wrap_angle("a"), "angle must be a number or an array of numbers, got 'a'"),
+        (
+            lambda: robsim.wrap_angle("a"),
+            "angle must be a number or an array of numbers (rad), got 'a'",
+        ),
     ],
 )
 def test_a_call_that_fits_no_signature_says_what_is_wrong(call, message):

@@ -46,23 +46,6 @@ VALID = {
     "ColorClass.widened(margin)": [-1],
 }
 
-#: TO BE MENDED in the core: what its conversions take for a type, and what single arguments take.
-#: The tests fail when they do not any more: delete them then.
-NATIVE_TYPES = {"int": [True], "float": [True], "bool": [None, 1.5]}
-NATIVE = {
-    "Blob(color)": [b"x"],
-    "wrap_angle(angle)": [np.array([1j, 2j, 3j]), None],  # as if real, as NaN
-    "Sample(k)": [-1],
-    "Scene(shadow_left)": [-1],
-    "Step(k)": [-1],
-    "WorldState(k)": [-1],
-    # They ask the core.
-    "RobotMotion.steps_in(dt)": [True],
-    "ExtendedKalmanFilter.predict(dt)": [True],
-    "ParticleFilter.predict(dt)": [True],
-    "UnscentedKalmanFilter.predict(dt)": [True],
-}
-
 #: The constant-velocity model has no inputs.
 UNCHECKED = {"robsim.reference.ConstantVelocityKalmanFilter.predict(u)"}
 
@@ -398,12 +381,8 @@ def test_a_value_of_a_wrong_kind_is_refused_by_name(name, function, owner, param
     call = bound(name, function, owner)
     given = ALSO.get(without_room(name), dict)() | required(name, function)
     case = f"{without_room(name)}({parameter.name})"
-    taken = {short(value) for value in (*VALID.get(case, ()), *NATIVE.get(case, ()))}
-    native = NATIVE_TYPES if native_signature(function) else {}
-    converted = [short(value) for value in native.get(kind.removesuffix(" | None"), ())]
+    taken = {short(value) for value in VALID.get(case, ())}
     for value in wrong_kinds(kind):
-        if short(value) in converted:
-            continue
         fault = fault_of(call, given, parameter, value)
         if short(value) in taken:
             assert fault, f"{name}({parameter.name}={short(value)}) is refused: delete its line"
@@ -431,10 +410,9 @@ def fault_of(call, given, parameter, value):
 
 def test_every_exception_is_that_of_an_argument():
     known = {f"{without_room(one.values[0])}({one.values[3].name})" for one in cases()}
-    assert (VALID | NATIVE).keys() <= known
+    assert VALID.keys() <= known
 
 
-@pytest.mark.xfail(strict=True, reason="to be mended in the core")
 @pytest.mark.parametrize(
     "call",
     [

@@ -1,7 +1,6 @@
 // What an argument of a native function must be: for the error that names it.
 #pragma once
 
-#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <array>
@@ -33,17 +32,11 @@ struct Expected {  // a class of the core
 
 template <typename T>
 struct Expected<T,
-                std::enable_if_t<std::is_base_of_v<py::handle, T> &&
-                                 !std::is_base_of_v<py::array, T> && !std::is_same_v<T, py::str>>> {
+                std::enable_if_t<std::is_base_of_v<py::handle, T> && !std::is_same_v<T, py::str>>> {
   static std::string text(py::handle) {
     return std::string("of type ") + py::detail::make_caster<T>::name.text;
   }
   static std::string many() { return "values"; }
-};
-
-template <typename T, int flags>
-struct Expected<py::array_t<T, flags>> {
-  static std::string text(py::handle) { return "a number or an array of numbers"; }
 };
 
 template <>
@@ -105,14 +98,28 @@ struct Expected<std::map<std::string, T>> {
   static std::string text(py::handle) { return "a dict of names to " + Expected<T>::many(); }
 };
 
-/// Whether a value can be given for an argument of type T.
+template <typename T>
+struct NotNone {
+  using type = T;
+};
+template <typename T>
+struct NotNone<std::optional<T>> {
+  using type = T;
+};
+
+/// Whether a value can be given for an argument of type T. It is stricter than pybind11, which
+/// takes a bool for a number, anything for a bool, bytes for text and None for a class.
 template <typename T>
 bool accepts(py::handle value) {
-  py::detail::make_caster<T> caster;
-  // Where None would stand for a null pointer, no function of ours takes it.
-  constexpr bool takes_none =
-      py::detail::is_instantiation<std::optional, T>::value || std::is_base_of_v<py::handle, T>;
-  return (takes_none || !value.is_none()) && caster.load(value, true);
+  using Given = typename NotNone<T>::type;
+  constexpr bool is_optional = !std::is_same_v<T, Given>;
+  constexpr bool is_anything = std::is_base_of_v<py::handle, Given>;
+  if (value.is_none() && !is_anything) return is_optional;
+  if constexpr (std::is_arithmetic_v<Given> && !std::is_same_v<Given, bool>) {
+    if (PyBool_Check(value.ptr())) return false;
+  }
+  if constexpr (std::is_same_v<Given, std::string>) return PyUnicode_Check(value.ptr());
+  return py::detail::make_caster<Given>().load(value, !std::is_same_v<Given, bool>);
 }
 
 }  // namespace robsim::bindings

@@ -2,6 +2,7 @@
 
 #include <string.h>  // strdup
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <stdexcept>
@@ -167,23 +168,41 @@ using FastCall = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t, PyObject
 
 FastCall dispatcher = nullptr;  // pybind11's, the same for all functions
 
-// Calls a function; where pybind11 refuses the arguments, the error is ours.
-PyObject* call(PyObject* self, PyObject* const* arguments, Py_ssize_t n_positional,
-               PyObject* keywords) {
-  PyObject* const result = dispatcher(self, arguments, n_positional, keywords);
-  if (result || !PyErr_ExceptionMatches(PyExc_TypeError)) return result;
+// Values that pybind11 takes for what they are not.
+bool has_odd_value(PyObject* const* arguments, Py_ssize_t n_positional, PyObject* keywords) {
+  const Py_ssize_t count = n_positional + (keywords ? PyTuple_GET_SIZE(keywords) : 0);
+  return std::any_of(arguments, arguments + count, [](PyObject* value) {
+    return value == Py_None || PyBool_Check(value) || PyBytes_Check(value);
+  });
+}
+
+// What is wrong with the arguments of a call; "" if they are right, or cannot be shown.
+std::string complaint_of(PyObject* self, PyObject* const* arguments, Py_ssize_t n_positional,
+                         PyObject* keywords) {
   const Signature& signature = signatures().at(self);
   if (signature.has_self && n_positional == 0) {
-    PyErr_SetString(PyExc_TypeError,
-                    (signature.name + "() is a method: it needs an object").c_str());
-    return nullptr;
+    return signature.name + "() is a method: it needs an object";
   }
-  std::string text;
   try {
-    const py::error_scope kept;  // stays if there is no complaint: then it came from the function
-    text = Call(signature, arguments, n_positional, keywords).complaint();
+    const py::error_scope kept;
+    return Call(signature, arguments, n_positional, keywords).complaint();
   } catch (const std::exception&) {
-    return nullptr;  // an argument cannot even be shown
+    return "";
+  }
+}
+
+// Calls a function; where the arguments are wrong, the error is ours.
+PyObject* call(PyObject* self, PyObject* const* arguments, Py_ssize_t n_positional,
+               PyObject* keywords) {
+  PyObject* result = nullptr;
+  std::string text;
+  if (has_odd_value(arguments, n_positional, keywords)) {
+    text = complaint_of(self, arguments, n_positional, keywords);
+  }
+  if (text.empty()) {
+    result = dispatcher(self, arguments, n_positional, keywords);
+    if (result || !PyErr_ExceptionMatches(PyExc_TypeError)) return result;
+    text = complaint_of(self, arguments, n_positional, keywords);
   }
   if (!text.empty()) PyErr_SetString(PyExc_TypeError, text.c_str());
   return nullptr;

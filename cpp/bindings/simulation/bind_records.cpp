@@ -162,6 +162,7 @@ k : int
 )");
   sample
       .def(py::init([](const ArrayLike& phi, const ArrayLike& y, std::int64_t k) {
+             check_step_number(k);
              const Pose outputs = pose_from(y, "y");
              return Sample{{axis_matrix_from(phi, "phi"), {outputs.x, outputs.y, outputs.heading}},
                            k};

@@ -57,6 +57,7 @@ std::shared_ptr<Step> make_step(
     const std::optional<Estimate>& estimate, const std::optional<ArrayLike>& parameters,
     const std::optional<Sample>& sample, const std::optional<ArrayLike>& u,
     const std::vector<ColorClass>& colors, const std::optional<MarkerLayout>& markers) {
+  check_step_number(k);
   if (!(dt > 0 && std::isfinite(dt))) throw py::value_error("dt must be above 0 s and finite");
   if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
   const auto vision =

@@ -10,6 +10,7 @@
 #include "robsim/model/unicycle.hpp"
 #include "robsim/simulation/world/external_world.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
+#include "simulation/fields.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -104,6 +105,7 @@ Frame drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture,
 WorldState make_world_state(const ArrayLike& pose_1, const ArrayLike& pose_2,
                             const ArrayLike& last_u, const std::optional<RobotModel>& given_model,
                             std::int64_t k, std::optional<double> t, std::optional<double> dt) {
+  check_step_number(k);
   const RobotModel model = given_model.value_or(RobotModel());
   WorldState world{k,
                    0,

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <string>
 #include <utility>
+
+#include <pybind11/pybind11.h>
 
 #include "robsim/model/robot_model.hpp"
 
@@ -25,6 +29,11 @@ inline Matrix values_of(const AxisMatrix& matrix) {
 }
 inline AxisMatrix matrix_of(const Matrix& values) {
   return Eigen::Map<const AxisMatrix>(values.data());
+}
+
+/// Throws py::value_error unless it is the number of a step.
+inline void check_step_number(std::int64_t k) {
+  if (k < 0) throw pybind11::value_error("k must be at least 0, got " + std::to_string(k));
 }
 
 }  // namespace robsim::bindings
