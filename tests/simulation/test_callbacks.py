@@ -139,7 +139,7 @@ def test_what_is_not_callable_is_refused_at_once(slot):
 
 
 def test_a_callback_without_argument_says_so():
-    wanted = r"control must take one argument, step, got control\(\) \(test_callbacks\.py:\d+\)"
+    wanted = r"control must take one argument, step, got lambda\(\) \(test_callbacks\.py:\d+\)"
     with pytest.raises(TypeError, match=wanted):
         robsim.Simulation(control=lambda: (0, 0))
 

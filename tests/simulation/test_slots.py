@@ -168,9 +168,72 @@ class TestToldWhenSet:
         set_slot(right)
 
 
+async def drive_later(step):
+    return 0.1, 0.2
+
+
+def drive_on(step):
+    yield 0.1, 0.2
+
+
+class NoCall:
+    def control(self, step):
+        return 0.1, 0.2
+
+
+class NoSelf:
+    def __call__(step):
+        return 0.1, 0.2
+
+
+class CalledLater:
+    async def __call__(self, step):
+        return 0.1, 0.2
+
+
+def with_gain(step, gain):
+    return gain, gain
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [(drive_later, r"control must return its result, \(u1, u2\), but drive_later is an async "
+      r"function: write def in place of async def \(test_slots.py:\d+\)"),
+     (functools.partial(drive_later), "drive_later is an async function"),
+     (CalledLater(), "CalledLater.__call__ is an async function"),
+     (drive_on, "drive_on is a generator function: write return in place of yield"),
+     (NoCall(), r"an object of NoCall, which has no method __call__\(self, step\): give its method "
+      "control"),
+     (NoSelf(), r"got NoSelf.__call__\(\) \(test_slots.py:\d+\): a method needs self before it"),
+     (lambda step, other: None, r"control must take one argument, step, got lambda\(step, other\)"),
+     (functools.partial(with_gain, gian=1), "with arguments that with_gain does not take"),
+     ((0.1, 0.2), r"got \(0.1, 0.2\): give the function control\(step\) itself, not its result"),
+     ("control.py", "give the function itself, not its name; from_folder reads files")],
+)  # fmt: skip
+def test_what_would_never_give_a_result_is_told_when_it_is_set(wrong, words):
+    with pytest.raises(TypeError, match=words):
+        Simulation(control=wrong)
+
+
+def test_an_estimator_or_parameters_in_the_wrong_slot_are_told_where_they_belong():
+    estimator = robsim.RecursiveLeastSquares(5, n_filters=3)
+    for slot in ("init_parameter_estimator", "estimate_parameters"):
+        with pytest.raises(TypeError, match=rf"{slot} must be callable.*what init_parameter_estim"):
+            Simulation(**{slot: estimator})
+    with pytest.raises(TypeError, match=r"define_model must be callable.*as the option model"):
+        Simulation(define_model=robsim.RobotParameters())
+
+
+def test_a_slot_called_with_voltages_says_what_it_is():
+    with pytest.raises(
+        TypeError, match=r"sim.control takes one callback, got 2 values: the decora"
+    ):
+        Simulation().control(0.1, 0.2)
+
+
 @pytest.mark.parametrize(
     ("slot", "wrong", "words"),
-    [("define_model", lambda x: None, r"define_model must take no argument, got define_model\(x\)"),
+    [("define_model", lambda x: None, r"define_model must take no argument, got lambda\(x\)"),
      ("define_model", Driver, "Driver is a class"),
      ("init_parameter_estimator", Driver, r"must take one argument, model, got .*\(\)"),
      ("control", True, "got True: True is for estimate_parameters and measure only"),

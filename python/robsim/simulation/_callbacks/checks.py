@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import functools
 import reprlib
+from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
+from robsim._core import RobotParameters
 from robsim.simulation._callbacks.signatures import (
     accepts,
+    forgets_self,
+    name_of,
     place_of,
     signature_of,
     where_defined,
+    why_not_a_function,
 )
 from robsim.simulation._callbacks.slot import Slot
 from robsim.simulation._slots import SLOTS, switches
@@ -36,9 +44,61 @@ def check_callback(name: str, value: object) -> None:
     elif isinstance(value, type):
         _check_class(slot, value)
     elif not callable(value):
-        raise TypeError(f"{name} must be callable, got {reprlib.repr(value)}")
-    elif not accepts(value, slot.n_arguments):
-        raise TypeError(f"{name} must take {slot.arguments}, got {name}{where_defined(value)}")
+        raise TypeError(
+            f"{name} must be callable, got {_described(slot, value)}{_remedy(slot, value)}"
+        )
+    else:
+        _check_function(slot, value)
+
+
+def _is_plain(value: object) -> bool:
+    return type(value).__module__ == "builtins" or isinstance(value, np.ndarray)
+
+
+def _described(slot: Slot[Any], value: object) -> str:
+    """Return what was given in place of a callable."""
+    if _is_plain(value):
+        return reprlib.repr(value)
+    arguments = ", ".join(filter(None, ("self", slot.argument)))
+    return f"an object of {type(value).__name__}, which has no method __call__({arguments})"
+
+
+def _remedy(slot: Slot[Any], value: object) -> str:
+    """Return what to give in place of something that cannot be called, as the end of a message."""
+    if callable(getattr(value, "update", None)):
+        return ": an estimator is what init_parameter_estimator(model) returns"
+    if isinstance(value, RobotParameters):
+        return ": give it as the option model"
+    if callable(getattr(value, slot.name, None)):
+        return f": give its method {slot.name}"
+    if isinstance(value, str):
+        return ": give the function itself, not its name; from_folder reads files"
+    return (
+        f": give the function {slot.signature} itself, not its result" if _is_plain(value) else ""
+    )
+
+
+def _check_function(slot: Slot[Any], function: Callable[..., object]) -> None:
+    """Raise TypeError unless a callable takes the arguments of a slot, and returns a result."""
+    name = slot.name
+    if isinstance(function, functools.partial) and signature_of(function) is None:
+        inner = function.func
+        if signature_of(inner) is not None:
+            raise TypeError(
+                f"{name} must take {slot.arguments}, got a functools.partial with arguments that "
+                f"{name_of(inner)} does not take: {name_of(inner)}{where_defined(inner)}"
+            )
+    if not accepts(function, slot.n_arguments):
+        hint = ": a method needs self before it" if forgets_self(function, slot.n_arguments) else ""
+        raise TypeError(
+            f"{name} must take {slot.arguments}, got {name_of(function)}"
+            f"{where_defined(function)}{hint}"
+        )
+    if (problem := why_not_a_function(function)) is not None:
+        raise TypeError(
+            f"{name} must return its result, {slot.result}, but {name_of(function)} is "
+            f"{problem}{place_of(function)}"
+        )
 
 
 def _check_class(slot: Slot[Any], kind: type) -> None:

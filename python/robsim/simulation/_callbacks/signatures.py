@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable
 
@@ -29,6 +30,39 @@ def signature_of(function: Callable[..., object]) -> inspect.Signature | None:
         return inspect.signature(function)
     except (TypeError, ValueError):  # of compiled objects
         return None
+
+
+def name_of(function: Callable[..., object]) -> str:
+    """Return what a callable is called: ``control``, ``lambda``, ``MyController.__call__``."""
+    function = _inner(function)
+    name = getattr(function, "__name__", None) or f"{type(function).__name__}.__call__"
+    return "lambda" if name == "<lambda>" else str(name)
+
+
+def forgets_self(function: Callable[..., object], count: int) -> bool:
+    """Return whether a method would take so many arguments if it did not get its object."""
+    plain = getattr(function, "__func__", None)
+    if plain is None and not hasattr(function, "__code__"):
+        plain = inspect.getattr_static(type(function), "__call__", None)
+    return inspect.isfunction(plain) and accepts(plain, count)
+
+
+def why_not_a_function(function: Callable[..., object]) -> str | None:
+    """Return why a call of a callable does not run its code, as ``an async function: ...``."""
+    function = _inner(function)
+    if not hasattr(function, "__code__"):
+        function = inspect.getattr_static(type(function), "__call__", function)
+    if inspect.iscoroutinefunction(function) or inspect.isasyncgenfunction(function):
+        return "an async function: write def in place of async def"
+    if inspect.isgeneratorfunction(function):
+        return "a generator function: write return in place of yield"
+    return None
+
+
+def _inner(function: Callable[..., object]) -> Callable[..., object]:
+    while isinstance(function, functools.partial):
+        function = function.func
+    return function
 
 
 def where_defined(function: Callable[..., object]) -> str:

@@ -41,7 +41,7 @@ class SlotHandle(Generic[T]):
         value: T | None = self._runner._callbacks[self._slot.name]
         return value
 
-    def __call__(self, callback: F = _MISSING, /) -> F:
+    def __call__(self, callback: F = _MISSING, /, *others: object, **named: object) -> F:
         """Fill the slot with a callback and return it: the decorator.
 
         Raises
@@ -50,6 +50,11 @@ class SlotHandle(Generic[T]):
             If it is no callable, or cannot be called with the argument of the slot.
         """
         name = self._slot.name
+        if others or named:
+            raise TypeError(
+                f"sim.{name} takes one callback, got {1 + len(others) + len(named)} values: the "
+                f"decorator @sim.{name} fills the slot, sim.{name}.callback is what is in it"
+            )
         if callback is _MISSING:
             raise TypeError(f"use @sim.{name}, without brackets")
         if not callable(callback):
@@ -134,7 +139,12 @@ class Slot(Generic[T]):
     @property
     def call(self) -> str:
         """How the callback is called, such as ``control(step) -> (u1, u2)``."""
-        return f"``{self.name}({self.argument}) -> {self.result}``"
+        return f"``{self.signature} -> {self.result}``"
+
+    @property
+    def signature(self) -> str:
+        """The callback with its argument, such as ``control(step)``."""
+        return f"{self.name}({self.argument})"
 
     @property
     def n_arguments(self) -> int:
