@@ -398,7 +398,10 @@ def estimate(step):
       "step.parameters is None: no parameter estimator is on; give"),
      ({"control": lambda step: step.parameters[0][:2], "estimate_parameters": True},
       "step.parameters is None: no parameters have been estimated yet"),
-     ({"estimate_parameters": lambda step: step.sample.phi}, "step.sample is None: there is no")],
+     ({"estimate_parameters": lambda step: step.sample.phi}, "step.sample is None: there is no"),
+     ({"measure": lambda step: step.detection.measurement},
+      "step.detection is None: only the default measurement, measure=True, makes one"),
+     ({"measure": reads_measurement}, "step.measurement is None: it is what this callback")],
 )  # fmt: skip
 def test_a_step_that_lacks_what_is_used_says_why(options, reason):
     error = raised(**options)
@@ -415,8 +418,94 @@ def test_what_is_not_the_cause_is_not_told(control):
     assert len(raised(control=control).__notes__) == 1
 
 
+def sets_input(step):
+    step.u = 0.1, 0.2
+
+
+def sets_array(step):
+    step.measurement.pose[2] = 0
+
+
+def takes_a_row_for_the_sample(step):
+    if step.sample is not None:
+        np.eye(3) @ step.sample.phi[0]
+
+
+@pytest.mark.parametrize(
+    ("options", "note"),
+    [({"control": lambda step: step.pose}, "did you mean step.measurement.pose?"),
+     ({"control": lambda step: step.image}, "did you mean step.frame.image?"),
+     ({"control": lambda step: step.pose_true}, "a Step has blobs, detection, dt, "),
+     ({"control": lambda step: step.measurement.x}, "a Measurement has "),
+     ({"evaluate_model": lambda world: world.pose}, "a WorldState has dt, k, last_u, model, "),
+     ({"control": lambda step: step.measurement[0]}, "a Measurement has "),
+     ({"control": lambda step: [*step.measurement]}, "a Measurement has "),
+     ({"control": lambda step: step.measurement - 1}, "a Measurement has "),
+     ({"control": sets_input}, "what a callback gets is read-only: "),
+     ({"control": sets_array}, "what a callback gets is read-only: "),
+     ({"estimate_parameters": takes_a_row_for_the_sample},
+      "the sample of this step has phi of shape (3, 5), a row for each of X, Y, heading, and y of "
+      "shape (3,)")],
+)  # fmt: skip
+def test_what_was_used_wrongly_says_what_it_has(options, note):
+    error = raised(**{"measure": True, **options})
+    assert len(error.__notes__) == 2
+    assert error.__notes__[1].startswith(note)
+
+
 def test_a_stage_that_was_switched_off_in_between_is_not_named():
     sim = Simulation(measure=True, estimate_parameters=True)
     assert sim.step_stage() == "world"
     sim.estimate_parameters = None
     assert sim.step_stage() == "measure"
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [("measurement", r"did you mean sim.last_step.measurement\?"),
+     ("u", r"did you mean sim.last_step.u\?"),
+     ("pose_true", r"did you mean sim.trace.pose_true\?"),
+     ("pose", r"did you mean 'sim.trace.pose_true'\?"),
+     ("controler", r"did you mean 'control'\?"),
+     ("xyz", "Simulation has no attribute 'xyz'$")],
+)  # fmt: skip
+def test_what_a_simulation_does_not_have_is_told_where_it_is(name, hint):
+    with pytest.raises(AttributeError, match=hint):
+        getattr(Simulation(), name)
+    assert not hasattr(Simulation(), "__array__")
+
+
+def test_an_attribute_error_of_a_callback_that_an_attribute_calls_reaches_the_user():
+    sim = Simulation(define_model=lambda: None.theta)
+    with pytest.raises(AttributeError, match="'NoneType' object has no attribute 'theta'"):
+        _ = sim.model
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [("nosie", "did you mean 'noise'"), ("dt", r"part of the model: model=robsim.RobotParameters"),
+     ("steps", "it is an argument of run"),
+     ("run", r"run is a method of Simulation and cannot be set: call sim.run\(...\)")],
+)  # fmt: skip
+def test_what_cannot_be_set_is_told_where_it_belongs(name, hint):
+    with pytest.raises(AttributeError, match=hint):
+        setattr(Simulation(), name, 3)
+
+
+def test_a_seed_or_steps_given_the_wrong_way_are_told_by_name():
+    with pytest.raises(TypeError, match=r"^Simulation.reset takes nothing without a name, got 1 val"
+                       r"ues: give options by name, such as seed=\.\.\."):  # fmt: skip
+        Simulation().reset(2)
+    with pytest.raises(TypeError, match=r"^Simulation.run has no option 'seconds'"):
+        Simulation().run(seconds=2)
+    with pytest.raises(TypeError, match=r"^Experiment.run takes only steps without a name"):
+        Experiment([FRAME], area=SIZE).run(1, 2)
+
+
+@pytest.mark.parametrize("how", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_a_simulation_that_is_copied_says_how_to_make_another(how):
+    with pytest.raises(TypeError, match=r"a Simulation can be neither copied nor pickled.*: make "
+                       r"another, robsim.Simulation\(sim.scenario, control=\.\.\.\)"):  # fmt: skip
+        how(Simulation())
+    with pytest.raises(TypeError, match="an Experiment can be neither"):
+        how(Experiment([FRAME], area=SIZE))

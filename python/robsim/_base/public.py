@@ -10,9 +10,12 @@ import inspect
 import sys
 from collections.abc import Callable, Iterable
 from types import FunctionType
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from robsim._base.spelling import closest
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 def present(namespace: dict[str, Any]) -> None:
@@ -37,36 +40,39 @@ def present(namespace: dict[str, Any]) -> None:
             value.__init__ = told_by_name(init)
 
 
-def told_by_name(init: Callable[..., None]) -> Callable[..., None]:
-    """Return an ``__init__`` that says which of its arguments is wrong, and what was meant.
+def told_by_name(method: Callable[P, R]) -> Callable[P, R]:
+    """Return a method that says which argument of a call is wrong, and what was meant.
 
-    A class can have a dict ``_OPTIONS_ELSEWHERE``: option to a sentence that says where it belongs.
+    A class can have a dict ``_OPTIONS_ELSEWHERE``: option of its ``__init__`` to a sentence that
+    says where it belongs.
     """
 
-    @functools.wraps(init)
-    def __init__(self: Any, *args: Any, **options: Any) -> None:
+    @functools.wraps(method)
+    def told(*args: P.args, **options: P.kwargs) -> R:
         try:
-            init(self, *args, **options)
+            return method(*args, **options)
         except TypeError as error:
-            # An error of the call itself has not reached a line of `init`.
+            # An error of the call itself has not reached a line of the method.
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:
                 raise
-            raise _explained(init, type(self), args, options) or error from None
+            raise _explained(method, type(args[0]), args[1:], options) or error from None
 
-    return __init__
+    return told
 
 
 def _explained(
-    init: Callable[..., None], owner: type, args: tuple[Any, ...], options: dict[str, Any]
+    method: Callable[..., object], owner: type, args: tuple[Any, ...], options: dict[str, Any]
 ) -> TypeError | None:
     """Return the error of a call whose arguments do not fit; None if they do."""
-    _, *parameters = inspect.signature(init).parameters.values()
+    _, *parameters = inspect.signature(method).parameters.values()
     names = [one.name for one in parameters]
     positional = [one.name for one in parameters if one.kind is not one.KEYWORD_ONLY]
-    kind = owner.__name__
+    is_init = method.__name__ == "__init__"
+    kind = owner.__name__ if is_init else f"{owner.__name__}.{method.__name__}"
     for name in options:
         if name not in names:
-            return TypeError(f"{kind} has no option {name!r}: {hint_at_option(owner, name, names)}")
+            hint = hint_at_option(owner if is_init else object, name, names)
+            return TypeError(f"{kind} has no option {name!r}: {hint}")
     if len(args) > len(positional):
         by_name = next((name for name in names if name not in positional), None)
         example = f": give options by name, such as {by_name}=..." if by_name else ""

@@ -1,4 +1,4 @@
-"""Suggestions for misspelled names: of options, choices, columns, files."""
+"""Names in messages: suggestions for misspelled ones (options, choices, columns), articles."""
 
 from __future__ import annotations
 
@@ -60,6 +60,11 @@ def check_names(
             meant = closest(name, known)
             hint = f"did you mean {meant!r}?" if meant else f"there are {', '.join(known)}"
             raise error(f"{what} {name!r}: {hint}")
+
+
+def with_article(name: str) -> str:
+    """Return a name with a or an before it."""
+    return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"
 
 
 def _plain(name: str) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from robsim._base.checks import Floats, as_float_array
+from robsim._base.spelling import with_article
 from robsim._core import Blob, ColorClass, Estimate, Frame, Measurement
 from robsim.evaluation._consistency import ConsistencyReport
 from robsim.evaluation._errors import ErrorReport
@@ -75,9 +76,7 @@ def check_kind(name: str, value: Any, kind: type) -> None:
 
 
 def _with_article(kind: type) -> str:
-    if kind is type(None):
-        return "None"
-    return f"{'an' if kind.__name__[0] in 'AEIOUaeiou' else 'a'} {kind.__name__}"
+    return "None" if kind is type(None) else with_article(kind.__name__)
 
 
 def check_steps(trace: Any) -> None:

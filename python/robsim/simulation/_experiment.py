@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._base.checks import Floats, check_choice
+from robsim._base.public import told_by_name
 from robsim._base.seeds import Seed, seed_sequence
 from robsim._core import (
     ColorClass,
@@ -110,6 +111,7 @@ class Experiment(Runner):
     """
 
     _GROUPS = RECORDED
+    _AGAIN = "robsim.Experiment(frames, ...)"
     _OPTIONS_ELSEWHERE = NOT_OF_EXPERIMENT | dict.fromkeys(
         (*OPTIONS, "adjust_background"), "it is an option of robsim.Simulation, of its world"
     )
@@ -173,6 +175,7 @@ class Experiment(Runner):
                 time.sleep(0.01)
         self._stop_robot(error)
 
+    @told_by_name
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Run some steps, or all; a run continues where the last one ended.
 

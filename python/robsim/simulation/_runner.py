@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
+from robsim._base.public import told_by_name
 from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
 from robsim._core import ColorClass, Frame, MarkerLayout, Step
 from robsim.robots import RobotDefinition
 from robsim.simulation._callbacks.errors import callback_of
 from robsim.simulation._callbacks.missing_data import note_missing_data, unmet_needs
+from robsim.simulation._callbacks.misused_values import note_misuse
 from robsim.simulation._run_info import run_info
 from robsim.simulation._slots import SLOTS
 from robsim.simulation._slotted import Slotted
@@ -211,8 +213,10 @@ class Runner(Slotted):
             except Exception as error:
                 if callback_of(error) is not None and self._core.has_started:
                     note_missing_data(error, self._core.last_step, self._is_on)
+                    note_misuse(error, self._core.last_step)
                 raise
 
+    @told_by_name
     def reset(self, *, seed: Seed = None) -> None:
         """Return to the start; the next run begins with step 0.
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._base.checks import is_int
+from robsim._base.public import told_by_name
 from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
 from robsim._core import Frame, RobotModel, RobotParameters
 from robsim.imaging._images import Pixels
@@ -86,6 +87,7 @@ class Simulation(WorldSlots, Runner):
 
     SLOTS = slots.names()
     _GROUPS = SIMULATED
+    _AGAIN = "robsim.Simulation(sim.scenario, control=...)"
     _OPTIONS_ELSEWHERE = options.NOT_OF_SIMULATION
 
     @slots.shows_slots(AllCallbacks, dict.fromkeys(_STAGES, _SAME))
@@ -284,6 +286,7 @@ class Simulation(WorldSlots, Runner):
     def _theta_true(self) -> ArrayLike:
         return (self._world.model if self._core.has_started else RobotModel()).theta
 
+    @told_by_name
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Run some steps; a run continues where the last one ended.
 

@@ -6,19 +6,20 @@ import inspect
 from abc import ABC
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, SupportsIndex
 
 from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._base.public import hint_at_option
-from robsim._base.spelling import closest
+from robsim._base.spelling import closest, suggestion, with_article
 from robsim._core import Step
 from robsim.simulation import _slots as table
 from robsim.simulation._callbacks.checks import check_callback
 from robsim.simulation._callbacks.slot import Slot
 from robsim.simulation._slots import ROBOT, SLOTS, RobotSlots
 from robsim.simulation._time_limit import TimeLimit
+from robsim.trace import Trace
 
 if TYPE_CHECKING:
     from robsim.simulation._folders.callback_folder import CallbackFolder, Callbacks
@@ -32,6 +33,9 @@ class Slotted(RobotSlots, ABC):
 
     #: The slots that there are.
     SLOTS: ClassVar[tuple[str, ...]] = table.names(half=ROBOT)
+
+    #: How another one of the same kind is made, for messages.
+    _AGAIN: ClassVar[str]
 
     _core: _core.Loop
 
@@ -132,13 +136,49 @@ class Slotted(RobotSlots, ABC):
                 raise AttributeError(f"{name} cannot be set{_ADVICE.get(name, '')}")
             is_known = True
         if "_core" in self.__dict__ and not is_known:
-            kind = type(self).__name__
-            if name in inspect.signature(type(self)).parameters:
-                raise AttributeError(f"{name} is fixed: give it to {kind}({name}=...)")
-            meant = None if name in SLOTS else closest(name, self.SLOTS)
-            hint = f"did you mean {meant!r}?" if meant else f"there are {', '.join(self.SLOTS)}"
-            raise AttributeError(f"{kind} has no slot {name!r}: {hint}")
+            raise AttributeError(self._why_not_set(name, is_method=callable(descriptor)))
         super().__setattr__(name, value)
+
+    def _why_not_set(self, name: str, *, is_method: bool) -> str:
+        """Return the message for an attribute that cannot be set."""
+        kind = type(self).__name__
+        if name in inspect.signature(type(self)).parameters:
+            return f"{name} is fixed: give it to {kind}({name}=...)"
+        if is_method:
+            return f"{name} is a method of {kind} and cannot be set: call sim.{name}(...)"
+        if name in _options_elsewhere(type(self)):
+            return f"{kind} has no option {name!r}: {_options_elsewhere(type(self))[name]}"
+        settable = [
+            known
+            for known in dir(type(self))
+            if isinstance(one := getattr(type(self), known), property) and one.fset
+        ]
+        meant = None if name in SLOTS else closest(name, (*self.SLOTS, *settable))
+        hint = f"did you mean {meant!r}?" if meant else f"there are {', '.join(self.SLOTS)}"
+        return f"{kind} has no slot {name!r}: {hint}"
+
+    def __getattr__(self, name: str) -> Any:
+        # Only for what is not there. Python itself asks for underscored names.
+        kind = type(self)
+        if name.startswith("_") or hasattr(kind, name):
+            # A property that raised AttributeError itself raises it again.
+            return object.__getattribute__(self, name)
+        public = [known for known in dir(kind) if not known.startswith("_")]
+        for place, other in (("sim.last_step.", Step), ("sim.trace.", Trace)):
+            if hasattr(other, name):
+                raise AttributeError(
+                    f"{kind.__name__} has no attribute {name!r}: did you mean {place}{name}?"
+                )
+        meant = f"sim.trace.{name}_true" if hasattr(Trace, f"{name}_true") else None
+        hint = f"; did you mean {meant!r}?" if meant else suggestion(name, public)
+        raise AttributeError(f"{kind.__name__} has no attribute {name!r}{hint}")
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
+        kind = type(self).__name__
+        raise TypeError(
+            f"{with_article(kind)} can be neither copied nor pickled, its callbacks and its run "
+            f"belong to this process: make another, {self._AGAIN}"
+        )
 
     def _set_slot(self, slot: str, callback: Any) -> None:
         if SLOTS[slot].when == table.ONCE and self._core.has_started:
@@ -190,6 +230,11 @@ class Slotted(RobotSlots, ABC):
 
 #: What to do in place of setting a property.
 _ADVICE = {"model": ": fill define_model, then call sim.reset()"}
+
+
+def _options_elsewhere(kind: type) -> dict[str, str]:
+    options: dict[str, str] = getattr(kind, "_OPTIONS_ELSEWHERE", {})
+    return options
 
 
 def is_code(value: Any) -> bool:

@@ -31,11 +31,12 @@ class _Datum:
     absent: str
 
 
+_NO_MEASUREMENT = "no measurement is on; give measure=True (on the command line: --measure)"
+
 _DATA = {
-    "measurement": _Datum(
-        "measure",
-        "no measurement is on; give measure=True (on the command line: --measure)",
-        "the robot was not seen in this step",
+    "measurement": _Datum("measure", _NO_MEASUREMENT, "the robot was not seen in this step"),
+    "detection": _Datum(
+        "measure", _NO_MEASUREMENT, "only the default measurement, measure=True, makes one"
     ),
     "estimate": _Datum(
         "estimate_state",
@@ -49,10 +50,12 @@ _DATA = {
         "no parameters have been estimated yet",
     ),
 }
-_NO_SAMPLE = (
-    "there is no sample at the start, after a bounce or lost frames, and where the robot was not "
-    "seen"
-)
+# What no slot gives.
+_OTHERS = {
+    "sample": "there is no sample at the start, after a bounce or lost frames, and where the robot "
+    "was not seen",
+    "frame": "no frame came in this step",
+}
 
 
 def note_missing_data(error: BaseException, step: Step, is_on: Callable[[str], bool]) -> None:
@@ -80,16 +83,18 @@ def note_missing_data(error: BaseException, step: Step, is_on: Callable[[str], b
 
 def _reason(name: str, step: Step, slot: str, is_on: Callable[[str], bool]) -> str | None:
     """Return why a step lacks something; None if it has it."""
-    if name == "sample" and step.sample is None:
-        return _NO_SAMPLE
-    datum = _DATA.get(name)
-    if datum is None or getattr(step, name) is not None:
+    if getattr(step, name) is not None:
         return None
+    if name in _OTHERS:
+        return _OTHERS[name]
+    datum = _DATA[name]
     if not is_on(datum.slot):
         return datum.off
     order = list(SLOTS)
     if order.index(slot) < order.index(datum.slot):
         return f"{datum.slot} comes after {slot} in a step"
+    if slot == datum.slot and name in ("measurement", "estimate"):
+        return "it is what this callback returns"
     if name == "measurement" and step.detection is not None:
         return f"{datum.absent}: {step.detection.explanation}"
     return datum.absent
@@ -139,4 +144,6 @@ def names_in(error: BaseException) -> list[str]:
     codes = [frame.f_code for frame, _ in traceback.walk_tb(error.__traceback__)]
     users = [code for code in codes if SourceLine(code.co_filename, 0, code.co_name).is_users]
     read = {name for code in users for name in code.co_names}
-    return [name for name in (*_DATA, "sample") if name in read]
+    if isinstance(error, AttributeError):
+        read.discard(error.name or "")  # what was sought in None is not what is None
+    return [name for name in (*_DATA, *_OTHERS) if name in read]
