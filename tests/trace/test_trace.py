@@ -745,3 +745,57 @@ def test_a_full_disk_names_the_csv_file(tmp_path):
     with pytest.raises(OSError, match="No space left") as caught:
         trace_of(3, ()).to_csv(file)
     assert caught.value.filename == str(file)
+
+
+def test_traces_are_equal_if_their_columns_and_runs_are():
+    def run(seed, steps=5):
+        return robsim.Simulation(seed=seed, control=robsim.DriveAround()).run(steps)
+
+    trace = run(1)
+    assert trace == run(1)
+    assert trace == pickle.loads(pickle.dumps(trace))
+    assert trace == copy.deepcopy(trace)
+    assert trace[2:] == run(1)[2:]
+    for other in (run(2), run(1, 4), trace[1:], "trace"):
+        assert trace != other
+    frame = robsim.Frame(np.zeros((60, 60, 3), np.uint8))
+    recorded = robsim.Experiment([frame], area=(60, 60), seed=1).run()  # no truth: NaN
+    assert recorded == pickle.loads(pickle.dumps(recorded))
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("pose", "trace.pose_true"), ("estimate", "trace.pose_estimated"), ("time", "trace.t"),
+     ("steps", r"len\(trace\)"), ("frame", r"sim.render_step\(k\): a trace keeps no frames")],
+)  # fmt: skip
+def test_what_users_look_for_by_other_names_is_told(name, meant):
+    trace = robsim.Simulation(seed=1).run(1)
+    with pytest.raises(AttributeError, match=f"no attribute '{name}'; did you mean {meant}\\?$"):
+        getattr(trace, name)
+
+
+def test_a_column_that_was_not_recorded_says_how_to_record_it():
+    trace = robsim.Simulation(seed=1).run(1)
+    with pytest.raises(KeyError, match="no column 'x_measured' in this run: run with measure=True"):
+        trace["x_measured"]
+    with pytest.raises(KeyError, match="no column 'a1X' in this run: run with estimate_parameters"):
+        trace["a1X"]
+
+
+def test_a_callback_that_forgot_its_return_is_suspected():
+    sim = robsim.Simulation(
+        seed=1, measure=lambda step: None, estimate_parameters=lambda step: None
+    )
+    trace = sim.run(5)
+    assert "a measure of your own must return its Measurement" in str(trace.tracking())
+    with pytest.raises(NotRecordedError, match="let estimate_parameters return the parameters"):
+        trace.require("parameters")
+
+
+def test_a_simulation_in_place_of_its_trace_is_told():
+    sim = robsim.Simulation(seed=1, measure=True)
+    for call in (robsim.batch_estimate, robsim.identifiability, lambda s: robsim.score_path(s, [])):
+        with pytest.raises(TypeError, match=r"trace must be a Trace, got .*: give sim.trace$"):
+            call(sim)
+    with pytest.raises(TypeError, match=r"traces must be a Trace or .*: give sim.trace of each$"):
+        robsim.pose_errors([sim])

@@ -13,6 +13,7 @@ from robsim._base.report import Quantity, Report
 from robsim.control._waypoints import as_waypoints, nearest_on_segment
 from robsim.trace import Trace
 from robsim.trace._columns import POSES
+from robsim.trace._trace import check_trace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,8 +110,7 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
     is within `waypoint_radius` of p(j), the segment p(j-1) -> p(j) counts, too; and so on backwards
     where waypoints lie close together.
     """
-    if not isinstance(trace, Trace):
-        raise TypeError(f"trace must be a Trace, got {trace!r}")
+    check_trace(trace)
     points = as_waypoints(waypoints)
     radius = check_float("waypoint_radius", waypoint_radius, "px", minimum=0)
     source, poses = _known_poses(trace)

@@ -29,7 +29,8 @@ def as_waypoints(waypoints: ArrayLike) -> Floats:
     if points.dtype.kind not in "iuf":
         raise TypeError(f"{expected}, got {waypoints!r}")
     if points.ndim != 2 or points.shape[1] != 2 or not len(points):
-        raise ValueError(f"{expected}, got shape {points.shape}")
+        hint = ": for a single one write [(x, y)]" if points.shape == (2,) else ""
+        raise ValueError(f"{expected}, got shape {points.shape}{hint}")
     if not (np.abs(points) <= MAXIMUM_COORDINATE).all():  # NaN fails, too
         raise ValueError(
             f"waypoints must be finite, within {MAXIMUM_COORDINATE:g} px, got {waypoints!r}"

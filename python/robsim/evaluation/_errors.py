@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -287,7 +288,10 @@ def as_runs(traces: Trace | Sequence[Trace]) -> list[Trace]:
     """Return a list of runs of the same steps."""
     runs = [traces] if isinstance(traces, Trace) or not isinstance(traces, Iterable) else [*traces]
     if not runs or not all(isinstance(trace, Trace) for trace in runs):
-        raise TypeError(f"traces must be a Trace or a sequence of them, got {traces!r}")
+        hint = ": give sim.trace of each" if any(hasattr(one, "trace") for one in runs) else ""
+        raise TypeError(
+            f"traces must be a Trace or a sequence of them, got {reprlib.repr(traces)}{hint}"
+        )
     steps = {(int(trace.k[0]) if len(trace) else 0, len(trace)) for trace in runs}
     if len(steps) > 1 or not len(runs[0]):
         lengths = sorted({len(trace) for trace in runs})

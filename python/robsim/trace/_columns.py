@@ -37,6 +37,11 @@ def fields_of(group: str, width: int) -> dict[str, str]:
     return GROUPS[group].units
 
 
+def group_of(field: str) -> str | None:
+    """Return the group that a single column belongs to; None if there is none of fixed width."""
+    return next((name for name, group in GROUPS.items() if field in group.units), None)
+
+
 def empty_groups(names: Iterable[str]) -> dict[str, Floats]:
     """Return groups of the schema without a row."""
     return {name: np.empty((0, len(GROUPS[name].units))) for name in names}

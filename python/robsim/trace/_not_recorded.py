@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 _TRUTH = "only a simulation knows the truth, recorded frames do not have it"
-_UNSEEN = "the robot was never seen"
+_UNSEEN = "the robot was never seen; a measure of your own must return its Measurement"
 
 # How a group of columns is recorded.
 _HOW = {
@@ -24,6 +24,7 @@ _WHY_UNKNOWN = {
     "pose_true": _TRUTH,
     "pose_measured": _UNSEEN,
     "pose_held": _UNSEEN,
+    "parameters": "let estimate_parameters return the parameters, (3, 5)",
     "covariance": "let estimate_state return Estimate(pose, covariance)",
     "standard_errors_unscaled": "an estimator of your own gives none",
 }
@@ -49,6 +50,11 @@ class NotRecordedError(ValueError):
         return f"the trace has no {', '.join(self.columns)}: {self.remedy}"
 
 
+def how_recorded(name: str) -> str:
+    """Return how a group of columns is recorded."""
+    return _HOW.get(name, "it was not recorded in this run")
+
+
 def not_recorded(missing: Mapping[str, bool], *, steps: int) -> NotRecordedError:
     """Return the error for columns that are not known.
 
@@ -62,9 +68,7 @@ def not_recorded(missing: Mapping[str, bool], *, steps: int) -> NotRecordedError
     if not steps:
         return NotRecordedError(tuple(missing), "it has no steps")
     remedies = (
-        _WHY_UNKNOWN.get(name, "it is not known in any step")
-        if is_recorded
-        else _HOW.get(name, "it was not recorded in this run")
+        _WHY_UNKNOWN.get(name, "it is not known in any step") if is_recorded else how_recorded(name)
         for name, is_recorded in missing.items()
     )
     return NotRecordedError(tuple(missing), "; ".join(dict.fromkeys(remedies)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -75,6 +75,13 @@ class RunInfo:
                 raise ValueError(f"{name} must be a tuple of texts, got {texts!r}")
         if not (self.scenario is None or isinstance(self.scenario, str) or self._has_text()):
             raise ValueError(f"scenario must be a Scenario or its text, got {self.scenario!r}")
+
+    def is_same(self, other: RunInfo) -> bool:
+        """Return whether the run is the same; unknown parameters are the same as unknown ones."""
+        known = np.zeros((3, 5))
+        return replace(self, theta_true=known) == replace(other, theta_true=known) and bool(
+            np.array_equal(self.theta_true, other.theta_true, equal_nan=True)
+        )
 
     def _has_text(self) -> bool:
         return callable(getattr(self.scenario, "to_toml", None))

@@ -16,8 +16,8 @@ from robsim._base.files import as_path, naming
 from robsim._base.report.as_data import import_pandas
 from robsim._base.spelling import check_names, suggestion
 from robsim._core import TraceGroup, wrap_angle
-from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of
-from robsim.trace._not_recorded import not_recorded
+from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of, group_of
+from robsim.trace._not_recorded import how_recorded, not_recorded
 from robsim.trace._properties import Column, Flag
 from robsim.trace._run_info import RunInfo
 from robsim.trace._summary import TraceSummary, summary_of
@@ -32,7 +32,8 @@ Bools = NDArray[np.bool_]
 def check_trace(trace: Any) -> None:
     """Raise a TypeError unless it is a trace."""
     if not isinstance(trace, Trace):
-        raise TypeError(f"trace must be a Trace, got {reprlib.repr(trace)}")
+        hint = ": give sim.trace" if isinstance(getattr(trace, "trace", None), Trace) else ""
+        raise TypeError(f"trace must be a Trace, got {reprlib.repr(trace)}{hint}")
 
 
 def longest_run(mask: Bools) -> slice:
@@ -51,6 +52,19 @@ def longest_run(mask: Bools) -> slice:
     return slice(int(starts[best]), int(stops[best]))
 
 
+# Where something is that users look for in a trace, by other names.
+_ELSEWHERE = {
+    "time": "trace.t",
+    "pose": "trace.pose_true",
+    "measurement": "trace.pose_measured",
+    "estimate": "trace.pose_estimated",
+    "columns": "trace.names",
+    "steps": "len(trace)",
+    "frame": "sim.render_step(k): a trace keeps no frames",
+    "frames": "sim.render_step(k): a trace keeps no frames",
+}
+
+
 def _is_public(name: str) -> bool:
     return not name.startswith("_")
 
@@ -59,6 +73,7 @@ class Trace:
     """A recorded run of N steps, read-only.
 
     Every column is a property with a row for each step; `names` and `units` list the single ones.
+    Traces are equal if their columns and their `info` are: the same seed gives an equal one.
 
     Attributes
     ----------
@@ -85,6 +100,21 @@ class Trace:
 
     def __len__(self) -> int:
         return self._rows
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Trace):
+            return NotImplemented
+        return (
+            self._first_step == other._first_step
+            and self.info.is_same(other.info)
+            and self._groups.keys() == other._groups.keys()
+            and all(
+                np.array_equal(values, other._groups[name], equal_nan=True)
+                for name, values in self._groups.items()
+            )
+        )
 
     def __repr__(self) -> str:
         last = self._first_step + self._rows - 1
@@ -169,6 +199,10 @@ class Trace:
         if not name.startswith("_"):
             if name in self.names:
                 raise AttributeError(f"{name} is a column: trace[{name!r}]")
+            if name in _ELSEWHERE:
+                raise AttributeError(
+                    f"a trace has no attribute {name!r}; did you mean {_ELSEWHERE[name]}?"
+                )
             hint = suggestion(name, (*self.names, *filter(_is_public, dir(self))))
             raise AttributeError(f"a trace has no attribute {name!r}{hint}")
         raise AttributeError(f"a trace has no attribute {name!r}")
@@ -256,6 +290,9 @@ class Trace:
             columns = self._columns()
             if key in self._groups and key not in columns:
                 raise KeyError(f"{key} is an attribute: trace.{key}")
+            group = group_of(key)
+            if key not in columns and group is not None:
+                raise KeyError(f"no column {key!r} in this run: {how_recorded(group)}")
             check_names("no column", [key], columns, KeyError)
             return columns[key]
         if not isinstance(key, slice):

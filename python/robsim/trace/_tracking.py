@@ -64,4 +64,9 @@ class TrackingStatistics(Report):
         """Why there are no errors."""
         if self._is_truth_unknown:
             return ("the true poses are not known, so there are no errors",)
+        if self.steps and not self.seen:
+            return (
+                "no pose was measured: run with measure=True; a measure of your own must return "
+                "its Measurement",
+            )
         return ()
