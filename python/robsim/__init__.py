@@ -127,7 +127,17 @@ def __getattr__(name: str) -> _Any:
         return _importlib.import_module(f"robsim.{name}")
     if name in _LATE_NAMES:
         return getattr(__getattr__(_LATE_NAMES[name]), name)
-    raise AttributeError(f"module 'robsim' has no attribute {name!r}")
+    message = f"module 'robsim' has no attribute {name!r}"
+    if name.startswith("_"):
+        raise AttributeError(message)
+    from robsim._base.spelling import suggestion
+
+    # `reference` is quick to load; `plotting` would load matplotlib.
+    loaded = [__getattr__("reference"), *(globals()[room] for room in _ROOMS if room in globals())]
+    for room in loaded:
+        if name in room.__all__:
+            raise AttributeError(f"{message}: it is {room.__name__}.{name}")
+    raise AttributeError(message + suggestion(name, __all__))
 
 
 def __dir__() -> list[str]:

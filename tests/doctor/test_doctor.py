@@ -409,7 +409,7 @@ class NeedsAModel(ConstantVelocity):
      (lambda: None, "not callable", "make() returns None, which"),
      (lambda: 1 / 0, "make fails", "make() returns no estimator: it raises ZeroDivisionError"),
      (ConstantVelocity(), "make fails", "make takes no argument and returns a fresh estimator"),
-     (NeedsAModel, "make fails", "missing 1 required positional argument: 'model'"),
+     (NeedsAModel, "make fails", "got NeedsAModel(model) (test_doctor.py:"),
      (lambda: lambda: 3, "exception", "takes 0 positional arguments but 1 was given")],
 )  # fmt: skip
 def test_what_makes_no_estimator_is_told_so(make, kind, words):
@@ -810,3 +810,24 @@ def test_a_line_of_robsim_is_never_blamed():
         assert report.problems
         for problem in report.problems:
             assert problem.line is None or problem.line.is_users
+
+
+def stateless(step):
+    return robsim.Estimate(step.measurement.pose, np.eye(3))
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "words"),
+    [(NeedsAModel, "NeedsAModel", "write lambda: NeedsAModel(...)"),
+     (ConstantVelocity(), "ConstantVelocity", "it is an estimator already; give its class, or lambda: "),
+     (stateless, "stateless", "if that is the estimator itself, write lambda: stateless")],
+)  # fmt: skip
+def test_what_makes_no_estimator_says_what_to_write(make, name, words):
+    report = robsim.check_estimator(make)
+    assert report.name == name
+    assert words in report.problems[0].sentence
+
+
+def test_a_slot_is_no_maker_of_estimators():
+    with pytest.raises(TypeError, match="such as its class, or lambda: .*, got <slot estimate_sta"):
+        robsim.check_estimator(robsim.Simulation().estimate_state)

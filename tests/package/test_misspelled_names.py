@@ -121,3 +121,15 @@ def test_signatures_and_pickles_are_those_of_the_class():
     assert list(inspect.signature(Dropout).parameters) == ["probability", "steps"]
     assert inspect.signature(Dropout.__init__).parameters["steps"].default == 1
     assert pickle.loads(pickle.dumps(Dropout(0.5))) == Dropout(0.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("nees", "module 'robsim' has no attribute 'nees': it is robsim.evaluation.nees"),
+     ("ExtendedKalmanFilter", "it is robsim.reference.ExtendedKalmanFilter"),
+     ("plot_trace", "did you mean 'plot_traces'"), ("goToPoint", "did you mean 'GoToPoint'"),
+     ("xyz", "has no attribute 'xyz'$")],
+)  # fmt: skip
+def test_a_name_that_is_not_at_the_top_is_told_where_it_is(name, words):
+    with pytest.raises(AttributeError, match=words):
+        getattr(robsim, name)

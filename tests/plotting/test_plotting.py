@@ -759,3 +759,18 @@ def test_before_a_run_there_is_nothing_to_draw():
         with pytest.raises(ValueError, match="the trace has no steps yet: run the simulation"):
             plot(sim.trace)
     assert plot_frame(make_frame(), trace=sim.trace).images
+
+
+def test_a_clip_of_something_else_is_refused_by_name():
+    sim = robsim.Simulation(seed=1)
+    trace = sim.run(2)
+    with pytest.raises(TypeError, match="simulation must be a Simulation that has run, got <Trace"):
+        robsim.play(trace)
+    with pytest.raises(TypeError, match="stop must be an int, the number of a step, got '2'"):
+        robsim.play(sim, stop="2")
+
+
+def test_a_single_panel_for_a_figure_of_several_is_refused_by_name():
+    trace = robsim.Simulation(seed=1).run(2)
+    with pytest.raises(TypeError, match=r"axes must be a dict of panels .*\[\[.x., .path.\]"):
+        robsim.plot_traces(trace, axes=Figure().add_subplot())

@@ -5,7 +5,7 @@ import pytest
 from PIL import Image, ImageFilter
 
 from drawn_robots import COLORS, box, painted, star
-from robsim import ColorClass
+from robsim import ColorClass, load_robot
 from robsim.robots import _polygons as polygons
 from robsim.robots import check_colors, robot_from_image
 
@@ -190,3 +190,8 @@ def test_a_transparent_picture():
 def test_wrong_values_are_named(name, value):
     with pytest.raises((TypeError, ValueError), match=f"^{name} must"):
         robot_from_image("toy", painted(RED, BLUE), **{name: value})
+
+
+def test_what_is_no_name_is_refused_by_name():
+    with pytest.raises(TypeError, match="robot must be a name or a folder, got 3"):
+        load_robot(3)

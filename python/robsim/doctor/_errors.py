@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
+
 from robsim._base.check_report import Problem
 from robsim._base.source_line import called_in, line_of_error
 from robsim._core import Estimate
 from robsim.doctor._trial import TIME_LIMIT, BadResult, EstimatorUnderTest, Trial
 from robsim.simulation._callbacks.missing_data import comes_of_none, names_in
-from robsim.simulation._callbacks.signatures import accepts
+from robsim.simulation._callbacks.signatures import accepts, where_defined
 
 _READ_ONLY = "read-only"  # numpy has no type for it
 _NO_SAMPLE = "step.sample is None at the start, after a bounce and where the robot is not seen"
@@ -35,11 +37,24 @@ def problem_of(estimator: EstimatorUnderTest, trial: Trial) -> Problem:
 def problem_of_make(estimator: EstimatorUnderTest, error: BaseException) -> Problem:
     """Return the error that kept make() from returning an estimator, as a problem."""
     kind, sentence = _explained(error)
-    if not isinstance(error, BadResult):
-        kind, sentence = "make fails", f"make() returns no estimator: {sentence}"
     if not accepts(estimator.make, 0):
-        sentence += "; make takes no argument and returns a fresh estimator, such as its class"
+        kind, sentence = "make fails", _not_a_maker(estimator)
+    elif not isinstance(error, BadResult):
+        kind, sentence = "make fails", f"make() returns no estimator: {sentence}"
     return Problem(kind=kind, sentence=sentence, line=line_of_error(error) or estimator.line)
+
+
+def _not_a_maker(estimator: EstimatorUnderTest) -> str:
+    """Say that make needs arguments, and what to give in its place."""
+    make, name = estimator.make, estimator.name
+    expected = (
+        f"make takes no argument and returns a fresh estimator, got {name}{where_defined(make)}"
+    )
+    if isinstance(make, type):
+        return f"{expected}: write lambda: {name}(...)"
+    if inspect.isfunction(make):
+        return f"{expected}: if that is the estimator itself, write lambda: {name}"
+    return f"{expected}: it is an estimator already; give its class, or lambda: {name}(...)"
 
 
 def _explained(error: BaseException) -> tuple[str, str]:

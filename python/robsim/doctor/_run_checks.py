@@ -11,6 +11,7 @@ from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import check_float
 from robsim.doctor._errors import problem_of_make
 from robsim.doctor._trial import EstimatorUnderTest, NoEstimator, Slot
+from robsim.simulation._callbacks.slot import SlotHandle
 from robsim.simulation._folders.callback_folder import CallbackFolder
 
 BUDGET = 0.02  # s per call: a tenth of the default dt
@@ -35,9 +36,10 @@ def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckRe
     """
     if isinstance(make, (str, PathLike)):
         make = _from_file(Path(make), slot)
-    if not callable(make):
+    if not callable(make) or isinstance(make, SlotHandle):
         raise TypeError(
-            f"make must be callable and return a fresh estimator, such as its class, got {make!r}"
+            "make must be callable and return a fresh estimator, such as its class, or lambda: "
+            f"MyEstimator(...), got {make!r}"
         )
     estimator = EstimatorUnderTest(
         make, slot, check_float("budget", budget, "s", exclusive_minimum=0)

@@ -135,7 +135,7 @@ class EstimatorUnderTest:
         self.budget = budget
         self.make = make
         self.stdout = StdoutCapture()
-        self.name = getattr(make, "__name__", repr(make))
+        self.name = getattr(make, "__name__", type(make).__name__)
         self.line = users_line_of_callable(make)
 
     def fresh(self) -> Callable[[Step], Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import reprlib
 import unicodedata
 from os import PathLike
 from pathlib import Path
@@ -74,9 +75,13 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
 
     Raises
     ------
+    TypeError
+        If `robot` is neither a name nor a path.
     ValueError
         If there is no such robot, or its files do not define one; the message names the file.
     """
+    if not isinstance(robot, (str, PathLike, type(None))):
+        raise TypeError(f"robot must be a name or a folder, got {reprlib.repr(robot)}")
     if robot is None:
         name = default_robot()
         folder = find_folder(name)

@@ -76,13 +76,6 @@ class RunInfo:
         if not (self.scenario is None or isinstance(self.scenario, str) or self._has_text()):
             raise ValueError(f"scenario must be a Scenario or its text, got {self.scenario!r}")
 
-    def is_same(self, other: RunInfo) -> bool:
-        """Return whether the run is the same; unknown parameters are the same as unknown ones."""
-        known = np.zeros((3, 5))
-        return replace(self, theta_true=known) == replace(other, theta_true=known) and bool(
-            np.array_equal(self.theta_true, other.theta_true, equal_nan=True)
-        )
-
     def _has_text(self) -> bool:
         return callable(getattr(self.scenario, "to_toml", None))
 
@@ -92,3 +85,11 @@ class RunInfo:
         if self.scenario is not None and self._has_text():
             record["scenario"] = self.scenario.to_toml()
         return record
+
+
+def is_same_run(one: RunInfo, other: RunInfo) -> bool:
+    """Return whether two are equal, with unknown parameters equal to unknown ones."""
+    known = np.zeros((3, 5))
+    return replace(one, theta_true=known) == replace(other, theta_true=known) and bool(
+        np.array_equal(one.theta_true, other.theta_true, equal_nan=True)
+    )

@@ -19,7 +19,7 @@ from robsim._core import TraceGroup, wrap_angle
 from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of, group_of
 from robsim.trace._not_recorded import how_recorded, not_recorded
 from robsim.trace._properties import Column, Flag
-from robsim.trace._run_info import RunInfo
+from robsim.trace._run_info import RunInfo, is_same_run
 from robsim.trace._summary import TraceSummary, summary_of
 from robsim.trace._trace_file import read_trace, write_trace
 from robsim.trace._tracking import FALSE_POSE_LIMITS, TrackingStatistics
@@ -108,7 +108,7 @@ class Trace:
             return NotImplemented
         return (
             self._first_step == other._first_step
-            and self.info.is_same(other.info)
+            and is_same_run(self.info, other.info)
             and self._groups.keys() == other._groups.keys()
             and all(
                 np.array_equal(values, other._groups[name], equal_nan=True)

@@ -55,7 +55,7 @@ def plot_traces(
     check_steps(trace)
     check_bool("show_blobs", show_blobs)
     has_errors = bool(np.isfinite(trace.error[:, 0]).any())
-    rows = [*_POSE_ROWS, *_ERROR_ROWS] if has_errors else _POSE_ROWS
+    rows = [list(row) for row in (*_POSE_ROWS, *(_ERROR_ROWS if has_errors else ()))]
     is_new = axes is None
     if axes is None:
         figure = style.NotebookFigure(figsize=(10, 8 if has_errors else 4.6))
