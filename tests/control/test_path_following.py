@@ -362,3 +362,10 @@ def test_it_goes_by_the_state_estimator_if_one_runs():
 def test_while_it_is_not_seen_the_robot_stays():
     trace = robsim.Simulation(control=FollowPath(SQUARE), measure=lambda step: None, **SMALL).run(5)
     assert (trace.u == 0).all()
+
+
+@pytest.mark.parametrize("controller", [robsim.GoToPoint(600, 300), robsim.FollowPath([(1, 2)])])
+def test_a_pose_in_place_of_a_step_is_refused_by_name(controller):
+    with pytest.raises(TypeError, match=r"step must be a Step, got \(300, 300, 0\): by hand it is "
+                       r"robsim.Step\(measurement="):  # fmt: skip
+        controller((300, 300, 0))

@@ -799,3 +799,14 @@ def test_a_simulation_in_place_of_its_trace_is_told():
             call(sim)
     with pytest.raises(TypeError, match=r"traces must be a Trace or .*: give sim.trace of each$"):
         robsim.pose_errors([sim])
+
+
+def test_headings_in_degrees_are_suspected():
+    def measure(step):
+        x, y, heading = robsim.locate(step.blobs, step.markers).pose
+        return robsim.Measurement((x, y, np.rad2deg(heading)))
+
+    options = {"headings": None, "control": robsim.DriveAround(), "seed": 1}
+    tracking = robsim.Simulation(measure=measure, **options).run(60).tracking()
+    assert "is the heading of the Measurement in rad" in str(tracking)
+    assert robsim.Simulation(measure=True, **options).run(60).tracking().remarks == ()

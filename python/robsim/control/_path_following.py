@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import reprlib
 from dataclasses import KW_ONLY, dataclass, field, fields
 from typing import Any, ClassVar
 
@@ -32,7 +33,14 @@ class _Motion:
 
     def update(self, step: Step) -> bool:
         """Take the estimated pose of a step, or else the measured one; False if it has neither."""
-        if step.k == 0 or step.k < self.k:
+        try:
+            k = step.k
+        except AttributeError:
+            raise TypeError(
+                f"step must be a Step, got {reprlib.repr(step)}: by hand it is "
+                "robsim.Step(measurement=(x, y, heading))"
+            ) from None
+        if k == 0 or k < self.k:
             self.reset()
         seen = step.estimate or step.measurement
         if seen is None:

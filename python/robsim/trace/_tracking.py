@@ -61,12 +61,18 @@ class TrackingStatistics(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Why there are no errors."""
+        """Why there are no errors, or such large ones."""
         if self._is_truth_unknown:
             return ("the true poses are not known, so there are no errors",)
         if self.steps and not self.seen:
             return (
                 "no pose was measured: run with measure=True; a measure of your own must return "
                 "its Measurement",
+            )
+        # The positions are right: it is the headings that make the poses false.
+        if 2 * self.false_poses > self.seen and self.rmse_xy < FALSE_POSE_LIMITS[0]:
+            return (
+                "the positions are right, the headings are not: is the heading of the Measurement "
+                "in rad, and does it grow from +x towards +y?",
             )
         return ()
