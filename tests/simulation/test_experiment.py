@@ -129,7 +129,9 @@ def test_wrong_use(frames, options, error, message):
 
 def test_the_slots_of_the_world_half_are_not_there():
     experiment = robsim.Experiment([])
-    with pytest.raises(AttributeError, match="Experiment has no slot 'evaluate_model': there are"):
+    with pytest.raises(
+        AttributeError, match="Experiment has no slot 'evaluate_model': it is an op"
+    ):
         experiment.evaluate_model = robsim.Unicycle()
     with pytest.raises(TypeError, match="Experiment has no option 'noise': it is an option of"):
         robsim.Experiment([], noise=robsim.GaussianNoise(5))

@@ -498,8 +498,6 @@ def test_a_seed_or_steps_given_the_wrong_way_are_told_by_name():
         Simulation().reset(2)
     with pytest.raises(TypeError, match=r"^Simulation.run has no option 'seconds'"):
         Simulation().run(seconds=2)
-    with pytest.raises(TypeError, match=r"^Experiment.run takes only steps without a name"):
-        Experiment([FRAME], area=SIZE).run(1, 2)
 
 
 @pytest.mark.parametrize("how", [copy.copy, copy.deepcopy, pickle.dumps])
@@ -509,3 +507,10 @@ def test_a_simulation_that_is_copied_says_how_to_make_another(how):
         how(Simulation())
     with pytest.raises(TypeError, match="an Experiment can be neither"):
         how(Experiment([FRAME], area=SIZE))
+
+
+def test_an_estimator_class_in_place_of_an_object_is_told():
+    sim = Simulation(init_parameter_estimator=lambda model: robsim.RecursiveLeastSquares)
+    with pytest.raises(TypeError, match=r"returned the class RecursiveLeastSquares, not an object o"
+                       r"f it: return RecursiveLeastSquares\(\.\.\.\)"):  # fmt: skip
+        sim.run(1)

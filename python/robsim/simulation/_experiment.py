@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._base.checks import Floats, check_choice
-from robsim._base.public import told_by_name
 from robsim._base.seeds import Seed, seed_sequence
 from robsim._core import (
     ColorClass,
@@ -175,7 +174,6 @@ class Experiment(Runner):
                 time.sleep(0.01)
         self._stop_robot(error)
 
-    @told_by_name
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Run some steps, or all; a run continues where the last one ended.
 

@@ -269,7 +269,7 @@ class Runner(Slotted):
         if needed and not self._is_on(needed):
             raise ValueError(
                 f"identify_from={self.identify_from!r} needs the stage {needed}, which is off: "
-                f"give {needed}=..."
+                f"give {needed}={'True' if SLOTS[needed].is_switch else '...'}"
             )
 
     @property

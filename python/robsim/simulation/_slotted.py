@@ -147,7 +147,8 @@ class Slotted(RobotSlots, ABC):
         if is_method:
             return f"{name} is a method of {kind} and cannot be set: call sim.{name}(...)"
         if name in _options_elsewhere(type(self)):
-            return f"{kind} has no option {name!r}: {_options_elsewhere(type(self))[name]}"
+            what = "slot" if name in SLOTS else "option"
+            return f"{kind} has no {what} {name!r}: {_options_elsewhere(type(self))[name]}"
         settable = [
             known
             for known in dir(type(self))

@@ -127,10 +127,12 @@ def check_estimator(estimator: object) -> None:
         return
     source = users_line_of_callable(update if callable(update) else type(estimator))
     came = f"method update{where_defined(update)}" if callable(update) else "none"
-    message = (
-        "in the callback init_parameter_estimator at the start: the estimator that it returned, "
-        f"of class {_type_name(estimator)}, must have a method update(phi, y), got {came}"
-    )
+    what = f"the estimator that it returned, of class {_type_name(estimator)}, must have a method"
+    message = f"{what} update(phi, y), got {came}"
+    if isinstance(estimator, type):
+        name = estimator.__name__
+        message = f"it returned the class {name}, not an object of it: return {name}(...)"
+    message = f"in the callback init_parameter_estimator at the start: {message}"
     raise _recorded(
         CallbackTypeError(message), FailedCallback("init_parameter_estimator", None, source)
     )
