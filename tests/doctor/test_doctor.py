@@ -819,7 +819,7 @@ def stateless(step):
 @pytest.mark.parametrize(
     ("make", "name", "words"),
     [(NeedsAModel, "NeedsAModel", "write lambda: NeedsAModel(...)"),
-     (ConstantVelocity(), "ConstantVelocity", "it is an estimator already; give its class, or lambda: "),
+     (ConstantVelocity(), "ConstantVelocity", "it is an estimator already; give its class, or"),
      (stateless, "stateless", "if that is the estimator itself, write lambda: stateless")],
 )  # fmt: skip
 def test_what_makes_no_estimator_says_what_to_write(make, name, words):
@@ -829,5 +829,7 @@ def test_what_makes_no_estimator_says_what_to_write(make, name, words):
 
 
 def test_a_slot_is_no_maker_of_estimators():
-    with pytest.raises(TypeError, match="such as its class, or lambda: .*, got <slot estimate_sta"):
+    with pytest.raises(
+        TypeError, match=r"such as its class, or lambda: .*, got <slot estimate_sta"
+    ):
         robsim.check_estimator(robsim.Simulation().estimate_state)

@@ -97,11 +97,14 @@ def check_axes(axes: Any, shape: tuple[int, ...]) -> Any:
     return found
 
 
-def check_panels(axes: Any, names: set[str]) -> None:
-    """Raise a TypeError or ValueError unless it is a dict of Axes that has the names."""
+def check_panels(axes: Any, rows: list[list[str]]) -> None:
+    """Raise a TypeError or ValueError unless it is a dict of Axes that has the panels."""
     if not isinstance(axes, Mapping):
-        raise TypeError(f"axes must be a dict of axes by name, got {reprlib.repr(axes)}")
-    if missing := sorted(names - axes.keys()):
+        raise TypeError(
+            f"axes must be a dict of panels to Axes, as of figure.subplot_mosaic({rows!r}), got "
+            f"{reprlib.repr(axes)}"
+        )
+    if missing := sorted({name for row in rows for name in row} - axes.keys()):
         raise ValueError(f"axes must have the panels {', '.join(missing)}, got {', '.join(axes)}")
     for one in axes.values():
         check_kind("axes", one, Axes)

@@ -59,9 +59,9 @@ def plot_traces(
     is_new = axes is None
     if axes is None:
         figure = style.NotebookFigure(figsize=(10, 8 if has_errors else 4.6))
-        axes = figure.subplot_mosaic([list(row) for row in rows], width_ratios=(1.7, 1))
+        axes = figure.subplot_mosaic(rows, width_ratios=(1.7, 1))
     else:
-        check_panels(axes, {name for row in rows for name in row})
+        check_panels(axes, rows)
     left, right = ([axes[name] for name in column] for column in zip(*rows, strict=True))
     for panel in left[:-1]:
         panel.sharex(left[-1])
