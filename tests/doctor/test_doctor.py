@@ -688,7 +688,8 @@ def test_the_report_as_text_and_as_html():
     assert not report
     assert str(report) == textwrap.dedent("""\
         <filter> failed 2 checks
-          1. it is < 0 (step 7, robot turns)
+          1. it is < 0
+             step 7, robot turns
           2. it is late
           - what about u & dt?""")
     assert report._repr_html_() == (

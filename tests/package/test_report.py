@@ -116,12 +116,30 @@ def test_without_pandas_it_says_what_to_install(monkeypatch):
 
 def test_a_metric_in_a_notebook():
     html = EFFORT._repr_html_()
-    assert html.count("<table>") == html.count("</table>") == 2
-    assert "Voltages of the motors: gentle</caption>" in html
+    assert html.count("<table") == html.count("</table>") == 2
+    # Not a caption: that would be as narrow as the first table.
+    assert html.startswith("<div><p><b>Voltages of the motors: gentle</b></p><table")
     assert '<th style="text-align: right">mean (V)</th>' in html
     assert '<td style="text-align: right">75.0 %</td>' in html
     assert "<li>the voltages are those sent</li>" in html
     assert "color" not in html  # the notebook's own, light or dark
+
+
+def test_groups_of_rows_are_apart_in_a_notebook_as_in_a_terminal():
+    trace = robsim.Simulation(estimate_parameters=True, seed=1).run(50)
+    report = robsim.identifiability(trace)
+    assert str(report).count("----\n") == 3
+    assert report._repr_html_().count('<tr style="border-top') == 2  # and one below the headings
+
+
+def test_long_sentences_of_problems_end_before_the_edge():
+    sentence = "the covariance is not symmetric, as that of an estimate has to be, " * 3
+    problem = robsim.doctor.Problem(kind="a", sentence=sentence.strip(", "), k=3)
+    lines = str(robsim.doctor.CheckReport(name="it", problems=(problem,))).splitlines()
+    assert max(map(len, lines)) <= 100
+    assert lines[1].startswith("  1. the covariance")
+    assert lines[2].startswith("     ")
+    assert lines[-1] == "     step 3"
 
 
 def test_every_text_is_escaped():

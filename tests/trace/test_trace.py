@@ -400,6 +400,7 @@ def test_the_trace_describes_itself():
     }
     assert "x_measured" in trace._repr_html_()
     assert "no steps" in repr(trace[:0])
+    assert len(repr(trace)) < 100
 
 
 # --- other formats

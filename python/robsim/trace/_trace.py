@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     import pandas
 Bools = NDArray[np.bool_]
 
+# In the short form at a prompt.
+_SHOWN_COLUMNS = 4
+
 
 def check_trace(trace: Any) -> None:
     """Raise a TypeError unless it is a trace."""
@@ -119,7 +122,10 @@ class Trace:
     def __repr__(self) -> str:
         last = self._first_step + self._rows - 1
         steps = f"steps {self._first_step}..{last}" if self._rows else "no steps"
-        return f"<Trace: {steps}, dt = {self.info.dt} s, columns {', '.join(self._groups)}>"
+        names = list(self._groups)
+        more = f", ... ({len(names)} in all)" if len(names) > _SHOWN_COLUMNS else ""
+        columns = f"columns {', '.join(names[:_SHOWN_COLUMNS])}{more}"
+        return f"<Trace: {steps}, dt = {self.info.dt} s, {columns}>"
 
     @property
     def k(self) -> NDArray[np.int64]:

@@ -12,7 +12,8 @@ from robsim._base.report.problem import Problem
 if TYPE_CHECKING:
     from robsim._base.report.report import Report
 
-_CAPTION = '<caption style="caption-side: top; text-align: left; font-weight: bold">'
+# JupyterLab centres tables, and the sentences below them stand at the left.
+_TABLE = '<table style="margin: 0 0 1em 0">'
 
 
 def as_html(report: Report) -> str:
@@ -20,24 +21,26 @@ def as_html(report: Report) -> str:
     tables = []
     if report.quantities:
         rows = [[quantity.heading, quantity.text] for quantity in report.quantities]
-        tables.append(_body(rows, ["left", "left"]))
+        tables.append(_body(rows, ["left", "left"], group=0))
     for table in report.tables:
         head = map(_cell, repeat("th"), table.headings, table.alignments)
-        body = _body(table.texts(), table.alignments)
+        body = _body(table.texts(), table.alignments, table.group)
         tables.append(f"<thead><tr>{''.join(head)}</tr></thead>{body}")
-    if tables:
-        tables[0] = f"{_CAPTION}{escape(report.heading)}</caption>{tables[0]}"
-        start = "".join(f"<table>{content}</table>" for content in tables)
-    else:
-        start = f"<p><b>{escape(report.heading)}</b></p>"
+    start = f"<p><b>{escape(report.heading)}</b></p>"
+    middle = "".join(f"{_TABLE}{content}</table>" for content in tables)
     problems = _listed("ol", map(_problem, report.problems or ()))
-    return f"<div>{start}{problems}{_listed('ul', map(escape, report.remarks))}</div>"
+    return f"<div>{start}{middle}{problems}{_listed('ul', map(escape, report.remarks))}</div>"
 
 
-def _body(rows: Iterable[list[str]], alignments: list[str]) -> str:
+def _body(rows: Iterable[list[str]], alignments: list[str], group: int) -> str:
+    """Return the rows, with a rule above each group but the first."""
     kinds = ("th", *repeat("td", len(alignments) - 1))
-    lines = ("".join(map(_cell, kinds, row, alignments)) for row in rows)
-    return f"<tbody>{''.join(f'<tr>{line}</tr>' for line in lines)}</tbody>"
+    lines = []
+    for number, row in enumerate(rows):
+        is_first = bool(group and number and number % group == 0)
+        start = '<tr style="border-top: 1px solid">' if is_first else "<tr>"
+        lines.append(f"{start}{''.join(map(_cell, kinds, row, alignments))}</tr>")
+    return f"<tbody>{''.join(lines)}</tbody>"
 
 
 def _cell(tag: str, text: str, align: str) -> str:

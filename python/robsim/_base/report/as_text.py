@@ -24,9 +24,7 @@ def as_text(report: Report) -> str:
     for number, problem in enumerate(report.problems or (), 1):
         lines += _problem(number, problem)
     for remark in report.remarks:
-        lines += textwrap.wrap(
-            remark, _WIDTH, initial_indent="  - ", subsequent_indent="    ", break_long_words=False
-        )
+        lines += _wrapped("  - ", remark)
     return "\n".join(lines)
 
 
@@ -62,6 +60,20 @@ def _table(table: Table) -> Iterator[str]:
 
 
 def _problem(number: int, problem: Problem) -> Iterator[str]:
-    yield f"  {number}. {problem}"
+    yield from _wrapped(f"  {number}. ", problem.sentence)
+    if problem.where:
+        yield f"     {problem.where}"
     if problem.code:
         yield f"     > {problem.code}"
+
+
+def _wrapped(start: str, sentence: str) -> list[str]:
+    """Return the lines of a sentence that begins with a mark, and is indented by its length."""
+    return textwrap.wrap(
+        sentence,
+        _WIDTH,
+        initial_indent=start,
+        subsequent_indent=" " * len(start),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
