@@ -85,7 +85,7 @@ def test_error_report_over_runs():
     np.testing.assert_array_equal(report.known, [4])
     np.testing.assert_allclose(report.rmse_of_steps[:, 0], [np.sqrt(12.5), 2.0, 1.0])
     np.testing.assert_allclose(report.rmse, np.sqrt(30 / 4))
-    assert str(report).splitlines()[0] == "student minus truth over 2 runs"
+    assert str(report).splitlines()[0] == "Student minus truth over 2 runs"
     assert "4 (66.7 %)" in str(report)
 
 
@@ -102,7 +102,7 @@ def test_what_is_claimed_stands_beside_the_error():
 def test_error_report_reads_well_and_goes_into_json():
     report = estimation_errors([[1.0, NAN, PI / 180]], [[0.0, 0.0, 0.0]])
     lines = str(report).splitlines()
-    assert lines[0] == "estimate minus truth"
+    assert lines[0] == "Estimate minus truth"
     assert lines[5].split() == ["x", "(px)", "1", "1", "0", "1", "1", "(100", "%)"]
     assert lines[6].split() == ["y", "(px)", "-", "-", "-", "-", "0", "(0", "%)"]
     assert lines[7].split()[:3] == ["heading", "(deg)", "1"]
@@ -116,7 +116,7 @@ def test_error_report_reads_well_and_goes_into_json():
         **dict.fromkeys(("rmse", "bias", "sd", "max_error")),
     }
     assert report._repr_html_().count("<tr>") == 5
-    assert repr(report) == "<ErrorReport: estimate minus truth, steps 1>"
+    assert repr(report) == "<ErrorReport: Estimate minus truth, steps 1>"
 
 
 def test_pose_errors_of_a_trace_agree_with_its_own():

@@ -90,7 +90,7 @@ def test_errors_stand_beside_their_histograms():
     for panel, histogram in zip(panels, histograms, strict=True):
         assert panel.get_ylim() == histogram.get_ylim()
         assert sum(bar.get_width() for bar in histogram.patches) == 50
-    assert figure.get_suptitle() == "estimate minus truth: all 50 steps known"
+    assert figure.get_suptitle() == "Estimate minus truth: 50 steps, all known"
 
 
 def test_the_claim_and_the_bound_are_drawn_at_two_standard_deviations():
@@ -103,6 +103,17 @@ def test_the_claim_and_the_bound_are_drawn_at_two_standard_deviations():
         plot_errors(pose_errors(make_trace()), bound=np.eye(3))
 
 
+@pytest.mark.parametrize("variance", [4.0, 400.0])
+def test_the_claim_of_a_conservative_filter_ends_in_the_panel_or_the_errors_can_be_seen(variance):
+    covariance = np.broadcast_to(np.diag([variance, 1.0, 1e-4]), (50, 3, 3))
+    panel = plot_errors(pose_errors(make_trace(covariance=covariance))).axes[0]
+    low, high = panel.get_ylim()  # the errors are 1 px
+    if variance == 4.0:
+        assert low < -4 < 4 < high
+    else:
+        assert -10 < low < high < 10
+
+
 @pytest.mark.long
 def test_errors_of_measurements_are_green_and_unknown_ones_counted():
     measured = make_trace().pose_true + np.array((0.5, 0.5, 0.0))
@@ -110,7 +121,7 @@ def test_errors_of_measurements_are_green_and_unknown_ones_counted():
     figure = render(plot_errors(pose_errors(make_trace(pose_measured=measured), of="measurement")))
     panel, histogram = figure.axes[:2]
     assert same_color(line(panel, "error").get_color(), style.MEASURED)
-    assert figure.get_suptitle() == "measurement minus truth: known in 40 of 50 steps"
+    assert figure.get_suptitle() == "Measurement minus truth: known in 40 of 50 steps"
     assert sum(bar.get_width() for bar in histogram.patches) == 40
     assert labels(panel) == ["error"]
 
@@ -155,16 +166,30 @@ def test_the_values_stand_with_their_band():
     np.testing.assert_allclose(line(axes, "25.0 % below").get_xydata(), [[1, 1e-6]])
     assert axes.get_title(loc="left") == "NEES of 1 run of 5 steps: conservative"
     assert axes.get_yscale() == "log"
-    assert axes.get_ylabel() == "NEES (1 expected)"
+    assert axes.get_ylabel() == "NEES\n(1 expected)"
     render(axes.figure)
     assert axes._repr_png_().startswith(b"\x89PNG")
+
+
+def test_the_band_of_a_single_step_can_be_seen():
+    axes = plot_consistency(nees_consistency(np.array([[1.0]]), [[1.0]]))
+    assert np.ptp(axes.collections[0].get_paths()[0].vertices[:, 0]) == 1.0
+    assert axes.get_title(loc="left").startswith("NEES of 1 run of 1 step: ")
+
+
+def test_ticks_of_many_decades_do_not_overlap():
+    errors = np.logspace(-4, 3, 50)[:, np.newaxis]
+    axes = plot_consistency(nees_consistency(errors, [[1.0]]))
+    low, high = axes.get_ylim()
+    ticks = axes.get_yticks()
+    assert np.count_nonzero((ticks > low) & (ticks < high)) < 15
 
 
 def test_the_verdict_is_the_title():
     rng = np.random.default_rng(2)
     axes = plot_consistency(nis_consistency(3 * rng.normal(size=(20, 80, 2)), np.eye(2)))
     assert axes.get_title(loc="left") == "NIS of 20 runs of 80 steps: optimistic"
-    assert axes.get_ylabel() == "NIS, mean of 20 runs (2 expected)"
+    assert axes.get_ylabel() == "NIS, mean of 20 runs\n(2 expected)"
     render(axes.figure)
 
 
@@ -238,7 +263,7 @@ def test_an_ellipse_that_misses_the_truth_is_red_at_any_size():
         inside, missed = axes.collections
         assert same_color(missed.get_edgecolor()[0], style.WRONG)
         assert (len(inside.get_paths()), len(missed.get_paths())) == (4, 1)
-        assert missed.get_label() == "95 % ellipse that misses the truth"
+        assert missed.get_label() == "it misses the truth"
 
 
 def test_only_steps_with_an_estimate_have_an_ellipse():

@@ -1,5 +1,7 @@
 """The figures: what stands where, on hand-made traces."""
 
+import dataclasses
+import math
 import subprocess
 import sys
 
@@ -329,6 +331,50 @@ def test_one_valid_step_and_none():
     assert len(figure.axes) == 4
 
 
+def test_a_single_step_is_a_dot_of_every_colour_and_is_called_so():
+    trace = make_trace(1, more={"pose_estimated": np.ones((1, 3))})
+    figure = plot_traces(trace)
+    for color in (style.TRUE, style.MEASURED, style.ESTIMATED):
+        (dot,) = lines(panel(figure, "x (px)"), color)
+        assert dot.get_marker() == "."
+    assert figure.get_suptitle().startswith("1 step of 0.2 s, ")
+    low, high = panel(figure, "x error\n(px)").get_ylim()
+    assert low <= 0 <= high
+
+
+def test_a_pose_held_while_the_heading_turns_on_past_180_degrees_stays_in_the_panel():
+    seen = np.arange(60) < 10
+    trace = make_trace(seen=seen)
+
+    def turn(poses):
+        poses[:, 2] = robsim.wrap_angle(3.0 + 0.1 * np.arange(60))
+
+    def hold(poses):
+        poses[:, 2] = 3.0
+
+    trace = changed(changed(trace, "pose_true", turn), "pose_held", hold)
+    axes = panel(plot_traces(trace), "heading (deg)")
+    (held,) = lines(axes, style.HELD)
+    low, high = axes.get_ylim()
+    assert len(points(held)) == 50
+    assert low < points(held)[:, 1].min() <= points(held)[:, 1].max() < high
+
+
+def test_the_path_and_the_truth_lie_on_the_poses_that_were_held():
+    axes = panel(plot_traces(make_trace(seen=np.arange(60) < 30)), "x (px)")
+    colors = [line.get_color() for line in axes.get_lines()]
+    assert colors.index(style.HELD) < colors.index(style.TRUE)
+
+
+def test_marks_of_the_legend_can_be_seen_in_a_long_run(long):
+    legend = long[1].legends[0]
+    dots = [
+        handle for handle in legend.legend_handles if getattr(handle, "get_marker", str)() == "."
+    ]
+    assert dots
+    assert all(dot.get_markersize() >= 8 for dot in dots)
+
+
 def test_rounding_errors_do_not_look_like_errors():
     figure = plot_traces(make_trace(noise=1e-13))
     low, high = panel(figure, "x error\n(px)").get_ylim()
@@ -464,6 +510,22 @@ def test_parameters_estimated_for_a_part_of_the_run():
     assert written(figure.axes[2])[2:5] == ["a1P", "1.8333", "none"]
 
 
+def test_parameters_without_a_truth_show_the_way_to_the_last_estimate():
+    trace = make_parameters(40)
+    unknown = tuple((math.nan,) * 5 for _ in range(3))
+    trace = Trace(
+        dict(trace._groups),
+        dataclasses.replace(trace.info, theta_true=unknown, boundary="recorded"),
+    )
+    figure = plot_parameters(trace)
+    axes = figure.axes[0]
+    assert axes.get_ylabel() == "x: deviation\nfrom the last"
+    assert "true" not in written(axes)
+    first, last = trace.parameters[[5, -1], 0, 0]
+    (shown,) = [y for x, y in points(axes.get_lines()[0]) if x == trace.k[5]]
+    assert shown == pytest.approx(abs(first - last) / abs(last))
+
+
 # batch
 
 NOTHING = np.full((3, 5), np.nan)
@@ -523,6 +585,24 @@ def test_batch_prints_the_values():
     assert printed.count("31.9") == 1
     assert printed.count("not determined") == 14
     assert axes.get_title(loc="left") == report.title
+
+
+def test_batch_without_a_truth_shows_the_relative_standard_errors():
+    report = make_report(batch=np.full((3, 5), 2.0))
+    report = dataclasses.replace(
+        report,
+        theta_true=NOTHING,
+        standard_errors=np.full((3, 5), 0.1),
+        identify_from="measurement",
+    )
+    axes = plot_batch(report)
+    assert axes.get_xlabel().startswith("standard errors, relative to the estimates\n")
+    (_, high) = axes.patches[0].get_bbox().intervalx
+    assert high == pytest.approx(0.1)  # two standard errors of 0.1, relative to 2
+    assert not drawn(axes, style.BATCH)
+    texts = [text.get_text() for text in axes.texts]
+    assert "true" not in texts
+    assert "not determined" not in texts
 
 
 def test_an_exact_value_points_to_the_left_edge():

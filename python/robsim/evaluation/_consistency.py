@@ -216,7 +216,8 @@ class ConsistencyReport(Report):
     def title(self) -> str:
         """What was tested."""
         runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
-        return f"{self.kind} of {runs} of {len(self.values)} steps"
+        steps = "1 step" if len(self.values) == 1 else f"{len(self.values)} steps"
+        return f"{self.kind} of {runs} of {steps}"
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:

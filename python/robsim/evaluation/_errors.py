@@ -89,7 +89,7 @@ class ErrorReport(Report):
     def title(self) -> str:
         """What is compared with the truth."""
         runs = "" if len(self.error) == 1 else f" over {len(self.error)} runs"
-        return f"{self.source} minus truth{runs}"
+        return f"{self.source[:1].upper()}{self.source[1:]} minus truth{runs}"
 
     @property
     def total(self) -> int:

@@ -12,6 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import is_color_like
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import offset_copy
@@ -36,6 +38,9 @@ GUIDE = "#9aa0a6"  # guide lines and notes, no data
 
 #: Above that many steps lines would be solid ink.
 SOME_STEPS, MANY_STEPS = 300, 3000
+
+# Room for an entry of a legend (inches).
+_LEGEND_COLUMN = 1.05
 
 #: The background of a note in a figure.
 BOX: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 2}
@@ -112,7 +117,7 @@ def show_steps(axes: Axes, trace: Trace) -> None:
 
 def dot_size(steps: int) -> float:
     """Return the marker size of a dot (points) that must not touch its neighbours."""
-    return float(np.clip(3.0 * math.sqrt(800 / max(steps, 1)), 2.0, 5.0))
+    return float(np.clip(3.0 * math.sqrt(800 / max(steps, 1)), 2.5, 6.5))
 
 
 def pose_dot_size(steps: int) -> float:
@@ -122,13 +127,24 @@ def pose_dot_size(steps: int) -> float:
 
 def true_width(steps: int) -> float:
     """Return the width of the line of the truth (points), which lies on the measured dots."""
-    return 1.5 if steps <= MANY_STEPS else 0.6
+    return 1.8 if steps <= MANY_STEPS else 1.0
+
+
+def line_marker(steps: int) -> str:
+    """Return the marker of a line: a dot if there is a single step, which is no line yet."""
+    return "." if steps == 1 else ""
+
+
+def n_steps(count: int) -> str:
+    """Return a number of steps as a text."""
+    return "1 step" if count == 1 else f"{count} steps"
 
 
 def draw_path(axes: Axes, true: Floats, measured: Floats) -> None:
     """Draw the measured positions (N, 2) as dots, and the true path on them as a line."""
     size = pose_dot_size(len(true))
-    axes.plot(*measured.T, ".", color=MEASURED, markersize=size, label="measured path")
+    if np.isfinite(measured).any():
+        axes.plot(*measured.T, ".", color=MEASURED, markersize=size, label="measured path")
     if np.isfinite(true).any():
         axes.plot(*true.T, color=TRUE, linewidth=true_width(len(true)), label="true path")
 
@@ -154,12 +170,28 @@ def haloed(width: float) -> list[Any]:
     return [withStroke(linewidth=width + 1.6, foreground="white")]
 
 
-def legend_below(axes: Axes, **look: Any) -> None:
-    """Put the legend, if there is one to draw, below the label of the x axis."""
+def legend_below(axes: Axes, *, ncols: int, **look: Any) -> None:
+    """Put the legend, if there is one to draw, below the label of the x axis.
+
+    It has `ncols` columns, or as many as there is room for, but at least 2.
+    """
     if axes.get_legend_handles_labels()[0]:
-        below = offset_copy(axes.transAxes, axes.figure.figure, y=-36, units="points")
+        figure: Any = axes.figure.figure
+        width = axes.get_position().width * figure.get_figwidth()
+        below = offset_copy(axes.transAxes, figure, y=-36, units="points")
         look |= {"bbox_to_anchor": (0.5, 0), "bbox_transform": below, "borderaxespad": 0}
-        axes.legend(loc="upper center", **look)
+        look["ncols"] = min(ncols, max(2, int(width / _LEGEND_COLUMN)))
+        enlarge_marks(axes.legend(loc="upper center", **look))
+
+
+def enlarge_marks(legend: Legend) -> None:
+    """Make the marks of a legend visible, however small the dots and thin the lines are."""
+    for handle in legend.legend_handles:
+        if isinstance(handle, Line2D):
+            handle.set_alpha(1.0)
+            handle.set_markersize(max(handle.get_markersize(), 8.0))
+            if handle.get_linewidth():
+                handle.set_linewidth(max(handle.get_linewidth(), 1.5))
 
 
 def rasterize_long_lines(panels: Iterable[Axes]) -> None:

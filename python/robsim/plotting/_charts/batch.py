@@ -16,12 +16,20 @@ from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_kind
 from robsim.plotting._charts.parameters import percent, relative_scale
 
-_MARKERS = {"batch": "o", "online": "D"}
+# The online estimate often equals the batch estimate: a small diamond in a large circle.
+_MARKERS = {"batch": ("o", 9.0), "online": ("D", 4.5)}
 _COLORS = {
     "true": style.TRUE,
     "model": style.TRUE,
     "batch": style.BATCH,
     "online": style.ESTIMATED,
+}
+
+_LABELS = {
+    "true": "error: deviation from the true value\n(of d1, hollow, absolute: 100 % = 1 px, 1 rad)",
+    "model": "error: deviation from the model's value\n"
+    "(of d1, hollow, absolute: 100 % = 1 px, 1 rad)",
+    "none": "standard errors, relative to the estimates\n(of d1, absolute: 100 % = 1 px, 1 rad)",
 }
 
 # The rows of the 15 parameters, with some room between the axes of the model.
@@ -37,6 +45,7 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     true value; that of d1, which may be 0, is absolute, with hollow markers. A triangle at the
     left edge is an error of exactly 0. The values are listed on the right. A pale bar ends at two
     standard errors of the batch estimate: for equation noise 95 % of the errors lie within it.
+    Where the truth is not known, only these bars are drawn, relative to the estimates.
 
     Parameters
     ----------
@@ -58,19 +67,22 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     check_kind("report", report, BatchEstimate)
     ax = style.panel(ax, (9, 7))
     true = report.theta_true.ravel()
-    scale = relative_scale(report.theta_true).ravel()
+    is_known = bool(np.isfinite(true).all())
+    scale = relative_scale(report.theta_true if is_known else report.batch).ravel()
     estimates = {"batch": report.batch.ravel()}
     if np.isfinite(report.online).any():
         estimates["online"] = report.online.ravel()
     deviations = {name: np.abs(theta - true) / scale for name, theta in estimates.items()}
     bars = 2 * report.standard_errors.ravel() / scale
     low, high = _decades(np.concatenate([*deviations.values(), bars]))
-    is_true = report.is_model_exact
-    _finish_axes(ax, low, high, "true value" if is_true else "model's value")
+    origin = "true" if report.is_model_exact else "model"
+    _finish_axes(ax, low, high, _LABELS[origin] if is_known else _LABELS["none"])
     _draw_standard_errors(ax, bars, low)
-    for name, values in deviations.items():
-        _draw_deviations(ax, values, low, name)
-    for i, (name, values) in enumerate({"true" if is_true else "model": true, **estimates}.items()):
+    if is_known:
+        for name, values in deviations.items():
+            _draw_deviations(ax, values, low, name)
+    columns = {origin: true, **estimates} if is_known else estimates
+    for i, (name, values) in enumerate(columns.items()):
         _write_column(ax, name, values, offset=72.0 + 80.0 * i)
     ax.set_title(report.title, loc="left", pad=24)
     ax.legend(loc="upper left", bbox_to_anchor=(1, 0), borderaxespad=0.6, ncols=2)
@@ -84,7 +96,7 @@ def _decades(deviations: Floats) -> tuple[float, float]:
     return 10.0 ** (math.floor(math.log10(low)) - 0.5), 10.0 ** (math.ceil(math.log10(high)) + 0.2)
 
 
-def _finish_axes(axes: Axes, low: float, high: float, origin: str) -> None:
+def _finish_axes(axes: Axes, low: float, high: float, label: str) -> None:
     axes.set_xscale("log")
     axes.set(xlim=(low, high), ylim=(_ROWS[-1] + 0.6, -0.6))
     axes.xaxis.set_major_locator(LogLocator(numticks=6))
@@ -92,9 +104,7 @@ def _finish_axes(axes: Axes, low: float, high: float, origin: str) -> None:
     axes.minorticks_off()
     axes.set_yticks(_ROWS, style.PARAMETER_LABELS)
     axes.tick_params(axis="y", length=0)
-    axes.set_xlabel(
-        f"error: deviation from the {origin}\n(of d1, hollow, absolute: 100 % = 1 px, 1 rad)"
-    )
+    axes.set_xlabel(label)
 
 
 def _draw_standard_errors(axes: Axes, bars: Floats, low: float) -> None:
@@ -117,15 +127,15 @@ def _draw_deviations(axes: Axes, values: Floats, exact: float, name: str) -> Non
     look: dict[str, Any] = {
         "color": _COLORS[name],
         "linestyle": "none",
-        "markersize": 6.5,
+        "markersize": _MARKERS[name][1],
         "markeredgewidth": 1.4,
         "zorder": 3,
     }
     is_exact = values == 0
     shown = np.where(is_exact, exact, values)
     for at, marker, face, label in (
-        (~_IS_D1 & ~is_exact, _MARKERS[name], _COLORS[name], name),
-        (_IS_D1 & ~is_exact, _MARKERS[name], "white", None),
+        (~_IS_D1 & ~is_exact, _MARKERS[name][0], _COLORS[name], name),
+        (_IS_D1 & ~is_exact, _MARKERS[name][0], "white", None),
         (is_exact, CARETLEFT, _COLORS[name], None),
     ):
         axes.plot(shown[at], _ROWS[at], marker=marker, markerfacecolor=face, label=label, **look)

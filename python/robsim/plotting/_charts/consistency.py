@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
+from robsim._base.report import percent
 from robsim.evaluation._consistency import ConsistencyReport
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_kind
@@ -39,25 +43,30 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     k, values, (low, high) = report.k, report.values, report.band.T
     is_inside = (values >= low) & (values <= high)
     band = f"{100 * report.level:g} % band"
-    ax.fill_between(k, low, high, color=style.REPORTED, linewidth=0, label=band)
+    edges = np.append(k - 0.5, k[-1] + 0.5)
+    look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0, "step": "post"}
+    ax.fill_between(edges, np.append(low, low[-1]), np.append(high, high[-1]), label=band, **look)
     ax.axhline(report.n, color=style.GUIDE, linewidth=0.8)
-    ax.plot(k, values, color=style.GUIDE, linewidth=0.5)
-    size = 1.6 * style.dot_size(len(k))
+    if len(k) <= style.SOME_STEPS:
+        ax.plot(k, values, color=style.GUIDE, linewidth=0.5)
+    size = 1.3 * style.dot_size(len(k)) if len(k) <= style.MANY_STEPS else 1.5
     for where, color, fraction, name in (
         (is_inside, style.ESTIMATED, report.inside, "in"),
         (values > high, style.WRONG, report.above, "above"),
         (values < low, style.BATCH, report.below, "below"),
     ):
-        label = f"{100 * fraction:.1f} % {name}"
+        label = f"{percent(fraction)} {name}"
         ax.plot(k[where], values[where], ".", color=color, markersize=size, label=label)
     ax.set_yscale("log")
-    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    low, high = ax.get_ylim()
+    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 2000 * low else (1,)))
     ax.yaxis.set_major_formatter("{x:g}")
     ax.yaxis.set_minor_locator(NullLocator())
     ax.set_xlim(k[0] - 0.5, k[-1] + 0.5)
     ax.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
     mean = f", mean of {report.runs} runs" if report.runs > 1 else ""
-    ax.set(xlabel="step k", ylabel=f"{report.kind}{mean} ({report.n} expected)")
+    ax.set(xlabel="step k", ylabel=f"{report.kind}{mean}\n({report.n} expected)")
     ax.set_title(report.heading, loc="left")
-    ax.legend(loc="upper left", bbox_to_anchor=(1, 1), markerscale=1.5)
+    style.enlarge_marks(ax.legend(loc="upper left", bbox_to_anchor=(1, 1)))
+    style.rasterize_long_lines([ax])
     return ax

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -75,14 +76,12 @@ def plot_ellipses(
     name = f"{100 * level:g} % ellipse"
     for chosen, color, label in (
         (~is_missed, style.ESTIMATED, name),
-        (is_missed, style.WRONG, f"{name} that misses the truth"),
+        (is_missed, style.WRONG, "it misses the truth"),
     ):
         if chosen.any():
             ax.add_collection(_polygons(corners[chosen], color, label), autolim=True)
     _draw_paths(ax, trace, rows)
-    missed = f"{np.count_nonzero(is_missed)} of {len(is_missed)} ellipses miss the true position"
-    larger = "" if times == 1.0 else f", drawn {times:g} times as large"
-    ax.set_title(f"{missed}{larger}", loc="left")
+    ax.set_title(_title(trace, is_missed, times), loc="left", wrap=True)
     _finish(ax)
     return ax
 
@@ -180,10 +179,21 @@ def _polygons(corners: Floats, color: str, label: str) -> PolyCollection:
     )
 
 
+def _title(trace: Trace, is_missed: NDArray[np.bool_], times: float) -> str:
+    count = f"{len(is_missed)} ellipse{'' if len(is_missed) == 1 else 's'}"
+    parts = [count, "" if times == 1.0 else f"drawn {times:g} times as large"]
+    if np.isfinite(trace.pose_true).any():
+        missed = np.count_nonzero(is_missed)
+        verb = "misses" if len(is_missed) == 1 else "miss"
+        parts[0] = f"{missed} of {count} {verb} the true position"
+    return ", ".join(part for part in parts if part)
+
+
 def _draw_paths(ax: Axes, trace: Trace, rows: NDArray[np.int64]) -> None:
     estimated, true = trace.pose_estimated[:, :2], trace.pose_true[:, :2]
+    dot: dict[str, Any] = {"marker": style.line_marker(len(trace)), "markersize": 8}
     if np.isfinite(true).any():
-        ax.plot(*true.T, color=style.TRUE, linewidth=2.0, label="true path")
+        ax.plot(*true.T, color=style.TRUE, linewidth=2.0, label="true path", **dot)
     ax.plot(*estimated.T, color=style.ESTIMATED, linewidth=0.8, label="estimated path")
     ax.plot(*estimated[rows].T, ".", color=style.ESTIMATED, markersize=4)
 
@@ -194,4 +204,4 @@ def _finish(ax: Axes) -> None:
     ax.set_aspect("equal", adjustable="datalim")
     if not ax.yaxis_inverted():
         ax.invert_yaxis()
-    ax.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    style.legend_below(ax, ncols=4)

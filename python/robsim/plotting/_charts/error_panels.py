@@ -17,6 +17,12 @@ from robsim.plotting import _style as style
 # Of a long run each of so many parts is drawn as one column.
 _COLUMNS = 250
 
+# A band is drawn in full up to that multiple of the errors.
+_WIDEST_BAND = 6.0
+
+# Of fewer errors a bell curve says nothing.
+_FEW_ERRORS = 8
+
 
 def draw_errors(panel: Axes, k: NDArray[np.int64], errors: Floats, *, color: str) -> None:
     """Draw errors over the steps, so that they can be told apart.
@@ -36,7 +42,7 @@ def draw_errors(panel: Axes, k: NDArray[np.int64], errors: Floats, *, color: str
     if len(k) > style.MANY_STEPS:
         _draw_ranges(panel, k, errors, color)
         return
-    size = 0.8 * style.dot_size(len(k))
+    size = style.dot_size(len(k))
     width = 0.6 if len(k) <= style.SOME_STEPS else 0.0
     panel.plot(k, errors, color=color, linewidth=width, marker=".", markersize=size, label="error")
 
@@ -53,8 +59,8 @@ def _draw_ranges(panel: Axes, k: NDArray[np.int64], errors: Floats, color: str) 
     panel.fill_between(starts, inner_low, inner_high, alpha=0.6, label="68 % of them", **look)
 
 
-def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats) -> None:
-    """Set limits that contain all errors but outliers, which become triangles at the edge.
+def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats, *, band: float = 0.0) -> None:
+    """Set limits that contain 0 and all errors but outliers, which become triangles at the edge.
 
     Parameters
     ----------
@@ -62,8 +68,13 @@ def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats) -> None:
         Errors over the steps.
     k, errors : array (N,)
         The steps and errors drawn there; NaN = not known.
+    band : float
+        Half the width of a band around 0 that is to be seen, too, unless it is so wide that the
+        errors would be a line.
     """
     low, high = _usual_limits(errors[np.isfinite(errors)])
+    seen = min(1.1 * band, _WIDEST_BAND * max(-low, high))
+    low, high = min(low, -seen), max(high, seen)
     above, below = errors > high, errors < low
     for beyond, edge, marker in ((above, high, CARETUP), (below, low, CARETDOWN)):
         edges = np.where(beyond, edge, np.nan)
@@ -84,9 +95,9 @@ def _usual_limits(values: Floats) -> tuple[float, float]:
     low, high = np.quantile(values, (0.05, 0.95))
     tolerance = 3.0 * (high - low)
     usual = values[(values >= low - tolerance) & (values <= high + tolerance)]
-    low, high = float(usual.min()), float(usual.max())
+    low, high = min(float(usual.min()), 0.0), max(float(usual.max()), 0.0)
     # A minimum range: rounding errors must not look like measurement errors.
-    margin = max(0.15 * (high - low), 1e-3 * abs(low), 1e-3)
+    margin = max(0.15 * (high - low), 1e-3)
     return low - margin, high + margin
 
 
@@ -115,7 +126,7 @@ def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.
     axes.hist(errors, bins, range=(low, high), orientation="horizontal", color=color, alpha=0.55)
     mean, sd, width = float(errors.mean()), float(errors.std()), (high - low) / bins
     # A curve much narrower than a bin would only be a spike.
-    if sd > 0.1 * width:
+    if len(errors) >= _FEW_ERRORS and sd > 0.1 * width:
         values = np.linspace(low, high, 400)
         density = np.exp(-0.5 * ((values - mean) / sd) ** 2) / (sd * math.sqrt(2.0 * math.pi))
         axes.plot(len(errors) * width * density, values, color=style.FITTED, linewidth=1.0)

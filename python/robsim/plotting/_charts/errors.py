@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
@@ -57,8 +56,8 @@ def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: An
     for i, (panel, histogram) in enumerate(axes):
         factor, unit = style.shown_unit(report.units[i])
         errors = report.error[:, :, i] * factor
-        _draw_reported_sd(panel, report, i, factor)
-        _draw_errors(panel, report, errors, color)
+        band = _draw_reported_sd(panel, report, i, factor)
+        _draw_errors(panel, report, errors, color, band)
         if minimum_sd is not None:
             _draw_bound(panel, report, 2.0 * factor * minimum_sd[:, i])
         name = f"{report.names[i]} error"
@@ -77,18 +76,24 @@ def _new_axes(report: ErrorReport, size: int) -> Any:
         panel.sharex(axes[-1, 0])
         panel.tick_params(labelbottom=False)
     known, total = int(report.known.min()), report.total
-    steps = f"all {total} steps known" if known == total else f"known in {known} of {total} steps"
+    steps = style.n_steps(total)
+    steps = f"{steps}, all known" if known == total else f"known in {known} of {steps}"
     figure.suptitle(f"{report.title}: {steps}")
     return axes
 
 
-def _draw_reported_sd(panel: Axes, report: ErrorReport, i: int, factor: float) -> None:
+def _draw_reported_sd(panel: Axes, report: ErrorReport, i: int, factor: float) -> float:
+    """Draw the band of the reported standard deviations; return half its usual width."""
     if report.reported_sd is None or np.isnan(report.reported_sd[:, :, i]).all():
-        return
+        return 0.0
     variance = mean_of_known(np.square(report.reported_sd[:, :, i]), axis=0)
     half_width = 2.0 * factor * np.sqrt(variance)
     look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0}
-    panel.fill_between(report.k, -half_width, half_width, label="reported (2 sd)", **look)
+    # The value of a step holds from half a step before it to half a step after it.
+    k = np.append(report.k - 0.5, report.k[-1] + 0.5)
+    edges = np.append(half_width, half_width[-1])
+    panel.fill_between(k, -edges, edges, step="post", label="reported (2 sd)", **look)
+    return float(np.nanmedian(half_width))
 
 
 def _minimum_sd(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | None:
@@ -100,7 +105,7 @@ def _minimum_sd(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | Non
     return np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
 
 
-def _draw_errors(panel: Axes, report: ErrorReport, errors: Floats, color: str) -> None:
+def _draw_errors(panel: Axes, report: ErrorReport, errors: Floats, color: str, band: float) -> None:
     runs = len(errors)
     panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
     if runs == 1:
@@ -113,7 +118,7 @@ def _draw_errors(panel: Axes, report: ErrorReport, errors: Floats, color: str) -
         line: dict[str, Any] = {"color": style.FITTED, "linewidth": 1.2}
         panel.plot(report.k, 2.0 * rmse, label="2 rmse of the runs", **line)
         panel.plot(report.k, -2.0 * rmse, **line)
-    limit_panel(panel, np.tile(report.k, runs), errors.ravel())
+    limit_panel(panel, np.tile(report.k, runs), errors.ravel(), band=band)
     panel.set_xlim(report.k[0] - 0.5, report.k[-1] + 0.5)
 
 
@@ -131,10 +136,7 @@ def _finish(axes: Any, *, is_new: bool) -> None:
     style.rasterize_long_lines(axes[:, 0])
     parent: Any = figure if is_new else axes[0, 0]
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    look: dict[str, Any] = {"loc": "outside lower center"}
+    look: dict[str, Any] = {"loc": "outside lower center", "ncols": 4}
     if not is_new:
-        look = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
-    legend = parent.legend(handles, labels, ncols=4, **look)
-    for handle in legend.legend_handles:
-        if isinstance(handle, Line2D):
-            handle.set_alpha(1.0)
+        look = {"loc": "lower left", "bbox_to_anchor": (0, 1.1), "borderaxespad": 0.2, "ncols": 2}
+    style.enlarge_marks(parent.legend(handles, labels, **look))

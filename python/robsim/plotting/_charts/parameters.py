@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.transforms import Affine2D, ScaledTranslation
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, as_float_array
@@ -25,6 +28,7 @@ _LOOKS: list[dict[str, Any]] = [
     {"color": "#6b6f76", "linestyle": ":"},
 ]
 _AXES = ("x", "y", "heading")
+_COLUMN_COLORS = {"true": style.TRUE, "last": style.ESTIMATED}
 _D1 = 4
 
 
@@ -38,7 +42,8 @@ def plot_parameters(
     are relative to the true values, those of d1, which may be 0, absolute. The true values and
     the last estimates stand beside the curves, with a note where the run excites a parameter
     poorly or not at all, from `robsim.identifiability`: this is about the spread of the estimate by
-    noise, not about its bias.
+    noise, not about its bias. Where the truth is not known, the deviations are those from the last
+    estimates: they show when the estimates settle, not how good they are.
 
     Parameters
     ----------
@@ -68,21 +73,24 @@ def plot_parameters(
         figure = style.NotebookFigure(figsize=(9, 7))
         dashed = "" if limits is None else "; dashed: two standard errors"
         source = f"Online parameter estimates from {trace.info.identify_from}"
-        figure.suptitle(f"{source}; dotted: d1, absolute, 100 % = 1 px, 1 rad{dashed}")
+        figure.suptitle(f"{source}; dotted: d1, absolute, 100 % = 1 px, 1 rad{dashed}", wrap=True)
         axes = figure.subplots(3, sharex=True)
     axes = check_axes(axes, (3,))
-    true = np.array(trace.info.theta_true)
+    true, last = np.array(trace.info.theta_true), _last(trace.parameters)
+    is_true = bool(np.isfinite(true).all())
+    origin, quantity = (true, "error") if is_true else (last, "deviation\nfrom the last")
     has_errors = np.isfinite(trace.standard_errors_unscaled).any()
     verdicts = identifiability(trace).verdicts if has_errors else np.full((3, 5), "")
     for axis, panel in enumerate(axes):
         style.show_steps(panel, trace)
-        scale = relative_scale(true[axis])
-        deviations = np.abs(trace.parameters[:, axis] - true[axis]) / scale
+        scale = relative_scale(origin[axis])
+        deviations = np.abs(trace.parameters[:, axis] - origin[axis]) / scale
         _draw_deviations(panel, trace, deviations)
         if limits is not None:
             _draw_limits(panel, trace, limits[:, axis] / scale)
-        _finish_axes(panel, deviations, f"{_AXES[axis]}: error")
-        _write_values(panel, axis, true[axis], trace.parameters[-1, axis], verdicts[axis])
+        _finish_axes(panel, deviations, f"{_AXES[axis]}: {quantity}")
+        columns = {"true": true[axis]} if is_true else {}
+        _write_values(panel, axis, columns | {"last": last[axis]}, verdicts[axis])
     for panel in axes[:-1]:
         panel.set_xlabel("")
     style.rasterize_long_lines(axes.flat)
@@ -101,6 +109,13 @@ def relative_scale(true: Floats) -> Floats:
 def percent(fraction: float, _position: float) -> str:
     """Return a fraction as a tick label in percent."""
     return f"{100 * fraction:g} %"
+
+
+def _last(parameters: Floats) -> Floats:
+    """Return the last estimates (3, 5) that are known."""
+    known = parameters[np.isfinite(parameters).all(axis=(1, 2))]
+    last: Floats = known[-1] if len(known) else parameters[-1]
+    return last
 
 
 def _limits(standard_errors: ArrayLike, shape: tuple[int, ...]) -> Floats:
@@ -134,21 +149,32 @@ def _finish_axes(panel: Axes, deviations: Floats, label: str) -> None:
     panel.set_ylabel(label)
 
 
-def _write_values(panel: Axes, axis: int, true: Floats, last: Floats, verdicts: Floats) -> None:
+def _write_values(panel: Axes, axis: int, columns: Mapping[str, Floats], verdicts: Floats) -> None:
     """Write the true values and the last estimates right of the panel, as its legend."""
     look: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
     look |= {"va": "center", "size": 8}
-    for offset, text, color in ((132, "true", style.TRUE), (192, "last", style.ESTIMATED)):
-        panel.annotate(text, (1, 0.97), (offset, 0), ha="right", weight="bold", color=color, **look)
+    offsets = {name: 140 + 60 * i for i, name in enumerate(columns)}
+    end = max(offsets.values())
+    for name, offset in offsets.items():
+        color = _COLUMN_COLORS[name]
+        panel.annotate(name, (1, 0.97), (offset, 0), ha="right", weight="bold", color=color, **look)
     for i in range(5):
         height, color = 0.81 - 0.17 * i, _LOOKS[i]["color"]
-        line: dict[str, Any] = {"transform": panel.transAxes, "clip_on": False, "linewidth": 2}
-        panel.plot([1.02, 1.05], [height] * 2, **line, **_LOOKS[i])
+        _draw_sample(panel, height, _LOOKS[i])
         name = style.PARAMETER_LABELS[5 * axis + i]
-        panel.annotate(name, (1.05, height), (4, 0), color=color, weight="bold", **look)
-        for offset, value in ((132, true[i]), (192, last[i])):
-            text = f"{value:.5g}" if np.isfinite(value) else "none"
-            panel.annotate(text, (1, height), (offset, 0), ha="right", **look)
+        panel.annotate(name, (1, height), (27, 0), color=color, weight="bold", **look)
+        for column, values in columns.items():
+            text = f"{values[i]:.5g}" if np.isfinite(values[i]) else "none"
+            panel.annotate(text, (1, height), (offsets[column], 0), ha="right", **look)
         if verdicts[i] not in ("", "well"):
             text = "not excited" if verdicts[i] == "not excited" else "poorly excited"
-            panel.annotate(text, (1, height), (200, 0), color=style.BOUND, **look)
+            panel.annotate(text, (1, height), (end + 8, 0), color=style.BOUND, **look)
+
+
+def _draw_sample(panel: Axes, height: float, look: dict[str, Any]) -> None:
+    """Draw a short line of this look beside the panel: the same length beside every panel."""
+    figure: Any = panel.figure.figure
+    from_axes: Any = panel.transAxes
+    points = Affine2D().scale(1 / 72) + figure.dpi_scale_trans
+    place = points + ScaledTranslation(1, height, from_axes)
+    panel.add_artist(Line2D([8, 23], [0, 0], transform=place, clip_on=False, linewidth=2, **look))

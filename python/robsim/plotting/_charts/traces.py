@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, check_bool
@@ -76,15 +75,18 @@ def plot_traces(
     return left[0].figure.figure
 
 
+# How far the panel of the heading extends (deg).
+_HEADING_EDGE = 188.0
+
 _POSE_ROWS = [("x", "path"), ("y", "path"), ("heading", "path")]
 _ERROR_ROWS = [("dx", "dx bins"), ("dy", "dy bins"), ("dheading", "dheading bins")]
 
 
 def _add_legend(left: Sequence[Axes], trace: Trace, *, is_new: bool) -> None:
     handles, labels = left[0].get_legend_handles_labels()
-    look: dict[str, Any] = {"markerscale": 8 / style.pose_dot_size(len(trace))}
     if not is_new:
-        left[0].legend(handles, labels, ncols=4, **look)
+        look: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
+        style.enlarge_marks(left[0].legend(handles, labels, ncols=4, **look))
         return
     if len(trace) > style.MANY_STEPS and len(left) > 3:
         bands = left[3].get_legend_handles_labels()
@@ -92,14 +94,12 @@ def _add_legend(left: Sequence[Axes], trace: Trace, *, is_new: bool) -> None:
     figure = left[0].figure.figure
     figure.align_ylabels(list(left))
     figure.suptitle(_title(trace))
-    legend = figure.legend(handles, labels, loc="outside lower center", ncols=8, **look)
-    for handle in legend.legend_handles:
-        if isinstance(handle, Line2D) and handle.get_linewidth():
-            handle.set_linewidth(2.0)
+    legend = figure.legend(handles, labels, loc="outside lower center", ncols=8)
+    style.enlarge_marks(legend)
 
 
 def _title(trace: Trace) -> str:
-    steps = f"{len(trace)} steps of {trace.info.dt:g} s"
+    steps = f"{style.n_steps(len(trace))} of {trace.info.dt:g} s"
     if not trace.is_tracked:
         return f"{steps}, not measured"
     seen = trace.tracking()
@@ -121,11 +121,14 @@ def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> N
     _draw_poses(panels, k, trace.pose_measured, color=style.MEASURED, label="measured", **dots)
     if show_blobs:
         _draw_blobs(panels[:2], trace)
-    line: dict[str, Any] = {"color": style.TRUE, "linewidth": style.true_width(len(trace))}
-    _draw_poses(panels, k, trace.pose_true, label="true", **line)
-    line = {"color": style.ESTIMATED, "linewidth": 0.7, **near}
-    _draw_poses(panels, k, trace.pose_estimated, label="estimated", **line)
+    # Below the lines, and smaller in a long run, of which they would hide the path.
+    dots["markersize"] = size if len(trace) <= style.SOME_STEPS else 0.6 * size
     _draw_poses(panels, k, held, color=style.HELD, label="not seen: last pose held", **dots)
+    line: dict[str, Any] = {"marker": style.line_marker(len(trace))}
+    line |= {"color": style.TRUE, "linewidth": style.true_width(len(trace))}
+    _draw_poses(panels, k, trace.pose_true, label="true", **line)
+    line |= {"color": style.ESTIMATED, "linewidth": 0.7, **near}
+    _draw_poses(panels, k, trace.pose_estimated, label="estimated", **line)
     for panel, label in zip(panels, ("x (px)", "y (px)", "heading (deg)"), strict=True):
         panel.set_ylabel(label)
         panel.ticklabel_format(axis="y", useOffset=False)
@@ -133,7 +136,7 @@ def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> N
         low, high = panel.get_ylim()
         if high - low < 2:  # a robot that stands still: a line, not its rounding errors
             panel.set_ylim((low + high) / 2 - 1, (low + high) / 2 + 1)
-    panels[2].set(ylim=(-188, 188), yticks=(-180, -90, 0, 90, 180))
+    panels[2].set(ylim=(-_HEADING_EDGE, _HEADING_EDGE), yticks=(-180, -90, 0, 90, 180))
 
 
 def _draw_poses(
@@ -151,10 +154,11 @@ def _draw_poses(
     panels[1].plot(k, poses[:, 1], **look)
     heading = style.degrees(poses[:, 2])
     if near is not None:  # a measurement of -179.9 degrees near a truth of 180 is drawn at 180.1
-        truth = style.degrees(near)
-        heading = np.where(np.isfinite(truth), truth + style.degrees(poses[:, 2] - near), heading)
+        close = style.degrees(near) + style.degrees(poses[:, 2] - near)
+        heading = np.where(np.abs(close) <= _HEADING_EDGE, close, heading)
     if len(k) > style.MANY_STEPS:  # a line that turns so often would be solid ink
-        look |= {"linestyle": "none", "marker": ".", "markersize": 1.5}
+        look |= {"linestyle": "none", "marker": "."}
+        look["markersize"] = min(look.get("markersize", 3.0), 2.0 * look.get("linewidth", 1.0))
     # No line from 180 down to -180 degrees.
     wraps = np.flatnonzero(np.abs(np.diff(heading)) > 180.0) + 1
     panels[2].plot(

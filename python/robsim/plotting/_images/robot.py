@@ -55,6 +55,7 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
         f"{robot.name}: {robot.size:g} px wide on the work area, alignment {robot.alignment:g}°",
         loc="left",
         parse_math=False,
+        wrap=True,
     )
     style.legend_below(ax, ncols=5, columnspacing=1.2, handlelength=1.5)
     return ax
