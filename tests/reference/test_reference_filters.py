@@ -671,3 +671,14 @@ def test_a_collapsed_cloud_is_drawn_anew_all_the_same():
     spread = collapsed.particles.std(axis=0)
     assert (spread[:3] > 0.001).all()
     np.testing.assert_allclose(spread[3:], 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ALL)
+def test_a_filter_says_where_it_is(kind):
+    model = () if kind is ConstantVelocityKalmanFilter else (robsim.RobotModel(),)
+    options = {"seed": 1} if kind is ParticleFilter else {}
+    filter_ = kind(*model, prior=PRIOR, **options)
+    text = repr(filter_)
+    assert text.startswith(f"<{kind.__name__}: (")
+    assert "standard deviations" in text
+    assert len(text) < 120

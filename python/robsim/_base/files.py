@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from os import PathLike, fspath
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
-from uuid import uuid4
 
 from robsim._base.spelling import suggestion
 
@@ -106,4 +106,4 @@ def naming(file: str | PathLike[str]) -> Iterator[None]:
 
 def temporary_path(file: Path) -> Path:
     """Return an unused hidden path beside a file, with the same suffix: renamed to it later."""
-    return file.with_name(f".{file.stem}.{uuid4().hex}{file.suffix}")
+    return file.with_name(f".{file.stem}.{token_hex(16)}{file.suffix}")

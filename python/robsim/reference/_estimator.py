@@ -82,6 +82,14 @@ class StateEstimator(ABC):
         self.prior = Prior() if prior is None else prior
         self.reset()
 
+    def __repr__(self) -> str:
+        x, y, heading = self.mean[:3]
+        sd_x, sd_y, sd_heading = np.sqrt(np.diag(self.P)[:3])
+        return (
+            f"<{type(self).__name__}: ({x:.1f}, {y:.1f}) px, {np.rad2deg(heading):.1f} deg, "
+            f"standard deviations {sd_x:.3g}, {sd_y:.3g} px, {np.rad2deg(sd_heading):.3g} deg>"
+        )
+
     def reset(self) -> None:
         """Return to the prior."""
         self.mean, self.P = self.prior.mean, self.prior.P

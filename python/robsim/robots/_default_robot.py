@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from functools import cache, lru_cache
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
-from uuid import uuid4
 
 from robsim._base.files import read_toml, write_whole
 from robsim._base.values import FileVersion
@@ -94,4 +94,4 @@ def reset_default_robot() -> None:
     try:
         store_default_robot(DEFAULT)
     except ValueError:
-        file.replace(file.with_name(f"settings-damaged-{uuid4().hex[:8]}.toml"))
+        file.replace(file.with_name(f"settings-damaged-{token_hex(4)}.toml"))

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
-from uuid import uuid4
 
 from numpy.typing import ArrayLike
 
@@ -273,4 +273,4 @@ def _discard(folder: Path) -> None:
 
 def _temporary_folder(folder: Path) -> Path:
     """Return an unused path beside a folder, with a name that no robot can have."""
-    return folder.with_name(f".{folder.name}.{uuid4().hex}")
+    return folder.with_name(f".{folder.name}.{token_hex(16)}")

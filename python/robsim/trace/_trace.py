@@ -21,7 +21,6 @@ from robsim.trace._not_recorded import how_recorded, not_recorded
 from robsim.trace._properties import Column, Flag
 from robsim.trace._run_info import RunInfo, is_same_run
 from robsim.trace._summary import TraceSummary, summary_of
-from robsim.trace._trace_file import read_trace, write_trace
 from robsim.trace._tracking import FALSE_POSE_LIMITS, TrackingStatistics
 
 if TYPE_CHECKING:
@@ -359,6 +358,8 @@ class Trace:
         path : path
             The file to write; by custom its name ends with ``.npz``.
         """
+        from robsim.trace._trace_file import write_trace
+
         write_trace(as_path(path), (self._groups, self.info, self._first_step))
 
     @staticmethod
@@ -377,4 +378,6 @@ class Trace:
         ValueError
             If it is damaged, or not a trace of robsim.
         """
+        from robsim.trace._trace_file import read_trace
+
         return read_trace(as_path(path), lambda content: Trace(*content[:2], first_step=content[2]))

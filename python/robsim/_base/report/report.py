@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from robsim._base.checks import check_int
 from robsim._base.report.as_data import as_dict, as_frame
-from robsim._base.report.as_html import as_html
 from robsim._base.report.as_text import as_line, as_text
 from robsim._base.report.problem import Problem
 from robsim._base.report.table import Quantity, Table
@@ -114,6 +112,8 @@ class Report(ABC):
         return f"<{type(self).__name__}: {as_line(self, 80)}>"
 
     def _repr_html_(self) -> str:
+        from robsim._base.report.as_html import as_html
+
         return as_html(self)
 
     def to_dict(self) -> dict[str, Any]:
@@ -131,6 +131,8 @@ class Report(ABC):
         indent : int, optional
             Number of spaces that a level is indented by; None = all in one line.
         """
+        import json
+
         if indent is not None:
             check_int("indent", indent, minimum=0, maximum=16)
         return json.dumps(self.to_dict(), indent=indent, allow_nan=False)

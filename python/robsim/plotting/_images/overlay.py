@@ -146,7 +146,7 @@ class _Canvas:
 
     def _font(self, text: str) -> FreeTypeFont:
         """Return a font that is legible in this image, smaller if the text does not fit."""
-        size = max(round(24 * self._unit), 11)
+        size = max(round(30 * self._unit), 11)
         scale = (self._size[0] - size) / _font(size).getlength(text)
         return _font(max(int(min(scale, 1) * size), 8))
 
