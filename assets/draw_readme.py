@@ -1,6 +1,7 @@
 """Draw the pictures of the README: ./run pictures.
 
-Beside them, texts.json keeps what stands in them: by it a test notices when they are out of date.
+Beside them, contents.json keeps what is written and drawn in them: by it a test notices when they
+are out of date.
 """
 
 from __future__ import annotations
@@ -8,8 +9,12 @@ from __future__ import annotations
 import io
 import json
 import re
+from collections import Counter
 from pathlib import Path
+from typing import Any
 
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
@@ -68,6 +73,37 @@ def texts(figure: Figure) -> list[str]:
     return [text.get_text() for text in found if text.get_text()]
 
 
+def marks(figure: Figure) -> list[str]:
+    """Return what is drawn in a figure: each kind of mark with its colours, and how many."""
+    return [
+        f"axes {number}: {count} x {mark}"
+        for number, axes in enumerate(figure.axes)
+        for mark, count in Counter(_marks_in(axes)).items()
+    ]
+
+
+def _marks_in(axes: Axes) -> list[str]:
+    found = [f"image of {image.get_array().shape[:2]}" for image in axes.images]
+    for line in axes.lines:
+        look = [f"line {to_hex(line.get_color())}", f"{len(line.get_xdata())} points"]
+        if line.get_linestyle() != "None" and line.get_linewidth():
+            look.append(f"{line.get_linestyle()} of {line.get_linewidth():g}")
+        if line.get_marker() not in ("None", ""):
+            look.append(f"marker {line.get_marker()} of {line.get_markersize():.1f}")
+        found.append(", ".join(look))
+    for patch in axes.patches:
+        edge, face = _color(patch.get_edgecolor()), _color(patch.get_facecolor())
+        found.append(f"{type(patch).__name__} {face}, edge {edge}")
+    for band in axes.collections:
+        found.append(f"{type(band).__name__} {[_color(color) for color in band.get_facecolor()]}")
+    return found
+
+
+def _color(color: Any) -> str:
+    text = to_hex(color, keep_alpha=True)
+    return "transparent" if text.endswith("00") else text
+
+
 def picture(figure: Figure) -> Image.Image:
     """Return a figure as an image, as a notebook shows it."""
     buffer = io.BytesIO()
@@ -76,7 +112,7 @@ def picture(figure: Figure) -> Image.Image:
 
 
 def main() -> None:
-    """Write the pictures and their texts."""
+    """Write the pictures and what is in them."""
     FOLDER.mkdir(exist_ok=True)
     drawn = figures()
     for name, figure in drawn.items():
@@ -86,8 +122,11 @@ def main() -> None:
         else:  # noise, of which a PNG is large
             image.save(FOLDER / name, quality=80, subsampling=0, optimize=True)
         print(f"{FOLDER / name}: {(FOLDER / name).stat().st_size / 1000:.0f} kB")
-    content = {name: texts(figure) for name, figure in drawn.items()}
-    (FOLDER / "texts.json").write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+    contents = {
+        name: {"texts": texts(figure), "marks": marks(figure)} for name, figure in drawn.items()
+    }
+    text = json.dumps(contents, indent=1, ensure_ascii=False)
+    (FOLDER / "contents.json").write_text(text + "\n")
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import math
 import re
 from pathlib import Path
 
+import matplotlib.figure
 import numpy as np
 import pytest
 from PIL import Image
@@ -56,18 +57,29 @@ def difference(one, other):
     return np.abs(a - b).mean()
 
 
-def test_every_picture_has_its_texts_and_is_in_the_readme(figures):
-    assert set(json.loads((FOLDER / "texts.json").read_text())) == set(figures)
-    assert {file.name for file in FOLDER.iterdir()} == {*figures, "texts.json"}
+@pytest.fixture(scope="module")
+def contents():
+    return json.loads((FOLDER / "contents.json").read_text())
+
+
+def test_every_picture_has_its_contents_and_is_in_the_readme(figures, contents):
+    assert set(contents) == set(figures)
+    assert {file.name for file in FOLDER.iterdir()} == {*figures, "contents.json"}
     shown = re.findall(r"!\[[^]]*\]\(assets/readme/([^)]+)\)", (ROOT / "README.md").read_text())
     assert sorted(shown) == sorted(figures)
     assert sum((FOLDER / name).stat().st_size for name in figures) < 300_000
 
 
 @pytest.mark.parametrize("name", ["demo.jpg", "traces.png"])
-def test_the_picture_says_what_the_code_draws(name, figures, script):
-    stored = json.loads((FOLDER / "texts.json").read_text())[name]
-    drawn = script.texts(figures[name])
+def test_the_picture_shows_every_line_bar_and_image_that_the_code_draws(
+    name, figures, script, contents
+):
+    assert script.marks(figures[name]) == contents[name]["marks"], REMEDY.format(name)
+
+
+@pytest.mark.parametrize("name", ["demo.jpg", "traces.png"])
+def test_the_picture_says_what_the_code_draws(name, figures, script, contents):
+    stored, drawn = contents[name]["texts"], script.texts(figures[name])
     assert words(drawn) == words(stored), REMEDY.format(name)
     # The last digit may differ between processors.
     for now, then in zip(numbers(drawn), numbers(stored), strict=True):
@@ -81,6 +93,17 @@ def test_the_picture_looks_as_the_code_draws_it(name, figures, script):
         assert abs(stored.width / drawn.width - 1) < 0.03, REMEDY.format(name)
         assert abs(stored.height / drawn.height - 1) < 0.03, REMEDY.format(name)
         assert difference(stored, drawn) < MOST_DIFFERENCE, REMEDY.format(name)
+
+
+def test_a_line_or_a_colour_that_is_missing_is_noticed(script):
+    def draw(**look):
+        figure = matplotlib.figure.Figure()
+        figure.add_subplot().plot([1, 2], [1, 2], color="red", **look)
+        return script.marks(figure)
+
+    kinds = [draw(), draw(linewidth=3), draw(linewidth=0), draw(marker="."), draw(linestyle=":")]
+    assert len({str(kind) for kind in kinds}) == len(kinds)
+    assert script.marks(matplotlib.figure.Figure(figsize=(2, 2))) == []
 
 
 def test_another_picture_is_noticed(figures, script):
