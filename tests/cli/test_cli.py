@@ -73,6 +73,7 @@ def test_the_demo_prints_the_table_and_keeps_progress_out_of_a_log(tmp_path):
     for name in robsim.trace.PARAMETER_NAMES:
         assert f" {name} " in run.stdout
     assert max(map(len, run.stdout.splitlines()[:-1])) <= 100
+    assert "e+" not in run.stdout  # an error of 120 %, not of 1.2e+02 %
     assert f"written to {tmp_path}" in run.stdout
 
 

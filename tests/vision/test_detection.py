@@ -168,7 +168,7 @@ def test_what_was_missed_in_a_run():
     assert half.first.distance == pytest.approx(21.5, abs=0.5)
     sentence = explain_missed(experiment.missed_detections, 4)
     assert sentence.startswith("no detection in 3 of 4 steps: in 2, first in step 1, no red")
-    assert sentence.endswith("; in 1: distance")
+    assert sentence.endswith("; in 1: no pair of blobs at the markers' distance")
     experiment.reset()
     experiment.run(1)
     assert experiment.missed_detections == []

@@ -104,4 +104,5 @@ def _share(size: float | None, true: float | None, name: str) -> str:
         return "-"
     if name.startswith("d1") or not true:
         return f"{size:.0e} {'rad' if name.endswith('P') else 'px'}"
-    return f"{100 * size / abs(true):.2g} %"
+    share = 100 * size / abs(true)
+    return f"{share:.2g} %" if share < 99.5 else f"{share:.0f} %"

@@ -6,6 +6,14 @@ from collections.abc import Sequence
 
 from robsim._core import MissedDetections
 
+# The reasons that are not words yet; the others, such as "no blue blob", are.
+_WORDS = {
+    "at the border": "blobs at the border of the frame only",
+    "distance": "no pair of blobs at the markers' distance",
+    "areas": "no pair of blobs with the markers' areas",
+    "ambiguous": "two pairs of blobs that fit equally well",
+}
+
 
 def explain_missed(missed: Sequence[MissedDetections], steps: int) -> str | None:
     """Return a sentence on the steps without a detection.
@@ -31,5 +39,7 @@ def explain_missed(missed: Sequence[MissedDetections], steps: int) -> str | None
     return (
         f"no detection in {total} of {steps} steps: {share}first in step {most.first_k}, "
         f"{most.first.explanation}"
-        + "".join(f"; in {part.steps}: {part.reason}" for part in missed[1:])
+        + "".join(
+            f"; in {part.steps}: {_WORDS.get(part.reason, part.reason)}" for part in missed[1:]
+        )
     )
