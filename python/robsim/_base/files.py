@@ -23,10 +23,17 @@ def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]
     if existing:
         raise FileExistsError(f"{folder} has {', '.join(existing)} already: nothing was written")
     folder.mkdir(parents=True, exist_ok=True)
-    for copy, file in copies.items():
-        with open(copy, "xb") as output:
-            output.write(file.read_bytes())
-    return list(copies)
+    written: list[Path] = []
+    try:
+        for copy, file in copies.items():
+            with naming(copy), open(copy, "xb") as output:
+                written.append(copy)
+                output.write(file.read_bytes())
+    except BaseException:
+        for copy in written:
+            copy.unlink(missing_ok=True)
+        raise
+    return written
 
 
 def as_folder(folder: str | PathLike[str]) -> Path:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
 from robsim._base.checks import check_choice
-from robsim._base.files import as_path, naming
+from robsim._base.files import as_path, write_whole
 
 Pixels = NDArray[np.uint8]
 
@@ -91,8 +91,12 @@ def save_image(path: str | PathLike[str], image: Pixels) -> None:
     """
     file = as_path(path)
     pixels = check_pixels("image", image, 3)
-    with naming(file):
-        Image.fromarray(pixels).save(file)
+    file_format = Image.registered_extensions().get(file.suffix.lower())
+    if file_format not in Image.SAVE:
+        raise ValueError(f"{file}: the name of an image must end in .png, .jpg or the like")
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, format=file_format)
+    write_whole(file, buffer.getvalue())
 
 
 def check_pixels(name: str, pixels: Any, channels: int, alternative: str = "") -> Pixels:

@@ -118,7 +118,7 @@ class VideoWriter:
             # OpenCV does not report a full disk, and the header may claim too many frames.
             written = sum(1 for _ in iter(video.grab, False))
             video.release()
-        if written != self.count:
+        if written < self.count:  # one more if Ctrl-C came before it was counted
             self._part.unlink(missing_ok=True)
             raise OSError(
                 f"{self.path} could not be written: the disk is full, or the frames are too small"

@@ -80,8 +80,10 @@ def store_default_robot(name: str) -> None:
         settings = tomlkit.parse(file.read_text("utf-8-sig"))
     except FileNotFoundError:
         file.parent.mkdir(parents=True, exist_ok=True)
-    except (ValueError, OSError) as error:
+    except ValueError as error:
         raise ValueError(f"settings file {file}: {error}; {_RESET}") from error
+    except OSError as error:
+        raise ValueError(f"settings file {file}: {error.strerror}; {_RESET}") from error
     settings["robot"] = name
     write_whole(file, tomlkit.dumps(settings).encode())
 

@@ -14,10 +14,15 @@ _MAXIMUM_SAMPLES = 2000
 
 
 def area_and_centroid(polygon: Floats) -> tuple[float, Floats]:
-    """Return the area and the centroid (2,) of a polygon, by the shoelace formula."""
+    """Return the area and the centroid (2,) of a polygon, by the shoelace formula.
+
+    A polygon without area, such as a figure of eight, has the mean of its corners.
+    """
     a = polygon - polygon[0]
     b = np.roll(a, -1, axis=0)
     cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    if cross.sum() == 0:
+        return 0.0, polygon.mean(axis=0)
     centroid: Floats = polygon[0] + cross @ (a + b) / (3 * cross.sum())
     return abs(float(cross.sum())) / 2, centroid
 
