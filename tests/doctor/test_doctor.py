@@ -830,7 +830,5 @@ def test_what_makes_no_estimator_says_what_to_write(make, name, words):
 
 
 def test_a_slot_is_no_maker_of_estimators():
-    with pytest.raises(
-        TypeError, match=r"such as its class, or lambda: .*, got <slot estimate_"
-    ):
+    with pytest.raises(TypeError, match=r"such as its class, or lambda: .*, got <slot estimate_"):
         robsim.check_estimator(robsim.Simulation().estimate_state)

@@ -248,7 +248,7 @@ def test_a_file_that_is_not_there(tmp_path):
 
 @pytest.mark.parametrize("dt", [0, -1, np.nan, np.inf])
 def test_a_dt_that_can_not_be(folder, dt):
-    with pytest.raises(ValueError, match="must be finite and above 0"):
+    with pytest.raises(ValueError, match="must be above 0 and at most"):
         Recording(folder, dt=dt)
 
 

@@ -502,7 +502,7 @@ def test_progress_shows_a_bar_on_a_terminal_alone(capsys, monkeypatch):
 
 def test_identifying_from_a_stage_that_is_off_is_an_error():
     sim = robsim.Simulation(identify_from="measurement", estimate_parameters=True)
-    with pytest.raises(ValueError, match="needs the stage measure"):
+    with pytest.raises(ValueError, match=r"from each measurement, .* give measure=True"):
         sim.run(1)
 
 

@@ -283,11 +283,8 @@ GOAL = {"control": robsim.GoToPoint(900, 300)}
 
 
 def test_a_controller_without_what_it_needs_is_told_before_the_first_step():
-    with pytest.raises(
-        ValueError, match=r"control=GoToPoint.* needs .*; give measure=True"
-    ) as told:
+    with pytest.raises(ValueError, match=r"control=GoToPoint.* needs .*; give measure=True$"):
         Simulation(**GOAL).run(1)
-    assert "--measure" in str(told.value)
     Simulation(measure=True, **GOAL).run(1)
     estimate = robsim.Estimate((0, 0, 0), np.eye(3))
     Simulation(estimate_state=lambda step: estimate, **GOAL).run(1)

@@ -189,7 +189,10 @@ def test_nothing_is_sent_before_the_start(slot):
 
 def test_nothing_is_stopped_that_was_not_sent_anything():
     robot = Robot()
-    with experiment(robot, control=None) as sim:
+    with (
+        experiment(robot, control=None) as sim,
+        pytest.warns(UserWarning, match="there is no controller: nothing is sent"),
+    ):
         sim.run()
     with experiment(robot):
         pass

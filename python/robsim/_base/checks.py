@@ -38,6 +38,8 @@ def check_float(
 
 
 def _limits(minimum: float, exclusive_minimum: float, maximum: float) -> str:
+    if math.isfinite(maximum) and math.isfinite(exclusive_minimum):
+        return f"be above {exclusive_minimum:g} and at most {maximum:g}"
     if math.isfinite(maximum):
         return f"lie within {minimum:g}..{maximum:g}"
     if math.isfinite(exclusive_minimum):

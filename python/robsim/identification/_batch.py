@@ -243,6 +243,7 @@ def batch_estimate(
             f"samples, each of three consecutive steps, got {len(found.k)} in {where} {len(trace)} "
             "steps"
         )
+    trace.require("u")
     start, stop = int(found.k[0]) - 2, int(found.k[-1]) + 1
     fit = (
         _least_squares(found)

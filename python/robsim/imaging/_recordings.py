@@ -28,6 +28,9 @@ MAXIMUM_RATE = 1000.0  # 1/s; files with an unknown frame rate often claim this 
 _UNREADABLE_FORMATS = {"BUFR", "GRIB", "HDF5", "MPEG"}
 
 
+_LONGEST_DT = 1e6  # s
+
+
 class Recording:
     """A video file or a folder of images, as an iterable of frames; each iteration restarts.
 
@@ -91,6 +94,11 @@ class Recording:
         area: tuple[int, int] | None = None,
         dt: float | None = None,
     ) -> None:
+        if isinstance(source, int) or re.match(r"/dev/|[a-z]{3,}:/", str(source)):
+            raise ValueError(
+                f"source must be a video file or a folder of images, got {source}: for a live "
+                "camera, give its frames to robsim.Experiment"
+            )
         self.source = as_path(source, "source")
         if not (plane_map is None or isinstance(plane_map, PlaneMap)):
             raise TypeError(f"plane_map must be a PlaneMap or None, got {plane_map!r}")
@@ -99,7 +107,9 @@ class Recording:
         self._images = _Folder(self.source) if self.source.is_dir() else _Video(self.source)
         self.size = self._first_size()
         self.dt = (
-            self._images.dt() if dt is None else check_float("dt", dt, "s", exclusive_minimum=0)
+            self._images.dt()
+            if dt is None
+            else check_float("dt", dt, "s", exclusive_minimum=0, maximum=1e6)
         )
         self.count = self._images.count()
         if area is not None:

@@ -310,6 +310,11 @@ class Experiment(Runner):
     def _check_stages(self) -> None:
         self._source.lacks = None
         super()._check_stages()
+        if self._motors is not None and not self._is_on("control"):
+            warnings.warn(
+                "send was given, but there is no controller: nothing is sent; give control=...",
+                stacklevel=4,
+            )
 
     def _theta_true(self) -> ArrayLike:
         return np.full((3, 5), np.nan)

@@ -267,9 +267,10 @@ class Runner(Slotted):
         """Raise ValueError if nothing gives the poses that the parameters are estimated from."""
         needed = {"measurement": "measure", "estimate": "estimate_state"}.get(self.identify_from)
         if needed and not self._is_on(needed):
+            remedy = "measure=True" if needed == "measure" else f"{needed}=..."
             raise ValueError(
-                f"identify_from={self.identify_from!r} needs the stage {needed}, which is off: "
-                f"give {needed}={'True' if SLOTS[needed].is_switch else '...'}"
+                "identify_from: the parameters are to be estimated from each "
+                f"{self.identify_from}, but there is none: give {remedy}"
             )
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from os import PathLike
+from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
@@ -121,10 +122,12 @@ class Simulation(WorldSlots, Runner):
         self._check_names(callbacks)
         given |= callbacks
         if scenario is not None and not isinstance(scenario, Scenario):
-            hint = f", such as robot={scenario!r}" if isinstance(scenario, str) else ""
-            raise TypeError(
-                f"scenario must be a Scenario, got {scenario!r}: give options by name{hint}"
-            )
+            hint = "give options by name"
+            if isinstance(scenario, (str, PathLike)):
+                is_file = Path(scenario).suffix == ".toml"
+                load = f"robsim.Scenario.load({str(scenario)!r})"
+                hint = f"give {load}" if is_file else f"{hint}, such as robot={scenario!r}"
+            raise TypeError(f"scenario must be a Scenario, got {scenario!r}: {hint}")
         data = {name: given[name] for name in OPTIONS if name in given}
         code = {
             name: data.pop(name) for name in _STAGES if name in data and not _is_data(name, data)

@@ -11,6 +11,8 @@ _UNSEEN = "the robot was never seen; a measure of your own must return its Measu
 _HOW = {
     "pose_true": _TRUTH,
     "theta_true": _TRUTH,
+    "u": "there was no controller: give control=..., or control=robsim.Replay(u) for inputs that "
+    "were recorded with the frames",
     "pose_measured": "run with measure=True",
     "pose_held": "run with measure=True",
     "pose_estimated": "run with estimate_state=...",

@@ -31,7 +31,7 @@ class _Datum:
     absent: str
 
 
-_NO_MEASUREMENT = "no measurement is on; give measure=True (on the command line: --measure)"
+_NO_MEASUREMENT = "no measurement is on; give measure=True"
 
 _DATA = {
     "measurement": _Datum("measure", _NO_MEASUREMENT, "the robot was not seen in this step"),
@@ -45,8 +45,7 @@ _DATA = {
     ),
     "parameters": _Datum(
         "estimate_parameters",
-        "no parameter estimator is on; give estimate_parameters=True (on the command line: "
-        "--estimate-parameters)",
+        "no parameter estimator is on; give estimate_parameters=True",
         "no parameters have been estimated yet",
     ),
 }

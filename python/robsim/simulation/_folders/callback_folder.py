@@ -151,10 +151,10 @@ class CallbackFolder:
                 f"; is {name}.py meant to be {slot}.py?"
                 for name, slot in misspelled(sources).items()
             ]
-            raise ValueError(
-                f"{self.path} has no callback files: robsim new {self.path} writes them"
-                + "".join(hints)
-            )
+            remedy = f"robsim new {self.path} writes them"
+            if len(self._slots) < len(SLOTS):
+                remedy = f"none for {', '.join(self._slots)}"
+            raise ValueError(f"{self.path} has no callback files: {remedy}" + "".join(hints))
         return sources
 
     def __repr__(self) -> str:

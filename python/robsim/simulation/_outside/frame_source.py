@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import math
 import queue
 import reprlib
@@ -61,8 +62,9 @@ class FrameSource:
                 f"folder of images, give robsim.Recording({str(frames)!r})"
             )
         if not isinstance(frames, Iterable) or isinstance(frames, (bytes, Mapping, np.ndarray)):
-            message = f"frames must be an iterable of Frame objects, got {reprlib.repr(frames)}"
-            raise TypeError(message)
+            raise TypeError(
+                f"frames must be an iterable of Frame objects, got {_described(frames)}"
+            )
         given = getattr(frames, "area", None) if area is None else area
         self.area = check_size("area", Scenario.area if given is None else given)
         self.dt: float | None = getattr(frames, "dt", None)
@@ -168,6 +170,17 @@ class FrameSource:
             return model
 
         return check
+
+
+def _described(frames: object) -> str:
+    """Return what came in place of frames, with a remedy where there is one."""
+    if isinstance(frames, Frame):
+        return "a single Frame: give a list of it, [frame]"
+    if isinstance(frames, np.ndarray):
+        return f"an array of shape {frames.shape}: give a list of robsim.Frame(image, t=...)"
+    if inspect.isfunction(frames) or inspect.ismethod(frames):
+        return f"the function {frames.__name__}: call it, frames={frames.__name__}()"
+    return reprlib.repr(frames)
 
 
 class _Reader:

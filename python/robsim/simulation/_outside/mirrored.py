@@ -17,7 +17,7 @@ _LEAD = 0.5  # of the correlation backwards over the one forwards
 
 
 def mirrored_remark(runner: Runner) -> str | None:
-    """Return a sentence if the frames of a run seem to be in OpenCV's order, BGR, or None."""
+    """Return a sentence if the frames of a run seem to be mirrored or BGR, or None."""
     step = runner.last_step
     if step.detection is None:
         return None
@@ -29,7 +29,8 @@ def mirrored_remark(runner: Runner) -> str | None:
     if frame is not None and looks_mirrored(frame, runner.robot, find):
         return (
             f"the robot {runner.robot.name} is seen only if red and blue are exchanged: the frames "
-            "seem to be in OpenCV's order, BGR; make them by Frame.from_bgr"
+            "seem to be in OpenCV's order, BGR; make them by Frame.from_bgr. Or they are mirrored: "
+            "then Frame(numpy.ascontiguousarray(image[:, ::-1]))"
         )
     if drives_backwards(runner.trace.u, runner.trace.pose_measured):
         return (
