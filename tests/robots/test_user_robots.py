@@ -148,7 +148,7 @@ def test_upper_and_lower_case_are_the_same():
 
 def test_an_own_robot_is_replaced_only_when_asked(user_folder):
     add_robot("mine", "lab")
-    with pytest.raises(ValueError, match=r"overwrite=True \(--overwrite\) replaces it"):
+    with pytest.raises(ValueError, match=r"overwrite=True replaces it"):
         add_robot("mine", "lab", size=60)
     assert load_robot("mine").size == 120
     add_robot("mine", "mine", size=60, overwrite=True)

@@ -2,31 +2,21 @@
 
 from __future__ import annotations
 
+import io
 import logging
+import sys
 import warnings
 from importlib.metadata import version
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from typer.core import TyperGroup
 
 from robsim.cli import bench, colors, demo, errors, notebooks, robots, run, track
+from robsim.cli.command import Command, Group
 from robsim.cli.shared import SWITCH
 
-
-class _Program(TyperGroup):
-    """The commands; Ctrl-C ends each of them with a word."""
-
-    def invoke(self, ctx: Any) -> Any:
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
-            errors.print_note("stopped")
-            raise typer.Exit(130) from None  # as a shell has it: 128 + SIGINT
-
-
 app = typer.Typer(
-    cls=_Program,
+    cls=Group,
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
@@ -34,14 +24,14 @@ app = typer.Typer(
     help="Camera-based control of mobile robots, simulated.",
     epilog="Start with: robsim demo",
 )
-app.command(help=demo.HELP, epilog=demo.EXAMPLE)(demo.demo)
-app.command(help=run.NEW_HELP, epilog=run.NEW_EXAMPLE)(run.new)
-app.command(help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
-app.command(help=track.HELP, epilog=track.EXAMPLE)(track.track)
-app.command(help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
-app.command(help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
-app.add_typer(robots.app, name="robots")
-app.add_typer(colors.app, name="colors")
+app.command(cls=Command, help=demo.HELP, epilog=demo.EXAMPLE)(demo.demo)
+app.command(cls=Command, help=run.NEW_HELP, epilog=run.NEW_EXAMPLE)(run.new)
+app.command(cls=Command, help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
+app.command(cls=Command, help=track.HELP, epilog=track.EXAMPLE)(track.track)
+app.command(cls=Command, help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
+app.command(cls=Command, help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
+app.add_typer(robots.app, name="robots", cls=Group)
+app.add_typer(colors.app, name="colors", cls=Group)
 
 
 @app.callback(invoke_without_command=True)
@@ -59,6 +49,9 @@ def main() -> None:
     """Run the command line: the entry point ``robsim``."""
     # It speaks of its cache where that cannot be written.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # such as the sign for degrees in ASCII
     with warnings.catch_warnings():
         warnings.showwarning = lambda message, *_: errors.print_note(f"warning: {message}")
         app(prog_name="robsim")

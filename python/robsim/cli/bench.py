@@ -9,6 +9,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.shared import Json
+from robsim.cli.text import whole_number
 
 EXAMPLE = "Example: robsim bench"
 HELP = (
@@ -23,8 +24,8 @@ def bench(
         int,
         typer.Option(
             "--rounds",
+            parser=whole_number,
             metavar="N",
-            min=1,
             help="Number of timings of each case; the median is reported.",
         ),
     ] = 25,

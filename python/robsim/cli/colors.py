@@ -10,11 +10,13 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from robsim._base.checks import check_float
 from robsim._base.files import naming
 from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
+from robsim.cli.command import Command
 from robsim.cli.shared import SWITCH, Colors, Json, Noise, Robot, Seed
-from robsim.cli.text import parse_noise, parse_point, parse_region
+from robsim.cli.text import about, number, parse_noise, parse_point, parse_region, whole_number
 from robsim.imaging._images import Pixels, load_image, save_image
 from robsim.robots._polygons import area_and_centroid, mask
 from robsim.simulation._simulation import Simulation
@@ -39,6 +41,7 @@ Images = Annotated[list[Path], typer.Argument(metavar="IMAGE", help="Images.", s
 
 
 @app.command(
+    cls=Command,
     help="Write an image of the simulated robot, to train and test colours on.\n\n"
     "Prints the regions of its markers.",
     epilog="Example: robsim colors frame frame.png",
@@ -55,7 +58,10 @@ def frame(
     heading: Annotated[
         float,
         typer.Option(
-            "--heading", metavar="DEGREES", help="Heading in degrees, clockwise from facing right."
+            "--heading",
+            parser=number,
+            metavar="DEGREES",
+            help="Heading in degrees, clockwise from facing right.",
         ),
     ] = 0.0,
     noise: Noise = None,
@@ -64,7 +70,11 @@ def frame(
     """Write an image of the simulated robot."""
     with errors.report_errors():
         x, y = parse_point("--at", at) or (600.0, 600.0)
-        start = x, y, float(np.deg2rad(heading))
+        if not (0 <= x < 1200 and 0 <= y < 1200):
+            raise ValueError(f"--at must lie within the image of 1200 x 1200 px, got {at}")
+        with about("--heading"):
+            heading = check_float("heading", heading, "degrees")
+        start = x, y, float(np.deg2rad(np.remainder(heading, 360)))
         simulation = Simulation(
             robot=robot,
             start=start,
@@ -79,8 +89,7 @@ def frame(
         print(f"  {name:<4} marker: {_marker_region(simulation, name, start)}")
 
 
-@app.command("show", epilog="Example: robsim colors show", hidden=True)
-@app.command("list", epilog="Example: robsim colors list")
+@app.command("list", cls=Command, epilog="Example: robsim colors list")
 def list_colors(
     file: Annotated[
         Path | None,
@@ -98,6 +107,7 @@ def list_colors(
 
 
 @app.command(
+    cls=Command,
     help="Find the ranges of a colour in images of it.\n\n"
     "Prints them in the format of a colour file; --to writes them to one and keeps its other "
     "colours. With several images, each needs a region. Image viewers show pixel positions.",
@@ -124,7 +134,10 @@ def train(
     margin: Annotated[
         int,
         typer.Option(
-            "--margin", metavar="LEVELS", help="Widening of the ranges found, in levels of 0..255."
+            "--margin",
+            parser=whole_number,
+            metavar="LEVELS",
+            help="Widening of the ranges found, in levels of 0..255.",
         ),
     ] = 52,
     limit_y: Annotated[
@@ -158,6 +171,7 @@ def train(
 
 @app.command(
     "test",
+    cls=Command,
     help="Look for colours in images.\n\n"
     "With --region, scores how robustly a colour is detected in one image when the light changes "
     "and noise is added, and proposes wider or narrower ranges.",
@@ -167,7 +181,9 @@ def train(
 def try_colors(
     images: Images,
     colors: Colors = None,
-    smoothing: Annotated[int, typer.Option("--smoothing", metavar="PX", help=_SMOOTHING)] = 7,
+    smoothing: Annotated[
+        int, typer.Option("--smoothing", parser=whole_number, metavar="PX", help=_SMOOTHING)
+    ] = 7,
     regions: Annotated[
         list[str] | None,
         typer.Option(
@@ -344,16 +360,15 @@ def _range(limits: tuple[int, int]) -> str:
 
 def _print_table(titles: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
 
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for title in titles:
-        table.add_column(title, overflow="fold")
+        table.add_column(title, no_wrap=True)
     for row in rows:
         table.add_row(*map(escape, row))
-    Console().print(table)
+    errors.print_table(table)
 
 
 def _write_image(file: Path, pixels: Pixels) -> None:

@@ -10,6 +10,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.shared import Json
+from robsim.cli.text import whole_number
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -27,10 +28,17 @@ HELP = (
 
 def demo(
     out: Annotated[
-        Path, typer.Option("--out", help="Folder for the figures and the trace.")
+        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the figures and the trace.")
     ] = Path("robsim-demo"),
-    steps: Annotated[int, typer.Option("--steps", help="Number of steps, at least 50.")] = 1000,
-    seed: Annotated[int, typer.Option("--seed", help="Seed of the run.")] = 2008,
+    steps: Annotated[
+        int,
+        typer.Option(
+            "--steps", metavar="N", parser=whole_number, help="Number of steps, at least 50."
+        ),
+    ] = 1000,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", parser=whole_number, help="Seed of the run.")
+    ] = 2008,
     as_json: Json = False,
 ) -> None:
     """Drive a robot, track it by camera and estimate its parameters."""
@@ -49,9 +57,8 @@ def demo(
 
 def _print_report(report: BatchEstimate) -> None:
     import numpy as np
-    from rich.console import Console
 
-    Console().print(_table(report))
+    errors.print_table(_table(report))
     error = np.abs(report.batch - report.theta_true)
     near = np.count_nonzero(error <= 2 * report.standard_errors)
     method = report.method.replace("_", " ")

@@ -2,13 +2,49 @@
 
 from __future__ import annotations
 
+import re
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 from rich.console import Console
+from rich.measure import Measurement
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+_WIDEST = 1000  # characters
+
+# Arguments of Python with the names that the command has for them.
+_option_of: dict[str, str] = {}
+
+
+@contextmanager
+def naming_options(options: Mapping[str, str]) -> Iterator[None]:
+    """Let the errors inside the context speak of options: ``{"time_limit": "--time-limit"}``."""
+    before = dict(_option_of)
+    _option_of.update(options)
+    try:
+        yield
+    finally:
+        _option_of.clear()
+        _option_of.update(before)
+
+
+def in_words_of_the_shell(text: str) -> str:
+    """Return the message of an error with the options of the command for arguments of Python."""
+    from robsim.simulation._slots import SLOTS
+
+    for name, option in _option_of.items():
+        # "steps must be ...", "area: ...", "measure=True", "control=...", "time_limit = 3 s"
+        text = re.sub(rf"(^|; | and ){name}(?=( and [\w-]+)? must\b|: )", rf"\1{option}", text)
+        text = re.sub(rf"\b{name}(=True( \(--[\w-]+\))?|=\.\.\.|(?= = ))", option, text)
+    for slot in SLOTS:
+        text = text.replace(f"{slot}=...", f"a file {slot}.py")
+    return text
 
 
 @contextmanager
@@ -42,7 +78,7 @@ def _sentence(error: BaseException) -> str:
     text = str(error)
     if isinstance(error, OSError) and error.filename and error.strerror:
         text = f"{error.filename}: {error.strerror}"
-    return "\n".join([text, *getattr(error, "__notes__", [])])
+    return in_words_of_the_shell("\n".join([text, *getattr(error, "__notes__", [])]))
 
 
 def _in_callbacks(error: BaseException, folder: Path) -> str | None:
@@ -55,11 +91,14 @@ def _in_callbacks(error: BaseException, folder: Path) -> str | None:
     ]
     if not frames and not isinstance(error, SyntaxError):
         return None
-    notes = "; ".join(getattr(error, "__notes__", []))
+    notes = in_words_of_the_shell("; ".join(getattr(error, "__notes__", [])))
     summary = traceback.format_list(frames)
     kind = traceback.TracebackException(type(error), error, None)
     kind.__notes__ = None
-    lines = [f"{notes or 'in a callback'}:\n", *summary, *kind.format_exception_only()]
+    told = "".join(kind.format_exception_only())
+    if isinstance(error, TimeoutError):  # ours, and not the words of the user's code
+        told = in_words_of_the_shell(told)
+    lines = [f"{notes or 'in a callback'}:\n", *summary, told]
     return "".join(lines).rstrip()
 
 
@@ -68,6 +107,14 @@ def print_error(error: object) -> None:
     console = Console(stderr=True, soft_wrap=True)
     console.print("[bold red]error:[/] ", end="")
     console.print(str(error), markup=False, highlight=False)
+
+
+def print_table(table: Table) -> None:
+    """Print a table to stdout; where the terminal is too narrow, lines wrap, but nothing is cut."""
+    console = Console()
+    width = Measurement.get(console, console.options.update(width=_WIDEST), table).maximum
+    console.width = max(console.width, width)
+    console.print(table)
 
 
 def print_note(text: str) -> None:

@@ -37,13 +37,14 @@ def finish(
             _write_videos(cast("Simulation", simulation), video, record)
     if as_json:
         print(json.dumps(results.to_dict(), indent=2, allow_nan=False))
-        return
-    if text := str(results):
+    elif text := str(results):
         print(text)
     if sentence := explain_missed(simulation.missed_detections, len(simulation.trace)):
         errors.print_note(sentence)
     if results.tracking is None:
         errors.print_note("not tracked: add --measure, or write a measure.py with ENABLED = True")
+    if as_json:
+        return
     print(f"written to {out}: {', '.join(file.name for file in results.files)}")
     for file in filter(None, (video, record)):
         print(f"written: {file}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -51,9 +52,14 @@ class Results:
 
 
 def check_folder(out: Path) -> None:
-    """Raise NotADirectoryError if the folder for the results is a file."""
+    """Raise the OSError of a folder for the results that cannot be written to, before the run."""
     if out.exists() and not out.is_dir():
         raise NotADirectoryError(f"{out} is a file, not a folder: give another name")
+    there = next(folder for folder in (out.absolute(), *out.absolute().parents) if folder.exists())
+    if not there.is_dir():
+        raise NotADirectoryError(f"{out}: {there} is a file, not a folder")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise PermissionError(f"{out}: the folder {there} cannot be written to")
 
 
 def write_results(out: Path, simulation: Runner, *, method: str = "least_squares") -> Results:

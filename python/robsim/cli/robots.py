@@ -10,8 +10,9 @@ import typer
 
 from robsim._base.files import naming
 from robsim.cli import errors
+from robsim.cli.command import Command
 from robsim.cli.shared import SWITCH
-from robsim.cli.text import parse_point, parse_points
+from robsim.cli.text import number, parse_point, parse_points
 
 if TYPE_CHECKING:
     from robsim.robots import RobotDefinition
@@ -36,11 +37,10 @@ Colors = Annotated[
 _FACES = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
 
 
-@app.command("list", epilog="Example: robsim robots list")
+@app.command("list", cls=Command, epilog="Example: robsim robots list")
 def list_robots() -> None:
     """List all robots, and which one is the default."""
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
 
@@ -56,7 +56,7 @@ def list_robots() -> None:
     except ValueError as error:
         problems.append(error)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    table.add_column("robot", overflow="fold", min_width=16)
+    table.add_column("robot", overflow="fold", max_width=16)
     for title in ("size", "alignment", "markers apart", "whose", ""):
         table.add_column(title, no_wrap=True)
     for whose, robots in (("shipped", shipped_robots()), ("yours", user_robots())):
@@ -67,12 +67,12 @@ def list_robots() -> None:
                 problems.append(
                     f"{folder}: another robot of this name takes precedence: rename the folder"
                 )
-    Console().print(table)
+    errors.print_table(table)
     for sentence in problems:
         errors.print_error(sentence)
 
 
-@app.command(epilog="Example: robsim robots show lab")
+@app.command(cls=Command, epilog="Example: robsim robots show lab")
 def show(
     name: Annotated[
         str | None,
@@ -110,6 +110,7 @@ def show(
 
 
 @app.command(
+    cls=Command,
     help="Add a robot to your user folder.\n\n"
     "Options that are not given are derived from an image, or copied from another robot. The "
     "surroundings of the robot in the image must be transparent, or --outline be given. Red and "
@@ -130,12 +131,16 @@ def add(
     size: Annotated[
         float | None,
         typer.Option(
-            metavar="PX", help="Width of the image on the work area in px.", show_default="120"
+            parser=number,
+            metavar="PX",
+            help="Width of the image on the work area in px.",
+            show_default="120",
         ),
     ] = None,
     alignment: Annotated[
         float | None,
         typer.Option(
+            parser=number,
             metavar="DEGREES",
             help="Degrees clockwise, after which the robot faces right.",
             show_default="0",
@@ -175,7 +180,7 @@ def add(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", metavar=SWITCH, help="Replace your robot of this name.")
     ] = False,
-    anyway: Annotated[
+    ignore_colors: Annotated[
         bool,
         typer.Option(
             "--anyway", metavar=SWITCH, help="Add it even if its markers are not detected."
@@ -197,7 +202,7 @@ def add(
             blue=parse_points("--blue", blue),
             colors=colors,
             overwrite=overwrite,
-            ignore_colors=anyway,
+            ignore_colors=ignore_colors,
         )
     print(_described(robot))
     print(f"added: check it with `robsim robots show {name}`, then `robsim robots use {name}`")
@@ -205,6 +210,7 @@ def add(
 
 # A negative number is not an option here.
 @app.command(
+    cls=Command,
     epilog="Example: robsim robots rotate mine -90",
     context_settings={"ignore_unknown_options": True},
 )
@@ -213,7 +219,9 @@ def rotate(
     degrees: Annotated[
         float,
         typer.Argument(
-            metavar="DEGREES", help="Angle in degrees, clockwise; negative: anticlockwise."
+            parser=number,
+            metavar="DEGREES",
+            help="Angle in degrees, clockwise; negative: anticlockwise.",
         ),
     ],
 ) -> None:
@@ -225,7 +233,7 @@ def rotate(
     print(_described(robot))
 
 
-@app.command(epilog="Example: robsim robots use lab")
+@app.command(cls=Command, epilog="Example: robsim robots use lab")
 def use(name: Name) -> None:
     """Choose the default robot; the choice is stored."""
     from robsim.robots import default_robot, set_default_robot
@@ -235,7 +243,7 @@ def use(name: Name) -> None:
         print(f"in use: {default_robot()}")
 
 
-@app.command(epilog="Example: robsim robots reset")
+@app.command(cls=Command, epilog="Example: robsim robots reset")
 def reset() -> None:
     """Make "lab" the default robot again."""
     from robsim.robots import default_robot, reset_default_robot
@@ -245,7 +253,7 @@ def reset() -> None:
         print(f"in use: {default_robot()}")
 
 
-@app.command(epilog="Example: robsim robots remove mine")
+@app.command(cls=Command, epilog="Example: robsim robots remove mine")
 def remove(name: Name) -> None:
     """Remove one of your robots."""
     from robsim.robots import default_robot, remove_robot

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,22 +14,25 @@ from robsim.cli.outcome import finish
 from robsim.cli.shared import SWITCH, Colors, Json, Noise, Robot, Seed, Smoothing, earlier_run
 from robsim.cli.text import (
     about,
+    number,
     parse_control,
     parse_dropout,
     parse_headings,
     parse_noise,
     parse_size,
     parse_start,
+    whole_number,
 )
 from robsim.control._by_name import NAMES, POINTS
 from robsim.imaging._video import CODECS, LOSSLESS
+from robsim.simulation._slots import SLOTS
 
 if TYPE_CHECKING:
     from robsim import Simulation
 
 NEW_EXAMPLE = "Example: robsim new mine"
 NEW_HELP = (
-    "Write the eight default callbacks to a folder, as templates to edit.\n\n"
+    f"Write the {len(SLOTS)} default callbacks to a folder, as templates to edit.\n\n"
     "Each file is a stage of the loop: control.py, measure.py, ... Optional stages are switched "
     "off: set ENABLED = True in their files. Then: robsim run FOLDER"
 )
@@ -58,7 +63,7 @@ def new(
     with errors.report_errors():
         files = new_folder(folder)
     print(f"written to {folder}: {', '.join(file.name for file in files)}")
-    print(f"edit them, then: robsim run {folder}")
+    print(f"edit them, then: robsim run {shlex.quote(str(folder))}")
 
 
 def run(
@@ -73,7 +78,9 @@ def run(
             help="TOML file of a scenario, as Scenario.save writes it; other options change it.",
         ),
     ] = None,
-    steps: Annotated[int, typer.Option("--steps", metavar="N", help="Number of steps.")] = 500,
+    steps: Annotated[
+        int, typer.Option("--steps", parser=whole_number, metavar="N", help="Number of steps.")
+    ] = 500,
     seed: Seed = None,
     start: Annotated[
         str | None,
@@ -157,6 +164,7 @@ def run(
         float | None,
         typer.Option(
             "--time-limit",
+            parser=number,
             metavar="SECONDS",
             help="Maximum duration of a call of one of your callbacks. Default: none.",
         ),
@@ -185,6 +193,7 @@ def run(
     from robsim.simulation._time_limit import TimeLimit
 
     with errors.report_errors(folder):
+        _check_quotes(folder, control)
         with about("--steps"):
             step_count(steps)
         world = _given(
@@ -220,8 +229,17 @@ def run(
         remark = earlier_run(out)
         run_kept(simulation, steps, out)
     finish(simulation, out, as_json=as_json, video=video, record=record)
-    if remark:
+    if remark and len(simulation.trace):
         errors.print_note(remark)
+
+
+def _check_quotes(folder: Path | None, control: str | None) -> None:
+    """Raise ValueError if a second point was taken for the folder."""
+    if control and re.fullmatch(r"-?[\d.]+,-?[\d.]+", str(folder)):
+        raise ValueError(
+            f"--control: put quotes around the points, as '{control} {folder}': without them "
+            f"{folder} is taken for a folder"
+        )
 
 
 def _given(**options: Any) -> dict[str, Any]:

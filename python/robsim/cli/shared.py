@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from robsim.cli.text import whole_number
+
 #: A switch has no value: in place of its type, --help shows nothing.
 SWITCH = ""
 
@@ -26,6 +28,7 @@ Smoothing = Annotated[
     int | None,
     typer.Option(
         "--smoothing",
+        parser=whole_number,
         metavar="PX",
         help="Width of the averaging window in px: 3, 5, ... 15; 1 = off. Default: by the markers.",
     ),
@@ -42,6 +45,7 @@ Seed = Annotated[
     int | None,
     typer.Option(
         "--seed",
+        parser=whole_number,
         metavar="N",
         help="Seed of the random numbers: the same one gives the same results. Default: another "
         "one each time.",

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import typer
+
 from robsim._base.checks import check_size
 from robsim._base.spelling import suggestion
 from robsim.control._by_name import NAMES, POINTS, controller_named
@@ -28,7 +30,25 @@ def about(option: str) -> Iterator[None]:
     try:
         yield
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{option}: {error}") from error
+        message = str(error).removeprefix(option.lstrip("-").replace("-", "_") + " must")
+        is_named = message == str(error)
+        raise ValueError(f"{option}: {error}" if is_named else f"{option} must{message}") from error
+
+
+def whole_number(text: str) -> int:
+    """Parse the text of an option that takes a whole number."""
+    try:
+        return int(text)
+    except ValueError:
+        raise typer.BadParameter(f"it must be a whole number, got {text!r}") from None
+
+
+def number(text: str) -> float:
+    """Parse the text of an option that takes a number."""
+    try:
+        return float(text)
+    except ValueError:
+        raise typer.BadParameter(f"it must be a number such as 0.5, got {text!r}") from None
 
 
 def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
@@ -38,7 +58,10 @@ def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise ValueError(f"{option} must be a size such as 640x480, got {text!r}")
-    return check_size(option, (int(width), int(height)))
+    try:
+        return check_size(option, (int(width), int(height)))
+    except ValueError as error:
+        raise ValueError(f"{str(error).partition(', got ')[0]}, got {text}") from None
 
 
 def parse_noise(option: str, text: str | None) -> GaussianNoise | UniformNoise | None:
@@ -98,7 +121,7 @@ def parse_control(option: str, text: str | None) -> Callable[..., Any] | None:
         if colon:
             raise ValueError(f"{option} {name} takes no points, got {text!r}")
         return controller_named(name)
-    found = parse_points(f"{option} {name}:...", points, count=POINTS[name], minimum=1)
+    found = parse_points(option, points, count=POINTS[name], minimum=1, prefix=f"{name}:")
     with about(option):
         return controller_named(name, found or ())
 
@@ -130,9 +153,17 @@ def parse_region(option: str, text: str) -> tuple[int, int, int, int]:
 
 
 def parse_points(
-    option: str, text: str | None, *, count: int | None = None, minimum: int = 3
+    option: str,
+    text: str | None,
+    *,
+    count: int | None = None,
+    minimum: int = 3,
+    prefix: str = "",
 ) -> Points | None:
-    """Return points from text such as "120,40 180,40 180,90": `count`, or at least `minimum`."""
+    """Return points from text such as "120,40 180,40 180,90": `count`, or at least `minimum`.
+
+    An error shows the text with the `prefix` that it had.
+    """
     if text is None:
         return None
     try:
@@ -140,17 +171,20 @@ def parse_points(
     except ValueError:
         found = []
     if len(found) != count and (count or len(found) < minimum):
-        example, number = _EXAMPLES[count or -minimum]
-        raise ValueError(f"{option} must be {number} such as '{example}', got {text!r}")
+        example, points = _EXAMPLES[count or -minimum]
+        which = f"{prefix} and {points}" if prefix else points
+        raise ValueError(
+            f"{option} must be {which} such as '{prefix}{example}', got '{prefix}{text}'"
+        )
     return found
 
 
 # By their number; negative: at least as many.
 _EXAMPLES = {
-    -3: ("120,40 180,40 180,90", "at least three points right,down"),
-    -1: ("400,400 800,400", "one or more points right,down"),
-    1: ("240,250", "one point right,down"),
-    -4: ("0,0 9,0 9,9 0,9", "at least four points"),
+    -3: ("120,40 180,40 180,90", "at least three points X,Y"),
+    -1: ("400,400 800,400", "one or more points X,Y"),
+    1: ("240,250", "one point X,Y"),
+    -4: ("0,0 9,0 9,9 0,9", "at least four points X,Y"),
 }
 
 

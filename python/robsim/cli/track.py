@@ -11,7 +11,7 @@ import typer
 from robsim.cli import errors
 from robsim.cli.outcome import finish, write_with_progress
 from robsim.cli.shared import SWITCH, Colors, Json, Robot, Smoothing, earlier_run
-from robsim.cli.text import Points, parse_points, parse_size
+from robsim.cli.text import Points, number, parse_points, parse_size
 
 if TYPE_CHECKING:
     from robsim._core import PlaneMap
@@ -58,6 +58,7 @@ def track(
         float | None,
         typer.Option(
             "--dt",
+            parser=number,
             metavar="SECONDS",
             help="Time between two frames in s. Default: from the video; 0.2 for images.",
         ),

@@ -110,7 +110,7 @@ def add_robot(
     problems = [] if ignore_colors else check_colors(robot, colors).sentences
     if problems:
         raise ValueError(
-            f"{'; '.join(problems)}. ignore_colors=True (--anyway) adds the robot anyway; "
+            f"{'; '.join(problems)}. ignore_colors=True adds the robot anyway; "
             "the colour file can be changed later"
         )
     return _store(robot)
@@ -183,9 +183,7 @@ def _check_new(name: str, overwrite: bool) -> None:
     _check_not_shipped(name)
     existing = same_name(name, user_robots())
     if existing is not None and not overwrite:
-        raise ValueError(
-            f"you have a robot {existing!r} already: overwrite=True (--overwrite) replaces it"
-        )
+        raise ValueError(f"you have a robot {existing!r} already: overwrite=True replaces it")
 
 
 def _is_plain(name: str) -> bool:

@@ -79,7 +79,7 @@ def step_count(steps: Any) -> int:
     if not is_int(steps):
         raise TypeError(f"steps must be an int, got {steps!r}")
     if not 0 <= steps <= UNLIMITED:
-        raise ValueError(f"steps must be at least 0 and below 2**62, got {steps}")
+        raise ValueError(f"steps must lie within 0..{UNLIMITED}, got {steps}")
     return int(steps)
 
 

@@ -8,7 +8,7 @@ import io
 import reprlib
 import tomllib
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -379,7 +379,7 @@ def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
     try:
         if len(text) > MOST_BYTES:
             raise ValueError(f"text must have at most {MOST_BYTES >> 20} MB")
-        return cls(**_options(_parsed(text), known=cls.__dataclass_fields__))
+        return cls(**_options(_parsed(text), known=[field.name for field in fields(cls)]))
     except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{source}: {error}") from error
 
