@@ -9,7 +9,7 @@ from commands import cli, command
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long]
 
-FILES = ["camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"]
+FILES = ["camera.jpg", "traces.png", "parameters.png", "batch.png", "trace.npz"]
 
 
 @pytest.fixture(scope="module")

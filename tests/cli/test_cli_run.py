@@ -23,7 +23,7 @@ def desk(tmp_path_factory):
     assert run.returncode == 0, run.stderr
     assert "Tracking" in run.stdout
     assert "12 (100 %)" in run.stdout
-    assert "written to robsim-run: camera.png, traces.png, trace.npz" in run.stdout
+    assert "written to robsim-run: camera.jpg, traces.png, trace.npz" in run.stdout
     return desk
 
 
@@ -167,7 +167,7 @@ def test_a_run_with_estimates_writes_their_figures(tmp_path):
     )
     assert run.exit_code == 0, run.stderr
     names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
-    assert names == {"camera.png", "traces.png", "parameters.png", "batch.png", "trace.npz"}
+    assert names == {"camera.jpg", "traces.png", "parameters.png", "batch.png", "trace.npz"}
     assert "Batch estimate from truth" in run.stdout
 
 
@@ -269,7 +269,7 @@ def test_figures_of_another_run_do_not_stay(tmp_path):
     (tmp_path / "robsim-run" / "mine.txt").write_text("mine")
     assert command("run", "--steps", "3", cwd=tmp_path).exit_code == 0
     names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
-    assert names == {"camera.png", "traces.png", "trace.npz", "mine.txt"}
+    assert names == {"camera.jpg", "traces.png", "trace.npz", "mine.txt"}
 
 
 def test_a_controller_that_needs_a_point(tmp_path):
@@ -315,7 +315,7 @@ def test_a_disk_that_is_full_is_told_by_the_name_of_the_file(tmp_path):
             text=True,
         )
 
-    data = {"robsim-run/trace.npz": 0, "robsim-run/camera.png": 8}
+    data = {"robsim-run/trace.npz": 0, "robsim-run/camera.jpg": 8}
     for file, kilobytes in data.items():
         assert (
             f"error: {file}: File too large"

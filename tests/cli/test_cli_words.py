@@ -133,3 +133,40 @@ def test_an_output_that_cannot_be_written():
         )
     assert result.returncode == 2
     assert result.stderr.startswith("error: the output cannot be written: No space left on device")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a limit of POSIX")
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [
+        (("new", "mine"), "mine/define_model.py"),
+        (("colors", "frame", "f.png"), "f.png"),
+        (("robots", "add", "mine", "lab"), "data/robots/mine"),
+    ],
+)
+def test_a_full_disk_names_the_file_and_keeps_no_part(command, file, tmp_path):
+    limit = "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
+    limit += "resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100)); "
+    result = subprocess.run(
+        [sys.executable, "-c", f"{limit}from robsim.cli import main; main()", *command],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"ROBSIM_DATA": "data"},
+        check=False,
+    )
+    assert result.returncode == 2
+    assert result.stderr == f"error: {file}: File too large\n"
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("robots", "show", "lab", "--out", "a.xyz"),
+        ("colors", "train", "f.png", "--name", "red", "--region", "578,613,594,630",
+         "--figure", "a.xyz"),
+    ],
+)  # fmt: skip
+def test_a_figure_of_no_known_format(command):
+    CliRunner().invoke(app, ["colors", "frame", "f.png", "--robot", "lab"])
+    assert refused(*command).startswith("error: a.xyz: the name of a figure must end in .png")

@@ -11,7 +11,6 @@ import numpy as np
 import typer
 
 from robsim._base.checks import check_float
-from robsim._base.files import naming
 from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
 from robsim.cli.command import Command
@@ -253,11 +252,11 @@ def _histograms(images: list[Path], regions: list[Region]) -> tuple[Any, Any]:
 def _write_histograms(
     file: Path, histograms: Any, color: ColorClass, others: Any, picture: str
 ) -> None:
+    from robsim.cli.results import save_figure
     from robsim.plotting import plot_color_histograms
 
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with naming(file):
-        plot_color_histograms(histograms, color, others=others, picture=picture).savefig(file)
+    figure = plot_color_histograms(histograms, color, others=others, picture=picture)
+    save_figure(file, figure)
 
 
 def _marked_regions(

@@ -16,7 +16,7 @@ from robsim.identification._batch import BatchEstimate, batch_estimate
 from robsim.simulation._runner import Runner
 from robsim.trace import TrackingStatistics
 
-_FIGURES = ("camera.png", "traces.png", "parameters.png", "batch.png")
+_FIGURES = ("camera.jpg", "traces.png", "parameters.png", "batch.png")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +62,26 @@ def check_folder(out: Path) -> None:
         raise PermissionError(f"{out}: the folder {there} cannot be written to")
 
 
+def save_figure(file: Path, figure: Any) -> None:
+    """Write a figure to a file in the format that its suffix names.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    ValueError
+        If the suffix names no known format.
+    """
+    known = figure.canvas.get_supported_filetypes()
+    if file.suffix[1:].lower() not in known:
+        raise ValueError(f"{file}: the name of a figure must end in .png, .pdf, .svg or the like")
+    # Noise does not compress: a camera's image is a fifth as large as JPEG.
+    quality = {"pil_kwargs": {"quality": 90}} if file.suffix == ".jpg" else {}
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with naming(file):
+        figure.savefig(file, **quality)
+
+
 def write_results(out: Path, simulation: Runner, *, method: str = "least_squares") -> Results:
     """Write the figures and the trace of a run.
 
@@ -77,7 +97,7 @@ def write_results(out: Path, simulation: Runner, *, method: str = "least_squares
     Returns
     -------
     Results
-        The numbers, and the files: camera.png, traces.png, trace.npz; parameters.png and
+        The numbers, and the files: camera.jpg, traces.png, trace.npz; parameters.png and
         batch.png if parameters were estimated.
     """
     trace = simulation.trace
@@ -85,7 +105,7 @@ def write_results(out: Path, simulation: Runner, *, method: str = "least_squares
     out.mkdir(parents=True, exist_ok=True)
     trace.save(out / "trace.npz")
     figures: dict[str, Any] = {
-        "camera.png": _camera_figure(simulation),
+        "camera.jpg": _camera_figure(simulation),
         "traces.png": plotting.plot_traces(trace),
     }
     report = _report(simulation, method)
@@ -95,8 +115,7 @@ def write_results(out: Path, simulation: Runner, *, method: str = "least_squares
         figures["batch.png"] = plotting.plot_batch(report).get_figure(root=True)
     for name in _FIGURES:
         if name in figures:
-            with naming(out / name):
-                figures[name].savefig(out / name)
+            save_figure(out / name, figures[name])
         else:  # remove the figure of an earlier run
             (out / name).unlink(missing_ok=True)
     files = tuple(out / name for name in (*figures, "trace.npz"))

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from robsim._base.files import naming
 from robsim.cli import errors
 from robsim.cli.command import Command
 from robsim.cli.shared import SWITCH
@@ -91,6 +90,7 @@ def show(
     colors: Colors = None,
 ) -> None:
     """Draw a robot with its outline, markers and heading, and check it."""
+    from robsim.cli.results import save_figure
     from robsim.plotting import plot_robot
     from robsim.robots import check_colors, load_robot
 
@@ -100,9 +100,7 @@ def show(
         plain_name = re.sub(r"[^\w-]+", "-", robot.name)
         file = out or Path(f"robot-{plain_name}.png")
         file = file if file.suffix else file.with_suffix(".png")
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with naming(file):
-            plot_robot(robot).figure.figure.savefig(file)
+        save_figure(file, plot_robot(robot).get_figure(root=True))
     print(_described(robot))
     print(f"figure written to {file}")
     for problem in problems:

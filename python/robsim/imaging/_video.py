@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
@@ -69,6 +70,10 @@ class VideoWriter:
         self._fps = round(rate, min(3, int(math.log10(65535 / rate))))
         if not self.path.absolute().parent.is_dir():
             raise FileNotFoundError(f"{self.path}: there is no folder {self.path.parent}")
+        if not os.access(self.path.absolute().parent, os.W_OK):
+            raise PermissionError(
+                f"{self.path}: the folder {self.path.parent} cannot be written to"
+            )
         self._cv2 = load_opencv("writing a video")
         self._part = temporary_path(self.path)
         self._size = (0, 0)
@@ -132,7 +137,8 @@ class VideoWriter:
                 str(self._part), self._cv2.CAP_FFMPEG, codec, self._fps, size
             )
         if not writer.isOpened():
-            self._part.unlink(missing_ok=True)
+            with suppress(OSError):
+                self._part.unlink(missing_ok=True)
             raise OSError(f"{self.path} cannot be written with frames of {size[0]} x {size[1]} px")
         return writer
 

@@ -16,7 +16,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import check_bool, check_float, check_text
-from robsim._base.files import write_whole
+from robsim._base.files import naming, write_whole
 from robsim._core import ColorClass
 from robsim.imaging._images import Pixels, load_image
 from robsim.robots._default_robot import default_robot, reset_default_robot
@@ -240,7 +240,8 @@ def _store(robot: RobotDefinition) -> RobotDefinition:
     folder = user_robots_folder() / robot.name
     temporary = _temporary_folder(folder)
     try:
-        save_robot(temporary, robot)
+        with naming(folder):
+            save_robot(temporary, robot)
         stored = read_robot(temporary)
         _put_in_place(temporary, folder, user_robots())
     finally:

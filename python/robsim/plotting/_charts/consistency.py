@@ -55,7 +55,7 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
         (values > high, style.WRONG, report.above, "above"),
         (values < low, style.BATCH, report.below, "below"),
     ):
-        label = f"{percent(fraction)} {name}"
+        label = f"{percent(fraction)} {name}" if np.isfinite(fraction) else None
         ax.plot(k[where], values[where], ".", color=color, markersize=size, label=label)
     ax.set_yscale("log")
     low, high = ax.get_ylim()
