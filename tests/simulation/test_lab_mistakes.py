@@ -51,7 +51,7 @@ def test_a_callback_that_does_not_return_its_result():
     ("control", "note"),
     [
         (lambda step: (step.pose_true[0], 0), "the truth is not for the robot's software"),
-        (lambda step: (step.pose[0], 0), "a Step has blobs, detection, dt, estimate"),
+        (lambda step: (step.images[0], 0), "a Step has blobs, detection, dt, estimate"),
         (lambda step: (step.detection.measurement.x, 0), "a Measurement has pose"),
     ],
 )
@@ -75,7 +75,7 @@ def test_a_scenario_in_a_file_has_to_be_loaded():
 
 
 def test_a_trace_cannot_be_played():
-    with pytest.raises(TypeError, match="simulation must be a Simulation, got <Trace"):
+    with pytest.raises(TypeError, match="simulation must be a Simulation, got a Trace"):
         robsim.play(robsim.Simulation().run(2))
 
 

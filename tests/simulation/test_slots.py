@@ -432,7 +432,7 @@ def takes_a_row_for_the_sample(step):
     ("options", "note"),
     [({"control": lambda step: step.pose}, "did you mean step.measurement.pose?"),
      ({"control": lambda step: step.image}, "did you mean step.frame.image?"),
-     ({"control": lambda step: step.pose_true}, "a Step has blobs, detection, dt, "),
+     ({"control": lambda step: step.pose_true}, "the truth is not for the robot's software"),
      ({"control": lambda step: step.measurement.x}, "a Measurement has "),
      ({"evaluate_model": lambda world: world.pose}, "a WorldState has dt, k, last_u, model, "),
      ({"control": lambda step: step.measurement[0]}, "a Measurement has "),

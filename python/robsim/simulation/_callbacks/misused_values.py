@@ -57,6 +57,8 @@ def _attributes(value: object, name: str | None) -> str | None:
     kind = type(value)
     if name is None or not kind.__module__.startswith("robsim"):
         return None
+    if isinstance(value, Step) and "true" in name.split("_"):
+        return f"the truth is not for the robot's software: {_members(kind)}"
     inside = [one for one in _public(kind) if hasattr(_read(value, one), name)]
     if isinstance(value, Step) and inside:
         return f"did you mean step.{f'.{name} or step.'.join(inside)}.{name}?"
