@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, as_float_array
 from robsim._base.spelling import with_article
@@ -36,6 +37,10 @@ _SOURCES: dict[type, str] = {
     "in robsim.evaluation",
     Axes: "axes of matplotlib, such as figure.add_subplot()",
 }
+
+
+#: The panels of a figure of several.
+Panels = Sequence[Axes] | NDArray[np.object_]
 
 
 def check_optional(name: str, value: Any, kind: type) -> None:
@@ -86,7 +91,7 @@ def check_steps(trace: Any) -> None:
         raise ValueError("the trace has no steps yet: run the simulation, sim.run(100)")
 
 
-def check_axes(axes: Any, shape: tuple[int, ...]) -> Any:
+def check_axes(axes: Any, shape: tuple[int, ...]) -> NDArray[np.object_]:
     """Return `axes` as an array of Axes; raise a ValueError unless it has the shape."""
     found = np.asarray(axes, dtype=object)
     size = " x ".join(map(str, shape))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
 from robsim._core import regression
@@ -25,7 +25,9 @@ _MINIMUM_POSES = 5
 _MINIMUM_SAMPLES = 8
 
 
-def instrumental_variables(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
+def instrumental_variables(
+    poses: ArrayLike, u: ArrayLike, *, breaks: ArrayLike | None = None
+) -> ModelFit:
     """Estimate the parameters of the robot model from measured poses, without bias.
 
     Least squares is biased by the noise in its regressors. Here each regressor has an instrument:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
 from robsim._core import simulated_path
@@ -28,7 +27,7 @@ _DAMPING_FACTOR = 100.0
 _MAXIMUM_DAMPING = 1e8
 
 
-def output_error(poses: Any, u: Any, *, breaks: Any = None) -> ModelFit:
+def output_error(poses: ArrayLike, u: ArrayLike, *, breaks: ArrayLike | None = None) -> ModelFit:
     """Fit the simulated path of the robot model to measured poses.
 
     The path depends on the inputs, the 15 parameters and the first two poses of each segment

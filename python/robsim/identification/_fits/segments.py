@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats
 
@@ -64,7 +64,7 @@ class Segment:
         return np.column_stack([np.interp(steps, at, axis[self.seen]) for axis in self.poses.T])
 
 
-def as_record(poses: Any, u: Any, breaks: Any) -> Record:
+def as_record(poses: ArrayLike, u: ArrayLike, breaks: ArrayLike | None) -> Record:
     """Return checked copies; raise TypeError or ValueError for a wrong type, shape or value."""
     poses = _rows("poses", poses, 3)
     u = _rows("u", u, 2)

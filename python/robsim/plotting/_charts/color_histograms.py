@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,7 +10,7 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats, as_float_array, check_text
 from robsim._core import ColorClass
 from robsim.plotting import _style as style
-from robsim.plotting._arguments import check_axes, check_kind
+from robsim.plotting._arguments import Panels, check_axes, check_kind
 
 _NAMES = ("Y: brightness", "U: more = bluer", "V: more = redder")
 
@@ -24,7 +22,7 @@ def plot_color_histograms(
     *,
     others: ArrayLike | None = None,
     picture: str | None = None,
-    axes: Any = None,
+    axes: Panels | None = None,
 ) -> Figure:
     """Draw the Y, U and V histograms of a colour's pixels, and the ranges of its class.
 

@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats, as_float_array
 from robsim.evaluation._errors import ErrorReport, mean_of_known
 from robsim.plotting import _style as style
-from robsim.plotting._arguments import check_axes, check_kind
+from robsim.plotting._arguments import Panels, check_axes, check_kind
 from robsim.plotting._charts.error_panels import draw_errors, draw_histogram, limit_panel
 
 
 @style.applied
-def plot_errors(report: ErrorReport, *, bound: ArrayLike | None = None, axes: Any = None) -> Figure:
+def plot_errors(
+    report: ErrorReport, *, bound: ArrayLike | None = None, axes: Panels | None = None
+) -> Figure:
     """Draw errors over the steps, the reported standard deviations, and histograms of the errors.
 
     The band is +- two reported standard deviations: 95 % of the errors of a consistent estimator

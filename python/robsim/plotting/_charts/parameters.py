@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats, as_float_array
 from robsim.identification._identifiability import identifiability
 from robsim.plotting import _style as style
-from robsim.plotting._arguments import check_axes, check_steps
+from robsim.plotting._arguments import Panels, check_axes, check_steps
 from robsim.trace import Trace
 
 # One look for each of a1, a2, b1, b2, d1.
@@ -34,7 +34,7 @@ _D1 = 4
 
 @style.applied
 def plot_parameters(
-    trace: Trace, *, standard_errors: ArrayLike | None = None, axes: Any = None
+    trace: Trace, *, standard_errors: ArrayLike | None = None, axes: Panels | None = None
 ) -> Figure:
     """Draw the errors of the 15 online parameter estimates over the steps, on a logarithmic axis.
 
@@ -93,7 +93,7 @@ def plot_parameters(
         _write_values(panel, axis, columns | {"last": last[axis]}, verdicts[axis])
     for panel in axes[:-1]:
         panel.set_xlabel("")
-    style.rasterize_long_lines(axes.flat)
+    style.rasterize_long_lines(list(axes.flat))
     first: Axes = axes[0]
     return first.figure.figure
 
