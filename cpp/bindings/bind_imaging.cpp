@@ -1,6 +1,8 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -41,6 +43,8 @@ std::vector<Point> points_from(py::handle value, const std::string& name) {
     points.push_back({array.at(i, 0), array.at(i, 1)});
   return points;
 }
+
+constexpr int notebook_width = 480;  // px; a camera's frame would fill the screen
 
 // Maps one point (2,) or many (N, 2).
 template <typename Map>
@@ -258,12 +262,24 @@ Examples
       .def_readonly("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area.")
       .def(
           "_repr_png_",
-          [](const Frame& self) -> py::bytes {
+          [](const Frame& self) -> std::pair<py::bytes, std::map<std::string, int>> {
             // The core knows no codecs: the package's own one does it.
-            return py::module_::import("robsim.imaging._images")
-                .attr("png_bytes")(image_array(self.image));
+            const py::bytes png = py::module_::import("robsim.imaging._images")
+                                      .attr("png_bytes")(image_array(self.image));
+            return {png, {{"width", std::min(self.image.width(), notebook_width)}}};
           },
-          "Return the image as a PNG file: a frame shows itself in a notebook.")
+          "Return the image as a PNG file and how wide it is shown: a frame shows itself in a "
+          "notebook.")
+      .def(
+          "__array__",
+          [](const Frame& self, const py::object& dtype, const py::object& copy) {
+            const py::array pixels = image_array(self.image);
+            const bool is_copied = !copy.is_none() && copy.cast<bool>();
+            const py::object kind = dtype.is_none() ? py::object(pixels.dtype()) : dtype;
+            return pixels.attr("astype")(kind, py::arg("copy") = is_copied);
+          },
+          py::arg("dtype") = py::none(), py::arg("copy") = py::none(),
+          "Return the image: numpy and matplotlib take a frame for its pixels.")
       .def("__repr__", [](const Frame& self) {
         const std::string time =
             self.t ? py::str(", t = {:g} s").format(*self.t).cast<std::string>() : "";

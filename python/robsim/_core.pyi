@@ -155,6 +155,10 @@ class Frame:
         >>> ok, image = cv2.VideoCapture(0).read()
         >>> frame = Frame.from_bgr(image, t=time.monotonic())
         """
+    def __array__(self, dtype: typing.Any = None, copy: typing.Any = None) -> typing.Any:
+        """
+        Return the image: numpy and matplotlib take a frame for its pixels.
+        """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
     def __getstate__(self) -> typing.Any:
@@ -169,9 +173,9 @@ class Frame:
         ...
     def __setstate__(self, arg0: typing.Any) -> None:
         ...
-    def _repr_png_(self) -> bytes:
+    def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
         """
-        Return the image as a PNG file: a frame shows itself in a notebook.
+        Return the image as a PNG file and how wide it is shown: a frame shows itself in a notebook.
         """
     @property
     def image(self) -> numpy.typing.NDArray[numpy.uint8]:

@@ -74,6 +74,10 @@ IMAGE = np.zeros((4, 4, 3), np.uint8)
             lambda: find_blobs(IMAGE, [], regoin=3),
             "find_blobs() has no argument 'regoin'; did you mean 'region'?",
         ),
+        (
+            lambda: Frame(IMAGE, time=3),
+            "Frame() has no argument 'time': it takes image, copy, t, index, plane_map",
+        ),
         (lambda: Spin(current=3), "Spin() has no argument 'current': it takes voltage"),
         (lambda: robsim.Unicycle(x=3), "Unicycle() has no argument 'x': it takes none"),
         (lambda: Spin(1, voltage=3), "Spin() got two values for voltage"),

@@ -209,3 +209,13 @@ UPSIDE_DOWN = np.zeros((200, 300, 3), np.uint8)[::-1]
 )
 def test_what_cannot_be_drawn_into(refusal):
     refusal()
+
+
+def test_numpy_takes_a_frame_for_its_pixels():
+    image = np.arange(4 * 5 * 3, dtype=np.uint8).reshape(4, 5, 3)
+    frame = robsim.Frame(image)
+    shown = np.asarray(frame)
+    np.testing.assert_array_equal(shown, image)
+    assert np.shares_memory(shown, frame.image)
+    assert np.array(frame).flags.writeable
+    assert np.asarray(frame, np.float64).dtype == np.float64

@@ -27,7 +27,9 @@ def test_five_lines_show_a_picture():
     assert len(trace) == 30
     assert trace.seen.all()
     assert sim.frame.image.shape == (1200, 1200, 3)
-    assert sim.frame._repr_png_().startswith(b"\x89PNG")
+    png, shown = sim.frame._repr_png_()
+    assert png.startswith(b"\x89PNG")
+    assert shown == {"width": 480}
 
 
 @pytest.mark.long

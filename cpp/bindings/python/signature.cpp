@@ -131,8 +131,17 @@ class Call {
   std::string unexpected(const std::string& name) const {
     const std::string text = signature_.name + "() has no argument '" + name + "'";
     if (signature_.parameters.empty()) return text + ": it takes none";
-    const std::string meant = suggestion(name, signature_.parameters);
+    const std::string meant = suggestion(name, open_parameters());
     return text + (meant.empty() ? ": it takes " + names_of(signature_.parameters) : meant);
+  }
+
+  // Those that no value has come for.
+  std::vector<Parameter> open_parameters() const {
+    std::vector<Parameter> open;
+    for (std::size_t i = 0; i < given_.size(); ++i) {
+      if (!given_[i]) open.push_back(signature_.parameters[i]);
+    }
+    return open;
   }
 
   std::string missing() const {

@@ -98,7 +98,7 @@ ColorClass color_from_histograms(const std::string& name, const ColorHistograms&
     throw std::invalid_argument(
         "the region has hardly any colour: U " + text(found[1]) + " and V " + text(found[2]) +
         " lie around 128, which is grey. Give a region within the marker, or limit its "
-        "brightness, too: limit_y=True (--limit-y)");
+        "brightness, too: limit_y=True");
   }
   const int kept = std::min(beyond_grey, strength / 2);
   Range ranges[3] = {{0, 255}, {0, 255}, {0, 255}};

@@ -93,7 +93,7 @@ def plot_parameters(
         _write_values(panel, axis, columns | {"last": last[axis]}, verdicts[axis])
     for panel in axes[:-1]:
         panel.set_xlabel("")
-    style.rasterize_long_lines(list(axes.flat))
+    style.rasterize_long_lines(axes.ravel().tolist())
     first: Axes = axes[0]
     return first.figure.figure
 
