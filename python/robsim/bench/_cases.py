@@ -8,15 +8,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from robsim._base.report import Column, Quantity, Report, Row, Table
+
 Call = Callable[[], Any]
 
 _UNITS = {"ms": 1e3, "us": 1e6, "ns": 1e9}  # per second
-_COLUMNS = {
+_OTHERS = {
     "opencv": "OpenCV",
-    "components": "OpenCV components",
+    "components": "components",
     "numpy": "numpy",
-    "memory_read": "memory read",
+    "memory_read": "memory",
 }
+
+
+def _three_digits(value: float) -> str:
+    return f"{value:.3g}" if value < 999 else f"{value:,.0f}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,28 +46,19 @@ class Case:
     others: Mapping[str, float]
     unit: str = "ms"
 
-    def to_dict(self) -> dict[str, float]:
-        """Return the times, and the ratio of each other time to ours."""
-        numbers = {f"ours_{self.unit}": self.ours}
-        for other, value in self.others.items():
-            numbers[f"{other}_{self.unit}"] = value
+    def numbers(self) -> list[float | None]:
+        """Return the times, and after each that can be compared how many times ours it is."""
+        numbers: list[float | None] = [self.ours]
+        for other in _OTHERS:
+            time_ = self.others.get(other)
+            numbers.append(time_)
             if other != "memory_read":
-                first = other == next(iter(self.others))
-                numbers["ratio" if first else f"{other}_ratio"] = value / self.ours
+                numbers.append(None if time_ is None else time_ / self.ours)
         return numbers
-
-    def row(self) -> str:
-        """Return a line of the table."""
-        line = f"{self.name:22}{self.ours:9.3f} {self.unit}"
-        for other in _COLUMNS:
-            value = self.others.get(other)
-            text = "" if value is None else f"{value:.3f} ({value / self.ours:.1f} x)"
-            line += f"{text:>20}"
-        return line.rstrip()
 
 
 @dataclass(frozen=True, kw_only=True)
-class BenchResult:
+class BenchResult(Report):
     """The results of a benchmark run.
 
     Attributes
@@ -78,26 +75,36 @@ class BenchResult:
     cases: tuple[Case, ...]
     rates: Mapping[str, float]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return name -> numbers."""
-        return {
-            "cpu_path": self.cpu_path,
-            **{case.name: case.to_dict() for case in self.cases},
-            **{name: {"steps_per_second": rate} for name, rate in self.rates.items()},
-        }
+    @property
+    def title(self) -> str:
+        """What was measured."""
+        return "Median times in one thread"
 
-    def __str__(self) -> str:
-        titles = "".join(f"{title:>20}" for title in _COLUMNS.values())
-        return "\n".join(
-            [
-                f"one thread, path {self.cpu_path}, medians; in brackets how many times ours",
-                f"{'':22}{'robsim':>12}{titles}",
-                *(case.row() for case in self.cases),
-                "",
-                "steps per second of Simulation.run",
-                *(f"{name:22}{rate:12,.0f}" for name, rate in self.rates.items()),
-            ]
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The instruction set."""
+        return (Quantity("cpu_path", "vector instructions", self.cpu_path),)
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """The cases, and the rates of whole runs."""
+        columns = [Column("ours", "robsim", format=_three_digits)]
+        for other, name in _OTHERS.items():
+            columns.append(Column(other, name, format=_three_digits, missing=""))
+            if other != "memory_read":
+                columns.append(Column(f"{other}_ratio", "x", unit="", format=".1f", missing=""))
+        cases = [Row(case.name, case.numbers(), unit=case.unit) for case in self.cases]
+        rates = [Row(name, [rate]) for name, rate in self.rates.items()]
+        rate = Column("steps_per_second", "steps per second", unit="", format=",.0f")
+        return (
+            Table(key="cases", columns=columns, rows=cases, row_title="task"),
+            Table(key="rates", columns=[rate], rows=rates, row_title="Simulation.run"),
         )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """How to read the columns."""
+        return ("x: how many times as long as robsim",)
 
 
 def timed(

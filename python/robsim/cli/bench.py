@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
 import typer
@@ -36,4 +35,4 @@ def bench(
 
     with errors.report_errors():
         result = run_bench(rounds=rounds)
-    print(json.dumps(result.to_dict(), indent=2) if as_json else result)
+    print(result.to_json() if as_json else result)

@@ -44,6 +44,7 @@ from robsim.trace._trace import check_trace
 from robsim.vision._color_files import as_colors
 
 _CONTROL = Spin()
+_SWITCHES = tuple(name for name, slot in SLOTS.items() if slot.is_switch)
 
 BOUNDARIES = ("bounce", "unlimited")
 SOURCES = tuple(POSES)
@@ -184,10 +185,7 @@ class Scenario:
             "colors": options.colors_value(self.colors, smoothing),
             "markers": options.markers_value(self.markers),
             "smoothing": smoothing,
-            "estimate_parameters": options.switch_value(
-                "estimate_parameters", self.estimate_parameters
-            ),
-            "measure": options.switch_value("measure", self.measure),
+            **{name: options.switch_value(name, getattr(self, name)) for name in _SWITCHES},
             "control": _CONTROL if self.control is None else self.control,
         }
 
