@@ -294,7 +294,7 @@ def test_test_refuses(arguments, sentence):
 # --- help
 @pytest.mark.slow
 def test_the_examples_of_the_help_work_one_after_the_other():
-    for command in ("frame", "train", "list", "show", "test"):
+    for command in ("frame", "train", "list", "test"):
         text = done(command, "--help")
         assert max(map(len, text.splitlines())) <= 80
         example = re.search(r"Example: robsim colors (.+)", text, flags=re.DOTALL)[1].split()

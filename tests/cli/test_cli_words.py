@@ -10,6 +10,8 @@ from typer.testing import CliRunner
 
 from robsim.cli import app, errors
 
+pytestmark = pytest.mark.long
+
 COMMANDS = [
     (), ("run",), ("track",), ("new",), ("demo",), ("bench",), ("notebooks",), ("robots",),
     ("colors",), ("robots", "add"), ("robots", "rotate"), ("colors", "train"), ("colors", "frame"),

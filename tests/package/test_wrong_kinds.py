@@ -16,6 +16,8 @@ import pytest
 
 import robsim
 
+pytestmark = pytest.mark.long
+
 #: Wrong kinds that are taken, or refused in another way, on purpose.
 VALID = {
     # The items of an iterable are looked at one by one, in the run.

@@ -10,6 +10,8 @@ from drawn_robots import box, painted
 from robsim.robots import RobotDefinition
 from robsim.simulation._outside.mirrored import drives_backwards, mirrored_remark
 
+pytestmark = pytest.mark.long
+
 SHIPPED = ["lab", "robot2", "sheep"]
 
 
