@@ -1,11 +1,13 @@
 """`robsim run --scenario`."""
 
 import numpy as np
+import pytest
 
 import robsim
 from commands import command
 
 
+@pytest.mark.long
 def test_a_scenario_is_run_and_options_change_it(tmp_path):
     scenario = robsim.Scenario(
         measure=True,

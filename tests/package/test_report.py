@@ -277,6 +277,7 @@ def results():
     ]
 
 
+@pytest.mark.long
 def test_every_result_has_every_form(results):
     for result in results:
         assert isinstance(result, Report), result
@@ -298,6 +299,7 @@ def test_no_result_writes_a_layout_of_its_own(results):
     assert not own & forms
 
 
+@pytest.mark.long
 def test_no_message_says_by_itself_what_was_not_recorded():
     root = Path(robsim.__file__).parent
     for file in root.rglob("*.py"):
