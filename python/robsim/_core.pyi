@@ -123,7 +123,8 @@ class Frame:
         RGB pixels. With ``copy=False`` any buffer of this type and shape.
     copy : bool
         False: take the pixels where they are, such as in shared memory. The frame keeps the array
-        alive and always shows what is in its memory now: who overwrites it, changes the frame.
+        alive and always shows what is in its memory now: who overwrites it, changes the frame, and
+        what it equals and its hash with it.
     t : float, optional
         Time (s). None: it has no time of its own.
     index : int

@@ -6,12 +6,12 @@ import re
 import sys
 import textwrap
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robsim
+from package_files import package_files
 from robsim._base.report import count, interval
 from robsim._base.report.numbers import plain, shown
 from robsim.evaluation import Column, Quantity, Report, Row, Table, percent
@@ -301,8 +301,7 @@ def test_no_result_writes_a_layout_of_its_own(results):
 
 @pytest.mark.long
 def test_no_message_says_by_itself_what_was_not_recorded():
-    root = Path(robsim.__file__).parent
-    for file in root.rglob("*.py"):
+    for file in package_files():
         if file.name == "_not_recorded.py":
             continue
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):

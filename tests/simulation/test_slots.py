@@ -6,19 +6,18 @@ import functools
 import inspect
 import operator
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robsim
+from package_files import PACKAGE, package_files
 from robsim import Experiment, Simulation
 from robsim.simulation import _slots as table
 from robsim.simulation._callbacks.slot import Slot, SlotHandle
 from robsim.simulation._folders.spelling import misspelled
 from robsim.simulation._slots import SLOTS
 
-PACKAGE = Path(robsim.__file__).parent
 FRAME = robsim.Frame(np.zeros((60, 60, 3), np.uint8))
 SIZE = (60, 60)
 
@@ -86,7 +85,7 @@ def test_no_other_file_lists_the_slots():
     assert list(lists_of_slots("a = ('measure', 'control', 'estimate_state')"))
     found = {
         str(file.relative_to(PACKAGE)): lines
-        for file in PACKAGE.rglob("*.py")
+        for file in package_files()
         if (lines := list(lists_of_slots(file.read_text())))
     }
     assert found == {}

@@ -80,6 +80,7 @@ void define_equality(Class& cls, const Fields<F...>& fields) {
     if (!py::type::of(self).is(py::type::of(other))) {
       return Equality(py::handle(Py_NotImplemented));
     }
+    if (self.is(other)) return Equality(true);
     const auto key = [&](const py::object& value) {
       return key_of(values_of(value.cast<const T&>(), fields));
     };

@@ -43,8 +43,9 @@ using Vision = std::tuple<std::vector<ColorClass>, MarkerLayout, std::optional<i
 std::shared_ptr<Step> new_step(const std::optional<Frame>& frame, bool had_frame,
                                const std::optional<Vision>& vision) {
   std::shared_ptr<MarkerVision> marker_vision;
-  if (vision)
+  if (vision) {
     marker_vision = std::make_shared<MarkerVision>(std::make_from_tuple<MarkerVision>(*vision));
+  }
   auto step = std::make_shared<Step>(std::make_shared<RunGuard>(), marker_vision);
   step->begin(frame ? std::make_shared<KeptFrame>(*frame) : nullptr);
   step->has_frame = had_frame;
