@@ -261,17 +261,36 @@ def test_tracking_statistics_by_hand():
     )
     statistics = trace.tracking()
     assert (statistics.steps, statistics.seen, statistics.false_poses) == (4, 3, 1)
-    # (3^2 + 4^2 + 12^2 + 1^2)/3 = 170/3
-    assert statistics.rmse_xy == pytest.approx(np.sqrt(170 / 3))
-    assert statistics.rmse_heading_deg == pytest.approx(np.rad2deg(np.sqrt(0.05 / 3)))
+    # without the false pose: (3^2 + 4^2 + 1^2)/2 = 13; with it the distances are 1, 5, 12
+    assert statistics.rmse_xy == pytest.approx(np.sqrt(13))
+    assert statistics.rmse_heading_deg == pytest.approx(np.rad2deg(np.sqrt(0.01 / 2)))
+    assert statistics.median_xy == pytest.approx(5)
+    assert statistics.median_heading_deg == pytest.approx(np.rad2deg(0.1))
     assert str(statistics).splitlines() == [
         "Tracking",
-        "  steps                       4",
-        "  seen                        3 (75.0 %)",
-        "  false poses                 1",
-        "  rmse of the position (px)   7.528",
-        "  rmse of the heading (deg)   7.397",
+        "  steps                               4",
+        "  seen                                3 (75.0 %)",
+        "  false poses                         1",
+        "  rmse of the position (px)           3.606",
+        "  rmse of the heading (deg)           4.051",
+        "  median error of the position (px)   5.000",
+        "  median error of the heading (deg)   5.730",
+        "  - the rmse is that of the poses that are not false, the median that of all",
     ]
+
+
+def test_false_poses_do_not_hide_how_good_the_others_are():
+    poses = np.zeros((171, 3))
+    measured = np.tile([0.6, 0.8, 0.01], (171, 1))
+    measured[:4] = (600, 800, 3)
+    trace = trace_of(171, ("pose_measured",), pose_true=poses, pose_measured=measured)
+    assert trace.tracking().rmse_xy == pytest.approx(1)
+    assert trace.tracking().median_xy == pytest.approx(1)
+    every = trace[:4].tracking()
+    assert np.isnan(every.rmse_xy)
+    assert every.median_xy == pytest.approx(1000)
+    assert every.false_poses == 4
+    assert "not known" not in str(every)
 
 
 @pytest.mark.parametrize("rows", [0, 3])

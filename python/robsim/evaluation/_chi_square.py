@@ -54,6 +54,21 @@ def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floa
     return band
 
 
+def chi_square_quantile(probability: float, n: int) -> float:
+    """Return the value that a chi-square variable exceeds with a probability.
+
+    Parameters
+    ----------
+    probability : float
+        The probability, above 0.
+    n : int
+        Degrees of freedom.
+    """
+    from scipy.special import chdtri
+
+    return float(chdtri(n, probability))
+
+
 def chi_square_tail(value: float, n: int) -> float:
     """Return the probability that a chi-square variable with n degrees of freedom exceeds a value.
 

@@ -12,10 +12,14 @@ from robsim._base.checks import Floats, as_float_array
 from robsim._base.report import Quantity, Report, interval, percent
 from robsim.evaluation._chi_square import chi_square_band
 from robsim.evaluation._errors import as_runs, mean_of_known, wrapped_error
+from robsim.evaluation._time_average import standard_error_of_mean
 from robsim.evaluation._whiteness import WhitenessReport, whitened, whiteness
 from robsim.trace import Trace
 
-#: A filter with a smaller fraction of its steps in the band of the NEES is inconsistent.
+#: Level of the bands that a filter is judged by, whatever band is shown.
+JUDGED_LEVEL = 0.95
+
+#: A filter with a smaller fraction of its steps in that band of the NEES is inconsistent.
 FRACTION_IN_BAND = 0.8
 
 #: With fewer runs the NEES does not reveal a conservative filter.
@@ -24,8 +28,8 @@ MINIMUM_RUNS = 20
 #: Tolerance of the mean NEES over enough runs: relative, and in its standard errors.
 MEAN_TOLERANCE = (0.1, 4.0)
 
-# Lags of the innovation that are tested for whiteness, in a run that is long enough.
-_LAGS = 20
+# A shorter record is not tested for whiteness.
+_FEWEST_STEPS = 4
 
 
 def nees(error: ArrayLike, covariance: ArrayLike) -> Floats:
@@ -96,7 +100,7 @@ class ConsistencyReport(Report):
     means : array (M,)
         Mean over the steps of each run, NaN where none is known.
     level : float
-        Fraction of the values that should lie in the band.
+        Fraction of the values that should lie in the band that is shown.
     band : array (N, 2)
         Two-sided chi-square band of each step, wider where fewer runs have a value.
     whiteness : WhitenessReport or None
@@ -115,7 +119,11 @@ class ConsistencyReport(Report):
     filter with a longer memory), and in 99 % some step lies outside its own band. Therefore at
     least 80 % of the steps must lie in their bands; and from 20 runs on the mean must not be off
     by more than 10 % and 4 of its standard errors. These come from the spread between the runs,
-    which correlation in time does not affect.
+    which correlation in time does not affect. The verdict is that of the 95 % band, whatever
+    `level` is shown.
+
+    A verdict is at the limit if it would be another one with a share, or a mean, that is better or
+    worse by its standard error. That of the share comes from its autocorrelation in time.
 
     In trials of that filter with four levels of process noise and 100 to 500 steps, over 20 runs
     this test rejected 1 of 1200 correctly tuned filters, and 4799 of 4800 with Q or R wrong by a
@@ -166,8 +174,31 @@ class ConsistencyReport(Report):
 
     @property
     def mean_band(self) -> Floats:
-        """Chi-square band (2,) of the mean, valid for white values: for a NIS."""
-        return chi_square_band(self.n, runs=int(self.counts.sum()), level=self.level)
+        """The 95 % chi-square band (2,) of the mean, valid for white values: for a NIS."""
+        return chi_square_band(self.n, runs=int(self.counts.sum()), level=JUDGED_LEVEL)
+
+    @property
+    def _judged_band(self) -> Floats:
+        if self.level == JUDGED_LEVEL:
+            return self.band
+        return chi_square_band(self.n, runs=self.counts, level=JUDGED_LEVEL)
+
+    @property
+    def share(self) -> float:
+        """Fraction of the known steps in the 95 % band, by which a NEES is judged."""
+        return mean_of_known(self._is_inside, axis=0).item()
+
+    @property
+    def share_standard_error(self) -> float:
+        """Standard error of `share`, from the autocorrelation of the steps in the band."""
+        return standard_error_of_mean(self._is_inside)
+
+    @property
+    def _is_inside(self) -> Floats:
+        """1 for a step in the 95 % band, 0 for one outside, NaN where nothing is known, (N,)."""
+        low, high = self._judged_band.T
+        inside = (self.values >= low) & (self.values <= high)
+        return np.where(self.counts > 0, inside.astype(np.float64), np.nan)
 
     def _fraction(self, where: NDArray[np.bool_]) -> float:
         known = np.count_nonzero(self.counts)
@@ -193,24 +224,50 @@ class ConsistencyReport(Report):
         """Return ``"consistent"``, ``"optimistic"``, ``"conservative"`` or ``"not known"``."""
         if not self.counts.any():
             return "not known"
-        if self.kind == "NIS":
-            low, high = self.mean_band
-            is_consistent, is_large = low <= self.mean <= high, self.mean > high
-        elif self.inside < FRACTION_IN_BAND:
-            is_consistent, is_large = False, self.above > self.below
-        else:
-            is_consistent, is_large = not self._mean_is_off, self.mean > self.n
-        if is_consistent:
+        if self._passes():
             return "consistent"
+        if self.kind == "NEES" and self.share < FRACTION_IN_BAND:
+            low, high = self._judged_band.T
+            above, below = self.values > high, self.values < low
+            is_large = bool(np.count_nonzero(above) > np.count_nonzero(below))
+        else:
+            is_large = self.mean > self.n
         return "optimistic" if is_large else "conservative"
 
     @property
-    def _mean_is_off(self) -> bool:
+    def at_limit(self) -> bool:
+        """Whether the verdict would be another one with the judged numbers a standard error off."""
+        return bool(self.counts.any()) and self._passes(1.0) != self._passes(-1.0)
+
+    def _passes(self, better: float = 0.0) -> bool:
+        """Return whether the filter passes if its numbers are better by so many standard errors."""
+        return self._share_passes(better) and self._mean_passes(better)
+
+    def _share_passes(self, better: float) -> bool:
+        if self.kind == "NIS":
+            return True
+        gain = better * np.nan_to_num(self.share_standard_error)
+        return bool(self.share + gain >= FRACTION_IN_BAND)
+
+    def _mean_passes(self, better: float) -> bool:
+        if self.kind == "NIS":
+            low, high = self.mean_band
+            gain = better * self._nis_spread
+            return bool(low - gain <= self.mean <= high + gain)
+        if np.count_nonzero(~np.isnan(self.means)) < MINIMUM_RUNS:
+            return True
+        gain = better * np.nan_to_num(self.mean_standard_error)
+        return bool(abs(self.mean - self.n) <= self._mean_limit + gain)
+
+    @property
+    def _mean_limit(self) -> float:
         relative, standard_errors = MEAN_TOLERANCE
-        off = abs(self.mean - self.n)
-        is_enough = np.count_nonzero(~np.isnan(self.means)) >= MINIMUM_RUNS
-        limit = max(relative * self.n, standard_errors * self.mean_standard_error)
-        return bool(is_enough and off > limit)
+        return max(relative * self.n, standard_errors * self.mean_standard_error)
+
+    @property
+    def _nis_spread(self) -> float:
+        # the variance of chi2(n) is 2 n
+        return float(np.sqrt(2.0 * self.n / self.counts.sum()))
 
     @property
     def title(self) -> str:
@@ -226,6 +283,7 @@ class ConsistencyReport(Report):
         return (
             Quantity("mean", f"mean {self.kind}", self.mean, format=".3g"),
             *self._expectation(),
+            *self._share_quantity(),
             Quantity("inside", f"steps in the {band}", self.inside, format=percent),
             Quantity("above", "steps above it", self.above, format=percent),
             Quantity("below", "steps below it", self.below, format=percent),
@@ -249,6 +307,12 @@ class ConsistencyReport(Report):
             Quantity("expected_mean", "mean expected", self.n, format="g"),
         )
 
+    def _share_quantity(self) -> tuple[Quantity, ...]:
+        if self.kind == "NIS" or self.level == JUDGED_LEVEL:
+            return ()
+        title = f"steps in the {percent(JUDGED_LEVEL, 0)} band"
+        return (Quantity("share", title, self.share, format=percent),)
+
     def _whiteness_quantities(self) -> tuple[Quantity, ...]:
         if self.whiteness is None:
             return ()
@@ -259,16 +323,39 @@ class ConsistencyReport(Report):
     def remarks(self) -> tuple[str, ...]:
         """What the verdict means."""
         remarks = [_MEANING[self.verdict]]
+        if self.at_limit:
+            remarks.append(f"at the limit, so that other runs may say otherwise: {self._edge}")
         if self.kind == "NEES" and self.verdict != "not known":
             remarks.append(
                 f"of a consistent filter at least {percent(FRACTION_IN_BAND, 0)} of the steps lie "
-                "in the band"
+                f"in the {percent(JUDGED_LEVEL, 0)} band"
             )
             if self.runs < MINIMUM_RUNS and self.verdict == "consistent":
                 remarks.append(
                     f"a conservative filter shows only over {MINIMUM_RUNS} runs, or by its NIS"
                 )
+        if self.whiteness is not None:
+            remarks += self.whiteness.edge_remarks
         return tuple(remarks)
+
+    @property
+    def _edge(self) -> str:
+        """What the verdict hangs on, and its spread."""
+        if self.kind == "NIS":
+            return (
+                f"the mean NIS of a right filter varies by {self._nis_spread:.2g}, and this one is "
+                f"as near to {interval(self.mean_band)}, the band expected"
+            )
+        if self._share_passes(1.0) != self._share_passes(-1.0):
+            return (
+                f"the share of steps in the band is {percent(self.share)}, its limit "
+                f"{percent(FRACTION_IN_BAND, 0)}, its standard error "
+                f"{percent(self.share_standard_error)}"
+            )
+        return (
+            f"the mean is {abs(self.mean - self.n):.2g} off, its limit {self._mean_limit:.2g}, its "
+            f"standard error {self.mean_standard_error:.2g}"
+        )
 
 
 _MEANING = {
@@ -291,7 +378,8 @@ def nees_consistency(
     covariance : array (..., N, n, n) or (n, n)
         The covariance that the filter reports.
     level : float
-        Fraction of the values that should lie in the band.
+        Fraction of the values that should lie in the band that is shown; the verdict is that of
+        95 %.
 
     Returns
     -------
@@ -322,7 +410,8 @@ def nis_consistency(
     S : array (..., N, n, n) or (n, n)
         The innovation covariance that the filter reports.
     level : float
-        Fraction of the values that should lie in the band.
+        Fraction of the values that should lie in the band that is shown; the verdict is that of
+        95 %.
 
     Returns
     -------
@@ -337,9 +426,9 @@ def nis_consistency(
     rows = _rows("innovation", innovation)
     white = whitened(rows, S)
     values = _squares(white)
-    lags = min(_LAGS, rows.shape[-2] // 4)
-    has_pairs = lags > 0 and not np.isnan(values[..., 1:] + values[..., :-1]).all()
-    test = whiteness(white, lags=lags) if has_pairs else None
+    is_long_enough = rows.shape[-2] >= _FEWEST_STEPS
+    has_pairs = is_long_enough and not np.isnan(values[..., 1:] + values[..., :-1]).all()
+    test = whiteness(white) if has_pairs else None
     return _report("NIS", values, rows.shape[-1], level, test)
 
 
@@ -351,7 +440,8 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
     traces : Trace or sequence of Trace
         One run, or several of the same steps with different seeds.
     level : float
-        Fraction of the values that should lie in the band.
+        Fraction of the values that should lie in the band that is shown; the verdict is that of
+        95 %.
 
     Returns
     -------

@@ -68,8 +68,11 @@ class BatchEstimate(Report):
         Root mean square of the one-step prediction error (px, px, rad); for a method other than
         least squares, of the residuals of its fit.
     standard_errors : array (3, 5)
-        Standard errors of `batch`, with the noise estimated from the residuals. They are valid for
-        equation noise; measurement noise also biases least squares.
+        Standard errors of `batch`, with the noise estimated from the residuals. Those of least
+        squares are valid for equation noise; measurement noise also biases it. Those of the other
+        methods are valid for measured poses with independent errors. The errors of a camera are a
+        function of the pose, so those of neighbouring steps resemble each other: the estimates are
+        then 1 to 4 times as far off as their standard errors say.
     standard_errors_unscaled : array (3, 5)
         Standard errors for noise of standard deviation 1 (px, px, rad).
     n_samples : int, optional
@@ -134,12 +137,18 @@ class BatchEstimate(Report):
         """
         if self.identify_from == "truth":
             return judge(self.standard_errors_unscaled, self.batch)
-        if self.method != "least_squares":
-            return judge(self.standard_errors_unscaled, self.batch, sigma=self.residual_rms)
         n_samples = self._samples
         freedom = np.maximum(n_samples - self.rank, 1)
-        sigma = self.residual_rms * np.sqrt(n_samples / freedom)
-        return judge(self.standard_errors_unscaled, self.batch, sigma=sigma)
+        sigma = self.residual_rms
+        if self.method == "least_squares":
+            sigma = sigma * np.sqrt(n_samples / freedom)
+        return judge(
+            self.standard_errors_unscaled,
+            self.batch,
+            sigma=sigma,
+            freedom=float(freedom.min()),
+            identify_from=self.identify_from,
+        )
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -153,7 +162,7 @@ class BatchEstimate(Report):
         }
         if self._has_online:
             columns[Column("online", "online estimate", format=".5g")] = self.online
-        verdicts = {Column("excited", "excited"): self.identifiability.verdicts}
+        verdicts = {Column("excited", "excited"): self.identifiability.verdict_texts}
         return (parameter_table(columns | verdicts),)
 
     @property

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, as_float_array, check_float
 from robsim._base.report import Column, Report, Table
+from robsim.identification._identifiability import prediction_sigma
 from robsim.identification._parameter_table import parameter_table
-from robsim.trace import Trace
+from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace._trace import check_trace
 
 
@@ -71,6 +72,8 @@ class ConvergenceReport(Report):
         in the band at the end.
     identify_from : str
         The data of the online estimate: truth, measurement or estimate.
+    spread : array (3, 5)
+        Standard errors of the last estimate from the prediction errors; 0 where they are not known.
     """
 
     theta_true: Floats
@@ -78,6 +81,7 @@ class ConvergenceReport(Report):
     tolerance: Floats
     time: Floats
     identify_from: str = "truth"
+    spread: Floats = field(default_factory=lambda: np.zeros((3, 5)))
 
     @property
     def title(self) -> str:
@@ -88,6 +92,13 @@ class ConvergenceReport(Report):
     def verdict(self) -> str:
         """Return ``"converged"``, or ``"not converged"`` if a parameter is not near at the end."""
         return "not converged" if np.isnan(self.time).any() else "converged"
+
+    @property
+    def at_limit(self) -> bool:
+        """Whether the verdict would be another one with the last estimates one `spread` off."""
+        error = np.abs(self.last - self.theta_true)
+        better, worse = error - self.spread, error + self.spread
+        return bool((better <= self.tolerance).all() != (worse <= self.tolerance).all())
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -103,8 +114,23 @@ class ConvergenceReport(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What near means."""
-        return ("near: within the tolerance of the true value, from then on until the end",)
+        """What near means, and what the verdict hangs on where it is at the limit."""
+        near = "near: within the tolerance of the true value, from then on until the end"
+        if not self.at_limit:
+            return (near,)
+        name = PARAMETER_NAMES[int(np.argmin(self._margins()))]
+        return (
+            near,
+            f"at the limit: {name} is within its standard error of the limit of its tolerance, so "
+            "that another run may say otherwise",
+        )
+
+    def _margins(self) -> Floats:
+        """Return how many standard errors each last estimate is away from its limit, (3, 5)."""
+        distance = np.abs(np.abs(self.last - self.theta_true) - self.tolerance)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            margins = distance / self.spread
+        return np.where(np.isnan(margins), np.inf, margins)
 
 
 def parameter_convergence(
@@ -146,4 +172,12 @@ def parameter_convergence(
         tolerance=half_width,
         time=convergence_time(trace.parameters, theta_true, half_width, t=trace.t - trace.t[0]),
         identify_from=trace.info.identify_from,
+        spread=_spread(trace),
     )
+
+
+def _spread(trace: Trace) -> Floats:
+    """Return the standard errors of the last estimates, (3, 5); 0 where they are not known."""
+    sigma, _ = prediction_sigma(trace, trace.parameters[-1])
+    spread = sigma[:, np.newaxis] * trace.standard_errors_unscaled[-1]
+    return np.asarray(np.nan_to_num(spread, posinf=0.0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array, check_choice, check_int
 from robsim._base.report import Column, Report, Table, percent
-from robsim.identification._parameter_table import equation_noise, parameter_table
+from robsim.identification._parameter_table import equation_noise, noise_remarks, parameter_table
 from robsim.identification._regression import regression_of
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace._trace import check_trace
@@ -41,12 +42,19 @@ class Identifiability(Report):
     is_assumed : bool
         Whether sigma is `ASSUMED_SIGMA`, since true poses have no noise; otherwise it was given,
         or comes from the prediction errors.
+    relative_range : array (2, 3, 5)
+        `relative` with the parameter and sigma, which are estimates, too, one standard deviation
+        better and worse; equal where the poses are true and sigma is not estimated.
+    identify_from : str
+        The data of the estimates: truth, measurement or estimate.
     """
 
     standard_errors: Floats
     relative: Floats
     sigma: Floats
     is_assumed: bool
+    relative_range: Floats
+    identify_from: str = "truth"
 
     @property
     def verdicts(self) -> NDArray[np.str_]:
@@ -54,10 +62,19 @@ class Identifiability(Report):
 
         Well: the standard error is at most 5 % of the parameter. Poorly: at most 50 %.
         """
-        # These comparisons are False for NaN, which is thus not excited.
-        return np.select(
-            [self.relative <= WELL, self.relative <= POORLY], _VERDICTS[:2], _VERDICTS[2]
-        )
+        return _verdicts(self.relative)
+
+    @property
+    def are_at_limit(self) -> NDArray[np.bool_]:
+        """Whether each verdict differs within the `relative_range`, (3, 5)."""
+        better, worse = map(_verdicts, self.relative_range)
+        return np.asarray(better != worse)
+
+    @property
+    def verdict_texts(self) -> NDArray[np.str_]:
+        """The `verdicts` for a table: those at the limit say so, (3, 5)."""
+        suffixes = np.where(self.are_at_limit, ", at the limit", "")
+        return np.char.add(self.verdicts, suffixes)
 
     def names(self, verdict: str) -> list[str]:
         """Return the names of the parameters with a verdict: ``["a1X", ...]``.
@@ -82,7 +99,13 @@ class Identifiability(Report):
     @property
     def verdict(self) -> str:
         """That of the parameter which is determined worst."""
-        return max(self.verdicts.ravel().tolist(), key=_VERDICTS.index)
+        return _worst(self.verdicts)
+
+    @property
+    def at_limit(self) -> bool:
+        """Whether `verdict` differs within the `relative_range`."""
+        better, worse = map(_verdicts, self.relative_range)
+        return _worst(better) != _worst(worse)
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -90,7 +113,7 @@ class Identifiability(Report):
         columns = {
             Column("standard_error", "standard error", format=".2g"): self.standard_errors,
             Column("relative", "relative", format=percent): self.relative,
-            Column("excited", "excited"): self.verdicts,
+            Column("excited", "excited"): self.verdict_texts,
         }
         return (parameter_table(columns),)
 
@@ -98,15 +121,46 @@ class Identifiability(Report):
     def remarks(self) -> tuple[str, ...]:
         """What the verdicts mean, and for which noise."""
         source = " (assumed)" if self.is_assumed else ""
-        return (
+        remarks = [
             f"excited well: standard error at most {percent(WELL, 0)} of the parameter (of d1: "
             f"of b1 or b2); poorly: at most {percent(POORLY, 0)}; for noise of "
-            f"{equation_noise(self.sigma)} in each step{source}",
-        )
+            f"{equation_noise(self.sigma)} in each step{source}"
+        ]
+        if self.are_at_limit.any():
+            remarks.append(
+                "at the limit: the standard error relative to the parameter is random itself, and "
+                "within one standard deviation of the limit, so that another run may say otherwise"
+            )
+        return (*remarks, *noise_remarks(self.identify_from))
+
+
+def _range(relative: Floats, freedom: float, *, is_random: bool) -> Floats:
+    """Return relative standard errors, one standard deviation better and worse, (2, 3, 5)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # t = |theta| / s, where theta varies by s, and s by s / sqrt(2 freedom)
+        t = 1.0 / relative
+        spread = np.sqrt(is_random + np.square(t) / (2.0 * freedom))
+        edges = 1.0 / np.array((t + spread, np.maximum(t - spread, 0.0)))
+    is_inexact = (spread > 0) & np.isfinite(spread)
+    return np.where(is_inexact, edges, relative)
+
+
+def _verdicts(relative: Floats) -> NDArray[np.str_]:
+    # These comparisons are False for NaN, which is thus not excited.
+    return np.select([relative <= WELL, relative <= POORLY], _VERDICTS[:2], _VERDICTS[2])
+
+
+def _worst(verdicts: NDArray[np.str_]) -> str:
+    return max(verdicts.ravel().tolist(), key=_VERDICTS.index)
 
 
 def judge(
-    standard_errors_unscaled: ArrayLike, theta: ArrayLike, *, sigma: ArrayLike | None = None
+    standard_errors_unscaled: ArrayLike,
+    theta: ArrayLike,
+    *,
+    sigma: ArrayLike | None = None,
+    freedom: float = math.inf,
+    identify_from: str = "truth",
 ) -> Identifiability:
     """Return how well parameters are determined, from their unscaled standard errors.
 
@@ -120,6 +174,10 @@ def judge(
     sigma : array (3,), optional
         Standard deviations of the equation noise of x, y (px) and heading (rad). Default:
         `ASSUMED_SIGMA`.
+    freedom : float
+        Degrees of freedom that sigma was estimated with; inf = it is known.
+    identify_from : str
+        The data of the estimates: truth, measurement or estimate.
 
     Raises
     ------
@@ -135,7 +193,12 @@ def judge(
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = errors / size
     return Identifiability(
-        standard_errors=errors, relative=relative, sigma=values, is_assumed=sigma is None
+        standard_errors=errors,
+        relative=relative,
+        sigma=values,
+        is_assumed=sigma is None,
+        relative_range=_range(relative, freedom, is_random=identify_from != "truth"),
+        identify_from=identify_from,
     )
 
 
@@ -172,16 +235,31 @@ def identifiability(
     last = int(trace.k[-1])
     step = last if k is None else check_int("k", k, minimum=int(trace.k[0]), maximum=last)
     until = trace[: step - int(trace.k[0]) + 1]
-    theta = until.parameters[-1]
-    if sigma is None and trace.info.identify_from != "truth":
-        sigma = _prediction_sigma(until, theta)
-    return judge(until.standard_errors_unscaled[-1], theta, sigma=sigma)
+    theta, source = until.parameters[-1], trace.info.identify_from
+    freedom = math.inf
+    if sigma is None and source != "truth":
+        sigma, freedom = prediction_sigma(until, theta)
+    errors = until.standard_errors_unscaled[-1]
+    return judge(errors, theta, sigma=sigma, freedom=freedom, identify_from=source)
 
 
-def _prediction_sigma(trace: Trace, theta: Floats) -> Floats:
-    """Return the standard deviations of the one-step prediction errors, (3,)."""
+def prediction_sigma(trace: Trace, theta: Floats) -> tuple[Floats, int]:
+    """Return the standard deviations of the one-step prediction errors, and their freedom.
+
+    Parameters
+    ----------
+    trace : Trace
+        The run.
+    theta : array (3, 5)
+        The estimates.
+
+    Returns
+    -------
+    array (3,), int
+        Standard deviations of x, y (px) and heading (rad), and degrees of freedom.
+    """
     found = regression_of(trace)
     errors = found.y - np.sum(found.phi * theta, axis=2)
     freedom = max(len(errors) - 5, 1)
     sigma: Floats = np.sqrt(np.sum(np.square(errors), axis=0) / freedom)
-    return np.nan_to_num(sigma)
+    return np.nan_to_num(sigma), freedom

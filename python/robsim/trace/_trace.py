@@ -21,7 +21,7 @@ from robsim.trace._not_recorded import how_recorded, not_recorded
 from robsim.trace._properties import Column, Flag
 from robsim.trace._run_info import RunInfo, is_same_run
 from robsim.trace._summary import TraceSummary, summary_of
-from robsim.trace._tracking import FALSE_POSE_LIMITS, TrackingStatistics
+from robsim.trace._tracking import FALSE_POSE_LIMITS, TrackingStatistics, tracking_statistics
 
 if TYPE_CHECKING:
     import pandas
@@ -249,19 +249,7 @@ class Trace:
 
     def tracking(self) -> TrackingStatistics:
         """Return how well the measurement followed the truth."""
-        error = self.error[self.seen]
-        square = np.square(error)
-
-        def rms(squares: Floats) -> float:
-            return float(np.sqrt(squares.mean())) if len(squares) else float("nan")
-
-        return TrackingStatistics(
-            steps=len(self),
-            seen=len(error),
-            false_poses=int(self.is_false.sum()),
-            rmse_xy=rms(square[:, 0] + square[:, 1]),
-            rmse_heading_deg=float(np.rad2deg(rms(square[:, 2]))),
-        )
+        return tracking_statistics(self.error, self.seen, self.is_false)
 
     @property
     def units(self) -> dict[str, str]:

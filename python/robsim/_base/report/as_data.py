@@ -18,6 +18,8 @@ def as_dict(report: Report) -> dict[str, Any]:
     content: dict[str, Any] = {"title": report.title}
     if report.verdict is not None:
         content["verdict"] = report.verdict
+    if report.at_limit is not None:
+        content["at_limit"] = report.at_limit
     content |= {quantity.key: quantity.value for quantity in report.quantities}
     content |= {table.key: dict(table.records()) for table in report.tables}
     if report.problems is not None:

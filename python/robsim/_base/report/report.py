@@ -15,15 +15,15 @@ from robsim._base.report.table import Quantity, Table
 if TYPE_CHECKING:
     import pandas
 
-_PARTS = ("title", "verdict", "quantities", "tables", "problems", "remarks")
+_PARTS = ("title", "verdict", "at_limit", "quantities", "tables", "problems", "remarks")
 
 
 class Report(ABC):
     """A result: a dataclass of numbers which says what they are.
 
-    A subclass has the properties `title` and, as far as they apply, `verdict`, `quantities`,
-    `tables` and `remarks`. From these come the short line at a prompt, the text that ``print``
-    shows, the table in a notebook, `to_dict`, `to_json` and `to_pandas`.
+    A subclass has the properties `title` and, as far as they apply, `verdict`, `at_limit`,
+    `quantities`, `tables` and `remarks`. From these come the short line at a prompt, the text that
+    ``print`` shows, the table in a notebook, `to_dict`, `to_json` and `to_pandas`.
 
     Examples
     --------
@@ -76,6 +76,15 @@ class Report(ABC):
         return None
 
     @property
+    def at_limit(self) -> bool | None:
+        """Whether the verdict is on the edge; None = it is not a matter of chance.
+
+        On the edge: it would be another one if what it was judged by were better or worse by one
+        standard deviation, so that other seeds may get another verdict.
+        """
+        return None
+
+    @property
     def quantities(self) -> Sequence[Quantity]:
         """The single numbers."""
         return ()
@@ -98,7 +107,9 @@ class Report(ABC):
     @property
     def heading(self) -> str:
         """The title and the verdict, in one line."""
-        return self.title if self.verdict is None else f"{self.title}: {self.verdict}"
+        if self.verdict is None:
+            return self.title
+        return f"{self.title}: {self.verdict}{', at the limit' if self.at_limit else ''}"
 
     @property
     def line(self) -> str:
@@ -117,7 +128,7 @@ class Report(ABC):
         return as_html(self)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return title, verdict, quantities, tables and remarks, as plain values by name.
+        """Return title, verdict, at_limit, quantities, tables, remarks, as plain values by name.
 
         A table is row -> column -> value. None = not known, or not finite. Angles are in rad.
         """

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
 from robsim._base.report import Column, Report, Table
-from robsim.identification._parameter_table import parameter_table
+from robsim.identification._parameter_table import noise_remarks, parameter_table
 
 # A parameter is determined if its standard error is below this fraction of the axis's scale.
 _MAXIMUM_ERROR = 0.3
@@ -71,7 +71,7 @@ class ModelFit(Report):
             )
         if not self.converged:
             remarks.append(f"not converged after {self.iterations} iterations: do not trust it")
-        return tuple(remarks)
+        return (*remarks, *noise_remarks("measurement"))
 
 
 def with_undetermined(theta: Floats, standard_errors: Floats) -> tuple[Floats, Floats]:

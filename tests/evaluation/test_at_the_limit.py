@@ -1,0 +1,192 @@
+"""A verdict on the edge says so, with the spread that it used."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import robsim
+from robsim.evaluation import nees_consistency, nis_consistency, whiteness
+from robsim.evaluation._time_average import standard_error_of_mean
+from robsim.identification._convergence import ConvergenceReport
+from robsim.identification._identifiability import judge
+
+pytestmark = pytest.mark.kernels
+
+
+def said(report):
+    return " ".join(report.remarks)
+
+
+def values_with_a_share_inside(share, steps=100):
+    """Errors (steps, 1) of which a share is in the band of chi2(1), the others above it."""
+    rng = np.random.default_rng(1)
+    return rng.permutation(np.where(np.arange(steps) < share * steps, 1.0, 3.0))[:, None]
+
+
+@pytest.mark.parametrize(
+    ("share", "heading"),
+    [
+        (0.5, "optimistic"),
+        (0.79, "optimistic, at the limit"),
+        (0.80, "consistent, at the limit"),
+        (0.95, "consistent"),
+        (1.0, "consistent"),
+    ],
+)
+def test_the_share_of_the_nees(share, heading):
+    report = nees_consistency(values_with_a_share_inside(share), np.eye(1))
+    assert report.heading == f"NEES of 1 run of 100 steps: {heading}"
+    assert report.share == pytest.approx(share)
+    assert report.at_limit == ("limit" in heading)
+    assert ("its limit 80 %, its standard error" in said(report)) == report.at_limit
+    assert report.to_dict()["at_limit"] == report.at_limit
+    assert report.verdict == heading.split(",")[0]
+
+
+@pytest.mark.parametrize("level", [0.5, 0.8, 0.9, 0.95, 0.99])
+def test_the_verdict_is_that_of_the_95_percent_band_whatever_is_shown(level):
+    rng = np.random.default_rng(2)
+    right = nees_consistency(rng.normal(size=(20, 200, 3)), np.eye(3), level=level)
+    assert (right.verdict, right.at_limit) == ("consistent", False)
+    assert right.inside == pytest.approx(level, abs=0.1)
+    assert right.share == pytest.approx(0.95, abs=0.05)
+    innovations = rng.normal(size=(200, 2))
+    assert nis_consistency(innovations, np.eye(2), level=level).verdict == "consistent"
+
+
+def test_the_mean_of_the_nees():
+    rng = np.random.default_rng(3)
+    errors = rng.normal(size=(20, 500, 3))
+    scale = 1 / np.sqrt(nees_consistency(errors, np.eye(3)).mean / 3)
+    for factor, verdict, at_limit in (
+        (1, "consistent", False),
+        (0.903, "consistent", True),
+        (0.897, "conservative", True),
+        (0.80, "conservative", False),
+    ):
+        report = nees_consistency(errors * scale * np.sqrt(factor), np.eye(3))
+        assert (report.verdict, report.at_limit) == (verdict, at_limit), factor
+    edge = nees_consistency(errors * scale * np.sqrt(0.903), np.eye(3))
+    assert "its limit 0.3, its standard error" in said(edge)
+
+
+def test_the_mean_of_the_nis():
+    # 50 values of chi2(2): the mean varies by sqrt(2 2/50) = 0.28
+    low, high = stats.chi2(100).ppf([0.025, 0.975]) / 50
+    for mean, verdict, at_limit in (
+        (2.0, "consistent", False),
+        (high - 0.2, "consistent", True),
+        (high + 0.2, "optimistic", True),
+        (high + 0.4, "optimistic", False),
+        (low - 0.2, "conservative", True),
+        (low - 0.4, "conservative", False),
+    ):
+        report = nis_consistency(np.full((50, 2), np.sqrt(mean / 2)), np.eye(2))
+        assert (report.verdict, report.at_limit) == (verdict, at_limit), mean
+        assert ("varies by 0.28" in said(report)) == at_limit
+
+
+def test_whiteness():
+    rng = np.random.default_rng(4)
+    seen = set()
+    for _ in range(300):
+        report = whiteness(rng.normal(size=(100, 1)))
+        assert report.degrees_of_freedom == 10
+        assert report.ljung_box_limit == pytest.approx(stats.chi2(10).ppf(0.95))
+        assert report.is_white == (report.ljung_box <= report.ljung_box_limit)
+        assert report.at_limit == (
+            abs(report.ljung_box - report.ljung_box_limit) <= np.sqrt(2 * 10)
+        )
+        assert report.at_limit == ("varies it by 4.5" in said(report))
+        seen.add((report.is_white, report.at_limit))
+    assert seen >= {(True, False), (True, True), (False, True)}
+
+
+@pytest.mark.parametrize(
+    ("shape", "lags"),
+    [((20, 3), 2), ((60, 3), 6), ((100, 1), 10), ((5000, 1), 10), ((5, 12, 2), 3), ((4, 1), 1)],
+)
+def test_the_default_number_of_lags(shape, lags):
+    innovation = np.random.default_rng(5).normal(size=shape)
+    assert len(whiteness(innovation).autocorrelation) == lags
+
+
+def test_identifiability():
+    theta = np.array([[1.9, -0.9, 0.2, 0.1, 0.0]] * 3)
+    errors = np.full((3, 5), 1e-9)
+    errors[0, 2:4] = (0.0102, 0.5)  # 5.1 and 500 % of the parameters
+    exact = judge(errors, theta, sigma=(1, 1, 1))
+    assert not exact.are_at_limit.any()
+    found = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
+    assert found.verdicts[0].tolist() == ["well", "well", "poorly", "not excited", "well"]
+    assert found.are_at_limit[0].tolist() == [False, False, True, False, False]
+    # the parameter is 19.6 +- 1 standard errors, and these vary by 1/sqrt(200)
+    spread = np.sqrt(1 + (1 / 0.051) ** 2 / 200)
+    np.testing.assert_allclose(
+        found.relative_range[:, 0, 2], (1 / (1 / 0.051 + spread), 1 / (1 / 0.051 - spread))
+    )
+    assert not found.at_limit  # the worst one is not on the edge
+    assert "poorly, at the limit" in str(found)
+    errors[0, 3] = 0.04
+    found = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
+    assert found.heading.endswith("poorly, at the limit")
+    errors[0, 2:4] = np.inf
+    unknown = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
+    assert (unknown.verdict, unknown.at_limit) == ("not excited", False)
+
+
+@pytest.mark.parametrize(
+    ("error", "heading"),
+    [
+        (0.5, "converged"),
+        (0.9, "converged, at the limit"),
+        (1.1, "not converged, at the limit"),
+        (1.5, "not converged"),
+        (np.nan, "not converged"),
+    ],
+)
+def test_convergence(error, heading):
+    last = np.zeros((3, 5))
+    last[0, 1] = error
+    time = np.zeros((3, 5))
+    time[0, 1] = 0.0 if error <= 1 else np.nan
+    report = ConvergenceReport(
+        theta_true=np.zeros((3, 5)),
+        last=last,
+        tolerance=np.ones((3, 5)),
+        time=time,
+        spread=np.full((3, 5), 0.2),
+    )
+    assert report.heading == f"Online estimate from truth: {heading}"
+    assert ("a2X is within its standard error" in said(report)) == report.at_limit
+
+
+def test_a_run_says_how_far_its_online_estimates_vary():
+    def run(**options):
+        control = robsim.DriveAround()
+        sim = robsim.Simulation(control=control, estimate_parameters=True, seed=1, **options)
+        return robsim.identification.parameter_convergence(sim.run(60))
+
+    assert (run().spread < 1e-7).all()  # the truth has no noise
+    measured = run(
+        measure=lambda step: (600 + step.k, 600, 0.01 * step.k % 1), identify_from="measurement"
+    )
+    assert (measured.spread > 0).all()
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5, 0.9])
+def test_the_standard_error_of_the_mean_of_correlated_values(memory):
+    rng = np.random.default_rng(6)
+    series = np.empty((300, 400))
+    series[:, 0] = rng.normal(size=300)
+    for k in range(1, 400):
+        series[:, k] = memory * series[:, k - 1] + np.sqrt(1 - memory**2) * rng.normal(size=300)
+    claimed = np.mean([standard_error_of_mean(one) for one in series])
+    # that of 300 runs is itself random by 4 %
+    assert claimed == pytest.approx(series.mean(axis=1).std(), rel=0.2)
+
+
+def test_the_standard_error_of_few_values():
+    assert np.isnan(standard_error_of_mean(np.array([1.0])))
+    assert np.isnan(standard_error_of_mean(np.array([1.0, np.nan])))
+    assert standard_error_of_mean(np.array([1.0, 1.0, 1.0])) == 0
