@@ -24,7 +24,7 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
     measurement_sigma : sequence of 3 floats
         Standard deviations of a measured pose (px, px, rad). The default is that of a simulation
         with 36 drawn headings in a frame of 1200 px; with ``headings=None`` it is about
-        (0.05, 0.05, 0.002), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
+        (0.04, 0.04, 0.0016), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
     prior : Prior, optional
         What is known before the robot is first seen.
 
