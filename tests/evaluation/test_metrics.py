@@ -23,6 +23,7 @@ from robsim.evaluation._errors import estimation_errors, pose_errors, wrapped_er
 from robsim.evaluation._whiteness import whiteness
 from robsim.identification._convergence import convergence_time, parameter_convergence
 from robsim.trace import NotRecordedError
+from size_and_power.linear_filter import P0, F, H, Q, R, filtered
 
 pytestmark = pytest.mark.kernels
 
@@ -294,34 +295,6 @@ def test_white_noise_lies_in_the_band_as_often_as_the_band_says():
 
 
 # a linear filter, right and wrong
-
-
-DT = 0.2
-F = np.array([[1.0, DT], [0.0, 1.0]])
-Q = np.array([[DT**3 / 3, DT**2 / 2], [DT**2 / 2, DT]])
-H = np.array([[1.0, 0.0]])
-R = np.array([[1.0]])
-P0 = np.eye(2)
-
-
-def filtered(trials, steps, *, q=1.0, r=1.0, seed=0):
-    """Errors (trials, steps, 2), P, innovations, S of a Kalman filter that assumes q Q and r R."""
-    rng = np.random.default_rng(seed)
-    x = rng.normal(size=(trials, 2)) @ np.linalg.cholesky(P0).T
-    process_noise = rng.normal(size=(steps, trials, 2)) @ np.linalg.cholesky(Q).T
-    estimate, P = np.zeros((trials, 2)), P0
-    errors, innovations = np.empty((trials, steps, 2)), np.empty((trials, steps, 1))
-    covariances, S = np.empty((steps, 2, 2)), np.empty((steps, 1, 1))
-    for k in range(steps):
-        if k > 0:
-            x = x @ F.T + process_noise[k]
-            estimate, P = estimate @ F.T, F @ P @ F.T + q * Q
-        innovations[:, k] = x @ H.T + rng.normal(size=(trials, 1)) - estimate @ H.T
-        S[k] = H @ P @ H.T + r * R
-        K = P @ H.T / S[k]
-        estimate, P = estimate + innovations[:, k] @ K.T, (np.eye(2) - K @ H) @ P
-        errors[:, k], covariances[k] = estimate - x, P
-    return errors, covariances, innovations, S
 
 
 def test_the_nees_of_single_runs_of_a_right_filter_lies_in_the_band():

@@ -1,0 +1,31 @@
+"""``python -m size_and_power``: prints the table, and writes it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from size_and_power.table import as_json, as_markdown, families, measured
+
+
+def main() -> int:
+    """Return 1 if a promise does not hold, 0 otherwise."""
+    parser = argparse.ArgumentParser(prog="./run statistics", description=__doc__)
+    parser.add_argument("--seeds", type=int, default=1000, help="default: 1000")
+    parser.add_argument("--only", nargs="+", choices=families(), default=families())
+    parser.add_argument("--out", type=Path, help="write table.md and table.json to this folder")
+    parser.add_argument("--keep", type=Path, help="keep what is done in this folder, and go on")
+    parser.add_argument("--processes", type=int, help="default: one for each core")
+    given = parser.parse_args()
+    rows = measured(given.seeds, given.only, processes=given.processes, kept=given.keep)
+    print(as_markdown(rows), end="")
+    if given.out:
+        given.out.mkdir(parents=True, exist_ok=True)
+        (given.out / "table.md").write_text(as_markdown(rows))
+        (given.out / "table.json").write_text(as_json(rows))
+    return 0 if all(row.holds for row in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,95 @@
+"""One line of the table: how often a verdict was given, and how often it should be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from scipy import stats
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """How often one answer was given under one hypothesis.
+
+    Parameters
+    ----------
+    verdict : str
+        The verdict that is tested: ``"NEES"``.
+    hypothesis : str
+        What is true: ``"right"``, or which fault, and how large.
+    record : str
+        The data of one trial: ``"20 runs of 100 steps"``.
+    answer : str
+        The answer that is counted: ``"rejected"``.
+    promised : tuple of two floats
+        The rate that the documentation promises, from and to.
+    trials, hits : int
+        Number of trials, and of those with this answer.
+    """
+
+    verdict: str
+    hypothesis: str
+    record: str
+    answer: str
+    promised: tuple[float, float]
+    trials: int
+    hits: int
+
+    @property
+    def key(self) -> tuple[str, str, str, str]:
+        """What the row is about."""
+        return self.verdict, self.hypothesis, self.record, self.answer
+
+    @property
+    def rate(self) -> float:
+        """Fraction of the trials with this answer."""
+        return self.hits / self.trials
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The 95 % interval of the rate: Clopper and Pearson, Biometrika 26(4), 1934."""
+        interval = stats.binomtest(self.hits, self.trials).proportion_ci(0.95, "exact")
+        return float(interval.low), float(interval.high)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the interval meets the rates that are promised."""
+        low, high = self.interval
+        return low <= self.promised[1] and high >= self.promised[0]
+
+    @property
+    def p_value(self) -> float:
+        """Probability of a rate as far outside the promise if the promise were true."""
+        low, high = self.promised
+        if self.rate > high:
+            return float(stats.binom.sf(self.hits - 1, self.trials, high))
+        if self.rate < low:
+            return float(stats.binom.cdf(self.hits, self.trials, low))
+        return 1.0
+
+    def with_more(self, other: Row) -> Row:
+        """Return the row with the trials of another one of the same key."""
+        assert other.key == self.key, f"{other.key} is not {self.key}"
+        return replace(self, trials=self.trials + other.trials, hits=self.hits + other.hits)
+
+
+def counted(
+    verdict: str,
+    hypothesis: str,
+    record: str,
+    answer: str,
+    promised: tuple[float, float],
+    answers: Iterable[bool],
+) -> Row:
+    """Return a row from the answers of the trials."""
+    given = [bool(one) for one in answers]
+    return Row(
+        verdict=verdict,
+        hypothesis=hypothesis,
+        record=record,
+        answer=answer,
+        promised=promised,
+        trials=len(given),
+        hits=sum(given),
+    )
