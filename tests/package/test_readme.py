@@ -1,5 +1,7 @@
 """Every block of the README runs as a reader would run it."""
 
+import contextlib
+import io
 import re
 import subprocess
 import sys
@@ -19,6 +21,17 @@ BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
 
 GRADING = [block for block in BLOCKS if "def test_" in block]
 PROGRAMS = [block for block in BLOCKS if block not in GRADING]
+
+
+# What the README prints a verdict of.
+VERDICTS = (
+    "robsim.score_path(trace, square)",
+    "robsim.score_path(trace, [(600, 300)])",
+    "robsim.identifiability(trace)",
+    'robsim.batch_estimate(trace, method="output_error")',
+    "robsim.pose_consistency(traces)",
+    "robsim.batch_estimate(trace)",
+)
 
 
 def python(*arguments, cwd):
@@ -58,6 +71,34 @@ def test_the_verdict_on_the_filter_is_not_a_matter_of_luck():
         report = names["robsim"].pose_consistency(names["traces"])
         assert report.verdict == "consistent"
         assert report.inside > 0.85
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("expression", VERDICTS)
+def test_the_examples_give_the_same_verdict_for_other_seeds(expression):
+    blocks = [
+        block for block in PROGRAMS if re.sub(r"\s", "", expression) in re.sub(r"\s", "", block)
+    ]
+    assert blocks
+    for block in blocks:
+        verdicts = {verdict_of(block, expression, seeds) for seeds in range(6)}
+        assert len(verdicts) == 1, verdicts
+
+
+def verdict_of(block, expression, seeds):
+    """Run a block with other seeds, and return the verdict of what it prints."""
+    if "range(20)" in block:
+        first = 20 * (seeds + 1)
+        other = block.replace("range(20)", f"range({first}, {first + 20})")
+    else:
+        other = block.replace("seed=1", f"seed={2 + seeds}")
+    assert other != block
+    names = {}
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(other, names)
+    report = eval(expression, names)
+    report = getattr(report, "identifiability", report)
+    return report.verdict
 
 
 def test_the_robot_of_the_experiment_arrives_and_is_stopped():
