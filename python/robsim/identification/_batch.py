@@ -135,9 +135,9 @@ class BatchEstimate(Report):
         For true poses, which have no noise, sigma is assumed; otherwise it is that of the
         residuals.
         """
-        if self.identify_from == "truth":
-            return judge(self.standard_errors_unscaled, self.batch)
         n_samples = self._samples
+        if self.identify_from == "truth":
+            return judge(self.standard_errors_unscaled, self.batch, freedom=max(n_samples - 5, 1))
         freedom = np.maximum(n_samples - self.rank, 1)
         sigma = self.residual_rms
         if self.method == "least_squares":

@@ -44,7 +44,7 @@ class Identifiability(Report):
         or comes from the prediction errors.
     relative_range : array (2, 3, 5)
         `relative` with the parameter and sigma, which are estimates, too, one standard deviation
-        better and worse; equal where the poses are true and sigma is not estimated.
+        better and worse; equal where the poses are true and sigma was given.
     identify_from : str
         The data of the estimates: truth, measurement or estimate.
     """
@@ -236,7 +236,8 @@ def identifiability(
     step = last if k is None else check_int("k", k, minimum=int(trace.k[0]), maximum=last)
     until = trace[: step - int(trace.k[0]) + 1]
     theta, source = until.parameters[-1], trace.info.identify_from
-    freedom = math.inf
+    # An assumed sigma is taken to be as uncertain as one that was estimated from the run.
+    freedom = math.inf if sigma is not None else max(len(until) - 5, 1)
     if sigma is None and source != "truth":
         sigma, freedom = prediction_sigma(until, theta)
     errors = until.standard_errors_unscaled[-1]
