@@ -706,6 +706,7 @@ def test_the_report_as_text_and_as_html():
         "situation": "robot turns",
         "k": 7,
         "line": None,
+        "code": None,
     }
     assert CheckReport(name="it").to_dict()["problems"] == []
     assert report.to_pandas()["kind"].tolist() == ["a", "b"]

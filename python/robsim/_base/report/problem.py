@@ -15,7 +15,7 @@ class Problem:
     Attributes
     ----------
     kind : str
-        Short identifier for programs, such as ``"asymmetric covariance"``.
+        Short identifier for programs, such as ``"covariance not symmetric"``.
     sentence : str
         What is wrong and how to fix it, for people.
     situation : str
@@ -23,7 +23,8 @@ class Problem:
     k : int or None
         The first step at which it occurred; None = not tied to a step.
     line : SourceLine or None
-        The line that failed, or the definition of the faulty function; None = unknown.
+        The line that failed, or that the problem is about, or else the definition of the faulty
+        function; None = unknown.
     """
 
     kind: str
@@ -45,13 +46,14 @@ class Problem:
         return self.line.text if self.line else ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return name -> value, the line as a text."""
+        """Return name -> value, the line as two texts: where it is, and what it says."""
         return {
             "kind": self.kind,
             "sentence": self.sentence,
             "situation": self.situation,
             "k": self.k,
             "line": str(self.line) if self.line else None,
+            "code": self.code or None,
         }
 
     def __str__(self) -> str:
