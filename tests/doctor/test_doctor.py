@@ -333,8 +333,8 @@ BROKEN = [
     (Asymmetric, "covariance not symmetric", "is not symmetric, P[", "def __call__"),
     (WrongSign, "covariance not positive", "not positive definite", "def __call__"),
     (Certain, "covariance not positive", "the variance 0 for x", "def __call__"),
-    (Unwrapped, "heading not wrapped", "wrap the innovation", "def __call__"),
-    (AveragesAngles, "heading not wrapped", "average no angles", "def __call__"),
+    (Unwrapped, "heading not wrapped", "wrap the innovation", "measurement.pose - self.x"),
+    (AveragesAngles, "heading not wrapped", "average no angles", "0.5 * step.measurement.pose"),
     (ExpectsTheRobot, "missing measurement", "AttributeError", "step.measurement.pose"),
     (MakesNan, "missing measurement", "all finite", "return robsim.Estimate"),
     (StartsWhenSeen, "not seen yet", "it returns None", "def __call__"),
@@ -350,9 +350,9 @@ BROKEN = [
     (Exits, "exception", "raises SystemExit: enough", 'sys.exit("enough")'),
     (Sleeps, "too slow", "budget of 20 ms", "def __call__"),
     (Grows, "state length", "3 numbers after 2", "def __call__"),
-    (Deaf, "ignores measurement", "wherever the robot is seen", "def __call__"),
-    (Degrees, "diverges from truth", "heading in rad", "def __call__"),
-    (NeverDoubts, "covariance does not grow", "20 steps without", "def __call__"),
+    (Deaf, "ignores measurement", "wherever the robot is seen", "measurement.pose"),
+    (Degrees, "heading in degrees", "headings are in rad", "measurement"),
+    (NeverDoubts, "covariance does not grow", "20 steps without", "return robsim.Estimate"),
 ]  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._core import Measurement, RobotModel, RobotParameters
+from robsim._core import Measurement, RobotModel, RobotParameters, wrap_angle
 
 DT = 0.2
 START = (300.0, 700.0)  # px; x and y differ by far, so that swapping them shows
@@ -18,9 +18,9 @@ PROCESS_SIGMA = (0.1, 0.1, 0.005)  # px, px, rad
 UNSEEN = range(100, 120)  # steps
 STANDS = range(400, 1400)  # steps
 
-_OFFSET = np.array((40.0, -60.0, 0.3))  # px, px, rad
 _STEPS = 160
 _SPEED = 3.0  # px per step
+WAY = 10 * _SPEED  # px
 _SEED = 5
 
 
@@ -62,10 +62,28 @@ class Situation:
         seen = (None if k in steps else m for k, m in enumerate(self.measurements))
         return replace(self, name=name, measurements=tuple(seen))
 
-    def with_measurement_offset(self) -> Situation:
-        """Return the situation with a constant offset of all measurements."""
-        shifted = (m and Measurement(m.pose + _OFFSET) for m in self.measurements)
+    def displaced(self, offset: Floats, start: int) -> Situation:
+        """Return the situation with an offset of the measurements (px, px, rad) from a step on."""
+        shifted = (
+            Measurement(m.pose + offset) if m and k >= start else m
+            for k, m in enumerate(self.measurements)
+        )
         return replace(self, measurements=tuple(shifted))
+
+    def with_noise(self, factor: float) -> Situation:
+        """Return the situation with its measurement noise multiplied by a factor."""
+        scaled = (
+            m and Measurement(pose + factor * pose_difference(m.pose, pose))
+            for m, pose in zip(self.measurements, self.poses, strict=True)
+        )
+        return replace(self, measurements=tuple(scaled))
+
+
+def pose_difference(poses: Floats, others: Floats) -> Floats:
+    """Return poses minus others, (3,) or (N, 3), with wrapped headings."""
+    difference = np.array(poses - others)
+    difference[..., 2] = wrap_angle(difference[..., 2])
+    return difference
 
 
 @cache

@@ -137,6 +137,7 @@ class EstimatorUnderTest:
         self.stdout = StdoutCapture()
         self.name = getattr(make, "__name__", type(make).__name__)
         self.line = users_line_of_callable(make)
+        self.made: Any = None  # the last one
 
     def fresh(self) -> Callable[[Step], Any]:
         """Return the callback of a fresh estimator."""
@@ -149,6 +150,7 @@ class EstimatorUnderTest:
             function = self.slot.entry(estimator)
         except (Exception, SystemExit) as error:
             raise NoEstimator(error) from error
+        self.made = estimator
         self.name = getattr(estimator, "__name__", type(estimator).__name__)
         self.line = users_line_of_callable(function) or self.line
         return self.slot.callback(estimator)

@@ -1,0 +1,101 @@
+"""The trials of a state estimator that several of its checks look at."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim.doctor._situations import (
+    UNSEEN,
+    Situation,
+    blinking,
+    pose_difference,
+    turning,
+    weaving,
+)
+from robsim.doctor._trial import EstimatorUnderTest, Trial
+
+SETTLED = 60  # steps after which the estimate has to be near the truth
+_MAXIMUM_ERROR = (100.0, 1.2)  # px, rad: beyond it the estimate has diverged
+
+
+class Trials:
+    """Trials of one estimator at one sample time, each run when it is first looked at.
+
+    Parameters
+    ----------
+    estimator : EstimatorUnderTest
+        The estimator.
+    dt : float
+        Time between two steps (s).
+    """
+
+    def __init__(self, estimator: EstimatorUnderTest, dt: float) -> None:
+        self.estimator = estimator
+        self.weaves, self.turns, self.blinks = weaving(dt), turning(dt), blinking(dt)
+
+    @cached_property
+    def seen(self) -> Trial:
+        """The robot weaves and is seen at every step."""
+        return self.estimator.try_in(self.weaves)
+
+    @cached_property
+    def gap(self) -> Trial:
+        """It is out of sight for a while."""
+        return self.estimator.try_in(self.weaves.unseen("robot out of sight", UNSEEN))
+
+    @cached_property
+    def late(self) -> Trial:
+        """It is not seen at first."""
+        return self.estimator.try_in(self.weaves.unseen("robot not seen yet", range(5)))
+
+    @cached_property
+    def hidden(self) -> Trial:
+        """It is hidden now and then."""
+        return self.estimator.try_in(self.blinks)
+
+    @cached_property
+    def turned(self) -> Trial:
+        """It turns beyond +-pi."""
+        return self.estimator.try_in(self.turns)
+
+    @cached_property
+    def diverged_at(self) -> int | None:
+        """The first step, after it has settled, at which the estimate is far from the truth."""
+        distance, angle = distances(self.seen)
+        is_off = (distance > _MAXIMUM_ERROR[0]) | (angle > _MAXIMUM_ERROR[1])
+        is_off[:SETTLED] = False
+        return int(is_off.argmax()) if is_off.any() else None
+
+    @cached_property
+    def ignores_dt(self) -> bool:
+        """Whether the estimates are the same for another time between two steps."""
+        return self.is_unchanged(replace(self.blinks, dt=self.blinks.dt / 2))
+
+    @cached_property
+    def ignores_inputs(self) -> bool:
+        """Whether the estimates are the same for other inputs."""
+        return self.is_unchanged(replace(self.blinks, u=self.blinks.u + 0.1))
+
+    def is_unchanged(self, changed: Situation) -> bool:
+        """Return whether another version of the drive `hidden` gives exactly the same estimates."""
+        return np.array_equal(self.hidden.outputs, self.estimator.try_in(changed).outputs)
+
+
+def errors(trial: Trial) -> Floats:
+    """Return the estimates minus the truth (N, 3), in px, px, rad."""
+    return pose_difference(trial.outputs[:, :3], trial.situation.poses[: len(trial.outputs)])
+
+
+def distances(trial: Trial) -> tuple[Floats, Floats]:
+    """Return the distance (px) and the angle (rad) between estimate and truth, step by step."""
+    error = errors(trial)
+    return np.hypot(error[:, 0], error[:, 1]), abs(error[:, 2])
+
+
+def variances(trial: Trial) -> Floats:
+    """Return the claimed variances of x, y and the heading (N, 3)."""
+    return trial.outputs[:, [3, 7, 11]]

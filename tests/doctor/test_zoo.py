@@ -1,0 +1,67 @@
+"""The doctor before right estimators in many styles, and before each usual mistake."""
+
+import pytest
+import state_estimators as states
+
+from robsim.doctor import check_estimator
+
+pytestmark = [pytest.mark.kernels, pytest.mark.long]
+whole_zoo = pytest.mark.slow  # some 20 s; the tests without it look at one of each sort
+
+
+def by_name(cases):
+    return [pytest.param(*one, id=name) for name, one in cases.items()]
+
+
+def is_told(report, kind):
+    if kind.startswith("remark:"):
+        return kind.removeprefix("remark:") in " ".join(report.remarks)
+    return kind in [problem.kind for problem in report.problems]
+
+
+@whole_zoo
+@pytest.mark.parametrize("name", states.RIGHT)
+def test_a_right_state_estimator_is_not_ill(name):
+    check_estimator(states.RIGHT[name]).raise_for_problems()
+
+
+@whole_zoo
+@pytest.mark.parametrize(("make", "kinds"), by_name(states.BROKEN))
+def test_a_mistake_in_a_state_estimator_is_told_by_name(make, kinds):
+    report = check_estimator(make)
+    assert any(is_told(report, kind) for kind in kinds), str(report)
+    assert len(report.problems) <= 1, str(report)
+
+
+@pytest.mark.parametrize("name", ["alpha-beta", "low-pass", "closure", "cosine and sine"])
+def test_a_filter_of_fixed_gain_or_unusual_style_is_not_ill(name):
+    check_estimator(states.RIGHT[name]).raise_for_problems()
+
+
+@pytest.mark.parametrize(("make", "kinds"), states.SEVERAL.items())
+def test_independent_faults_are_all_told(make, kinds):
+    assert [problem.kind for problem in check_estimator(make).problems] == kinds
+
+
+@whole_zoo
+@pytest.mark.parametrize("name", states.UNTOLD)
+def test_what_cannot_be_told_passes(name):
+    check_estimator(states.UNTOLD[name]).raise_for_problems()
+
+
+# The line that each of these problems is about.
+LINES = {
+    "measurement of the step before": "step.measurement.pose",
+    "P not reduced": "self.P = self.reduced(K, self.P)",
+    "inputs swapped": "return step.last_u[::-1]",
+    "no K R K'": "self.P = self.reduced(K, self.P)",
+    "F P F": "return F @ P @ F",
+    "not wrapped": "step.measurement.pose",
+}
+
+
+@pytest.mark.parametrize(("name", "text"), LINES.items())
+def test_a_problem_shows_its_line(name, text):
+    report = check_estimator(states.BROKEN[name][0])
+    assert text in report.problems[0].code
+    assert f"> {report.problems[0].code}" in str(report)
