@@ -19,7 +19,7 @@ void bind_controllers(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_loop(py::module_& module);
 
-PYBIND11_MODULE(_core, module) {
+PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters::not_supported()) {
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
   bind_simd(module);
   bind_geometry(module);
@@ -37,4 +37,17 @@ PYBIND11_MODULE(_core, module) {
   bind_controllers(module);
   bind_loop(module);
   pybind11::delattr(module, "__module__");  // the bindings set it
+}
+
+// In a sub-interpreter pybind11 would wait for ever for the lock of the main one: so the module's
+// own entry looks first.
+extern "C" PYBIND11_EXPORT PyObject* PyInit__core() {
+  if (PyInterpreterState_Get() == PyInterpreterState_Main()) {
+    return PyInit_core_of_the_main_interpreter();
+  }
+  PyErr_SetString(PyExc_ImportError,
+                  "robsim cannot be imported in a sub-interpreter: it works in the main interpreter "
+                  "of a process alone. Import it there, or in a process of its own "
+                  "(multiprocessing, subprocess)");
+  return nullptr;
 }
