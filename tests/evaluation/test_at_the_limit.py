@@ -181,9 +181,9 @@ def test_the_standard_error_of_the_mean_of_correlated_values(memory):
     series[:, 0] = rng.normal(size=300)
     for k in range(1, 400):
         series[:, k] = memory * series[:, k - 1] + np.sqrt(1 - memory**2) * rng.normal(size=300)
-    claimed = np.mean([standard_error_of_mean(one) for one in series])
+    reported = np.mean([standard_error_of_mean(one) for one in series])
     # that of 300 runs is itself random by 4 %
-    assert claimed == pytest.approx(series.mean(axis=1).std(), rel=0.2)
+    assert reported == pytest.approx(series.mean(axis=1).std(), rel=0.2)
 
 
 def test_the_standard_error_of_few_values():
