@@ -41,7 +41,8 @@ class WhitenessReport(Report):
     Notes
     -----
     With the default number of lags, 4 to 7 % of white innovations of 20 to 1000 steps fail, with
-    one to three components, with gaps, in one run or several (tests/statistics/RESULTS.md).
+    one to three components, with gaps, in one run or several; 15 to 25 % are at the limit
+    (tests/statistics/RESULTS.md).
     """
 
     autocorrelation: Floats
