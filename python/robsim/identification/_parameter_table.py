@@ -38,7 +38,7 @@ def noise_remarks(identify_from: str) -> tuple[str, ...]:
     """
     # Measured from 12 runs of 800 steps: true errors over standard errors of output error, 1.3 to
     # 1.5 with 36 drawn headings, 3.4 to 3.8 with continuous ones; of instrumental variables 0.9 to
-    # 1.7. Noise of the camera brings them to 1 (tests/statistics/RESULTS.md).
+    # 1.7. Noise of the camera brings them nearer to 1 (tests/statistics/RESULTS.md).
     sentences = {
         "measurement": "the standard errors take the errors of measured poses for independent from "
         "step to step; those of a camera resemble their neighbours, so the estimates are up to 4 "

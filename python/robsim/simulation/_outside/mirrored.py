@@ -44,8 +44,8 @@ def mirrored_remark(runner: Runner) -> str | None:
 def drives_backwards(u: Floats, poses: Floats) -> bool:
     """Return whether a robot clearly moves against its inputs.
 
-    In 100 steps of `DriveAround` it finds at least 80 % of the reversed robots; none of the right
-    ones in 100s of runs is taken for one.
+    In 100 steps of `DriveAround` it found 88 % of 120 reversed robots; none of 360 right ones was
+    taken for one (tests/statistics/RESULTS.md).
 
     Parameters
     ----------
