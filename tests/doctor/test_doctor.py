@@ -639,12 +639,12 @@ def hasty_callback():
 
 
 BROKEN_PARAMETERS = [
-    (Diverges, "diverges", "P = (P + P.T) / 2", "def update"),
+    (Diverges, "diverges", "P = (P + P.T) / 2", "self.P = self.reduced(K, Pphi)"),
     (OneRow, "output shape", "array of shape (5,)", "def update"),
     (Words, "output shape", "it returns 'done', not the parameters", "def update"),
     (Forgets, "no adaptation", "None at every step", "def update"),
     (Constant, "no adaptation", "never change", "def update"),
-    (Negative, "wrong parameters", "the signs", "def update"),
+    (Negative, "wrong sign", "with the opposite sign they are right", "def update"),
     (Divides, "not finite", "NaN or inf", "def update"),
     (Subtracts, "writes into step", "work on a copy", "y -= y.mean()"),
     (OneForAll, "remembers earlier run", "not in a global variable", "def update"),
@@ -654,7 +654,7 @@ BROKEN_PARAMETERS = [
     (FullMemory, "exception", "no room for more samples", "raise MemoryError"),
     (Slow, "too slow", "budget of 20 ms", "def update"),
     (StopsLearning, "adaptation stops", "1000 steps of constant input", "def update"),
-    (WindsUp, "windup", "must not grow without bound", "def update"),
+    (WindsUp, "windup", "must not grow without bound", "self.P = self.reduced(K, Pphi)"),
     (hasty_callback, "missing sample", "step.sample is None", "lambda step"),
 ]  # fmt: skip
 

@@ -1,9 +1,10 @@
 """The doctor before right estimators in many styles, and before each usual mistake."""
 
 import pytest
-import state_estimators as states
 
-from robsim.doctor import check_estimator
+import parameter_estimators as parameters
+import state_estimators as states
+from robsim.doctor import check_estimator, check_parameter_estimator
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long]
 whole_zoo = pytest.mark.slow  # some 20 s; the tests without it look at one of each sort
@@ -65,3 +66,45 @@ def test_a_problem_shows_its_line(name, text):
     report = check_estimator(states.BROKEN[name][0])
     assert text in report.problems[0].code
     assert f"> {report.problems[0].code}" in str(report)
+
+
+@whole_zoo
+@pytest.mark.parametrize("name", parameters.RIGHT)
+def test_a_right_parameter_estimator_is_not_ill(name):
+    check_parameter_estimator(parameters.RIGHT[name]).raise_for_problems()
+
+
+@whole_zoo
+@pytest.mark.parametrize(("make", "kinds"), by_name(parameters.BROKEN))
+def test_a_mistake_in_a_parameter_estimator_is_told_by_name(make, kinds):
+    report = check_parameter_estimator(make)
+    assert report.problems, str(report)
+    assert report.problems[0].kind in kinds, str(report)
+    assert len(report.problems) == 1, str(report)
+
+
+FAULTS = {
+    "one sample": "it remembers 1 sample, but 5 parameters need more",
+    "P never updated": "these cannot be told apart",
+    "2 x(k-1) - x(k-2)": "neither phi nor y changes them",
+    "y of the step before": "it uses phi of a step with y of the step before",
+    "phi of the step before, robsim": "it uses y of a step with phi of the step before",
+    "one P": "a displaced x changes the parameters of y",
+    "one filter of robsim": "needs n_filters=3",
+    "windup .9": "P grows",
+}
+
+
+@pytest.mark.parametrize(("name", "words"), FAULTS.items())
+def test_a_parameter_estimator_is_told_why(name, words):
+    make, kinds = parameters.BROKEN[name]
+    report = check_parameter_estimator(make, updates=1000)
+    assert [problem.kind for problem in report.problems] == kinds
+    assert words in report.sentences[0]
+    assert report.problems[0].line is None or report.problems[0].code
+
+
+def test_a_gradient_method_is_slow_and_not_ill():
+    report = check_parameter_estimator(parameters.Nlms, updates=1000)
+    assert report
+    assert "as a gradient method (LMS, NLMS) does" in report.remarks[0]

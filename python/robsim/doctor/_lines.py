@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import linecache
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import cache
 
 from robsim._base.source_line import SourceLine
@@ -27,6 +27,12 @@ def line_where(
     """Return the line of the first node that is meant, or else the estimator's definition."""
     found = (line for line, node in nodes_of(estimator) if is_meant(node))
     return next(found, estimator.line)
+
+
+def line_that_sets(estimator: EstimatorUnderTest, names: Collection[str]) -> SourceLine | None:
+    """Return the last line that sets a variable or attribute, or else the definition."""
+    setting = [line for line, node in nodes_of(estimator) if _sets(node, names)]
+    return setting[-1] if setting else estimator.line
 
 
 def line_of_measurement(estimator: EstimatorUnderTest) -> SourceLine | None:
@@ -132,7 +138,7 @@ def _covariance_names(call: ast.AST) -> set[str]:
     return attributes or {node.id for node in nodes if isinstance(node, ast.Name)}
 
 
-def _sets(node: ast.AST, names: set[str]) -> bool:
+def _sets(node: ast.AST, names: Collection[str]) -> bool:
     if not isinstance(node, (ast.Attribute, ast.Name)) or not isinstance(node.ctx, ast.Store):
         return False
     return getattr(node, "attr", getattr(node, "id", None)) in names

@@ -13,6 +13,9 @@ from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats, check_int
 from robsim._core import regression
 from robsim.doctor._errors import problem_of
+from robsim.doctor._parameter.influence import Influence
+from robsim.doctor._parameter.learning import learning_items, mismatch_problem
+from robsim.doctor._parameter.windup import MAXIMUM_GROWTH, largest_square, line_of_matrix
 from robsim.doctor._reproducibility import replay_problem, together_problem
 from robsim.doctor._run_checks import BUDGET, run_checks
 from robsim.doctor._situations import DT, STANDS, Situation, excited, resting
@@ -20,6 +23,8 @@ from robsim.doctor._slots import PARAMETERS
 from robsim.doctor._trial import BadResult, EstimatorUnderTest, Trial
 
 _SHORT = 400  # steps
+_QUIET = 0.1  # of the usual disturbances, so that the verdict does not hang on them
+_REPEATED = 6  # samples
 _DIVERGED = 10.0  # prediction error relative to the rms displacement per step
 _RECOVERY = 100  # steps after a rest within which the parameters must be good again
 
@@ -29,7 +34,12 @@ def check_parameter_estimator(
 ) -> CheckReport:
     """Check a parameter estimator in several situations and report what is wrong with it.
 
-    Consequences of another problem are not reported: fix that one, and check again.
+    Its results have to be of the right shape and finite, to depend on its own past samples alone,
+    to predict better than ``2 x(k-1) - x(k-2)``, the robot that goes on as before, and to stay good
+    in a long run and after 1000 steps at rest. Where they do not, poses and inputs are displaced
+    one by one, and the step and the axis of the first change say why: phi and y of different
+    steps, axes that are mixed, samples that are forgotten. Consequences of a problem are not
+    reported.
 
     Parameters
     ----------
@@ -55,6 +65,18 @@ def check_parameter_estimator(
     TypeError, ValueError
         If `make` is not callable, or a number is out of range.
 
+    Notes
+    -----
+    What cannot be told: least squares whose P is never reduced from normalised least mean squares
+    (NLMS) with step 1, which is the same equation; a gain that is too small from a gradient method,
+    which is right, but slow: both get a remark. Windup is looked for in the square matrices that an
+    estimator keeps; where it hides them, only in its parameters.
+
+    Sources: Goodwin and Sin, Adaptive Filtering, Prediction and Control, 1984, chapter 3
+    (projection, least squares, covariance resetting); Astrom and Wittenmark, Adaptive Control,
+    1995, chapter 11 (estimator windup); Bierman, Factorization Methods for Discrete Sequential
+    Estimation, 1977, chapter V (rounding in P).
+
     Examples
     --------
     >>> print(robsim.check_parameter_estimator(MyLeastSquares))
@@ -63,9 +85,8 @@ def check_parameter_estimator(
     return run_checks(make, PARAMETERS, budget, partial(_checks, updates=updates))
 
 
-def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem]:
-    drive = excited(DT, updates)
-    alone = estimator.try_in(drive.first(_SHORT))
+def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem | str]:
+    alone = estimator.try_in(excited(DT, _SHORT, _QUIET))
     if alone.error is not None:
         yield problem_of(estimator, alone)
         return
@@ -75,13 +96,20 @@ def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem]:
         _no_adaptation(estimator, alone)
         or replay_problem(estimator, alone)
         or together_problem(estimator, alone, rests)
-        or _wrong_parameters(estimator, alone)
-        or _divergence(estimator, drive)
     )
     if cause is not None:
         yield cause
         return
-    yield from _rest_problems(estimator, rests)
+    influence = Influence(estimator, alone)
+    mismatch = mismatch_problem(estimator, alone, influence)
+    found = [mismatch] if mismatch else list(learning_items(estimator, alone, influence))
+    yield from found
+    if any(isinstance(one, Problem) for one in found):
+        return
+    diverges = _divergence(estimator, excited(DT, updates))
+    yield from filter(None, (diverges,))
+    if diverges is None:
+        yield from _rest_problems(estimator, rests)
 
 
 def _no_adaptation(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
@@ -112,28 +140,13 @@ def _relative_errors(trial: Trial) -> Floats:
     return np.concatenate((np.full(2, np.nan), relative.max(axis=1)))
 
 
-def _wrong_parameters(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
-    """Return whether the parameters predict no better than the last pose does."""
-    error = float(np.median(_relative_errors(alone)[-100:]))
-    if error < 1:
-        return None
-    return Problem(
-        kind="wrong parameters",
-        sentence=f"after {_SHORT} samples y - phi @ theta is {error:.3g} times the displacement in "
-        "a step, so that its parameters predict nothing: check the gain, the signs and the order "
-        "of rows and columns",
-        situation=alone.situation.name,
-        k=_SHORT - 1,
-        line=estimator.line,
-    )
-
-
 def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | None:
     """Return whether good parameters diverge later."""
     trial = estimator.try_in(drive)
     is_off = _relative_errors(trial) > _DIVERGED
     is_off[:_SHORT] = False
-    if trial.error is None and not is_off.any():
+    # Once or twice is the transient of a covariance reset.
+    if trial.error is None and np.sum(is_off) < _REPEATED:
         return None
     if trial.error is not None and not _is_numerical(trial.error):
         return problem_of(estimator, trial)
@@ -145,7 +158,7 @@ def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | No
         "P = (P + P.T) / 2 after it",
         situation="robot drives around for a long time",
         k=k,
-        line=estimator.line,
+        line=line_of_matrix(estimator),
     )
 
 
@@ -158,12 +171,19 @@ def _is_numerical(error: BaseException) -> bool:
 
 def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[Problem]:
     """Yield the problems after a long rest without excitation."""
-    trial = estimator.try_in(rests)
+    sizes = {}
+
+    def watch(k: int, made: Any) -> None:
+        if k in (STANDS.start, STANDS.stop - 1):
+            sizes[k] = largest_square(made)
+
+    trial = estimator.try_in(rests, watch)
     after = trial.outputs[STANDS.stop :]
     has_overflowed = trial.error is not None and _is_numerical(trial.error)
     if trial.error is not None and not has_overflowed:
         yield problem_of(estimator, trial)
-    elif not has_overflowed and (after == after[0]).all():
+        return
+    if not has_overflowed and (after == after[0]).all():
         yield Problem(
             kind="adaptation stops",
             sentence=f"after {len(STANDS)} steps of constant input its parameters never change "
@@ -172,12 +192,18 @@ def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[
             k=STANDS.stop,
             line=estimator.line,
         )
-    elif has_overflowed or (_relative_errors(trial)[STANDS.stop + _RECOVERY :] > _DIVERGED).any():
+        return
+    growth = sizes.get(STANDS.stop - 1, 0.0) / max(sizes.get(STANDS.start, 0.0), 1e-300)
+    is_large = bool(sizes.get(STANDS.start)) and growth > MAXIMUM_GROWTH
+    is_off = _relative_errors(trial)[STANDS.stop + _RECOVERY :] > _DIVERGED
+    if has_overflowed or is_large or is_off.any():
+        reason = f": its P grows {growth:.0e}-fold in the rest" if is_large else ""
         yield Problem(
             kind="windup",
-            sentence="a long constant input makes its parameters wrong: without excitation P must "
-            "not grow without bound",
+            sentence=f"a long constant input makes its parameters wrong{reason}; with forgetting, "
+            "P grows by 1 / lambda at every sample that brings nothing new, and must not grow "
+            "without bound: limit its trace, or forget only while there is excitation",
             situation=rests.name,
-            k=trial.failed_at if has_overflowed else STANDS.stop + _RECOVERY,
-            line=estimator.line,
+            k=trial.failed_at if has_overflowed else STANDS.stop,
+            line=line_of_matrix(estimator),
         )

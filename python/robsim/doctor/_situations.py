@@ -18,6 +18,7 @@ PROCESS_SIGMA = (0.1, 0.1, 0.005)  # px, px, rad
 UNSEEN = range(100, 120)  # steps
 STANDS = range(400, 1400)  # steps
 
+_NOISE_AT_REST = 0.1
 _STEPS = 160
 _SPEED = 3.0  # px per step
 WAY = 10 * _SPEED  # px
@@ -126,9 +127,10 @@ def _measured(name: str, heading: Floats, dt: float) -> Situation:
 
 
 @cache
-def excited(dt: float, steps: int) -> Situation:
-    """Return a drive with random voltages, each held for ten steps."""
-    return _disturbed("robot drives around", _held_voltages(steps), dt)
+def excited(dt: float, steps: int, noise: float = 1.0) -> Situation:
+    """Return a drive with random voltages, each held for ten steps; noise: share of the usual."""
+    u = _held_voltages(steps)
+    return _disturbed("robot drives around", u, dt, np.full(len(u), noise))
 
 
 @cache
@@ -136,7 +138,9 @@ def resting(dt: float) -> Situation:
     """Return a drive in which the robot stands still for 1000 steps, then drives on."""
     u = _held_voltages(STANDS.stop + 400)
     u[STANDS.start : STANDS.stop] = 0.0
-    return _disturbed("robot stands, then drives on", u, dt)
+    # Standing, it is at rest, but not exactly: an exact 0 hides windup.
+    noise = np.where(u.any(axis=1), 1.0, _NOISE_AT_REST)
+    return _disturbed("robot stands, then drives on", u, dt, noise)
 
 
 def _held_voltages(steps: int) -> Floats:
@@ -144,9 +148,9 @@ def _held_voltages(steps: int) -> Floats:
     return np.repeat(random.uniform(-0.5, 1.0, (-(-steps // 10), 2)), 10, axis=0)[:steps]
 
 
-def _disturbed(name: str, u: Floats, dt: float) -> Situation:
+def _disturbed(name: str, u: Floats, dt: float, share: Floats) -> Situation:
     noise = np.random.default_rng(_SEED + 1).normal(0.0, PROCESS_SIGMA, (len(u), 3))
-    noise[~u.any(axis=1)] = 0.0  # while the robot stands still
+    noise *= share[:, np.newaxis]
     poses = _driven(RobotModel(RobotParameters(dt=dt)), u, np.zeros(2), noise)
     return Situation(name=name, dt=dt, poses=poses, u=u)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._core import Estimate, Frame, RobotModel, RobotParameters, Step
+from robsim._core import Estimate, Frame, RecursiveLeastSquares, RobotModel, RobotParameters, Step
 from robsim.doctor._situations import DT, Situation
 from robsim.doctor._trial import TIME_LIMIT, BadResult, Slot
 from robsim.robots import RobotDefinition, load_robot
@@ -76,7 +76,24 @@ def _parameter_entry(estimator: Any) -> Callable[..., Any]:
             "not callable",
             f"make() returns {_described(estimator)}, which has no method update(phi, y)",
         )
+    _check_filters(estimator)
     return entry
+
+
+def _check_filters(estimator: Any) -> None:
+    """Raise BadResult if the simulation refuses a native estimator."""
+    if not isinstance(estimator, RecursiveLeastSquares):
+        return
+    try:
+        Simulation(
+            robot=_robot(),
+            area=_AREA,
+            boundary="unlimited",
+            init_parameter_estimator=lambda model: estimator,
+        ).run(1)
+    except ValueError as error:
+        reason = str(error).partition("\n")[0]
+        raise BadResult("refused", f"the simulation refuses it: {reason}") from error
 
 
 def _parameter_callback(estimator: Any) -> Callable[[Step], Any]:

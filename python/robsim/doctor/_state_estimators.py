@@ -56,7 +56,11 @@ def check_estimator(
     """Check a state estimator in several situations and report what is wrong with it.
 
     It gets the same steps as ``estimate_state`` of `Simulation`, with measurements and empty
-    frames. Consequences of another problem are not reported: fix that one, and check again.
+    frames. Looked at are its results (type, symmetry, definiteness); whether they depend on its own
+    past steps alone; what it makes of a displaced measurement (the gain, and the step of the first
+    change); its covariance while the robot is not seen and when it is seen again; the errors beside
+    the claimed covariance (NEES); its prediction with other inputs; the heading beyond +-pi. Faults
+    that do not depend on each other are all reported, their consequences are not.
 
     Parameters
     ----------
@@ -80,6 +84,21 @@ def check_estimator(
     ------
     TypeError, ValueError
         If `make` is not callable, or a number is out of range.
+
+    Notes
+    -----
+    What cannot be told, since the estimates are the same: a measurement of the step before from an
+    estimate of the step before; exchanged motors from a heading of wrong sign; a prediction that is
+    done twice from a dt or inputs that are twice as large, and in a filter that estimates its
+    velocity from a larger Q (it takes the velocity for half as large); standard deviations in place
+    of variances from an R for another camera, which gets a remark only, since the doctor does not
+    know the camera. Filters with Q and R that are 4 times too large or small pass.
+
+    The mean NEES is 3 for a consistent filter; a problem is above 20, with the noise of the
+    sharpest camera, too. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to
+    Tracking and Navigation, 2001, 5.2 (gain and covariance of the update), 5.4 (consistency,
+    NEES), 6.5 (alpha-beta filters); Simon, Optimal State Estimation, 2006, chapter 5 (forms of the
+    update of P).
 
     Examples
     --------

@@ -155,9 +155,11 @@ class EstimatorUnderTest:
         self.line = users_line_of_callable(function) or self.line
         return self.slot.callback(estimator)
 
-    def try_in(self, situation: Situation) -> Trial:
-        """Run a fresh estimator in a situation, alone."""
-        trial_run = _TrialRun(self, situation)
+    def try_in(
+        self, situation: Situation, watch: Callable[[int, Any], None] | None = None
+    ) -> Trial:
+        """Run a fresh estimator in a situation, alone; ``watch(k, estimator)`` after each step."""
+        trial_run = _TrialRun(self, situation, watch)
         with self._observed():
             return trial_run.run()
 
@@ -181,9 +183,16 @@ class EstimatorUnderTest:
 class _TrialRun:
     """A running trial: a fresh estimator and the simulation that calls it."""
 
-    def __init__(self, estimator: EstimatorUnderTest, situation: Situation) -> None:
+    def __init__(
+        self,
+        estimator: EstimatorUnderTest,
+        situation: Situation,
+        watch: Callable[[int, Any], None] | None = None,
+    ) -> None:
         self._situation = situation
+        self._watch = watch
         self._callback = estimator.fresh()
+        self._made = estimator.made
         self._estimator = estimator
         self._outputs: list[Floats] = []
         self._seconds: list[float] = []
@@ -197,6 +206,8 @@ class _TrialRun:
         before = self._outputs[-1] if self._outputs else None
         self._outputs.append(self._estimator.slot.read(result, before))
         self._check_speed()
+        if self._watch is not None:
+            self._watch(step.k, self._made)
         return result
 
     def _check_speed(self) -> None:

@@ -1,0 +1,1 @@
+"""The checks of a parameter estimator, each of one property of it."""

@@ -1,0 +1,66 @@
+"""Windup: what a long rest does to an estimator's P and to its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim._base.source_line import SourceLine
+from robsim.doctor._lines import line_that_sets
+from robsim.doctor._trial import EstimatorUnderTest
+
+# P grows by 1 / lambda at each sample that brings nothing new. Beyond 1e15 times its size a double
+# has no digit left of what was known.
+MAXIMUM_GROWTH = 1e15
+_DEPTH = 3  # of objects within the estimator
+
+
+def largest_square(estimator: Any) -> float:
+    """Return the largest number in the square matrices that an estimator keeps; 0 = it has none.
+
+    Looked at are its attributes, the variables of a closure, and lists of these.
+
+    Parameters
+    ----------
+    estimator : object
+        The estimator.
+    """
+    sizes = [abs(one).max() for one in _arrays(estimator, _DEPTH) if _is_square(one)]
+    return float(max(sizes, default=0.0))
+
+
+def line_of_matrix(estimator: EstimatorUnderTest) -> SourceLine | None:
+    """Return the last line that sets a square matrix, such as P, or else the definition."""
+    kept = getattr(estimator.made, "__dict__", {})
+    names = [name for name, one in kept.items() if isinstance(one, np.ndarray) and _is_square(one)]
+    return line_that_sets(estimator, names)
+
+
+def _arrays(value: Any, depth: int) -> Iterator[Floats]:
+    if isinstance(value, np.ndarray):
+        if value.dtype.kind == "f" and value.size:
+            yield value
+        return
+    if depth == 0 or isinstance(value, (str, bytes, type)):
+        return
+    cells = getattr(value, "__closure__", None) or ()
+    inner = [cell.cell_contents for cell in cells if _is_filled(cell)]
+    inner += value if isinstance(value, (list, tuple)) and len(value) < 10 else ()
+    inner += getattr(value, "__dict__", {}).values()
+    for one in inner:
+        yield from _arrays(one, depth - 1)
+
+
+def _is_filled(cell: Any) -> bool:
+    try:
+        _ = cell.cell_contents
+    except ValueError:
+        return False
+    return True
+
+
+def _is_square(values: Floats) -> bool:
+    return values.ndim >= 2 and values.shape[-1] == values.shape[-2] > 1
