@@ -18,8 +18,19 @@ using Range = std::pair<int, int>;
 
 constexpr double maximum_count = 1e15;  // of histograms: their sums are exact
 
+constexpr std::size_t longest_name = 40;  // characters, as in _base/checks.py
+
+/// Returns a name that can be shown anywhere: in a table, in a terminal, as the head of a column.
+std::string name_from(const py::str& name) {
+  if (py::len(name) - 1 < longest_name && name.attr("isprintable")().cast<bool>()) return name;
+  const py::str start = name[py::slice(0, longest_name, 1)];
+  throw py::value_error("name must be 1 to 40 printable characters, got " +
+                        std::string(py::repr(start)) + (py::len(name) > longest_name ? "..." : ""));
+}
+
 ColorClass color_from(const py::str& name, Range y, Range u, Range v) {
-  const ColorClass color{name, {y.first, u.first, v.first}, {y.second, u.second, v.second}};
+  const ColorClass color{
+      name_from(name), {y.first, u.first, v.first}, {y.second, u.second, v.second}};
   check_color_class(color);
   return color;
 }
@@ -77,7 +88,8 @@ void bind_training(py::module_& module, Class<ColorClass>& color_class) {
           [](const ImageLike& image, const Region& region, const py::str& name, double percentile,
              int margin, bool limit_y) {
             return color_from_histograms(
-                name, color_histograms(view_from(image, "image"), region_from(region, "region")),
+                name_from(name),
+                color_histograms(view_from(image, "image"), region_from(region, "region")),
                 {percentile, margin, limit_y});
           },
           py::arg("image"), py::arg("region"), py::kw_only(), py::arg("name"),
@@ -93,7 +105,7 @@ region : tuple of four ints
     (left, top, right, bottom), all included, as in `Blob.bounding_box`. Most of the region must
     have the colour.
 name : str
-    Name of the colour.
+    Name of the colour: 1 to 40 printable characters.
 percentile : float
     Percentage of the pixels outside the range found in a channel, at each end.
 margin : int
@@ -118,7 +130,7 @@ the class, however large the margin.
           "from_histograms",
           [](const ArrayLike& histograms, const py::str& name, double percentile, int margin,
              bool limit_y) {
-            return color_from_histograms(name, histograms_from(histograms),
+            return color_from_histograms(name_from(name), histograms_from(histograms),
                                          {percentile, margin, limit_y});
           },
           py::arg("histograms"), py::kw_only(), py::arg("name"),

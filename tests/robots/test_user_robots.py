@@ -1,5 +1,6 @@
 """A user's own robots, and the robot in use."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -27,7 +28,7 @@ from robsim.robots import (
     set_default_robot,
 )
 from robsim.robots._default_robot import data_folder
-from robsim.robots._lookup import as_robot
+from robsim.robots._lookup import as_robot, user_robots
 from robsim.vision import MarkerLayout
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long, pytest.mark.usefixtures("user_folder")]
@@ -262,28 +263,42 @@ def test_a_failing_add_leaves_nothing_behind(user_folder, monkeypatch, step):
 
 @pytest.mark.parametrize("failing", [1, 2])
 def test_a_failing_overwrite_leaves_the_old_one(user_folder, monkeypatch, failing):
-    """The first rename puts the old one aside, the second one puts the new one in its place."""
+    """The first file is the new image, the second one the definition that names it."""
     add_robot("mine", "lab", size=77)
-    calls = []
-    rename = Path.rename
+    replace_file, calls = os.replace, []
 
-    def fail_once(self, target):
-        calls.append(self)
-        if len(calls) == failing:
-            broken()
-        return rename(self, target)
+    def fail_once(path, target):
+        if "robots/mine/" in str(target):
+            calls.append(target)
+            if len(calls) == failing:
+                broken()
+        return replace_file(path, target)
 
-    monkeypatch.setattr(Path, "rename", fail_once)
+    monkeypatch.setattr(os, "replace", fail_once)
     with pytest.raises(OSError, match="the disk is full"):
-        add_robot("mine", "lab", overwrite=True)
-    assert load_robot("mine").size == 77
-    assert files(user_folder) == ["robots/mine/robot.png", "robots/mine/robot.toml"]
+        add_robot("mine", "sheep", overwrite=True)
+    assert load_robot("mine") == replace(load_robot("lab"), name="mine", size=77.0)
+
+
+def test_an_overwrite_leaves_one_image(user_folder):
+    for source in ("lab", "sheep", "lab", "lab"):
+        added = add_robot("mine", source, overwrite=True)
+        assert load_robot("mine") == added
+        definition, image = sorted(files(user_folder), key=lambda file: file[-4:], reverse=True)
+        assert definition == "robots/mine/robot.toml"
+        assert image in ("robots/mine/robot.png", "robots/mine/robot-2.png")
+
+
+def test_an_overwritten_robot_is_called_as_it_was_called_last(user_folder):
+    add_robot("mine", "lab")
+    add_robot("MINE", "lab", overwrite=True)
+    assert list(user_robots()) == ["MINE"]
 
 
 def test_a_failing_save_leaves_the_old_file(tmp_path, monkeypatch):
     save_robot(tmp_path, load_robot("lab"))
     before = {file: (tmp_path / file).read_bytes() for file in files(tmp_path)}
-    monkeypatch.setattr(Path, "replace", broken)
+    monkeypatch.setattr(os, "replace", broken)
     with pytest.raises(OSError, match="the disk is full"):
         save_robot(tmp_path, load_robot("sheep"))
     assert {file: (tmp_path / file).read_bytes() for file in files(tmp_path)} == before
@@ -305,10 +320,17 @@ def test_a_saved_robot_can_be_read_by_people(tmp_path):
     }
 
 
-@pytest.mark.parametrize("name", ['a"b', "a\nb = 1", "\\", "größe", "\x7f", "'''", '"""', "😀"])
+@pytest.mark.parametrize("name", ['a"b', "a b = 1", "\\", "größe", "'''", '"""', "😀"])
 def test_any_name_is_saved(tmp_path, name):
     save_robot(tmp_path, replace(load_robot("lab"), name=name))
     assert load_robot(tmp_path).name == name
+
+
+@pytest.mark.parametrize("name", ["", "a\nb = 1", "\x7f", "\x1b]0;mine\a", "\u202eenim", "a\0b", 41 * "a"])
+def test_a_name_that_cannot_be_shown(name):
+    with pytest.raises(ValueError, match="name must be 1 to 40 printable characters, got '") as told:
+        replace(load_robot("lab"), name=name)
+    assert str(told.value).isprintable()
 
 
 def test_other_files_of_the_folder_are_left_alone(tmp_path):

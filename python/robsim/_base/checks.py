@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-import reprlib
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.spelling import suggestion
+from robsim._base.text import quoted
 
 Floats = NDArray[np.float64]
+
+#: Longest name of a colour or a robot (characters).
+LONGEST_NAME = 40
 
 
 def check_float(
@@ -26,14 +29,14 @@ def check_float(
     """Return `value` as a finite float within limits; else raise TypeError or ValueError."""
     unit = f" ({unit})" if unit else ""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"{name} must be a number{unit}, got {value!r}")
+        raise TypeError(f"{name} must be a number{unit}, got {quoted(value)}")
     try:
         result = float(value)
     except OverflowError:
         result = math.inf
     if not (math.isfinite(result) and minimum <= result <= maximum and exclusive_minimum < result):
         limits = _limits(minimum, exclusive_minimum, maximum)
-        raise ValueError(f"{name} must {limits}{unit}, got {value!r}")
+        raise ValueError(f"{name} must {limits}{unit}, got {quoted(value)}")
     return result
 
 
@@ -55,9 +58,9 @@ def is_int(value: Any) -> bool:
 def check_int(name: str, value: Any, *, minimum: int, maximum: int) -> int:
     """Return `value` as an int within limits; else raise TypeError or ValueError."""
     if not is_int(value):
-        raise TypeError(f"{name} must be an int, got {value!r}")
+        raise TypeError(f"{name} must be an int, got {quoted(value)}")
     if not minimum <= value <= maximum:
-        raise ValueError(f"{name} must lie within {minimum}..{maximum}, got {value}")
+        raise ValueError(f"{name} must lie within {minimum}..{maximum}, got {quoted(value)}")
     return int(value)
 
 
@@ -70,27 +73,45 @@ def as_float_array(name: str, values: Any) -> Floats:
             raise TypeError(given.dtype)
         return given.astype(np.float64, copy=False)
     except (TypeError, ValueError, OverflowError):  # rows of different lengths, too
-        message = f"{name} must be an array of numbers, got {reprlib.repr(values)}"
+        message = f"{name} must be an array of numbers, got {quoted(values)}"
         raise TypeError(message) from None
 
 
 def check_bool(name: str, value: Any) -> bool:
     """Return `value` if it is True or False; else raise TypeError."""
     if not isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"{name} must be True or False, got {reprlib.repr(value)}")
+        raise TypeError(f"{name} must be True or False, got {quoted(value)}")
     return bool(value)
 
 
 def check_text(name: str, value: Any) -> str:
     """Return `value` if it is text; else raise TypeError."""
     if not isinstance(value, str):
-        raise TypeError(f"{name} must be text, got {reprlib.repr(value)}")
+        raise TypeError(f"{name} must be text, got {quoted(value)}")
     return value
+
+
+def check_name(argument: str, name: Any) -> str:
+    """Return a name that can be shown anywhere; else raise TypeError or ValueError.
+
+    Parameters
+    ----------
+    argument : str
+        What the message calls it.
+    name : str
+        1 to 40 printable characters.
+    """
+    text = check_text(argument, name)
+    if not (0 < len(text) <= LONGEST_NAME and text.isprintable()):
+        raise ValueError(
+            f"{argument} must be 1 to {LONGEST_NAME} printable characters, got {quoted(text)}"
+        )
+    return text
 
 
 def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
     """Return `value` if it is one of `choices`; else raise TypeError or ValueError."""
-    expected = f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}"
+    expected = f"{name} must be one of {', '.join(map(repr, choices))}, got {quoted(value)}"
     if not isinstance(value, str):
         raise TypeError(expected)
     if value not in choices:
@@ -103,10 +124,10 @@ def check_size(name: str, value: Any) -> tuple[int, int]:
     try:
         width, height = value
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be (width, height) in px, got {value!r}") from None
+        raise TypeError(f"{name} must be (width, height) in px, got {quoted(value)}") from None
     for size in (width, height):
         if not is_int(size):
-            raise TypeError(f"{name} must be (width, height), two ints in px, got {value!r}")
+            raise TypeError(f"{name} must be (width, height), two ints in px, got {quoted(value)}")
         if not 16 <= size <= 16384:
-            raise ValueError(f"{name} must lie within 16..16384 px, got {value!r}")
+            raise ValueError(f"{name} must lie within 16..16384 px, got {quoted(value)}")
     return int(width), int(height)

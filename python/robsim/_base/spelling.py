@@ -6,6 +6,10 @@ import difflib
 import re
 from collections.abc import Callable, Iterable
 
+from robsim._base.text import quoted
+
+_LONGEST = 100  # characters; no name is longer, and the search takes their square
+
 
 def closest(name: str, known: Iterable[str], *, cutoff: float = 0.6) -> str | None:
     """Return the known name that `name` resembles most, or None if it resembles none.
@@ -21,6 +25,8 @@ def closest(name: str, known: Iterable[str], *, cutoff: float = 0.6) -> str | No
     cutoff : float
         How much it must resemble one: 1 = it is the same.
     """
+    if len(name) > _LONGEST:
+        return None
     plain = {_plain(other): other for other in known}
     close = difflib.get_close_matches(_plain(name), plain, 1, cutoff)
     return plain[close[0]] if close else None
@@ -59,7 +65,7 @@ def check_names(
         if name not in known:
             meant = closest(name, known)
             hint = f"did you mean {meant!r}?" if meant else f"there are {', '.join(known)}"
-            raise error(f"{what} {name!r}: {hint}")
+            raise error(f"{what} {quoted(name)}: {hint}")
 
 
 def with_article(name: str) -> str:

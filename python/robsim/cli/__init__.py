@@ -41,7 +41,7 @@ def _root(
     ] = False,
 ) -> None:
     if show_version:
-        print(f"robsim {version('robsim')}")
+        errors.say(f"robsim {version('robsim')}")
         raise typer.Exit
 
 

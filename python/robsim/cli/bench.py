@@ -35,4 +35,4 @@ def bench(
 
     with errors.report_errors():
         result = run_bench(rounds=rounds)
-    print(result.to_json() if as_json else result)
+    errors.show(result.to_json() if as_json else result)

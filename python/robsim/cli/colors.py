@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -83,9 +82,9 @@ def frame(
             seed=seed,
         )
         _write_image(file, simulation.frame.image)
-    print(f"frame of the robot {simulation.robot.name} written to {file}")
+    errors.say(f"frame of the robot {simulation.robot.name} written to {file}")
     for name in ("red", "blue"):
-        print(f"  {name:<4} marker: {_marker_region(simulation, name, start)}")
+        errors.say(f"  {name:<4} marker: {_marker_region(simulation, name, start)}")
 
 
 @app.command("list", cls=Command, epilog="Example: robsim colors list")
@@ -98,11 +97,11 @@ def list_colors(
     """List the colours in a file, with their ranges."""
     with errors.report_errors():
         colors = load_colors(file)
-    _print_table(
+    errors.print_rows(
         ("colour", "Y", "U", "V"),
         [(c.name, *map(_range, (c.y, c.u, c.v))) for c in colors],
     )
-    print(f"from {file or SHIPPED_COLORS}")
+    errors.say(f"from {file or SHIPPED_COLORS}")
 
 
 @app.command(
@@ -162,10 +161,10 @@ def train(
             _write_histograms(figure, histograms, color, others, picture)
         if to:
             save_colors(to, color)
-    print(colors_to_toml(color))
+    errors.show(colors_to_toml(color))
     for file, what in ((to, "written to"), (figure, "histograms in")):
         if file:
-            print(f"{what} {file}")
+            errors.say(f"{what} {file}")
 
 
 @app.command(
@@ -213,7 +212,7 @@ def try_colors(
         scores = [_score(images[0], color, marked, smoothing) for color in classes]
     _print_test(found, [score for score in scores if score], as_json=as_json)
     if out and not as_json:
-        print(f"colours painted, written to {out}")
+        errors.say(f"colours painted, written to {out}")
 
 
 def _marker_region(simulation: Simulation, name: str, start: tuple[float, float, float]) -> str:
@@ -332,18 +331,18 @@ def _print_test(
 ) -> None:
     if as_json:
         result = {"found": found, "scores": [score.to_dict() for score in scores]}
-        print(json.dumps(result, indent=2))
+        errors.show(json.dumps(result, indent=2))
         return
     rows = [
         (image, name, str(seen["pixels"]), str(len(seen["blobs"])), *_largest(seen["blobs"]))
         for image, colors in found.items()
         for name, seen in colors.items()
     ]
-    _print_table(("image", "colour", "pixels", "blobs", "largest", "at"), rows)
+    errors.print_rows(("image", "colour", "pixels", "blobs", "largest", "at"), rows)
     for score in scores:
-        print(score)
+        errors.show(score)
         if score.margin:
-            print(f"\nproposed:\n{colors_to_toml(score.proposed)}")
+            errors.show(f"\nproposed:\n{colors_to_toml(score.proposed)}")
 
 
 def _largest(blobs: list[dict[str, Any]]) -> tuple[str, str]:
@@ -355,19 +354,6 @@ def _largest(blobs: list[dict[str, Any]]) -> tuple[str, str]:
 
 def _range(limits: tuple[int, int]) -> str:
     return "any" if limits == (0, 255) else f"{limits[0]} .. {limits[1]}"
-
-
-def _print_table(titles: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for title in titles:
-        table.add_column(title, no_wrap=True)
-    for row in rows:
-        table.add_row(*map(escape, row))
-    errors.print_table(table)
 
 
 def _write_image(file: Path, pixels: Pixels) -> None:

@@ -47,12 +47,12 @@ def demo(
     with errors.report_errors():
         result = run_demo(out, steps=steps, seed=seed)
     if as_json:
-        print(json.dumps(result.to_dict(), indent=2))
+        errors.show(json.dumps(result.to_dict(), indent=2))
         return
     if result.report is not None:
         _print_report(result.report)
-    print(result.tracking)
-    print(f"written to {out}: {', '.join(file.name for file in result.files)}")
+    errors.show(result.tracking)
+    errors.say(f"written to {out}: {', '.join(file.name for file in result.files)}")
 
 
 def _print_report(report: BatchEstimate) -> None:
@@ -62,8 +62,10 @@ def _print_report(report: BatchEstimate) -> None:
     error = np.abs(report.batch - report.theta_true)
     near = np.count_nonzero(error <= 2 * report.standard_errors)
     method = report.method.replace("_", " ")
-    print("online: recursive least squares, biased: the noise is in its regressors, too")
-    print(f"batch:  {method}, not biased: {near} of 15 within two standard errors of the truth")
+    errors.say("online: recursive least squares, biased: the noise is in its regressors, too")
+    errors.say(
+        f"batch:  {method}, not biased: {near} of 15 within two standard errors of the truth"
+    )
 
 
 def _table(report: BatchEstimate) -> Table:

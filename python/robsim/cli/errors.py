@@ -1,10 +1,10 @@
-"""Error messages and exit codes of the commands: 1 = error in a callback, 2 = other errors."""
+"""What the commands print, and their exit codes: 1 = error in a callback, 2 = other errors."""
 
 from __future__ import annotations
 
 import re
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import typer
 from rich.console import Console
 from rich.measure import Measurement
+
+from robsim._base.text import one_line, printable
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -78,7 +80,7 @@ def _sentence(error: BaseException) -> str:
     text = str(error)
     if isinstance(error, OSError) and error.filename and error.strerror:
         text = f"{error.filename}: {error.strerror}"
-    return in_words_of_the_shell("\n".join([text, *getattr(error, "__notes__", [])]))
+    return in_words_of_the_shell("\n".join(map(one_line, [text, *getattr(error, "__notes__", [])])))
 
 
 def _in_callbacks(error: BaseException, folder: Path) -> str | None:
@@ -106,7 +108,34 @@ def print_error(error: object) -> None:
     """Print an error message to stderr."""
     console = Console(stderr=True, soft_wrap=True)
     console.print("[bold red]error:[/] ", end="")
-    console.print(str(error), markup=False, highlight=False)
+    console.print(printable(error), markup=False, highlight=False)
+
+
+# All that goes to stdout goes through here: no text from outside may command the terminal.
+
+
+def say(line: object) -> None:
+    """Print a line to stdout."""
+    print(one_line(line))
+
+
+def show(text: object) -> None:
+    """Print a result of several lines to stdout."""
+    print(printable(text))
+
+
+def print_rows(titles: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Print a table of texts to stdout."""
+    from rich.box import SIMPLE_HEAD
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for title in titles:
+        table.add_column(title, no_wrap=True)
+    for row in rows:
+        table.add_row(*(escape(one_line(cell)) for cell in row))
+    print_table(table)
 
 
 def print_table(table: Table) -> None:
@@ -119,4 +148,4 @@ def print_table(table: Table) -> None:
 
 def print_note(text: str) -> None:
     """Print a remark to stderr, apart from the results."""
-    Console(stderr=True, soft_wrap=True).print(text, markup=False, highlight=False)
+    Console(stderr=True, soft_wrap=True).print(printable(text), markup=False, highlight=False)

@@ -26,4 +26,4 @@ def notebooks(
 
     with errors.report_errors():
         files = copy_notebooks(folder)
-    print(f"written to {folder}: {', '.join(file.name for file in files)}")
+    errors.say(f"written to {folder}: {', '.join(file.name for file in files)}")

@@ -36,18 +36,18 @@ def finish(
         if video or record:
             _write_videos(cast("Simulation", simulation), video, record)
     if as_json:
-        print(json.dumps(results.to_dict(), indent=2, allow_nan=False))
+        errors.show(json.dumps(results.to_dict(), indent=2, allow_nan=False))
     elif text := str(results):
-        print(text)
+        errors.show(text)
     if sentence := explain_missed(simulation.missed_detections, len(simulation.trace)):
         errors.print_note(sentence)
     if results.tracking is None:
         errors.print_note("not tracked: add --measure, or write a measure.py with ENABLED = True")
     if as_json:
         return
-    print(f"written to {out}: {', '.join(file.name for file in results.files)}")
+    errors.say(f"written to {out}: {', '.join(file.name for file in results.files)}")
     for file in filter(None, (video, record)):
-        print(f"written: {file}")
+        errors.say(f"written: {file}")
 
 
 def _write_videos(simulation: Simulation, video: Path | None, record: Path | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from robsim import plotting
-from robsim._base.files import naming
+from robsim._base.files import write_whole
 from robsim._base.report import Report
+from robsim._base.text import one_line
 from robsim.identification._batch import BatchEstimate, batch_estimate
 from robsim.simulation._runner import Runner
 from robsim.trace import TrackingStatistics
@@ -74,12 +76,15 @@ def save_figure(file: Path, figure: Any) -> None:
     """
     known = figure.canvas.get_supported_filetypes()
     if file.suffix[1:].lower() not in known:
-        raise ValueError(f"{file}: the name of a figure must end in .png, .pdf, .svg or the like")
+        raise ValueError(
+            f"{one_line(file)}: the name of a figure must end in .png, .pdf, .svg or the like"
+        )
     # Noise does not compress: a camera's image is a fifth as large as JPEG.
     quality = {"pil_kwargs": {"quality": 90}} if file.suffix == ".jpg" else {}
     file.parent.mkdir(parents=True, exist_ok=True)
-    with naming(file):
-        figure.savefig(file, **quality)
+    content = io.BytesIO()
+    figure.savefig(content, format=file.suffix[1:].lower(), **quality)
+    write_whole(file, content.getvalue())
 
 
 def write_results(out: Path, simulation: Runner, *, method: str = "least_squares") -> Results:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from robsim._base.text import one_line
 from robsim.cli import errors
 from robsim.cli.command import Command
 from robsim.cli.shared import SWITCH
@@ -61,10 +62,12 @@ def list_robots() -> None:
     for whose, robots in (("shipped", shipped_robots()), ("yours", user_robots())):
         for name, folder in robots.items():
             numbers = _numbers_of(folder, problems)
-            table.add_row(escape(name), *numbers, whose, "in use" if folder == chosen else "")
+            table.add_row(
+                escape(one_line(name)), *numbers, whose, "in use" if folder == chosen else ""
+            )
             if folder != find_folder(name):
                 problems.append(
-                    f"{folder}: another robot of this name takes precedence: rename the folder"
+                    f"{one_line(folder)}: another robot of this name takes precedence: rename the folder"
                 )
     errors.print_table(table)
     for sentence in problems:
@@ -101,8 +104,8 @@ def show(
         file = out or Path(f"robot-{plain_name}.png")
         file = file if file.suffix else file.with_suffix(".png")
         save_figure(file, plot_robot(robot).get_figure(root=True))
-    print(_described(robot))
-    print(f"figure written to {file}")
+    errors.show(_described(robot))
+    errors.say(f"figure written to {file}")
     for problem in problems:
         errors.print_error(problem)
 
@@ -202,8 +205,8 @@ def add(
             overwrite=overwrite,
             ignore_colors=ignore_colors,
         )
-    print(_described(robot))
-    print(f"added: check it with `robsim robots show {name}`, then `robsim robots use {name}`")
+    errors.show(_described(robot))
+    errors.say(f"added: check it with `robsim robots show {name}`, then `robsim robots use {name}`")
 
 
 # A negative number is not an option here.
@@ -228,7 +231,7 @@ def rotate(
 
     with errors.report_errors():
         robot = rotate_robot(name, degrees)
-    print(_described(robot))
+    errors.show(_described(robot))
 
 
 @app.command(cls=Command, epilog="Example: robsim robots use lab")
@@ -238,7 +241,7 @@ def use(name: Name) -> None:
 
     with errors.report_errors():
         set_default_robot(name)
-        print(f"in use: {default_robot()}")
+        errors.say(f"in use: {default_robot()}")
 
 
 @app.command(cls=Command, epilog="Example: robsim robots reset")
@@ -248,7 +251,7 @@ def reset() -> None:
 
     with errors.report_errors():
         reset_default_robot()
-        print(f"in use: {default_robot()}")
+        errors.say(f"in use: {default_robot()}")
 
 
 @app.command(cls=Command, epilog="Example: robsim robots remove mine")
@@ -258,7 +261,7 @@ def remove(name: Name) -> None:
 
     with errors.report_errors():
         remove_robot(name)
-        print(f"removed: {name}; in use: {default_robot()}")
+        errors.say(f"removed: {name}; in use: {default_robot()}")
 
 
 def _numbers_of(folder: Path, problems: list[object]) -> tuple[str, str, str]:

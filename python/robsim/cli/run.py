@@ -62,8 +62,8 @@ def new(
 
     with errors.report_errors():
         files = new_folder(folder)
-    print(f"written to {folder}: {', '.join(file.name for file in files)}")
-    print(f"edit them, then: robsim run {shlex.quote(str(folder))}")
+    errors.say(f"written to {folder}: {', '.join(file.name for file in files)}")
+    errors.say(f"edit them, then: robsim run {shlex.quote(str(folder))}")
 
 
 def run(

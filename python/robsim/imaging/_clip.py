@@ -11,7 +11,8 @@ from os import PathLike
 from PIL import Image, ImageSequence
 
 from robsim._base.checks import check_float, check_int
-from robsim._base.files import as_path, naming
+from robsim._base.files import as_path, write_whole
+from robsim._base.text import one_line
 from robsim._core import Frame
 from robsim.imaging._frames import check_iterable, check_same_size, frame_pixels, frame_size
 from robsim.imaging._images import Pixels, resized
@@ -72,10 +73,8 @@ class Clip:
         file = as_path(path)
         suffix = file.suffix.lower()
         if suffix not in (".webp", ".gif"):
-            raise ValueError(f"{path}: the name of a clip must end in .webp or .gif")
-        data = self._webp if suffix == ".webp" else self._gif()
-        with naming(file):
-            file.write_bytes(data)
+            raise ValueError(f"{one_line(path)}: the name of a clip must end in .webp or .gif")
+        write_whole(file, self._webp if suffix == ".webp" else self._gif())
 
     def _gif(self) -> bytes:
         with Image.open(io.BytesIO(self._webp)) as clip:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from robsim._base.text import quoted
 from robsim._core import Frame
 from robsim.imaging._images import Pixels, check_pixels
 
@@ -12,7 +13,7 @@ from robsim.imaging._images import Pixels, check_pixels
 def check_iterable(frames: Any) -> None:
     """Raise TypeError unless the argument ``frames`` can be iterated over."""
     if not isinstance(frames, Iterable):
-        raise TypeError(f"frames must be an iterable of frames, got {frames!r}")
+        raise TypeError(f"frames must be an iterable of frames, got {quoted(frames)}")
 
 
 def frame_pixels(name: str, frame: Frame | Pixels) -> Pixels:

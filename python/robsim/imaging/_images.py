@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import reprlib
 import warnings
 from os import PathLike
 from typing import Any
@@ -14,10 +13,17 @@ from PIL import Image, ImageOps, UnidentifiedImageError
 
 from robsim._base.checks import check_choice
 from robsim._base.files import as_path, write_whole
+from robsim._base.text import cut, one_line, quoted
 
 Pixels = NDArray[np.uint8]
 
 _WHITE = 65535  # of an image with 16 bits per pixel
+
+#: Limit of a picture, and of the frames of a video (px).
+MOST_PIXELS = 100_000_000
+
+# Formats that Pillow registers but cannot decode, or leaves to other programs.
+_FOREIGN = {"BUFR", "EPS", "FPX", "GRIB", "HDF5", "MIC", "MPEG", "WMF"}
 
 # Raised by Pillow for a file that would decompress to a huge image.
 _BOMBS = (Image.DecompressionBombError, Image.DecompressionBombWarning)
@@ -29,7 +35,7 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     Parameters
     ----------
     path : path
-        Any file that Pillow reads.
+        Any file that Pillow itself reads, of at most 100 million pixels.
     mode : str
         ``"RGB"`` or ``"RGBA"``.
 
@@ -49,15 +55,32 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     with as_path(path).open("rb") as file, warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
         try:
-            with Image.open(file) as image:
+            with Image.open(file, formats=_formats()) as image:
+                if image.width * image.height > MOST_PIXELS:
+                    raise ValueError(f"{image.width} x {image.height} px")
                 upright = ImageOps.exif_transpose(image)
                 return np.array(_eight_bits(upright).convert(mode))
         except UnidentifiedImageError as error:
-            raise ValueError(f"{path} is not in an image format that Pillow reads") from error
+            raise ValueError(
+                f"{one_line(path)} is not in an image format that Pillow reads"
+            ) from error
         except _BOMBS as error:
-            raise ValueError(f"{path} has too many pixels: {error}") from error
+            raise ValueError(f"{one_line(path)} has too many pixels: {cut(error)}") from error
         except Exception as error:  # Pillow's decoders raise many types
-            raise ValueError(f"{path} cannot be read as an image: {error}") from error
+            raise ValueError(
+                f"{one_line(path)} cannot be read as an image: {cut(error)}"
+            ) from error
+
+
+def _formats() -> list[str]:
+    Image.init()
+    return [kind for kind in Image.ID if kind not in _FOREIGN]
+
+
+def image_suffixes() -> set[str]:
+    """Return the suffixes of the files that `load_image` reads."""
+    formats = _formats()
+    return {end for end, kind in Image.registered_extensions().items() if kind in formats}
 
 
 def _eight_bits(image: Image.Image) -> Image.Image:
@@ -93,7 +116,9 @@ def save_image(path: str | PathLike[str], image: Pixels) -> None:
     pixels = check_pixels("image", image, 3)
     file_format = Image.registered_extensions().get(file.suffix.lower())
     if file_format not in Image.SAVE:
-        raise ValueError(f"{file}: the name of an image must end in .png, .jpg or the like")
+        raise ValueError(
+            f"{one_line(file)}: the name of an image must end in .png, .jpg or the like"
+        )
     buffer = io.BytesIO()
     Image.fromarray(pixels).save(buffer, format=file_format)
     write_whole(file, buffer.getvalue())
@@ -103,7 +128,7 @@ def check_pixels(name: str, pixels: Any, channels: int, alternative: str = "") -
     """Return an image (H, W, channels) of uint8; else raise TypeError or ValueError."""
     expected = f"{name} must be {alternative}a uint8 array of shape (H, W, {channels})"
     if not isinstance(pixels, np.ndarray):
-        raise TypeError(f"{expected}, got {reprlib.repr(pixels)}")
+        raise TypeError(f"{expected}, got {quoted(pixels)}")
     if pixels.dtype != np.uint8 or pixels.shape[2:] != (channels,) or not pixels.size:
         raise ValueError(f"{expected}, got {pixels.dtype} of shape {pixels.shape}")
     return pixels

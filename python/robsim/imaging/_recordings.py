@@ -12,21 +12,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from robsim._base.checks import check_float, check_size
 from robsim._base.files import as_path
+from robsim._base.text import one_line, quoted
 from robsim._core import Frame, PlaneMap
+from robsim.imaging._containers import check_is_video
 from robsim.imaging._frames import check_same_size, frame_size
-from robsim.imaging._images import Pixels, load_image
+from robsim.imaging._images import MOST_PIXELS, Pixels, image_suffixes, load_image
 from robsim.imaging._opencv import load_opencv, quiet
 
 _COMPLETE = 0.95  # fraction of the frames; some files only estimate their number
 MAXIMUM_RATE = 1000.0  # 1/s; files with an unknown frame rate often claim this or more
-
-# Formats that Pillow registers but cannot decode.
-_UNREADABLE_FORMATS = {"BUFR", "GRIB", "HDF5", "MPEG"}
-
 
 _LONGEST_DT = 1e6  # s
 
@@ -96,14 +93,14 @@ class Recording:
     ) -> None:
         if isinstance(source, int) or re.match(r"/dev/|[a-z]{3,}:/", str(source)):
             raise ValueError(
-                f"source must be a video file or a folder of images, got {source}: for a live "
+                f"source must be a video file or a folder of images, got {quoted(source)}: for a live "
                 "camera, give its frames to robsim.Experiment"
             )
         self.source = as_path(source, "source")
         if not (plane_map is None or isinstance(plane_map, PlaneMap)):
-            raise TypeError(f"plane_map must be a PlaneMap or None, got {plane_map!r}")
+            raise TypeError(f"plane_map must be a PlaneMap or None, got {quoted(plane_map)}")
         if not self.source.exists():
-            raise FileNotFoundError(f"there is no file or folder {self.source}")
+            raise FileNotFoundError(f"there is no file or folder {one_line(self.source)}")
         self._images = _Folder(self.source) if self.source.is_dir() else _Video(self.source)
         self.size = self._first_size()
         self.dt = (
@@ -129,27 +126,27 @@ class Recording:
         count = "frames" if self.count is None else f"{self.count} frames"
         width, height = self.size
         dt = "no times" if self.dt is None else f"dt = {self.dt:g} s"
-        return f"<Recording {self.source}: {count} of {width} x {height} px, {dt}>"
+        return f"<Recording {one_line(self.source)}: {count} of {width} x {height} px, {dt}>"
 
     def _first_size(self) -> tuple[int, int]:
         with closing(self._images.read()) as images:
             for _, pixels in images:
                 return frame_size(pixels)
-        raise ValueError(f"{self.source} has no frames")
+        raise ValueError(f"{one_line(self.source)} has no frames")
 
 
 class _Folder:
     """Frame reader for the images of a folder."""
 
     def __init__(self, folder: Path) -> None:
-        suffixes = _image_suffixes()
+        suffixes = image_suffixes()
         files = [
             file
             for file in folder.iterdir()
             if file.suffix.lower() in suffixes and file.is_file() and not file.name.startswith(".")
         ]
         if not files:
-            raise ValueError(f"there are no images in the folder {folder}")
+            raise ValueError(f"there are no images in the folder {one_line(folder)}")
         self.files = sorted(files, key=_natural_order)
 
     def dt(self) -> float | None:
@@ -160,16 +157,7 @@ class _Folder:
 
     def read(self) -> Generator[tuple[str, Pixels]]:
         for file in self.files:
-            yield str(file), load_image(file)
-
-
-def _image_suffixes() -> set[str]:
-    readable = Image.registered_extensions().items()
-    return {
-        suffix
-        for suffix, kind in readable
-        if kind in Image.OPEN and kind not in _UNREADABLE_FORMATS
-    }
+            yield one_line(file), load_image(file)
 
 
 def _natural_order(file: Path) -> tuple[list[str | int], str]:
@@ -183,16 +171,24 @@ class _Video:
     def __init__(self, file: Path) -> None:
         self.file = file
         self.cv2 = load_opencv("reading a video")
+        check_is_video(file)
         with quiet():
             capture = self._open()
             self.rate = float(capture.get(self.cv2.CAP_PROP_FPS))
             self.frames = capture.get(self.cv2.CAP_PROP_FRAME_COUNT)
+            size = [capture.get(self.cv2.CAP_PROP_FRAME_WIDTH)]
+            size.append(capture.get(self.cv2.CAP_PROP_FRAME_HEIGHT))
             capture.release()
+        if not size[0] * size[1] <= MOST_PIXELS:  # True for NaN, too
+            raise ValueError(
+                f"{one_line(file)} must have frames of at most {MOST_PIXELS} px, got "
+                f"{size[0]:g} x {size[1]:g} px"
+            )
 
     def dt(self) -> float:
         if not 0 < self.rate < MAXIMUM_RATE:  # False for NaN, too
             raise ValueError(
-                f"{self.file} has the frame rate {self.rate:g} per second, which is implausible: "
+                f"{one_line(self.file)} has the frame rate {self.rate:g} per second, which is implausible: "
                 "give dt, the time between two frames in s"
             )
         return 1 / self.rate
@@ -207,7 +203,7 @@ class _Video:
         index = 0
         try:
             while (pixels := self._next(capture)) is not None:
-                yield f"frame {index} of {self.file}", pixels
+                yield f"frame {index} of {one_line(self.file)}", pixels
                 index += 1
         finally:
             with quiet():
@@ -215,16 +211,17 @@ class _Video:
         known = self.count()
         if known is not None and index < _COMPLETE * known:
             warnings.warn(
-                f"{self.file} ends after {index} of {known} frames: it is truncated or damaged",
+                f"{one_line(self.file)} ends after {index} of {known} frames: it is truncated or damaged",
                 stacklevel=4,
             )
 
     def _open(self) -> Any:
         # More threads are no faster, and print their warnings at any time.
         one_thread = [self.cv2.CAP_PROP_N_THREADS, 1]
-        capture = self.cv2.VideoCapture(str(self.file), self.cv2.CAP_FFMPEG, one_thread)
+        # The whole path: "concat:a.mp4" would be more than the name of a file.
+        capture = self.cv2.VideoCapture(str(self.file.absolute()), self.cv2.CAP_FFMPEG, one_thread)
         if not capture.isOpened():
-            raise ValueError(f"{self.file} is not a video, or it is damaged or truncated")
+            raise ValueError(f"{one_line(self.file)} is not a video, or it is damaged or truncated")
         return capture
 
     def _next(self, capture: Any) -> Pixels | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable
-from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
@@ -14,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import check_float
-from robsim._base.files import as_path, temporary_path
+from robsim._base.files import PartialFile, as_path
+from robsim._base.text import one_line
 from robsim._core import Frame
 from robsim.imaging._frames import check_iterable, check_same_size, frame_pixels, frame_size
 from robsim.imaging._images import Pixels
@@ -69,13 +69,20 @@ class VideoWriter:
         rate = check_float("fps", fps, "1/s", minimum=0.1, maximum=500)
         self._fps = round(rate, min(3, int(math.log10(65535 / rate))))
         if not self.path.absolute().parent.is_dir():
-            raise FileNotFoundError(f"{self.path}: there is no folder {self.path.parent}")
+            raise FileNotFoundError(
+                f"{one_line(self.path)}: there is no folder {one_line(self.path.parent)}"
+            )
+        if self.path.is_dir():
+            raise IsADirectoryError(
+                f"{one_line(self.path)} is a folder, not a file: give another name"
+            )
         if not os.access(self.path.absolute().parent, os.W_OK):
             raise PermissionError(
-                f"{self.path}: the folder {self.path.parent} cannot be written to"
+                f"{one_line(self.path)}: the folder {one_line(self.path.parent)} cannot be "
+                "written to"
             )
         self._cv2 = load_opencv("writing a video")
-        self._part = temporary_path(self.path)
+        self._part: PartialFile | None = None
         self._size = (0, 0)
         self._writer: Any = None
         self._is_closed = False
@@ -99,7 +106,7 @@ class VideoWriter:
     def _write(self, name: str, frame: Frame | Pixels) -> None:
         """Add a frame; the errors call it by the name."""
         if self._is_closed:
-            raise ValueError(f"{self.path} is complete: open another VideoWriter")
+            raise ValueError(f"{one_line(self.path)} is complete: open another VideoWriter")
         pixels = frame_pixels(name, frame)
         even = _even(pixels, self._codec)
         if self._writer is None:
@@ -116,30 +123,38 @@ class VideoWriter:
         self._is_closed = True
         if self._writer is None:
             return
-        with quiet():
-            self._writer.release()
-            self._writer = None
-            video = self._cv2.VideoCapture(str(self._part), self._cv2.CAP_FFMPEG)
-            # OpenCV does not report a full disk, and the header may claim too many frames.
-            written = sum(1 for _ in iter(video.grab, False))
-            video.release()
-        if written < self.count:  # one more if Ctrl-C came before it was counted
-            self._part.unlink(missing_ok=True)
-            raise OSError(
-                f"{self.path} could not be written: the disk is full, or the frames are too small"
-            )
-        os.replace(self._part, self.path)
+        writer, part = self._writer, self._part
+        assert part is not None
+        self._writer = self._part = None
+        try:
+            with quiet():
+                writer.release()
+                video = self._cv2.VideoCapture(str(part.path), self._cv2.CAP_FFMPEG)
+                # OpenCV does not report a full disk, and the header may claim too many frames.
+                written = sum(1 for _ in iter(video.grab, False))
+                video.release()
+            if written < self.count:  # one more if Ctrl-C came before it was counted
+                raise OSError(
+                    f"{one_line(self.path)} could not be written: the disk is full, or the "
+                    "frames are too small"
+                )
+            part.commit()
+        finally:
+            part.discard()
 
     def _open(self, size: tuple[int, int]) -> Any:
         codec = self._cv2.VideoWriter_fourcc(*self._codec)
+        part = PartialFile(self.path, suffix=self.path.suffix.lower())
         with quiet():
             writer = self._cv2.VideoWriter(
-                str(self._part), self._cv2.CAP_FFMPEG, codec, self._fps, size
+                str(part.path), self._cv2.CAP_FFMPEG, codec, self._fps, size
             )
         if not writer.isOpened():
-            with suppress(OSError):
-                self._part.unlink(missing_ok=True)
-            raise OSError(f"{self.path} cannot be written with frames of {size[0]} x {size[1]} px")
+            part.discard()
+            raise OSError(
+                f"{one_line(self.path)} cannot be written with frames of {size[0]} x {size[1]} px"
+            )
+        self._part = part
         return writer
 
     def __enter__(self) -> VideoWriter:
@@ -153,7 +168,7 @@ class VideoWriter:
     ) -> None:
         self.close()
         if self.count == 0 and error is None:
-            raise ValueError(f"{self.path}: there were no frames to write")
+            raise ValueError(f"{one_line(self.path)}: there were no frames to write")
 
 
 def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, fps: float) -> None:
@@ -186,7 +201,7 @@ def _codec(path: Path) -> str:
         return CODECS[path.suffix.lower()]
     except KeyError:
         known = ", ".join(CODECS)
-        raise ValueError(f"{path}: the name of a video must end in {known}") from None
+        raise ValueError(f"{one_line(path)}: the name of a video must end in {known}") from None
 
 
 def _even(pixels: Pixels, codec: str) -> Pixels:

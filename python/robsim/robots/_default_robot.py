@@ -8,7 +8,9 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Any
 
-from robsim._base.files import read_toml, write_whole
+from robsim._base.files import naming, read_text, read_toml, write_whole
+from robsim._base.files.reading import MOST_TOML
+from robsim._base.text import cut, one_line, quoted
 from robsim._base.values import FileVersion
 
 #: The default robot until the user chooses another.
@@ -50,10 +52,10 @@ def default_robot() -> str:
     except FileNotFoundError:
         return DEFAULT
     except (ValueError, OSError) as error:
-        raise ValueError(f"settings file {file}: {error}; {_RESET}") from error
+        raise ValueError(f"settings file {one_line(file)}: {cut(error)}; {_RESET}") from error
     if not isinstance(name, str):
         raise ValueError(
-            f"settings file {file}: robot must be the name of a robot, got {name!r}; {_RESET}"
+            f"settings file {one_line(file)}: robot must be the name of a robot, got {quoted(name)}; {_RESET}"
         )
     return name
 
@@ -66,7 +68,7 @@ def _stored_name(file: FileVersion) -> Any:
 def missing_robot_error(name: str) -> ValueError:
     """Return the error for a default robot that no longer exists."""
     return ValueError(
-        f"settings file {settings_file()}: the default robot, {name!r}, no longer exists; {_RESET}"
+        f"settings file {one_line(settings_file())}: the default robot, {quoted(name)}, no longer exists; {_RESET}"
     )
 
 
@@ -77,13 +79,15 @@ def store_default_robot(name: str) -> None:
     file = settings_file()
     settings = tomlkit.document()
     try:
-        settings = tomlkit.parse(file.read_text("utf-8-sig"))
+        read_toml(file)  # within limits, and more strictly than tomlkit
+        settings = tomlkit.parse(read_text(file, MOST_TOML))
     except FileNotFoundError:
-        file.parent.mkdir(parents=True, exist_ok=True)
+        with naming(file.parent):
+            file.parent.mkdir(parents=True, exist_ok=True)
     except ValueError as error:
-        raise ValueError(f"settings file {file}: {error}; {_RESET}") from error
+        raise ValueError(f"settings file {one_line(file)}: {cut(error)}; {_RESET}") from error
     except OSError as error:
-        raise ValueError(f"settings file {file}: {error.strerror}; {_RESET}") from error
+        raise ValueError(f"settings file {one_line(file)}: {error.strerror}; {_RESET}") from error
     settings["robot"] = name
     write_whole(file, tomlkit.dumps(settings).encode())
 

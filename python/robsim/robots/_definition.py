@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats, check_float, check_int, check_text
+from robsim._base.checks import Floats, check_float, check_int, check_name
 from robsim._base.values import digest, frozen
 from robsim._core import MarkerLayout
 from robsim.imaging._images import Pixels, check_pixels
@@ -63,7 +63,7 @@ class RobotDefinition:
 
     def __post_init__(self) -> None:
         image = check_pixels("image", self.image, 4)
-        check_text("name", self.name)
+        check_name("name", self.name)
         check_float("size", self.size, "work-area px", minimum=1, maximum=10_000)
         check_float("alignment", self.alignment, "degrees")
         check_int("maximum_blobs", self.maximum_blobs, minimum=1, maximum=100_000)

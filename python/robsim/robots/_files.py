@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from contextlib import suppress
 from functools import lru_cache
 from os import PathLike
 from pathlib import Path, PureWindowsPath
@@ -13,7 +14,8 @@ import numpy as np
 from PIL import Image
 
 from robsim._base.checks import Floats
-from robsim._base.files import as_folder, read_toml, write_whole
+from robsim._base.files import as_folder, naming, read_toml, write_whole
+from robsim._base.text import cut, one_line, quoted
 from robsim._base.values import FileVersion
 from robsim.imaging._images import load_image
 from robsim.robots._definition import RobotDefinition
@@ -21,6 +23,7 @@ from robsim.robots._definition import RobotDefinition
 #: The definition file of a robot folder, and the image beside it.
 TOML = "robot.toml"
 IMAGE = "robot.png"
+_OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is replaced
 
 _KEYS = {"name", "image", "size", "alignment", "outline", "red", "blue"}
 _OPTIONAL = {"centre", "maximum_blobs"}
@@ -62,20 +65,30 @@ def read_robot(folder: Path) -> RobotDefinition:
     """
     file = os.path.join(folder, TOML)
     try:
-        definition = FileVersion.of(file)
-        image = os.path.join(folder, _image_name(definition))
-        return _definition(definition, FileVersion.of(image))
+        try:
+            return _read(folder, file)
+        except FileNotFoundError:  # it was replaced just now
+            return _read(folder, file)
     except (ValueError, TypeError, OSError) as error:
-        raise ValueError(f"robot definition {file}: {error}") from error
+        raise ValueError(f"robot definition {one_line(file)}: {error}") from error
+
+
+def _read(folder: Path, file: str) -> RobotDefinition:
+    definition = FileVersion.of(file)
+    image = os.path.join(folder, _image_name(definition))
+    return _definition(definition, FileVersion.of(image))
 
 
 def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     """Write a robot definition: a ``robot.toml`` with comments, and its image ``robot.png``.
 
+    Where there is such a definition, it is replaced at once: whatever happens, the folder has the
+    old or the new one. The image is called ``robot-2.png`` if the old one is ``robot.png``.
+
     Parameters
     ----------
     folder : path
-        The folder; it is created if needed. Files of these names are replaced, others are kept.
+        The folder; it is created if needed. Other files in it are kept.
     robot : RobotDefinition
         The robot. Points are rounded to 0.01 px of the image.
 
@@ -87,13 +100,31 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
         If a file cannot be written.
     """
     if not isinstance(robot, RobotDefinition):
-        raise TypeError(f"robot must be a RobotDefinition, got {robot!r}")
+        raise TypeError(f"robot must be a RobotDefinition, got {quoted(robot)}")
     folder = as_folder(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    image = io.BytesIO()
-    Image.fromarray(robot.image).save(image, format="PNG")
-    write_whole(folder / IMAGE, image.getvalue())
-    write_whole(folder / TOML, _as_text(robot).encode())
+    with naming(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    content = io.BytesIO()
+    Image.fromarray(robot.image).save(content, format="PNG")
+    image, old = _image_names(folder, content.getvalue())
+    if image != old:
+        write_whole(folder / image, content.getvalue())
+    write_whole(folder / TOML, _as_text(robot, image).encode())
+    if old in (IMAGE, _OTHER_IMAGE) and old != image:
+        with suppress(OSError):
+            (folder / old).unlink()
+
+
+def _image_names(folder: Path, content: bytes) -> tuple[str, str | None]:
+    """Return the name for the new image of a folder, and that of the old one, if there is one."""
+    try:
+        old = _image_name(FileVersion.of(folder / TOML))
+    except (ValueError, TypeError, OSError):  # no definition that could be kept
+        return IMAGE, None
+    with suppress(OSError):
+        if (folder / old).read_bytes() == content:
+            return old, old
+    return (_OTHER_IMAGE if old == IMAGE else IMAGE), old
 
 
 @lru_cache(maxsize=16)
@@ -104,14 +135,14 @@ def _image_name(file: FileVersion) -> str:
     unknown = set(values) - _KEYS - _OPTIONAL
     if missing or unknown:
         problems = [f"{key} is missing" for key in sorted(missing)]
-        problems += [f"{key} is not known" for key in sorted(unknown)]
+        problems += [f"{cut(key)} is not known" for key in sorted(unknown)[:3]]
         raise ValueError("; ".join(problems))
     image = values["image"]
     if not isinstance(image, str):
-        raise TypeError(f"image must be the name of a file, got {image!r}")
+        raise TypeError(f"image must be the name of a file, got {quoted(image)}")
     # PureWindowsPath knows the path separators of all systems.
     if image in ("", ".", "..") or PureWindowsPath(image).name != image:
-        raise ValueError(f"image must be the name of a file beside {TOML}, got {image!r}")
+        raise ValueError(f"image must be the name of a file beside {TOML}, got {quoted(image)}")
     return image
 
 
@@ -121,13 +152,13 @@ def _definition(file: FileVersion, image: FileVersion) -> RobotDefinition:
     return RobotDefinition(**{**values, "image": load_image(image.path, mode="RGBA")})
 
 
-def _as_text(robot: RobotDefinition) -> str:
+def _as_text(robot: RobotDefinition, image: str) -> str:
     import tomlkit
 
     assert robot.centre is not None
     return _TEXT.format(
         name=tomlkit.string(robot.name).as_string(),
-        image=IMAGE,
+        image=image,
         size=float(robot.size),
         alignment=float(robot.alignment),
         centre=_point(robot.centre),

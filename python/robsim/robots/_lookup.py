@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import reprlib
 import unicodedata
 from os import PathLike
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 from robsim._base.checks import check_text
 from robsim._base.shipped import ASSETS
 from robsim._base.spelling import suggestion
+from robsim._base.text import listed, quoted
 from robsim.robots._default_robot import (
     data_folder,
     default_robot,
@@ -81,7 +81,7 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
         If there is no such robot, or its files do not define one; the message names the file.
     """
     if not isinstance(robot, (str, PathLike, type(None))):
-        raise TypeError(f"robot must be a name or a folder, got {reprlib.repr(robot)}")
+        raise TypeError(f"robot must be a name or a folder, got {quoted(robot)}")
     if robot is None:
         name = default_robot()
         folder = find_folder(name)
@@ -89,7 +89,7 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
             raise missing_robot_error(name)
         return read_robot(folder)
     if not isinstance(robot, (str, PathLike)):
-        raise TypeError(f"robot must be a name or a folder, got {robot!r}")
+        raise TypeError(f"robot must be a name or a folder, got {quoted(robot)}")
     folder = find_folder(robot)
     if folder is None and (Path(robot) / TOML).is_file():
         folder = Path(robot)
@@ -119,7 +119,7 @@ def unknown_robot_error(robot: object, hint: str = "") -> ValueError:
     """Return the error for the name of a robot that does not exist."""
     names = robot_names()
     meant = suggestion(str(robot), names)
-    return ValueError(f"no robot {str(robot)!r}: there are {', '.join(names)}{meant or hint}")
+    return ValueError(f"no robot {quoted(str(robot))}: there are {listed(names)}{meant or hint}")
 
 
 def set_default_robot(name: str) -> None:
@@ -150,4 +150,4 @@ def as_robot(robot: str | PathLike[str] | RobotDefinition | None) -> RobotDefini
         return robot
     if robot is None or isinstance(robot, (str, PathLike)):
         return load_robot(robot)
-    raise TypeError(f"robot must be a name, a folder or a RobotDefinition, got {robot!r}")
+    raise TypeError(f"robot must be a name, a folder or a RobotDefinition, got {quoted(robot)}")

@@ -6,17 +6,20 @@ import math
 import re
 import shutil
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from secrets import token_hex
 from typing import Any
 
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import check_bool, check_float, check_text
-from robsim._base.files import naming, write_whole
+from robsim._base.checks import LONGEST_NAME, check_bool, check_float, check_text
+from robsim._base.files import naming, read_text, sync_folder, write_whole
+from robsim._base.files.leftovers import hidden_path, is_hidden_path, locked_folder
+from robsim._base.files.reading import MOST_TOML
+from robsim._base.text import listed, one_line, quoted
 from robsim._core import ColorClass
 from robsim.imaging._images import Pixels, load_image
 from robsim.robots._default_robot import default_robot, reset_default_robot
@@ -36,7 +39,6 @@ from robsim.robots._marker_check import check_colors
 
 # Device names, which Windows does not allow for folders.
 _RESERVED = re.compile(r"(?i)con|prn|aux|nul|com\d|lpt\d")
-_MAXIMUM_NAME = 40  # letters
 
 
 def add_robot(
@@ -113,7 +115,7 @@ def add_robot(
             f"{'; '.join(problems)}. ignore_colors=True adds the robot anyway; "
             "the colour file can be changed later"
         )
-    return _store(robot)
+    return _store(robot, overwrite)
 
 
 def rotate_robot(name: str, degrees: float) -> RobotDefinition:
@@ -138,14 +140,16 @@ def rotate_robot(name: str, degrees: float) -> RobotDefinition:
     """
     import tomlkit
 
-    folder = _user_robot(name)
+    _user_robot(name)
     degrees = check_float("degrees", degrees)
-    alignment = math.remainder(read_robot(folder).alignment + degrees, 360)
-    # Only this number changes: comments in the file are kept.
-    document = tomlkit.parse((folder / TOML).read_text("utf-8-sig"))
-    document["alignment"] = round(alignment, 6) + 0.0
-    write_whole(folder / TOML, tomlkit.dumps(document).encode())
-    return read_robot(folder)
+    with _locked(user_robots_folder()):
+        folder = _user_robot(name)
+        alignment = math.remainder(read_robot(folder).alignment + degrees, 360)
+        # Only this number changes: comments in the file are kept.
+        document = tomlkit.parse(read_text(folder / TOML, MOST_TOML))
+        document["alignment"] = round(alignment, 6) + 0.0
+        write_whole(folder / TOML, tomlkit.dumps(document).encode())
+        return read_robot(folder)
 
 
 def remove_robot(name: str) -> None:
@@ -161,12 +165,14 @@ def remove_robot(name: str) -> None:
     ValueError
         If you have no robot of this name.
     """
-    folder = _user_robot(name)
-    try:
-        is_default = name_key(default_robot()) == name_key(name)
-    except ValueError:
-        is_default = False
-    _discard(folder)
+    _user_robot(name)
+    with _locked(user_robots_folder()):
+        folder = _user_robot(name)
+        try:
+            is_default = name_key(default_robot()) == name_key(name)
+        except ValueError:
+            is_default = False
+        _discard(folder)
     if is_default:
         reset_default_robot()
 
@@ -175,20 +181,22 @@ def _check_new(name: str, overwrite: bool) -> None:
     """Raise TypeError or ValueError for a name that a new robot cannot have."""
     if not _is_plain(check_text("name", name)):
         raise ValueError(
-            f"name must be 1 to {_MAXIMUM_NAME} letters, digits, - and _, the first a letter or a "
-            f"digit, got {name!r}"
+            f"name must be 1 to {LONGEST_NAME} letters, digits, - and _, the first a letter or a "
+            f"digit, got {quoted(name)}"
         )
     if _RESERVED.fullmatch(name):
-        raise ValueError(f"name must not be one that Windows reserves for a device, got {name!r}")
+        raise ValueError(
+            f"name must not be one that Windows reserves for a device, got {quoted(name)}"
+        )
     _check_not_shipped(name)
     existing = same_name(name, user_robots())
     if existing is not None and not overwrite:
-        raise ValueError(f"you have a robot {existing!r} already: overwrite=True replaces it")
+        raise ValueError(f"you have a robot {quoted(existing)} already: overwrite=True replaces it")
 
 
 def _is_plain(name: str) -> bool:
     """Return whether a name consists of letters, with their marks, digits, - and _."""
-    if not 0 < len(name) <= _MAXIMUM_NAME:
+    if not 0 < len(name) <= LONGEST_NAME:
         return False
     kinds = [unicodedata.category(character) for character in name]  # L letter, M mark, N number
     is_plain = (k[0] in "LM" or k == "Nd" or c in "-_" for k, c in zip(kinds, name, strict=True))
@@ -210,8 +218,8 @@ def _user_robot(name: str) -> Path:
     found = same_name(check_text("name", name), robots)
     if found is None:
         _check_not_shipped(name)
-        names = f"there are {', '.join(robots)}" if robots else "there is none yet"
-        raise ValueError(f"you have no robot {name!r} of your own: {names}")
+        names = f"there are {listed(robots)}" if robots else "there is none yet"
+        raise ValueError(f"you have no robot {quoted(name)} of your own: {names}")
     return robots[found]
 
 
@@ -220,56 +228,62 @@ def _read_source(source: str | PathLike[str]) -> RobotDefinition | Pixels:
     if not isinstance(source, (str, PathLike)):
         raise TypeError(
             "source must be a RobotDefinition, a robot's name, a folder or an image file, "
-            f"got {source!r}"
+            f"got {quoted(source)}"
         )
     folder = find_folder(source) or Path(source)
     if (folder / TOML).is_file():
         return read_robot(folder)
     if folder.is_dir():
-        raise ValueError(f"the folder {folder} has no {TOML}, so it does not define a robot")
+        raise ValueError(
+            f"the folder {one_line(folder)} has no {TOML}, so it does not define a robot"
+        )
     if not folder.is_file():
         raise ValueError(
-            f"source must be a robot's name ({', '.join(robot_names())}), a folder with a {TOML} "
-            f"or an image file, got {str(source)!r}"
+            f"source must be a robot's name ({listed(robot_names())}), a folder with a {TOML} "
+            f"or an image file, got {quoted(str(source))}"
         )
     return load_image(folder, mode="RGBA")
 
 
-def _store(robot: RobotDefinition) -> RobotDefinition:
-    """Store a robot atomically: write a temporary folder, read it back, then rename it."""
-    folder = user_robots_folder() / robot.name
-    temporary = _temporary_folder(folder)
-    try:
-        with naming(folder):
-            save_robot(temporary, robot)
-        stored = read_robot(temporary)
-        _put_in_place(temporary, folder, user_robots())
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+def _store(robot: RobotDefinition, overwrite: bool) -> RobotDefinition:
+    """Store a robot atomically: write a temporary folder, read it back, then give it its name."""
+    parent = user_robots_folder()
+    with naming(parent):
+        parent.mkdir(parents=True, exist_ok=True)
+    with _locked(parent):
+        _check_new(robot.name, overwrite)  # another process may have added one
+        folder = parent / robot.name
+        temporary = hidden_path(parent)
+        try:
+            with naming(folder):
+                save_robot(temporary, robot)
+            stored = read_robot(temporary)
+            old = same_name(robot.name, user_robots())
+            with naming(folder):
+                if old is None:
+                    temporary.rename(folder)
+                else:
+                    save_robot(parent / old, robot)
+                    (parent / old).rename(folder)  # in capitals or not, as it is called now
+                sync_folder(parent)
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
     return stored
 
 
-def _put_in_place(temporary: Path, folder: Path, robots: dict[str, Path]) -> None:
-    """Rename a new folder to its name; an old folder is removed, or restored if that fails."""
-    name = same_name(folder.name, robots)
-    if name is None:
-        temporary.rename(folder)
-        return
-    old = robots[name].rename(_temporary_folder(folder))
-    try:
-        temporary.rename(folder)
-    except BaseException:
-        old.rename(robots[name])
-        raise
-    shutil.rmtree(old, ignore_errors=True)
+@contextmanager
+def _locked(parent: Path) -> Iterator[None]:
+    """Let one process at a time change the robots; remove what a killed one left."""
+    with locked_folder(parent):
+        for folder in parent.glob(".*"):
+            if is_hidden_path(folder) and folder.is_dir() and not folder.is_symlink():
+                shutil.rmtree(folder, ignore_errors=True)
+        yield
 
 
 def _discard(folder: Path) -> None:
     """Remove a robot's folder: first by a rename, which is atomic, then its files."""
-    discarded = folder.rename(_temporary_folder(folder))
+    with naming(folder):
+        discarded = folder.rename(hidden_path(folder.parent))
+        sync_folder(folder.parent)
     shutil.rmtree(discarded, ignore_errors=True)
-
-
-def _temporary_folder(folder: Path) -> Path:
-    """Return an unused path beside a folder, with a name that no robot can have."""
-    return folder.with_name(f".{folder.name}.{token_hex(16)}")

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import check_choice, check_size
-from robsim._base.files import as_path, write_whole
+from robsim._base.files import as_path, read_text, write_whole
 from robsim._base.seeds import Seed, seed_value
 from robsim._base.spelling import check_names
 from robsim._core import (
@@ -378,9 +378,9 @@ class Scenario:
             If it is not TOML, is too large, or an option is unknown or wrong; the message names
             the file and the option.
         """
-        from robsim.simulation._scenario_file import from_toml, read_text
+        from robsim.simulation._scenario_file import MOST_BYTES, from_toml
 
-        return from_toml(cls, read_text(as_path(path)), f"scenario file {path}")
+        return from_toml(cls, read_text(as_path(path), MOST_BYTES), f"scenario file {path}")
 
     def __repr__(self) -> str:
         shown = {name: repr(value) for name, value in self.changes().items()}

@@ -5,8 +5,6 @@ from __future__ import annotations
 import base64
 import datetime
 import io
-import reprlib
-import tomllib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
 from functools import partial
@@ -17,9 +15,10 @@ import numpy as np
 from PIL import Image
 
 from robsim._base.checks import check_choice, check_float, check_int
-from robsim._base.files import content_of
+from robsim._base.files import parse_toml
 from robsim._base.seeds import SeedRecord
 from robsim._base.spelling import check_names
+from robsim._base.text import cut, one_line, quoted
 from robsim._core import (
     ColorClass,
     DriveAround,
@@ -108,7 +107,7 @@ def _as_toml(value: Any) -> str:
         return "a table"
     if isinstance(value, bool):
         return str(value).lower()
-    return reprlib.repr(value)
+    return quoted(value)
 
 
 def _bytes(name: str, value: Any) -> bytes:
@@ -133,7 +132,7 @@ def _image(name: str, value: Any) -> Pixels:
                 return np.array(image)
             got = f"{image.mode} of {image.width} x {image.height} px"
     except Exception as error:  # Pillow's decoders raise many types
-        raise ValueError(f"{name} must be a PNG image in base64: {error}") from error
+        raise ValueError(f"{name} must be a PNG image in base64: {cut(error)}") from error
     raise ValueError(f"{name} must be RGB or RGBA of at most {MOST_PIXELS} px, got {got}")
 
 
@@ -338,23 +337,6 @@ def _commented(value: Any, unit: str) -> Item:
 # --- reading
 
 
-def read_text(path: Path) -> str:
-    """Return the text of a file that is not larger than a scenario may be.
-
-    Raises
-    ------
-    ValueError
-        If it is larger, or not text.
-    """
-    content = content_of(path, MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
-        raise ValueError(f"scenario file {path} must have at most {MOST_BYTES >> 20} MB")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ValueError(f"scenario file {path} is not a TOML file: it is not UTF-8") from error
-
-
 def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
     """Return the scenario of a text.
 
@@ -375,20 +357,13 @@ def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
         If the text is no scenario; the message names the source and the option.
     """
     if not isinstance(text, str):
-        raise TypeError(f"text must be a str, got {text!r}")
+        raise TypeError(f"text must be a str, got {quoted(text)}")
     try:
         if len(text) > MOST_BYTES:
             raise ValueError(f"text must have at most {MOST_BYTES >> 20} MB")
-        return cls(**_options(_parsed(text), known=[field.name for field in fields(cls)]))
+        return cls(**_options(parse_toml(text), known=[field.name for field in fields(cls)]))
     except (TypeError, ValueError, OverflowError) as error:
-        raise ValueError(f"{source}: {error}") from error
-
-
-def _parsed(text: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ValueError(f"this is not TOML: {error}") from error
+        raise ValueError(f"{one_line(source)}: {error}") from error
 
 
 def _options(values: dict[str, Any], known: Iterable[str]) -> dict[str, Any]:
@@ -417,7 +392,7 @@ def _in_table(name: str, read: Callable[[], Any]) -> Any:
     try:
         return read()
     except (TypeError, ValueError, OverflowError) as error:
-        raise ValueError(f"[{name}] {error}") from error
+        raise ValueError(f"[{cut(name)}] {error}") from error
 
 
 def _value_of(table: dict[str, Any], kinds: tuple[type, ...]) -> Any:

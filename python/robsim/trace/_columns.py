@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, check_name
+from robsim._base.text import quoted
 from robsim._core import trace_schema
 
 GROUPS = {group.name: group for group in trace_schema()}
@@ -25,6 +26,11 @@ PARAMETER_NAMES = tuple(GROUPS["parameters"].units)
 POSES = {"truth": "pose_true", "measurement": "pose_measured", "estimate": "pose_estimated"}
 
 
+def check_group_name(name: str) -> None:
+    """Raise a ValueError unless a group, of blobs of a colour too, can have this name."""
+    check_name("the name of a group", name.removeprefix("blobs_"))
+
+
 def fields_of(group: str, width: int) -> dict[str, str]:
     """Return name -> unit of the single columns of a group."""
     if group.startswith("blobs_") and group != "blobs_":
@@ -33,7 +39,7 @@ def fields_of(group: str, width: int) -> dict[str, str]:
     if group == "state":
         return {f"state{i}": "" for i in range(width)}
     if group not in GROUPS:
-        raise ValueError(f"there is no group of columns {group!r}")
+        raise ValueError(f"there is no group of columns {quoted(group)}")
     return GROUPS[group].units
 
 
@@ -52,7 +58,7 @@ def as_numbers(name: str, values: Any) -> Floats:
     try:
         array = np.asarray(values)
     except ValueError:
-        raise ValueError(f"{name} must be an array of numbers, got {values!r}") from None
+        raise ValueError(f"{name} must be an array of numbers, got {quoted(values)}") from None
     if array.dtype.kind not in "biuf":
         raise ValueError(f"{name} must be numbers, got {array.dtype} of shape {array.shape}")
     return array.astype(np.float64, copy=False)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import check_text
+from robsim._base.text import quoted
 from robsim.trace._columns import as_numbers
 
 
@@ -58,23 +59,27 @@ class RunInfo:
             check_text(name, getattr(self, name))
         is_number = isinstance(self.dt, (int, float)) and not isinstance(self.dt, bool)
         if not is_number or not 0 < self.dt < 1e9:
-            raise ValueError(f"dt must be a positive number (s), got {self.dt!r}")
+            raise ValueError(f"dt must be a positive number (s), got {quoted(self.dt)}")
         theta = as_numbers("theta_true", self.theta_true)
         is_unknown = self.boundary == "recorded" and bool(np.isnan(theta).all())
         if theta.shape != (3, 5) or not (np.isfinite(theta).all() or is_unknown):
-            raise ValueError(f"theta_true must be 3 x 5 finite numbers, got {self.theta_true!r}")
+            raise ValueError(
+                f"theta_true must be 3 x 5 finite numbers, got {quoted(self.theta_true)}"
+            )
         object.__setattr__(self, "theta_true", tuple(map(tuple, theta.tolist())))
         if not isinstance(self.seed, Mapping):
-            raise ValueError(f"seed must have entropy and spawn_key, got {self.seed!r}")
+            raise ValueError(f"seed must have entropy and spawn_key, got {quoted(self.seed)}")
         area = self.area if isinstance(self.area, tuple) else ()
         if len(area) != 2 or not all(type(size) is int and size > 0 for size in area):
-            raise ValueError(f"area must be (width, height), two ints, got {self.area!r}")
+            raise ValueError(f"area must be (width, height), two ints, got {quoted(self.area)}")
         for name in ("callbacks", "changed"):
             texts = getattr(self, name)
             if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
-                raise ValueError(f"{name} must be a tuple of texts, got {texts!r}")
+                raise ValueError(f"{name} must be a tuple of texts, got {quoted(texts)}")
         if not (self.scenario is None or isinstance(self.scenario, str) or self._has_text()):
-            raise ValueError(f"scenario must be a Scenario or its text, got {self.scenario!r}")
+            raise ValueError(
+                f"scenario must be a Scenario or its text, got {quoted(self.scenario)}"
+            )
 
     def _has_text(self) -> bool:
         return callable(getattr(self.scenario, "to_toml", None))

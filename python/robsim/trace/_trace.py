@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-import reprlib
+import io
 from collections.abc import Mapping
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, check_choice
-from robsim._base.files import as_path, naming
+from robsim._base.files import as_path, open_whole
 from robsim._base.report.as_data import import_pandas
 from robsim._base.spelling import check_names, suggestion
+from robsim._base.text import as_cell, is_plain, listed, one_line, quoted
 from robsim._core import TraceGroup, wrap_angle
 from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of, group_of
 from robsim.trace._not_recorded import how_recorded, not_recorded
@@ -35,7 +36,7 @@ def check_trace(trace: Any) -> None:
     """Raise a TypeError unless it is a trace."""
     if not isinstance(trace, Trace):
         hint = ": give sim.trace" if isinstance(getattr(trace, "trace", None), Trace) else ""
-        raise TypeError(f"trace must be a Trace, got {reprlib.repr(trace)}{hint}")
+        raise TypeError(f"trace must be a Trace, got {quoted(trace)}{hint}")
 
 
 def longest_run(mask: Bools) -> slice:
@@ -87,14 +88,14 @@ class Trace:
         self, groups: Mapping[str, ArrayLike], info: RunInfo, *, first_step: int = 0
     ) -> None:
         if type(first_step) is not int or not 0 <= first_step < 2**62:
-            raise ValueError(f"first_step must be an int of at least 0, got {first_step!r}")
+            raise ValueError(f"first_step must be an int of at least 0, got {quoted(first_step)}")
         self.info = info
         self._first_step = first_step
         self._groups = {name: as_rows(name, values) for name, values in groups.items()}
         required = RECORDED if info.boundary == "recorded" else SIMULATED
         missing = [name for name in required if name not in groups]
         if missing:
-            raise ValueError(f"a trace must have the group {missing[0]}, got {', '.join(groups)}")
+            raise ValueError(f"a trace must have the group {missing[0]}, got {listed(groups)}")
         self._rows = len(self._groups[required[0]])
         for name, values in self._groups.items():
             if len(values) != self._rows:
@@ -123,7 +124,7 @@ class Trace:
         steps = f"steps {self._first_step}..{last}" if self._rows else "no steps"
         names = list(self._groups)
         more = f", ... ({len(names)} in all)" if len(names) > _SHOWN_COLUMNS else ""
-        columns = f"columns {', '.join(names[:_SHOWN_COLUMNS])}{more}"
+        columns = f"columns {', '.join(map(one_line, names[:_SHOWN_COLUMNS]))}{more}"
         return f"<Trace: {steps}, dt = {self.info.dt} s, {columns}>"
 
     @property
@@ -206,11 +207,11 @@ class Trace:
                 raise AttributeError(f"{name} is a column: trace[{name!r}]")
             if name in _ELSEWHERE:
                 raise AttributeError(
-                    f"a trace has no attribute {name!r}; did you mean {_ELSEWHERE[name]}?"
+                    f"a trace has no attribute {quoted(name)}; did you mean {_ELSEWHERE[name]}?"
                 )
             hint = suggestion(name, (*self.names, *filter(_is_public, dir(self))))
-            raise AttributeError(f"a trace has no attribute {name!r}{hint}")
-        raise AttributeError(f"a trace has no attribute {name!r}")
+            raise AttributeError(f"a trace has no attribute {quoted(name)}{hint}")
+        raise AttributeError(f"a trace has no attribute {quoted(name)}")
 
     @property
     def seen(self) -> Bools:
@@ -325,18 +326,30 @@ class Trace:
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the single columns as CSV, one step a line; what was not recorded stays empty.
 
+        The name of a colour that a spreadsheet would take for a formula gets a ' before it.
+
         Parameters
         ----------
         path : path
             The file to write.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; an old file of that name is unchanged then.
         """
         columns = self._columns()
-        target = as_path(path)
-        with naming(target), target.open("w", newline="", encoding="utf-8") as file:
+        with open_whole(as_path(path)) as stream:
+            file = io.TextIOWrapper(stream, encoding="utf-8", newline="")
             writer = csv.writer(file)
-            writer.writerow(columns)
+            head = (
+                writer if all(map(is_plain, columns)) else csv.writer(file, quoting=csv.QUOTE_ALL)
+            )
+            head.writerow(map(as_cell, columns))
             for row in zip(*(values.tolist() for values in columns.values()), strict=True):
                 writer.writerow(["" if value != value else value for value in row])
+            file.flush()
+            file.detach()
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything into one file, which `load` reads back; no pickle in it.

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import json
+import math
+import os
 import tokenize
 import zipfile
 import zlib
@@ -16,9 +18,15 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
 from robsim._base.files import write_whole
+from robsim._base.text import cut, listed, one_line, quoted
+from robsim.trace._columns import check_group_name
 from robsim.trace._run_info import RunInfo
 
 FORMAT = "robsim trace 1"
+_INFO = "info"
+_OF_OLD_NUMPY = "allow_pickle"  # numpy below 2.2 stored the keyword as an array
+_MOST_INFO = 2**29  # bytes, 4 a character: a scenario of 64 MB, its line breaks as two characters
+_MOST_SMALL = 2**28  # bytes that any file may contain
 
 T = TypeVar("T")
 
@@ -35,10 +43,27 @@ def write_trace(path: Path, content: Content) -> None:
         "first_step": first_step,
         **run_info.as_record(),
     }
-    text = np.array(json.dumps(info))
-    archive = io.BytesIO()
-    np.savez_compressed(archive, allow_pickle=False, info=text, **groups)
-    write_whole(path, archive.getvalue())
+    members = {_INFO: np.array(json.dumps(info)), **groups}
+    archive = _archive_of(members, zipfile.ZIP_DEFLATED)
+    if sum(array.nbytes for array in members.values()) > _most_unpacked(len(archive)):
+        # A robot that stands still: what is packed too well would not be read.
+        archive = _archive_of(members, zipfile.ZIP_STORED)
+    write_whole(path, archive)
+
+
+def _archive_of(members: Mapping[str, NDArray[Any]], compression: int) -> bytes:
+    """Return arrays as a file that `numpy.load` reads."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", compression) as archive:
+        for name, array in members.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, array, allow_pickle=False)
+    return content.getvalue()
+
+
+def _most_unpacked(size: int) -> int:
+    """Return how many bytes a file of this size may contain: a trace is not packed so well."""
+    return max(_MOST_SMALL, 100 * size)
 
 
 def read_trace(path: Path, build: Callable[[Content], T]) -> T:
@@ -47,12 +72,13 @@ def read_trace(path: Path, build: Callable[[Content], T]) -> T:
         try:
             if not zipfile.is_zipfile(file):
                 raise ValueError("it is not an archive of arrays")
-            file.seek(0)
-            with np.load(file, allow_pickle=False) as archive:
-                members = {name: archive[name] for name in archive.files}
-            return build(_from_members(members))
+            with zipfile.ZipFile(file) as archive:
+                return build(_content_of(archive, size=os.fstat(file.fileno()).st_size))
         except _BROKEN as error:
-            raise ValueError(f"{path} is not a trace of robsim, or damaged: {error}") from error
+            message = cut(error) or type(error).__name__
+            raise ValueError(
+                f"{one_line(path)} is not a trace of robsim, or damaged: {message}"
+            ) from error
 
 
 # What reading a broken archive raises, beside the errors of our own checks.
@@ -73,22 +99,77 @@ _BROKEN = (
 )
 
 
-def _from_members(members: Mapping[str, NDArray[Any]]) -> Content:
-    if "info" not in members:
-        raise ValueError("it has no info")
-    info = json.loads(str(members["info"]))
+def _content_of(archive: zipfile.ZipFile, size: int) -> Content:
+    """Return the content of a trace; nothing is unpacked before it is known how large it is."""
+    info = _read_info(archive)
     if info.pop("format") != FORMAT:
         raise ValueError(f"its format is not {FORMAT!r}")
     first_step = info.pop("first_step")
-    groups = {name: values for name, values in members.items() if name != "info"}
-    if sorted(info.pop("groups")) != sorted(groups):
-        raise ValueError(
-            f"its groups are not those that it was saved with, but {', '.join(groups)}"
-        )
-    for name, values in groups.items():
-        if values.dtype != np.float64 or values.ndim != 2:
-            raise ValueError(f"{name} is {values.dtype} of shape {values.shape}")
+    names = info.pop("groups")
+    if not (isinstance(names, list) and all(isinstance(name, str) for name in names)):
+        raise ValueError("its groups have no names")
+    for name in names:
+        check_group_name(name)
+    stored = [member.removesuffix(".npy") for member in archive.NameToInfo]
+    if sorted(names) != sorted(set(stored) - {_INFO, _OF_OLD_NUMPY}):
+        raise ValueError(f"its groups are not those that it was saved with, but {listed(stored)}")
+    _check_sizes(archive, names, size)
+    groups = {name: _read_array(archive, name) for name in names}
     info["area"] = tuple(info["area"])
     for name in ("callbacks", "changed"):
         info[name] = tuple(info.get(name, ()))
     return groups, RunInfo(**info), first_step
+
+
+def _read_info(archive: zipfile.ZipFile) -> dict[str, Any]:
+    if f"{_INFO}.npy" not in archive.NameToInfo:
+        raise ValueError("it has no info")
+    dtype, shape, size = _header(archive, _INFO)
+    if dtype.kind != "U" or shape != ():
+        raise ValueError(f"its info is {dtype} of shape {quoted(shape)}, not a text")
+    if size > _MOST_INFO:
+        raise ValueError(f"its info has more than {_MOST_INFO >> 20} MB")
+    info = json.loads(str(_read_array(archive, _INFO)))
+    if not isinstance(info, dict):
+        raise ValueError("its info is not a table of values")
+    return info
+
+
+def _check_sizes(archive: zipfile.ZipFile, names: list[str], size: int) -> None:
+    """Raise a ValueError unless the headers tell of the same number of rows, and not too many."""
+    total, lengths = 0, {}
+    for name in names:
+        dtype, shape, bytes_ = _header(archive, name)
+        if dtype != np.float64 or len(shape) != 2:
+            raise ValueError(f"{name} is {dtype} of shape {quoted(shape)}")
+        lengths[name] = shape[0]
+        total += bytes_
+    if len(set(lengths.values())) > 1:
+        rows = listed(f"{name} {length}" for name, length in lengths.items())
+        raise ValueError(f"its groups have different numbers of rows: {rows}")
+    if total > _most_unpacked(size):
+        raise ValueError(
+            f"a file of {size / 2**20:.1f} MB must contain at most "
+            f"{_most_unpacked(size) >> 20} MB, and this one claims {total >> 20} MB"
+        )
+
+
+def _header(archive: zipfile.ZipFile, name: str) -> tuple[np.dtype[Any], tuple[int, ...], int]:
+    """Return type, shape and size (bytes) of an array, which is not read."""
+    member = archive.NameToInfo[f"{name}.npy"]
+    if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise ValueError(f"{name} is packed in a way that a trace is not")
+    with archive.open(member) as file:
+        if np.lib.format.read_magic(file) != (1, 0):
+            raise ValueError(f"{name} is an array of another version")
+        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+        size = math.prod(shape) * dtype.itemsize
+        if min(shape, default=0) < 0 or dtype.hasobject or size != member.file_size - file.tell():
+            raise ValueError(f"{name} has not the size that it claims")
+    return dtype, shape, size
+
+
+def _read_array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    with archive.open(f"{name}.npy") as member:
+        array: NDArray[Any] = np.lib.format.read_array(member, allow_pickle=False)
+    return array

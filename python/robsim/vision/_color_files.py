@@ -8,14 +8,17 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from robsim._base.files import as_path, read_toml, write_whole
+from robsim._base.files import as_path, read_text, read_toml, write_whole
+from robsim._base.files.reading import MOST_TOML
 from robsim._base.shipped import ASSETS
+from robsim._base.text import cut, listed, one_line, quoted
 from robsim._base.values import FileVersion
 from robsim._core import ColorClass
 
 #: The colour file that ships with robsim.
 SHIPPED_COLORS = ASSETS / "colors.toml"
 
+_MOST_COLORS = 1000  # of a file
 _CHANNELS = ("y", "u", "v")
 
 _HEADER = """\
@@ -65,9 +68,15 @@ def _read(path: Path) -> tuple[ColorClass, ...]:
     try:
         if not tables:
             raise ValueError("it has no colours, expected tables such as [red]")
+        _check_count(len(tables))
         return tuple(_color(name, table) for name, table in tables.items())
     except ValueError as error:
-        raise ValueError(f"colour file {path}: {error}") from error
+        raise ValueError(f"colour file {one_line(path)}: {error}") from error
+
+
+def _check_count(count: int) -> None:
+    if count > _MOST_COLORS:
+        raise ValueError(f"a colour file must have at most {_MOST_COLORS} colours, got {count}")
 
 
 def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
@@ -117,9 +126,11 @@ def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorCl
     if not classes:
         raise ValueError("colors must have at least one ColorClass, got none")
     if path.exists():
-        load_colors(path)
-        text = _updated(path.read_bytes().decode("utf-8-sig"), classes)
+        old = load_colors(path)
+        _check_count(len({color.name for color in (*old, *classes)}))
+        text = _updated(read_text(path, MOST_TOML), classes)
     else:
+        _check_count(len(classes))
         text = _HEADER + colors_to_toml(classes)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, text.encode())
@@ -130,17 +141,18 @@ def _updated(text: str, colors: Iterable[ColorClass]) -> str:
     import tomlkit
 
     document = tomlkit.parse(text)
+    added = []
     for color in colors:
         if color.name not in document:
-            text = document.as_string().rstrip()
-            document = tomlkit.parse(f"{text}\n\n{colors_to_toml(color)}")
+            added.append(color)
             continue
         table: Any = document[color.name]
         for channel in _CHANNELS:
             value = list(getattr(color, channel))
             if table.get(channel, [0, 255]) != value:
                 table[channel] = value
-    return document.as_string()
+    kept = document.as_string()
+    return f"{kept.rstrip()}\n\n{colors_to_toml(added)}" if added else kept
 
 
 def _classes(colors: ColorClass | Iterable[ColorClass]) -> tuple[ColorClass, ...]:
@@ -148,29 +160,31 @@ def _classes(colors: ColorClass | Iterable[ColorClass]) -> tuple[ColorClass, ...
     if isinstance(colors, ColorClass):
         return (colors,)
     if colors is None or isinstance(colors, (str, PathLike)):
-        raise TypeError(f"colors must be ColorClass objects, got {colors!r}")
+        raise TypeError(f"colors must be ColorClass objects, got {quoted(colors)}")
     classes = as_colors(colors)
     if len({color.name for color in classes}) < len(classes):
-        names = ", ".join(color.name for color in classes)
+        names = listed(color.name for color in classes)
         raise ValueError(f"colors must have different names, got {names}")
     return classes
 
 
 def _color(name: str, table: Any) -> ColorClass:
     if not isinstance(table, dict):
-        raise ValueError(f"[{name}] must be a table with y, u and v, got {table!r}")
+        raise ValueError(f"[{cut(name)}] must be a table with y, u and v, got {quoted(table)}")
     unknown = set(table) - set(_CHANNELS)
     if unknown:
-        raise ValueError(f"[{name}] must have y, u and v only, got {', '.join(sorted(unknown))}")
+        raise ValueError(f"[{cut(name)}] must have y, u and v only, got {listed(sorted(unknown))}")
     return ColorClass(name, **{channel: _range(name, channel, table[channel]) for channel in table})
 
 
 def _range(name: str, channel: str, value: Any) -> tuple[int, int]:
     numbers = value if isinstance(value, list) else []
     if len(numbers) != 2 or not all(type(number) is int for number in numbers):
-        raise ValueError(f"{channel} of [{name}] must be [lower, upper], two ints, got {value!r}")
+        raise ValueError(
+            f"{channel} of [{cut(name)}] must be [lower, upper], two ints, got {quoted(value)}"
+        )
     if not all(0 <= number <= 255 for number in numbers):
-        raise ValueError(f"{channel} of [{name}] must lie within 0..255, got {value!r}")
+        raise ValueError(f"{channel} of [{cut(name)}] must lie within 0..255, got {quoted(value)}")
     return numbers[0], numbers[1]
 
 
@@ -192,9 +206,9 @@ def as_colors(
     if colors is None or isinstance(colors, (str, PathLike)):
         return load_colors(colors)
     if not isinstance(colors, Iterable):
-        raise TypeError(f"colors must be ColorClass objects or a file, got {colors!r}")
+        raise TypeError(f"colors must be ColorClass objects or a file, got {quoted(colors)}")
     result = tuple(colors)
     wrong = [color for color in result if not isinstance(color, ColorClass)]
     if wrong:
-        raise TypeError(f"colors must be ColorClass objects or a file, got {wrong[0]!r}")
+        raise TypeError(f"colors must be ColorClass objects or a file, got {quoted(wrong[0])}")
     return result

@@ -1,15 +1,27 @@
-"""Reading and writing files."""
+"""Reading files within limits; writing them whole."""
 
-from robsim._base.files.reading import as_folder, as_path, content_of, read_toml
-from robsim._base.files.writing import copy_files, naming, temporary_path, write_whole
+from robsim._base.files.copies import copy_files
+from robsim._base.files.reading import (
+    as_folder,
+    as_path,
+    content_of,
+    parse_toml,
+    read_text,
+    read_toml,
+)
+from robsim._base.files.writing import PartialFile, naming, open_whole, sync_folder, write_whole
 
 __all__ = [
+    "PartialFile",
     "as_folder",
     "as_path",
     "content_of",
     "copy_files",
     "naming",
+    "open_whole",
+    "parse_toml",
+    "read_text",
     "read_toml",
-    "temporary_path",
+    "sync_folder",
     "write_whole",
 ]

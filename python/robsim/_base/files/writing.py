@@ -1,47 +1,195 @@
-"""Writing files so that nothing is overwritten or left half written."""
+"""Writing files: through links, to the disk, and never half of one."""
 
+from __future__ import annotations
+
+import errno
 import os
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+import shutil
+import stat
+import tempfile
+import weakref
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from os import PathLike, fspath
 from pathlib import Path
-from secrets import token_hex
+from typing import BinaryIO
 
-from robsim._base.files.reading import as_folder
-
-
-def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]:
-    """Copy files into a folder: all of them, or none if one of them exists there."""
-    folder = as_folder(folder)
-    if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError(f"{folder} is a file, not a folder: give another name")
-    copies = {folder / file.name: file for file in files}
-    existing = [copy.name for copy in copies if os.path.lexists(copy)]
-    if existing:
-        raise FileExistsError(f"{folder} has {', '.join(existing)} already: nothing was written")
-    folder.mkdir(parents=True, exist_ok=True)
-    written: list[Path] = []
-    try:
-        for copy, file in copies.items():
-            with naming(copy), open(copy, "xb") as output:
-                written.append(copy)
-                output.write(file.read_bytes())
-    except BaseException:
-        for copy in written:
-            copy.unlink(missing_ok=True)
-        raise
-    return written
+from robsim._base.files.leftovers import create_hidden, drop_hidden, is_clean, note_clean, sweep
 
 
 def write_whole(file: Path, content: bytes) -> None:
-    """Write a file atomically: readers get the old or the new content, never a part."""
-    temporary = temporary_path(file)
+    """Write a file: readers get the old or the new content, never a part, whatever happens.
+
+    Links are followed, and an old file's mode and owner are kept; another hard link keeps the old
+    content. A device or pipe is written into.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; it is named as the user did.
+    """
+    with open_whole(file) as stream:
+        stream.write(content)
+
+
+@contextmanager
+def open_whole(file: Path) -> Iterator[BinaryIO]:
+    """Open a file as `write_whole` does; it changes when the context ends without an exception."""
     with naming(file):
+        if _target_of(file) is None:
+            with open(file, "wb") as stream:
+                yield stream
+            return
+        part = PartialFile(file)
         try:
-            temporary.write_bytes(content)
-            temporary.replace(file)
+            with open(part.descriptor, "wb", closefd=False) as stream:
+                yield stream
+            part.commit()
         finally:
-            temporary.unlink(missing_ok=True)
+            part.discard()
+
+
+class PartialFile:
+    """A hidden file that is written by anybody, by its path, and then takes the place of a file.
+
+    Parameters
+    ----------
+    file : Path
+        The file whose place it takes, see `write_whole`.
+    suffix : str
+        Suffix of the hidden file, of 1 to 8 letters, for writers that go by it.
+
+    Attributes
+    ----------
+    path : Path
+        The hidden file.
+    descriptor : int
+        The hidden file, open.
+    """
+
+    def __init__(self, file: Path, *, suffix: str = "") -> None:
+        self._file = file
+        with naming(file):
+            self._old = _status(file)
+            self._target = _target_of(file)
+            folder = Path(tempfile.gettempdir()) if self._target is None else self._target.parent
+            sweep(folder)
+            mode = 0o666 if self._old is None else 0o600
+            self.path, self.descriptor = create_hidden(folder, suffix, mode)
+        # Also for a writer that is forgotten, and at exit.
+        self._drop = weakref.finalize(self, _drop, self.path, self.descriptor, os.getpid())
+
+    def commit(self, *, overwrite: bool = True) -> None:
+        """Bring the content to the disk and give it its name.
+
+        Raises
+        ------
+        FileExistsError
+            If there is such a file, and it is not to be overwritten.
+        OSError
+            If that fails. The old file is unchanged then.
+        """
+        with naming(self._file):
+            if self._target is None:
+                with open(self.path, "rb") as source, open(self._file, "wb") as target:
+                    shutil.copyfileobj(source, target)
+                self.discard()
+                return
+            os.fsync(self.descriptor)
+            self._keep_mode()
+            if os.name == "nt":  # there, an open file cannot be renamed
+                os.close(self.descriptor)
+            _rename(self.path, self._target, overwrite)
+            self._drop.detach()
+            with suppress(OSError):  # the content is on the disk
+                os.close(self.descriptor)
+            sync_folder(self._target.parent)
+
+    def discard(self) -> None:
+        """Remove the hidden file, if it has not got its name."""
+        self._drop()
+
+    def _keep_mode(self) -> None:
+        if self._old is not None and hasattr(os, "fchmod"):
+            new = os.fstat(self.descriptor)
+            if (new.st_uid, new.st_gid) != (self._old.st_uid, self._old.st_gid):
+                with suppress(PermissionError):
+                    os.fchown(self.descriptor, self._old.st_uid, self._old.st_gid)
+            os.fchmod(self.descriptor, stat.S_IMODE(self._old.st_mode))
+
+
+def _rename(path: Path, target: Path, overwrite: bool) -> None:
+    was_clean = is_clean(target.parent)
+    if overwrite:
+        os.replace(path, target)
+    else:
+        _rename_new(path, target)
+    if was_clean:
+        with suppress(OSError):
+            note_clean(target.parent)
+
+
+def _rename_new(path: Path, target: Path) -> None:
+    """Rename a file, unless there is one of the new name."""
+    try:
+        os.link(path, target)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without hard links
+        if os.path.lexists(target):
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), target) from None
+        os.rename(path, target)
+    else:
+        with suppress(OSError):
+            os.unlink(path)
+
+
+def _drop(path: Path, descriptor: int, process: int) -> None:
+    if os.getpid() == process:  # a forked child has the writers of its parent, too
+        drop_hidden(path, descriptor)
+
+
+def _status(file: Path) -> os.stat_result | None:
+    """Return the status of a file that can be written, None if there is none."""
+    try:
+        status = os.stat(file)
+    except FileNotFoundError:
+        return None
+    if stat.S_ISDIR(status.st_mode):
+        raise IsADirectoryError(errno.EISDIR, "this is a folder, not a file", file)
+    if not os.access(file, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), file)
+    return status
+
+
+def _target_of(file: Path) -> Path | None:
+    """Return the file that a path leads to; None if it is one that nothing can take the place of.
+
+    That is a device, a pipe, or what has no name any more, such as /dev/stdout may lead to.
+    """
+    target, status = Path(os.path.realpath(file)), _status(file)
+    if status is None:
+        return target
+    try:
+        is_same = os.path.samestat(status, os.stat(target))
+    except FileNotFoundError:
+        return None
+    return target if is_same and stat.S_ISREG(status.st_mode) else None
+
+
+def sync_folder(folder: Path) -> None:
+    """Bring the names in a folder to the disk."""
+    try:
+        descriptor = os.open(folder, os.O_RDONLY | getattr(os, "O_DIRECTORY", 0))
+    except PermissionError:  # it may be written to, but not read; or Windows
+        return
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):
+            raise
+    finally:
+        os.close(descriptor)
 
 
 @contextmanager
@@ -53,8 +201,3 @@ def naming(file: str | PathLike[str]) -> Iterator[None]:
         if error.errno is None:
             raise
         raise OSError(error.errno, error.strerror, fspath(file)) from error
-
-
-def temporary_path(file: Path) -> Path:
-    """Return an unused hidden path beside a file, with the same suffix: renamed to it later."""
-    return file.with_name(f".{file.stem}.{token_hex(16)}{file.suffix}")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Iterable
-from html import escape
 from itertools import repeat
 from typing import TYPE_CHECKING
 
 from robsim._base.report.problem import Problem
+from robsim._base.text import printable
 
 if TYPE_CHECKING:
     from robsim._base.report.report import Report
@@ -30,6 +31,11 @@ def as_html(report: Report) -> str:
     middle = "".join(f"{_TABLE}{content}</table>" for content in tables)
     problems = _listed("ol", map(_problem, report.problems or ()))
     return f"<div>{start}{middle}{problems}{_listed('ul', map(escape, report.remarks))}</div>"
+
+
+def escape(text: str) -> str:
+    """Return a text that is only shown: no tag, and nothing that turns the text around it."""
+    return html.escape(printable(text))
 
 
 def _body(rows: Iterable[list[str]], alignments: list[str], group: int) -> str:

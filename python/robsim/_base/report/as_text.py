@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from robsim._base.report.problem import Problem
 from robsim._base.report.table import Table
+from robsim._base.text import one_line, printable
 
 if TYPE_CHECKING:
     from robsim._base.report.report import Report
@@ -18,7 +19,7 @@ _WIDTH = 100
 
 def as_text(report: Report) -> str:
     """Return a report as lines of text."""
-    lines = [report.heading, *_quantities(report)]
+    lines = [one_line(report.heading), *_quantities(report)]
     for table in report.tables:
         lines += [""] * (len(lines) > 1) + [*_table(table)]
     for number, problem in enumerate(report.problems or (), 1):
@@ -30,9 +31,9 @@ def as_text(report: Report) -> str:
 
 def as_line(report: Report, width: float = math.inf) -> str:
     """Return the heading, and as many of the single numbers as there is room for."""
-    line = report.heading
+    line = one_line(report.heading)
     for quantity in report.quantities:
-        longer = f"{line}, {quantity.line}"
+        longer = f"{line}, {one_line(quantity.line)}"
         if len(longer) > width:
             return f"{line}, ..."
         line = longer
@@ -40,13 +41,14 @@ def as_line(report: Report, width: float = math.inf) -> str:
 
 
 def _quantities(report: Report) -> Iterator[str]:
-    width = max((len(quantity.heading) for quantity in report.quantities), default=0)
-    for quantity in report.quantities:
-        yield f"  {quantity.heading:<{width}}   {quantity.text}"
+    rows = [(one_line(one.heading), one_line(one.text)) for one in report.quantities]
+    width = max((len(heading) for heading, _ in rows), default=0)
+    for heading, text in rows:
+        yield f"  {heading:<{width}}   {text}"
 
 
 def _table(table: Table) -> Iterator[str]:
-    rows = [table.headings, *table.texts()]
+    rows = [[one_line(cell) for cell in row] for row in (table.headings, *table.texts())]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     rule = "  " + "-" * (sum(widths) + 3 * (len(widths) - 1))
     for number, cells in enumerate(rows):
@@ -62,15 +64,15 @@ def _table(table: Table) -> Iterator[str]:
 def _problem(number: int, problem: Problem) -> Iterator[str]:
     yield from _wrapped(f"  {number}. ", problem.sentence)
     if problem.where:
-        yield f"     {problem.where}"
+        yield f"     {one_line(problem.where)}"
     if problem.code:
-        yield f"     > {problem.code}"
+        yield f"     > {one_line(problem.code)}"
 
 
 def _wrapped(start: str, sentence: str) -> list[str]:
     """Return the lines of a sentence that begins with a mark, and is indented by its length."""
     return textwrap.wrap(
-        sentence,
+        printable(sentence),
         _WIDTH,
         initial_indent=start,
         subsequent_indent=" " * len(start),

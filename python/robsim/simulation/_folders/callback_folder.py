@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from robsim._base.files import as_folder, copy_files
+from robsim._base.text import one_line
 from robsim.simulation._callbacks.checks import check_callback
 from robsim.simulation._folders.modules import FolderModules, reserved_names
 from robsim.simulation._folders.spelling import misspelled
@@ -140,9 +141,11 @@ class CallbackFolder:
     def _read(self) -> dict[str, bytes]:
         """Return the content of the Python files by name, without ``.py``."""
         if not self._absolute.exists():
-            raise FileNotFoundError(f"no folder {self.path}: robsim new {self.path} creates it")
+            raise FileNotFoundError(
+                f"no folder {one_line(self.path)}: robsim new {one_line(self.path)} creates it"
+            )
         if not self._absolute.is_dir():
-            raise NotADirectoryError(f"{self.path} is a file, not a folder of callbacks")
+            raise NotADirectoryError(f"{one_line(self.path)} is a file, not a folder of callbacks")
         # Editors keep temporary files with a leading dot.
         files = [file for file in self._absolute.glob("*.py") if not file.name.startswith(".")]
         sources = {file.stem: file.read_bytes() for file in sorted(files) if file.is_file()}
@@ -151,35 +154,39 @@ class CallbackFolder:
                 f"; is {name}.py meant to be {slot}.py?"
                 for name, slot in misspelled(sources).items()
             ]
-            remedy = f"robsim new {self.path} writes them"
+            remedy = f"robsim new {one_line(self.path)} writes them"
             if len(self._slots) < len(SLOTS):
                 remedy = f"none for {', '.join(self._slots)}"
-            raise ValueError(f"{self.path} has no callback files: {remedy}" + "".join(hints))
+            raise ValueError(
+                f"{one_line(self.path)} has no callback files: {remedy}" + "".join(hints)
+            )
         return sources
 
     def __repr__(self) -> str:
-        return f"<CallbackFolder: {self.path}>"
+        return f"<CallbackFolder: {one_line(self.path)}>"
 
 
 def _callback(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] | bool:
     """Return the callback that a file defines for its slot, checked."""
     enabled = getattr(module, "ENABLED", True)
     if not isinstance(enabled, bool):
-        raise TypeError(f"{file}: ENABLED must be True or False, got {enabled!r}")
+        raise TypeError(f"{one_line(file)}: ENABLED must be True or False, got {enabled!r}")
     if not enabled:
         return False
     wanted = f"{slot}({SLOTS[slot].argument})"
     if not hasattr(module, slot):
-        raise ValueError(f"{file} must define {wanted}; it defines: {_definitions(module, slot)}")
+        raise ValueError(
+            f"{one_line(file)} must define {wanted}; it defines: {_definitions(module, slot)}"
+        )
     callback = getattr(module, slot)
     if isinstance(callback, bool) and SLOTS[slot].is_switch:
         return callback
     if not callable(callback):
-        raise TypeError(f"{file}: {slot} must be a function {wanted}, got {callback!r}")
+        raise TypeError(f"{one_line(file)}: {slot} must be a function {wanted}, got {callback!r}")
     try:
         check_callback(slot, callback)
     except TypeError as error:
-        raise TypeError(f"{file}: {error}") from None
+        raise TypeError(f"{one_line(file)}: {error}") from None
     return callback  # type: ignore[no-any-return]
 
 

@@ -1,0 +1,330 @@
+"""Every writer of the package, each of its calls failing in turn, or its process killed there.
+
+A program of its own, which the tests start with faults.c preloaded:
+``python faults.py FOLDER errors|kills|random|memory [WRITER ...]``. It prints what was tried, and raises an
+AssertionError at the first fault that leaves something else than the old or the new.
+"""
+
+import ctypes
+import errno
+import os
+import signal
+import sys
+import tempfile
+import time
+import traceback
+from pathlib import Path
+
+import _testcapi
+import numpy as np
+
+import robsim
+from robsim import imaging, robots
+
+PICTURE = np.arange(16 * 32 * 3, dtype=np.uint8).reshape(16, 32, 3)
+TRACE = robsim.Simulation(seed=1).run(6)
+
+
+def versions(write, read, name):
+    """The writer of a file of this name, whose content is that of one of two versions."""
+    return lambda folder, i: write(folder / name, i), lambda folder: read(folder / name)
+
+
+def same_as(values):
+    """A function that tells which of two values came."""
+    return lambda got: [np.array_equal(got, value) for value in values].index(True)
+
+
+def pictures(i):
+    return [np.full_like(PICTURE, 100 * i + 10 * k) for k in range(3)]
+
+
+def figure(file, i):
+    from matplotlib.figure import Figure
+
+    from robsim.cli.results import save_figure
+
+    save_figure(file, Figure(figsize=(1 + i, 1), dpi=20))
+
+
+def video_level(file):
+    frames = [frame.image for frame in robsim.Recording(file)]
+    assert len(frames) == 3
+    return int(frames[0].mean() > 50)
+
+
+def square(left, top, side):
+    return [(left, top), (left + side, top), (left + side, top + side), (left, top + side)]
+
+
+def robot(i):
+    return robots.RobotDefinition(
+        name="mine",
+        image=np.full((20, 40, 4), 200 + i, np.uint8),
+        size=100.0 + i,
+        alignment=0.0,
+        outline=[(0, 0), (39, 0), (39, 19), (0, 19)],
+        red=square(22, 4, 10),
+        blue=square(4, 4, 10),
+    )
+
+
+def store_robot(folder, i):
+    os.environ["ROBSIM_DATA"] = str(folder)
+    robots.add_robot("mine", robot(i), overwrite=True, ignore_colors=True)
+
+
+def stored_robot(folder):
+    os.environ["ROBSIM_DATA"] = str(folder)
+    found = robots.load_robot("mine")
+    return [found == robot(i) for i in (0, 1)].index(True)
+
+
+def rotate_robot(folder, i):
+    os.environ["ROBSIM_DATA"] = str(folder)
+    if i == 0:
+        store_robot(folder, 0)
+    elif rotated(folder) == 0:
+        robots.rotate_robot("mine", 90)
+
+
+def rotated(folder):
+    os.environ["ROBSIM_DATA"] = str(folder)
+    return [0.0, 90.0].index(robots.load_robot("mine").alignment)
+
+
+def remove_robot(folder, i):
+    os.environ["ROBSIM_DATA"] = str(folder)
+    if i == 0:
+        store_robot(folder, 0)
+    elif "mine" in robots.robot_names():
+        robots.remove_robot("mine")
+
+
+def is_removed(folder):
+    os.environ["ROBSIM_DATA"] = str(folder)
+    if "mine" in robots.robot_names():
+        robots.load_robot("mine")
+        return 0
+    return 1
+
+
+def choose_robot(folder, i):
+    os.environ["ROBSIM_DATA"] = str(folder)
+    robots.set_default_robot(("sheep", "robot2")[i])
+
+
+def chosen_robot(folder):
+    os.environ["ROBSIM_DATA"] = str(folder)
+    return ("sheep", "robot2").index(robots.default_robot())
+
+
+RANGES = [(0, 100), (0, 200)]
+
+# name -> (write version 0 or 1 into a folder, tell which version is there)
+WRITERS = {
+    "trace": versions(
+        lambda file, i: TRACE[: 3 + i].save(file),
+        lambda file: len(robsim.Trace.load(file)) - 3,
+        "run.npz",
+    ),
+    "csv": versions(
+        lambda file, i: TRACE[: 3 + i].to_csv(file),
+        lambda file: file.read_text().count("\n") - 4 + 0 * len(np.genfromtxt(file, delimiter=",")),
+        "run.csv",
+    ),
+    "picture": versions(
+        lambda file, i: imaging.save_image(file, pictures(i)[0]),
+        lambda file: same_as([pictures(0)[0], pictures(1)[0]])(imaging.load_image(file)),
+        "frame.png",
+    ),
+    "clip": versions(
+        lambda file, i: imaging.Clip(pictures(i), fps=5).save(file),
+        lambda file: int(imaging.load_image(file).mean() > 50),
+        "run.webp",
+    ),
+    "figure": versions(figure, lambda file: imaging.load_image(file).shape[1] // 20 - 1, "f.png"),
+    "scenario": versions(
+        lambda file, i: robsim.Scenario(seed=i).save(file),
+        lambda file: robsim.Scenario.load(file).seed,
+        "run.toml",
+    ),
+    "colours": versions(
+        lambda file, i: robsim.vision.save_colors(file, robsim.ColorClass("red", u=RANGES[i])),
+        lambda file: RANGES.index(robsim.load_colors(file)[0].u),
+        "colors.toml",
+    ),
+    "mkv": versions(lambda f, i: imaging.save_video(f, pictures(i), fps=5), video_level, "v.mkv"),
+    "mp4": versions(lambda f, i: imaging.save_video(f, pictures(i), fps=5), video_level, "v.mp4"),
+    "settings": (choose_robot, chosen_robot),
+    "robot": (store_robot, stored_robot),
+    "rotated robot": (rotate_robot, rotated),
+    "removed robot": (remove_robot, is_removed),
+}
+
+# Calls that may fail without harm: at worst, a hidden file waits for the next writer.
+HARMLESS = ("close", "unlink", "rmdir", "open", "mkdir")
+
+
+def visible(folder):
+    return sorted(
+        str(file.relative_to(folder))
+        for file in folder.rglob("*")
+        if file.is_file() and not any(part[0] == "." for part in file.relative_to(folder).parts)
+    )
+
+
+def open_files():
+    return len(os.listdir("/proc/self/fd"))
+
+
+class Faults:
+    """The library that is preloaded."""
+
+    def __init__(self):
+        self._library = ctypes.CDLL(None)
+        self._library.fault_failed.restype = ctypes.c_char_p
+
+    def arm(self, folder, number, error):
+        self._library.fault_arm(str(folder).encode(), ctypes.c_long(number), error)
+
+    def disarm(self):
+        """Return the call that failed, or an empty text."""
+        self._library.fault_disarm()
+        return self._library.fault_failed().decode()
+
+
+def check(name, folder, call, old_files):
+    """What must hold after every fault, and after the next writer."""
+    write, read = WRITERS[name]
+    version = read(folder)
+    assert version in (0, 1), (name, call, version)
+    names = {file.replace("robot-2.png", "robot.png") for file in visible(folder)}
+    assert names <= {file.replace("robot-2.png", "robot.png") for file in old_files}, (name, call)
+    for i in (0, 1):
+        write(folder, i)
+        assert read(folder) == i, (name, call)
+    assert not list(folder.rglob(".*")), (name, call, "left behind")
+    return version
+
+
+def fail_each(name, folder, faults, error):
+    """Let each call of a writer fail in turn; return how many there were."""
+    write, read = WRITERS[name]
+    number = 0
+    while True:
+        number += 1
+        write(folder, 0)
+        assert read(folder) == 0
+        old_files, before = visible(folder), open_files()
+        faults.arm(folder, number, error)
+        raised = None
+        try:
+            write(folder, 1)
+        except (OSError, ValueError) as caught:  # a reader's ValueError has the OSError in it
+            raised = caught
+        call = faults.disarm()
+        del_tracebacks(raised)
+        assert open_files() == before, (name, call, number, "descriptors")
+        if not call:
+            assert raised is None, (name, raised)
+            return number - 1
+        assert raised is not None or call in HARMLESS, (name, call, number, "not told")
+        if isinstance(raised, OSError):
+            assert ".robsim-part" not in str(raised), (name, call, str(raised))
+        version = check(name, folder, call, old_files)
+        assert raised is not None or version == 1, (name, call, number, "neither told nor done")
+
+
+def del_tracebacks(error):
+    while error is not None:
+        error.__traceback__ = None
+        error = error.__cause__ or error.__context__
+
+
+def kill_each(name, folder, faults):
+    """Kill a child at each call of a writer in turn; return how many there were."""
+    write, read = WRITERS[name]
+    number = 0
+    while True:
+        number += 1
+        write(folder, 0)
+        old_files = visible(folder)
+        child = os.fork()
+        if child == 0:
+            try:
+                faults.arm(folder, number, 0)
+                write(folder, 1)
+            except BaseException:
+                traceback.print_exc()
+                os._exit(1)
+            os._exit(0)
+        status = os.waitpid(child, 0)[1]
+        if not os.WIFSIGNALED(status):
+            assert status == 0, (name, number)
+            return number - 1
+        check(name, folder, number, old_files)
+
+
+def kill_at_random(name, folder, faults):
+    """Kill a child that writes again and again, at moments that nobody chose."""
+    write, _ = WRITERS[name]
+    write(folder, 0)
+    old_files = visible(folder)
+    write(folder, 1)
+    old_files += visible(folder)
+    for k in range(20):
+        child = os.fork()
+        if child == 0:
+            for i in range(10**6):
+                write(folder, i % 2)
+        time.sleep(0.002 * (1 + k))
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        if name != "removed robot":
+            check(name, folder, "killed", old_files)
+    return k
+
+
+def starve(name, folder, faults):
+    """Let Python's allocations fail in turn while a writer and its reader work."""
+    write, read = WRITERS[name]
+    write(folder, 0)
+    old_files = visible(folder)
+    number, failures = 0, 0
+    while failures or number < 50:
+        failures = 0
+        for work in (lambda: write(folder, 1), lambda: read(folder)):
+            write(folder, 0)
+            before = open_files()
+            _testcapi.set_nomemory(number, number + 1)
+            try:
+                work()
+            except Exception as error:
+                failures += 1
+                del_tracebacks(error)
+            finally:
+                _testcapi.remove_mem_hooks()
+            assert open_files() == before, (name, number)
+            check(name, folder, number, old_files)
+        number += 1 + number // 20
+    return number
+
+
+KINDS = {"kills": kill_each, "random": kill_at_random, "memory": starve}
+
+
+def main(parent, kind, *names):
+    faults = Faults()
+    for name in names or WRITERS:
+        folder = Path(tempfile.mkdtemp(dir=parent))
+        if kind in KINDS:
+            count = KINDS[kind](name, folder, faults)
+        else:
+            count = sum(fail_each(name, folder, faults, e) for e in (errno.ENOSPC, errno.EIO))
+        assert count > 5, (name, count)
+        print(f"{name}: {count}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
