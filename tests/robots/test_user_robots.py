@@ -326,9 +326,13 @@ def test_any_name_is_saved(tmp_path, name):
     assert load_robot(tmp_path).name == name
 
 
-@pytest.mark.parametrize("name", ["", "a\nb = 1", "\x7f", "\x1b]0;mine\a", "\u202eenim", "a\0b", 41 * "a"])
+@pytest.mark.parametrize(
+    "name", ["", "a\nb = 1", "\x7f", "\x1b]0;mine\a", "\u202eenim", "a\0b", 41 * "a"]
+)
 def test_a_name_that_cannot_be_shown(name):
-    with pytest.raises(ValueError, match="name must be 1 to 40 printable characters, got '") as told:
+    with pytest.raises(
+        ValueError, match="name must be 1 to 40 printable characters, got '"
+    ) as told:
         replace(load_robot("lab"), name=name)
     assert str(told.value).isprintable()
 

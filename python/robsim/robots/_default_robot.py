@@ -55,7 +55,8 @@ def default_robot() -> str:
         raise ValueError(f"settings file {one_line(file)}: {cut(error)}; {_RESET}") from error
     if not isinstance(name, str):
         raise ValueError(
-            f"settings file {one_line(file)}: robot must be the name of a robot, got {quoted(name)}; {_RESET}"
+            f"settings file {one_line(file)}: robot must be the name of a robot, got "
+            f"{quoted(name)}; {_RESET}"
         )
     return name
 
@@ -68,7 +69,8 @@ def _stored_name(file: FileVersion) -> Any:
 def missing_robot_error(name: str) -> ValueError:
     """Return the error for a default robot that no longer exists."""
     return ValueError(
-        f"settings file {one_line(settings_file())}: the default robot, {quoted(name)}, no longer exists; {_RESET}"
+        f"settings file {one_line(settings_file())}: the default robot, {quoted(name)}, no longer "
+        f"exists; {_RESET}"
     )
 
 
