@@ -37,7 +37,10 @@ _LONGEST = 200  # bytes
 
 # FFmpeg never takes a file with such a suffix for an image.
 _SUFFIXES = frozenset(
-    ".avi .flv .m2ts .m4v .mkv .mov .mp4 .mpeg .mpg .mts .mxf .ogv .ts .webm .wmv".split()
+    (
+        *(".avi", ".flv", ".m2ts", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg"),
+        *(".mpg", ".mts", ".mxf", ".ogv", ".ts", ".webm", ".wmv"),
+    )
 )
 
 

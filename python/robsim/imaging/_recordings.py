@@ -93,8 +93,8 @@ class Recording:
     ) -> None:
         if isinstance(source, int) or re.match(r"/dev/|[a-z]{3,}:/", str(source)):
             raise ValueError(
-                f"source must be a video file or a folder of images, got {quoted(source)}: for a live "
-                "camera, give its frames to robsim.Experiment"
+                f"source must be a video file or a folder of images, got {quoted(source)}: for a "
+                "live camera, give its frames to robsim.Experiment"
             )
         self.source = as_path(source, "source")
         if not (plane_map is None or isinstance(plane_map, PlaneMap)):
@@ -188,8 +188,8 @@ class _Video:
     def dt(self) -> float:
         if not 0 < self.rate < MAXIMUM_RATE:  # False for NaN, too
             raise ValueError(
-                f"{one_line(self.file)} has the frame rate {self.rate:g} per second, which is implausible: "
-                "give dt, the time between two frames in s"
+                f"{one_line(self.file)} has the frame rate {self.rate:g} per second, which is "
+                "implausible: give dt, the time between two frames in s"
             )
         return 1 / self.rate
 
@@ -211,7 +211,8 @@ class _Video:
         known = self.count()
         if known is not None and index < _COMPLETE * known:
             warnings.warn(
-                f"{one_line(self.file)} ends after {index} of {known} frames: it is truncated or damaged",
+                f"{one_line(self.file)} ends after {index} of {known} frames: it is truncated or "
+                "damaged",
                 stacklevel=4,
             )
 

@@ -8,7 +8,6 @@ import io
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
