@@ -521,7 +521,7 @@ class ColorClass:
             (left, top, right, bottom), all included, as in `Blob.bounding_box`. Most of the region must
             have the colour.
         name : str
-            Name of the colour.
+            Name of the colour: 1 to 40 printable characters.
         percentile : float
             Percentage of the pixels outside the range found in a channel, at each end.
         margin : int
