@@ -62,12 +62,12 @@ def list_robots() -> None:
     for whose, robots in (("shipped", shipped_robots()), ("yours", user_robots())):
         for name, folder in robots.items():
             numbers = _numbers_of(folder, problems)
-            table.add_row(
-                escape(one_line(name)), *numbers, whose, "in use" if folder == chosen else ""
-            )
+            use = "in use" if folder == chosen else ""
+            table.add_row(escape(one_line(name)), *numbers, whose, use)
             if folder != find_folder(name):
                 problems.append(
-                    f"{one_line(folder)}: another robot of this name takes precedence: rename the folder"
+                    f"{one_line(folder)}: another robot of this name takes precedence: rename the "
+                    "folder"
                 )
     errors.print_table(table)
     for sentence in problems:

@@ -54,6 +54,7 @@ PARAMETER_LABELS = [name + unit for name, unit in zip(PARAMETER_NAMES, _UNITS, s
 
 _STYLE: dict[Any, Any] = {
     "figure.dpi": 110,
+    "text.usetex": False,  # it would run what a name says
     "figure.constrained_layout.use": True,
     "figure.facecolor": "white",
     "figure.titlesize": 10.5,

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, as_float_array, check_text
+from robsim._base.text import no_formula, one_line
 from robsim._core import ColorClass
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import Panels, check_axes, check_kind
@@ -58,14 +59,16 @@ def plot_color_histograms(
     is_new = axes is None
     if axes is None:
         figure = style.NotebookFigure(figsize=(9, 3.2))
-        where = "" if picture is None else f" in {picture}"
+        where = "" if picture is None else f" in {one_line(picture)}"
         figure.suptitle(f"pixels of the colour {color.name}{where}", parse_math=False)
         axes = figure.subplots(1, 3, sharey=True)
     axes = check_axes(axes, (3,))
     for i, (panel, limits) in enumerate(zip(axes, (color.y, color.u, color.v), strict=True)):
         if other_heights is not None:
             _draw_histogram(panel, other_heights[i], style.GUIDE, "the whole image")
-        _draw_histogram(panel, heights[i], style.drawn_color(color.name), f"pixels of {color.name}")
+        _draw_histogram(
+            panel, heights[i], style.drawn_color(color.name), no_formula(f"pixels of {color.name}")
+        )
         _draw_range(panel, limits, _NAMES[i])
     axes[0].set_ylabel("pixels (maximum = 1)")
     first: Axes = axes[0]

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, as_float_array
+from robsim._base.text import no_formula
 from robsim.evaluation._errors import ErrorReport, mean_of_known
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import Panels, check_axes, check_kind
@@ -62,7 +63,7 @@ def plot_errors(
         _draw_errors(panel, report, errors, color, band)
         if minimum_sd is not None:
             _draw_bound(panel, report, 2.0 * factor * minimum_sd[:, i])
-        name = f"{report.names[i]} error"
+        name = no_formula(f"{report.names[i]} error")
         panel.set_ylabel(f"{name}\n({unit})" if unit else name)
         histogram.sharey(panel)
         draw_histogram(histogram, errors[~np.isnan(errors)], unit, color=color)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, check_bool
+from robsim._base.text import no_formula
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_panels, check_steps
 from robsim.plotting._charts.error_panels import draw_errors, draw_histogram, limit_panel
@@ -175,7 +176,7 @@ def _draw_blobs(panels: Sequence[Axes], trace: Trace) -> None:
                 ".",
                 color=style.drawn_color(color),
                 markersize=0.6 * style.dot_size(len(trace)),
-                label=f"{color} blobs",
+                label=no_formula(f"{color} blobs"),
             )
 
 
