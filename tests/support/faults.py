@@ -1,10 +1,11 @@
 """Every writer of the package, each of its calls failing in turn, or its process killed there.
 
 A program of its own, which the tests start with faults.c preloaded:
-``python faults.py FOLDER errors|kills|random|memory [WRITER ...]``. It prints what was tried, and raises an
-AssertionError at the first fault that leaves something else than the old or the new.
+``python faults.py FOLDER errors|kills|random|memory [WRITER ...]``. It prints what was tried, and
+raises an AssertionError at the first fault that leaves something else than the old or the new.
 """
 
+import _testcapi
 import ctypes
 import errno
 import os
@@ -15,7 +16,6 @@ import time
 import traceback
 from pathlib import Path
 
-import _testcapi
 import numpy as np
 
 import robsim
@@ -114,7 +114,7 @@ def choose_robot(folder, i):
     robots.set_default_robot(("sheep", "robot2")[i])
 
 
-def chosen_robot(folder):
+def robot_in_use(folder):
     os.environ["ROBSIM_DATA"] = str(folder)
     return ("sheep", "robot2").index(robots.default_robot())
 
@@ -156,7 +156,7 @@ WRITERS = {
     ),
     "mkv": versions(lambda f, i: imaging.save_video(f, pictures(i), fps=5), video_level, "v.mkv"),
     "mp4": versions(lambda f, i: imaging.save_video(f, pictures(i), fps=5), video_level, "v.mp4"),
-    "settings": (choose_robot, chosen_robot),
+    "settings": (choose_robot, robot_in_use),
     "robot": (store_robot, stored_robot),
     "rotated robot": (rotate_robot, rotated),
     "removed robot": (remove_robot, is_removed),
@@ -244,7 +244,7 @@ def del_tracebacks(error):
 
 def kill_each(name, folder, faults):
     """Kill a child at each call of a writer in turn; return how many there were."""
-    write, read = WRITERS[name]
+    write, _ = WRITERS[name]
     number = 0
     while True:
         number += 1

@@ -1,0 +1,296 @@
+"""Text from files and users: escaped in HTML, harmless in a terminal, no formula in a table."""
+
+import ast
+import csv
+import io
+import os
+import re
+from contextlib import chdir
+from dataclasses import dataclass
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.text import Text
+
+import robsim
+from commands import command
+from robsim import imaging, plotting
+from robsim._base import checks
+from robsim._base.checks import check_name
+from robsim._base.report import Problem
+from robsim._base.source_line import SourceLine
+from robsim._base.text import as_cell, cut, listed, one_line, printable, quoted
+from robsim.evaluation import Column, Quantity, Report, Row, Table
+
+PACKAGE = Path(checks.__file__).resolve().parents[1]
+HOSTILE = "<img src=x onerror=alert(1)>\"'&\x1b]0;t\x07\x9b31m\u202e\n=1+1 $x^2$"
+TEXTS = st.text(max_size=30) | st.just(HOSTILE)
+
+
+def is_harmless(text, breaks=""):
+    return all(
+        c in breaks or (c not in "\x7f\u202a\u202e\u2066" and ord(c) > 31) for c in text
+    ) and not (re.search("[\x80-\x9f\u2028\u2029\ud800-\udfff]", text))
+
+
+@settings(max_examples=50)
+@given(TEXTS)
+def test_escaped_text_has_nothing_that_commands_a_terminal(text):
+    assert is_harmless(one_line(text))
+    assert is_harmless(printable(text), breaks="\n\t")
+    if text.isprintable():
+        assert one_line(text) == printable(text) == text
+
+
+@settings(max_examples=30)
+@given(
+    st.recursive(TEXTS | st.integers() | st.binary(), lambda values: st.lists(values, max_size=9))
+)
+def test_what_a_message_quotes_is_short(value):
+    for text in (quoted(value), quoted([value] * 20), quoted({str(value): value})):
+        assert len(text) <= 60
+        assert is_harmless(text)
+
+
+def test_other_short_texts():
+    assert quoted(10**5000) == "a number of 16610 bits"
+    assert len(quoted("x" * 10**6)) <= 60
+    assert len(cut("x" * 10**6)) <= 200
+    assert listed("abc") == "a, b, c"
+    assert listed(map(str, range(12))) == "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, ... (12 in all)"
+
+
+NAMES = ["", "a\0b", "a\nb", "\x1b[2J", "\u202ea", "a\u2028b", "\x9b", "x" * 41, "\ud800"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_that_cannot_be_shown_are_no_names(name):
+    makers = (
+        lambda: check_name("name", name),
+        lambda: robsim.ColorClass(name),
+        lambda: robsim.ColorClass.from_histograms(np.ones((3, 256)), name=name),
+    )
+    for make in makers:
+        with pytest.raises((ValueError, TypeError), match="name") as caught:
+            make()
+        assert is_harmless(str(caught.value))
+        assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize("name", ["x", "größe", "赤い", "😀", "a b", "x" * 40, "é" * 40])
+def test_names_that_can(name):
+    assert check_name("name", robsim.ColorClass(name).name) == name
+
+
+# --- reports
+
+
+@dataclass(frozen=True)
+class Hostile(Report):
+    """A report whose every text came from outside."""
+
+    text: str
+
+    title = property(lambda self: self.text)
+    verdict = property(lambda self: self.text)
+    remarks = property(lambda self: [self.text])
+
+    @property
+    def quantities(self):
+        return [Quantity(self.text, self.text, self.text, self.text, missing=self.text)]
+
+    @property
+    def tables(self):
+        columns = [Column(self.text, self.text, self.text)]
+        rows = [Row(self.text, [value], self.text) for value in (self.text, None)]
+        return [Table(key=self.text, columns=columns, rows=rows, row_title=self.text)]
+
+    @property
+    def problems(self):
+        line = SourceLine(self.text, 3, self.text)
+        t = self.text
+        return [Problem(kind=t, sentence=t, situation=t, k=1, line=line)]
+
+
+ALLOWED = {"div", "p", "b", "table", "thead", "tbody", "tr", "th", "td", "ol", "ul", "li", "br"} | {
+    *("small", "code")
+}
+
+
+class Elements(HTMLParser):
+    """The elements, and the text between them."""
+
+    def __init__(self):
+        super().__init__(convert_charrefs=True)
+        self.tags, self.content = set(), ""
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.add(tag)
+        assert all(name == "style" for name, _ in attrs)
+
+    def handle_data(self, data):
+        self.content += data
+
+
+def check_html(text):
+    parser = Elements()
+    parser.feed(text)
+    parser.close()
+    assert parser.tags <= ALLOWED
+    assert is_harmless(parser.content, breaks="\n\t")
+    return parser.content
+
+
+@settings(max_examples=30)
+@given(TEXTS)
+def test_a_report_shows_every_text_and_runs_none(text):
+    report = Hostile(text)
+    content = check_html(report._repr_html_())
+    assert content.count(printable(text)) >= 8
+    assert is_harmless(str(report), breaks="\n")
+    assert is_harmless(repr(report))
+    assert is_harmless(report.line)
+
+
+def test_reports_alone_make_html():
+    files = {str(f.relative_to(PACKAGE)) for f in PACKAGE.rglob("*.py")}
+    found = {
+        name
+        for name in files
+        if re.search(
+            r"def _repr_(html|markdown|latex|svg|javascript|json|mime)",
+            (PACKAGE / name).read_text(),
+        )
+    }
+    # A clip has numbers in its HTML; a trace shows its summary, which is a report.
+    assert found == {"_base/report/report.py", "imaging/_clip.py", "trace/_trace.py"}
+
+
+@pytest.fixture(scope="module")
+def named():
+    """A run whose colours are called as a stranger may call them."""
+    names = ("<b onclick=x()>", "=1+1;$x$")
+    red, blue = (color for color in robsim.load_colors())
+    colors = [red, blue]
+    colors += [
+        robsim.ColorClass(n, y=c.y, u=c.u, v=c.v) for n, c in zip(names, (red, blue), strict=True)
+    ]
+    sim = robsim.Simulation(seed=1, measure=True, colors=colors, area=(300, 300))
+    sim.run(4)
+    return sim
+
+
+def test_names_of_colours_in_a_trace(named):
+    trace = named.trace
+    check_html(trace._repr_html_())
+    assert "<b onclick" not in trace._repr_html_()
+    assert is_harmless(repr(trace))
+    assert is_harmless(str(trace), breaks="\n")
+
+
+def test_names_of_colours_in_a_table(named, tmp_path):
+    named.trace.to_csv(tmp_path / "run.csv")
+    head = (tmp_path / "run.csv").read_text().splitlines()[0]
+    assert '"\'=1+1;$x$1_x"' in head
+    rows = list(csv.reader(io.StringIO((tmp_path / "run.csv").read_text())))
+    for cell in rows[0]:
+        assert cell[0] not in "=+-@\t\r"
+    headings = [float(row[rows[0].index("heading_true")]) for row in rows[1:]]
+    np.testing.assert_array_equal(headings, named.trace.pose_true[:, 2])
+
+
+@pytest.mark.parametrize("text", ["=1", "+1", "-1", "@x", "\tx", "\rx", " =1", "\uff1d1"])
+def test_a_formula_is_a_text(text):
+    assert as_cell(text) == "'" + text
+    assert as_cell("x" + text) == "x" + text
+
+
+@pytest.mark.long
+def test_names_of_colours_in_figures(named):
+    def texts(figure):
+        figure.draw_without_rendering()
+        for text in figure.findobj(Text):
+            parsed, is_formula = text._preprocess_math(text.get_text())
+            if not is_formula:
+                yield parsed
+
+    figure = plotting.plot_traces(named.trace, show_blobs=True)
+    assert "=1+1;$x$ blobs" in texts(figure)
+    color = robsim.ColorClass("$x$")
+    figure = plotting.plot_color_histograms(np.ones((3, 256)), color, picture="$x$\n.png")
+    assert any("$x$" in text for text in texts(figure))
+
+
+# --- errors, warnings, the shell
+
+STRANGE = "a\x1b]0;t\x07\u202e\nb"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such names")
+def test_names_of_files_in_errors(tmp_path):
+    folder = tmp_path / STRANGE
+    folder.mkdir()
+    for suffix in (".toml", ".npz", ".png", ".mkv"):
+        (folder / f"{STRANGE}{suffix}").write_text("neither this nor that")
+    (folder / "robot.toml").write_text("a = 1")
+    file = folder / STRANGE
+    calls = (
+        lambda: robsim.load_colors(f"{file}.toml"),
+        lambda: robsim.Scenario.load(f"{file}.toml"),
+        lambda: robsim.Trace.load(f"{file}.npz"),
+        lambda: robsim.Trace.load(file),
+        lambda: imaging.load_image(f"{file}.png"),
+        lambda: robsim.Recording(f"{file}.mkv"),
+        lambda: robsim.Recording(file),
+        lambda: robsim.load_robot(folder),
+        lambda: robsim.load_robot(file),
+        lambda: imaging.save_image(file, np.zeros((4, 4, 3), np.uint8)),
+        lambda: imaging.save_video(file, [], fps=5),
+        lambda: imaging.Clip([np.zeros((4, 4, 3), np.uint8)], fps=5).save(file),
+        lambda: robsim.Simulation.from_folder(folder),
+        lambda: robsim.Simulation.from_folder(file),
+        lambda: robsim.Simulation(colors=f"{file}.toml"),
+        lambda: robsim.Simulation(robot=STRANGE),
+    )
+    for call in calls:
+        with pytest.raises((ValueError, OSError, TypeError)) as caught:
+            call()
+        assert is_harmless(str(caught.value)), str(caught.value)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such names")
+@pytest.mark.long
+def test_names_of_files_in_the_shell(tmp_path):
+    (tmp_path / f"{STRANGE}.toml").write_text("[red]\nu = [0, 100]\n")
+    imaging.save_image(tmp_path / f"{STRANGE}.png", np.zeros((16, 16, 3), np.uint8))
+    with chdir(tmp_path):
+        for arguments in (
+            ("colors", "list", f"{STRANGE}.toml"),
+            ("colors", "list", f"{STRANGE}"),
+            ("colors", "test", f"{STRANGE}.png", "--colors", f"{STRANGE}.toml"),
+            ("colors", "test", f"{STRANGE}.png", "--out", f"{STRANGE}2.png"),
+            ("robots", "show", STRANGE),
+            ("new", STRANGE),
+            ("new", STRANGE),
+            ("run", f"{STRANGE}2"),
+            ("track", f"{STRANGE}.png"),
+            ("notebooks", f"{STRANGE}3"),
+        ):
+            run = command(*arguments)
+            for stream in (run.stdout, run.stderr):
+                assert is_harmless(stream, breaks="\n"), (arguments, stream)
+                assert not re.search(r"^b", stream, re.MULTILINE), (arguments, stream)
+
+
+def test_the_shell_prints_in_one_place():
+    for file in (PACKAGE / "cli").glob("*.py"):
+        if file.name != "errors.py":
+            calls = (
+                n.func for n in ast.walk(ast.parse(file.read_text())) if isinstance(n, ast.Call)
+            )
+            names = {getattr(call, "id", getattr(call, "attr", "")) for call in calls}
+            assert not names & {"print", "echo", "secho", "Console", "write"}, file
