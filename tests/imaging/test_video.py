@@ -1,6 +1,8 @@
+import os
 import subprocess
 import sys
 import threading
+import warnings
 
 import numpy as np
 import pytest
@@ -210,19 +212,63 @@ def test_the_terminal_stays_clean(tmp_path, rng, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_quiet_threads_leave_stderr_as_it_was(capfd):
+def test_quiet_threads_leave_the_log_as_it_was():
+    cv2 = pytest.importorskip("cv2")
+    before = cv2.utils.logging.getLogLevel()
+
     def be_quiet():
         for _ in range(200):
-            with quiet(), quiet():
-                pass
+            with quiet(cv2), quiet(cv2):
+                assert cv2.utils.logging.getLogLevel() == cv2.utils.logging.LOG_LEVEL_SILENT
 
     threads = [threading.Thread(target=be_quiet) for _ in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    print("still here", file=sys.stderr)
-    assert capfd.readouterr().err == "still here\n"
+    assert cv2.utils.logging.getLogLevel() == before
+
+
+def test_what_others_print_while_a_video_is_read_is_not_lost(tmp_path, rng, capfd):
+    save_video(tmp_path / "run.mkv", smooth(rng), fps=5)
+    damaged = bytearray((tmp_path / "run.mkv").read_bytes())
+    damaged[2000:2020] = bytes(20)
+    (tmp_path / "run.mkv").write_bytes(damaged)
+    capfd.readouterr()
+    is_done = threading.Event()
+    written = 0
+
+    def write():
+        nonlocal written
+        while not is_done.is_set():
+            os.write(2, b"still here\n")
+            written += 1
+
+    thread = threading.Thread(target=write)
+    thread.start()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # it ends early
+        for _ in range(20):
+            images(tmp_path / "run.mkv")
+    is_done.set()
+    thread.join()
+    assert capfd.readouterr().err == "still here\n" * written
+
+
+@pytest.mark.long
+def test_a_half_read_recording_at_the_end_of_python_is_silent(tmp_path, rng):
+    save_video(tmp_path / "run.mkv", smooth(rng), fps=5)
+    code = f"""
+import robsim
+frames = iter(robsim.Recording({str(tmp_path / "run.mkv")!r}))
+next(frames)
+class Late:
+    def __init__(self, frames): self.me, self.frames = self, frames
+late = Late(iter(robsim.Recording({str(tmp_path / "run.mkv")!r})))
+next(late.frames)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("", "")
 
 
 def test_without_opencv(tmp_path, monkeypatch):

@@ -9,11 +9,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-_lock = threading.RLock()
+_lock = threading.Lock()
+_redirection = threading.Lock()
+_n_quiet = 0  # contexts of `quiet` that are open, in all threads
+_level_before = 0
 
 
 def load_opencv(purpose: str) -> Any:
     """Return the module cv2.
+
+    Its FFmpeg prints nothing, unless the program has read or written a video with OpenCV before,
+    or has set OPENCV_FFMPEG_LOGLEVEL.
 
     Parameters
     ----------
@@ -25,6 +31,8 @@ def load_opencv(purpose: str) -> Any:
     ImportError
         If it is not installed; the message says how to install it.
     """
+    # Looked at once, with the first video.
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # AV_LOG_QUIET
     try:
         return importlib.import_module("cv2")
     except ImportError as error:
@@ -32,15 +40,30 @@ def load_opencv(purpose: str) -> Any:
 
 
 @contextmanager
-def quiet() -> Iterator[None]:
-    """Discard what OpenCV and FFmpeg print inside the context.
+def quiet(cv2: Any) -> Iterator[None]:
+    """Let OpenCV log nothing inside the context; what else prints is not touched."""
+    global _n_quiet, _level_before
+    logging = cv2.utils.logging
+    with _lock:
+        if _n_quiet == 0:
+            _level_before = logging.setLogLevel(logging.LOG_LEVEL_SILENT)
+        _n_quiet += 1
+    try:
+        yield
+    finally:
+        with _lock:
+            _n_quiet -= 1
+            if _n_quiet == 0:
+                logging.setLogLevel(_level_before)
 
-    They write to the stderr of the process. Their log levels do not cover everything, and would
-    stay changed for other code that uses OpenCV.
-    """
-    with _lock:  # two threads at once would restore each other's redirection
-        saved = _stderr_copy()
-        if saved is None:
+
+@contextmanager
+def discarded_stderr() -> Iterator[None]:
+    """Discard what the whole process writes to stderr: for a moment, where nothing else helps."""
+    with _redirection:  # two threads at once would restore each other's
+        try:
+            saved = os.dup(2)
+        except OSError:  # a program without a terminal may have none
             yield
             return
         try:
@@ -50,10 +73,3 @@ def quiet() -> Iterator[None]:
         finally:
             os.dup2(saved, 2)
             os.close(saved)
-
-
-def _stderr_copy() -> int | None:
-    try:
-        return os.dup(2)
-    except OSError:  # a program without a terminal may have none
-        return None

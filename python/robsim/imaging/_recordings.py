@@ -172,7 +172,7 @@ class _Video:
         self.file = file
         self.cv2 = load_opencv("reading a video")
         check_is_video(file)
-        with quiet():
+        with quiet(self.cv2):
             capture = self._open()
             self.rate = float(capture.get(self.cv2.CAP_PROP_FPS))
             self.frames = capture.get(self.cv2.CAP_PROP_FRAME_COUNT)
@@ -198,16 +198,13 @@ class _Video:
         return int(self.frames) if known else None
 
     def read(self) -> Generator[tuple[str, Pixels]]:
-        with quiet():
+        with quiet(self.cv2):
             capture = self._open()
         index = 0
-        try:
-            while (pixels := self._next(capture)) is not None:
-                yield f"frame {index} of {one_line(self.file)}", pixels
-                index += 1
-        finally:
-            with quiet():
-                capture.release()
+        # Nothing has to be done at the end, which may be that of Python: the file closes by itself.
+        while (pixels := self._next(capture)) is not None:
+            yield f"frame {index} of {one_line(self.file)}", pixels
+            index += 1
         known = self.count()
         if known is not None and index < _COMPLETE * known:
             warnings.warn(
@@ -226,7 +223,7 @@ class _Video:
         return capture
 
     def _next(self, capture: Any) -> Pixels | None:
-        with quiet():
+        with quiet(self.cv2):
             is_read, pixels = capture.read()
         if not is_read:
             return None

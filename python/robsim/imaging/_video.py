@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable
+from contextlib import nullcontext
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
@@ -18,7 +19,7 @@ from robsim._base.text import one_line
 from robsim._core import Frame
 from robsim.imaging._frames import check_iterable, check_same_size, frame_pixels, frame_size
 from robsim.imaging._images import Pixels
-from robsim.imaging._opencv import load_opencv, quiet
+from robsim.imaging._opencv import discarded_stderr, load_opencv, quiet
 
 #: FourCC code of the codec for each file suffix.
 CODECS = {".mp4": "mp4v", ".webm": "VP80", ".mkv": "FFV1", ".avi": "FFV1"}
@@ -114,7 +115,7 @@ class VideoWriter:
             self._writer = self._open(frame_size(even))
         check_same_size(f"frame {self.count}", frame_size(pixels), self._size)
         bgr = self._cv2.cvtColor(even, self._cv2.COLOR_RGB2BGR)
-        with quiet():
+        with quiet(self._cv2):
             self._writer.write(bgr)
         self.count += 1
 
@@ -127,7 +128,7 @@ class VideoWriter:
         assert part is not None
         self._writer = self._part = None
         try:
-            with quiet():
+            with quiet(self._cv2):
                 writer.release()
                 video = self._cv2.VideoCapture(str(part.path), self._cv2.CAP_FFMPEG)
                 # OpenCV does not report a full disk, and the header may claim too many frames.
@@ -145,7 +146,9 @@ class VideoWriter:
     def _open(self, size: tuple[int, int]) -> Any:
         codec = self._cv2.VideoWriter_fourcc(*self._codec)
         part = PartialFile(self.path, suffix=self.path.suffix.lower())
-        with quiet():
+        # OpenCV prints a line for each WebM, past its log.
+        is_loud = self.path.suffix.lower() == ".webm"
+        with quiet(self._cv2), discarded_stderr() if is_loud else nullcontext():
             writer = self._cv2.VideoWriter(
                 str(part.path), self._cv2.CAP_FFMPEG, codec, self._fps, size
             )
