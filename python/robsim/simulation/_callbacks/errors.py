@@ -17,6 +17,8 @@ from robsim._base.source_line import (
 )
 from robsim.simulation._callbacks.signatures import accepts, where_defined
 
+_MOST_NOTES = 8
+
 
 @dataclass(frozen=True)
 class FailedCallback:
@@ -97,12 +99,15 @@ def failed(error: BaseException, slot: str, what: str, k: int, function: object)
     function : callable
         The callback.
     """
-    source = line_of_error(error) or users_line_of_callable(function)
+    inner = callback_of(error)  # of a simulation inside the callback, which comes first
+    source = None if inner else line_of_error(error) or users_line_of_callable(function)
     record = FailedCallback(slot, None if k < 0 else k, source)
     # A class of the user's own may refuse both: the exception itself is what counts.
     with contextlib.suppress(Exception):
-        error.add_note(f"in {what} {record.when}")
-        if callback_of(error) is None:  # that of a simulation inside the callback comes first
+        # Of simulations without end, each in a callback of the one before, some say enough.
+        if inner is None or len(error.__notes__) < _MOST_NOTES:
+            error.add_note(f"in {what} {record.when}")
+        if inner is None:
             error.callback = record  # type: ignore[attr-defined]
 
 
