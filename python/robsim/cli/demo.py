@@ -15,6 +15,7 @@ from robsim.cli.text import whole_number
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from robsim.cli.results import Results
     from robsim.identification._batch import BatchEstimate
 
 EXAMPLE = "Example: robsim demo"
@@ -24,6 +25,8 @@ HELP = (
     "recursive least squares estimates the parameters of its model online, and a batch fit at the "
     "end. Both stand beside the true values. Figures and the trace are written to a folder."
 )
+
+_MINIMUM_STEPS = 50
 
 
 def demo(
@@ -42,10 +45,8 @@ def demo(
     as_json: Json = False,
 ) -> None:
     """Drive a robot, track it by camera and estimate its parameters."""
-    from robsim.cli.demo_run import run_demo
-
     with errors.report_errors():
-        result = run_demo(out, steps=steps, seed=seed)
+        result = _run(out, steps, seed)
     if as_json:
         errors.show(json.dumps(result.to_dict(), indent=2))
         return
@@ -53,6 +54,31 @@ def demo(
         _print_report(result.report)
     errors.show(result.tracking)
     errors.say(f"written to {out}: {', '.join(file.name for file in result.files)}")
+
+
+def _run(out: Path, steps: int, seed: int) -> Results:
+    """Drive through a noisy camera's view, estimate from what it measures, write the figures."""
+    from robsim._core import DriveAround
+    from robsim.cli.results import check_folder, write_results
+    from robsim.imaging import GaussianNoise
+    from robsim.simulation import Simulation
+
+    if steps < _MINIMUM_STEPS:
+        raise ValueError(f"steps must be at least {_MINIMUM_STEPS}, got {steps}")
+    check_folder(out)
+    simulation = Simulation(
+        control=DriveAround(),
+        resolution=(600, 600),
+        noise=GaussianNoise(10),
+        headings=None,
+        measure=True,
+        identify_from="measurement",
+        estimate_parameters=True,
+        seed=seed,
+    )
+    simulation.run(steps, progress="drive around")
+    # From noisy poses least squares is biased, this method is not.
+    return write_results(out, simulation, method="output_error")
 
 
 def _print_report(report: BatchEstimate) -> None:
