@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from robsim._base.report import Problem, Report
+from robsim._base.report import Problem, Report, Table
 
 __all__ = ["CheckReport", "Problem"]
 
@@ -21,11 +21,14 @@ class CheckReport(Report):
         What is wrong, the cause first; mere consequences of it are left out.
     remarks : tuple of str
         Observations that are not problems.
+    tables : tuple of Table
+        Numbers to go with them.
     """
 
     name: str
     problems: tuple[Problem, ...] = ()
     remarks: tuple[str, ...] = ()
+    tables: tuple[Table, ...] = ()
 
     @property
     def ok(self) -> bool:

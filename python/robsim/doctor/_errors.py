@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import inspect
+from traceback import TracebackException
 
 from robsim._base.check_report import Problem
 from robsim._base.source_line import called_in, line_of_error
+from robsim._base.spelling import with_article
 from robsim._core import Estimate
 from robsim.doctor._trial import TIME_LIMIT, BadResult, EstimatorUnderTest, Trial
 from robsim.simulation._callbacks.missing_data import comes_of_none, names_in
@@ -20,11 +22,13 @@ _NOT_SEEN = "step.measurement is None where the robot is not seen"
 def problem_of(estimator: EstimatorUnderTest, trial: Trial) -> Problem:
     """Return the error that ended a trial, as a problem."""
     assert trial.error is not None
-    kind, sentence = _explained(trial.error)
+    kind, sentence = explained(trial.error)
     missing = _missing(trial)
     if missing is not None and kind != "too slow":
         kind, reason = missing
         sentence = f"{reason}: then {sentence}"
+    elif kind == "exception":
+        sentence = "; ".join([sentence, *_hints(trial.error)])
     return Problem(
         kind=kind,
         sentence=sentence,
@@ -36,29 +40,33 @@ def problem_of(estimator: EstimatorUnderTest, trial: Trial) -> Problem:
 
 def problem_of_make(estimator: EstimatorUnderTest, error: BaseException) -> Problem:
     """Return the error that kept make() from returning an estimator, as a problem."""
-    kind, sentence = _explained(error)
+    kind, sentence = explained(error)
     if not accepts(estimator.make, 0):
         kind, sentence = "make fails", _not_a_maker(estimator)
     elif not isinstance(error, BadResult):
-        kind, sentence = "make fails", f"make() returns no estimator: {sentence}"
+        kind, sentence = "make fails", f"make() returns no {estimator.slot.noun}: {sentence}"
     return Problem(kind=kind, sentence=sentence, line=line_of_error(error) or estimator.line)
 
 
 def _not_a_maker(estimator: EstimatorUnderTest) -> str:
     """Say that make needs arguments, and what to give in its place."""
-    make, name = estimator.make, estimator.name
-    expected = (
-        f"make takes no argument and returns a fresh estimator, got {name}{where_defined(make)}"
-    )
+    make, name, noun = estimator.make, estimator.name, estimator.slot.noun
+    expected = f"make takes no argument and returns a fresh {noun}, got {name}{where_defined(make)}"
     if isinstance(make, type):
         return f"{expected}: write lambda: {name}(...)"
     if inspect.isfunction(make):
-        return f"{expected}: if that is the estimator itself, write lambda: {name}"
-    return f"{expected}: it is an estimator already; give its class, or lambda: {name}(...)"
+        return f"{expected}: if that is the {noun} itself, write lambda: {name}"
+    return f"{expected}: it is {with_article(noun)} already; give its class, or lambda: {name}(...)"
 
 
-def _explained(error: BaseException) -> tuple[str, str]:
-    """Return kind and sentence of an error."""
+def explained(error: BaseException) -> tuple[str, str]:
+    """Return kind and sentence of an error.
+
+    Parameters
+    ----------
+    error : BaseException
+        The error.
+    """
     text = str(error)
     if isinstance(error, BadResult):
         return error.kind, text
@@ -73,7 +81,15 @@ def _explained(error: BaseException) -> tuple[str, str]:
     if isinstance(error, (TypeError, ValueError)) and called_in(error) == Estimate.__name__:
         return "wrong Estimate", f"its Estimate has a value that it cannot have: {text}"
     name = type(error).__name__
+    if isinstance(error, (AttributeError, NameError)):
+        text = str(TracebackException.from_exception(error))  # with "Did you mean ...?"
     return "exception", f"it raises {name}: {text}" if text else f"it raises {name}"
+
+
+def _hints(error: BaseException) -> list[str]:
+    """Return the notes that say why, without those that say where."""
+    notes = getattr(error, "__notes__", ())
+    return [note for note in notes if not note.startswith(("in the callback", "while loading"))]
 
 
 def _missing(trial: Trial) -> tuple[str, str] | None:

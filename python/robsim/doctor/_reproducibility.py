@@ -64,8 +64,9 @@ def together_problem(
         return None
     return Problem(
         kind="shared memory",
-        sentence="two estimators from make() influence each other, as with a global variable or "
-        "a list in the class: keep all state in self, set in __init__, or in variables of make",
+        sentence=f"two {estimator.slot.noun}s from make() influence each other, as with a global "
+        "variable or a list in the class: keep all state in self, set in __init__, or in variables "
+        "of make",
         situation="two robots at the same time",
         k=step,
         line=estimator.line,
@@ -100,7 +101,7 @@ def _cause_of_difference(
         kind, sentence = (
             "not reproducible",
             "the same steps give another result each time: use random numbers with a fixed seed, "
-            "np.random.default_rng(1)",
+            "np.random.default_rng(1), and step.t for the time",
         )
     return Problem(
         kind=kind, sentence=sentence, situation=again.situation.name, k=step, line=estimator.line

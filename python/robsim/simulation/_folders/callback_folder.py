@@ -108,14 +108,37 @@ class CallbackFolder:
                 message = f"{self.path / name}.py is no callback: did you mean {slot}.py?"
                 warnings.warn_explicit(message, UserWarning, str(self._absolute / f"{name}.py"), 0)
         modules = FolderModules(self.path, self._absolute, sources)
-        with modules.importable():
-            callbacks = {
-                slot: _callback(modules.execute(slot), slot, self.path / f"{slot}.py")
-                for slot in self._slots
-                if slot in sources
-            }
+        callbacks = self._executed(modules)
         self._modules = modules
         return callbacks
+
+    def anew(self) -> tuple[CallbackFolder, Callbacks]:
+        """Return another one with the sources that were loaded last, and its own callbacks.
+
+        Their modules, and those that they import, share nothing with the ones before.
+        """
+        other = CallbackFolder(self.path, self._slots)
+        other._absolute = self._absolute
+        other._modules = FolderModules(self.path, self._absolute, self._modules.sources)
+        return other, other._executed(other._modules)
+
+    def _executed(self, modules: FolderModules) -> Callbacks:
+        with modules.importable():
+            return {
+                slot: _callback(modules.execute(slot), slot, self.path / f"{slot}.py")
+                for slot in self._slots
+                if slot in modules.sources
+            }
+
+    @property
+    def helpers(self) -> set[str]:
+        """Names, without ``.py``, of the helper modules that were there at the last load."""
+        return set(self._modules.helpers)
+
+    @property
+    def files(self) -> set[str]:
+        """Names, without ``.py``, of the Python files of the folder; raises as `changed`."""
+        return set(self._read())
 
     @property
     def changed(self) -> set[str]:

@@ -37,13 +37,13 @@ class FolderModules(MetaPathFinder, Loader):
         self.sources = sources
         self._folder = folder  # as given by the user, for messages
         self._absolute = absolute
-        self._helpers = sources.keys() - SLOTS.keys() - reserved_names(sources)
+        self.helpers = sources.keys() - SLOTS.keys() - reserved_names(sources)
         self._loaded: dict[str, ModuleType] = {}
 
     @contextmanager
     def importable(self) -> Iterator[None]:
         """Let the modules be imported inside the context; restore other ones after it."""
-        names = {*self._helpers, *map(module_name, SLOTS)}
+        names = {*self.helpers, *map(module_name, SLOTS)}
         with _LOCK:
             others = {name: sys.modules.pop(name) for name in names & sys.modules.keys()}
             try:
@@ -71,7 +71,7 @@ class FolderModules(MetaPathFinder, Loader):
         self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """Find a helper module; part of the import protocol."""
-        if name in self._helpers:
+        if name in self.helpers:
             file = self._absolute / f"{name}.py"
             return importlib.util.spec_from_file_location(name, file, loader=self)
         if name in SLOTS and name in self.sources:
