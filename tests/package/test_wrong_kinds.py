@@ -162,6 +162,7 @@ EXAMPLES = {
     "k": lambda: 0,
     "key": lambda: "time",
     "last_u": lambda: (0.1, 0.2),
+    "make": lambda: robsim.Spin,
     "margin": lambda: 5,
     "markers": lambda: robsim.load_robot().marker_layout(),
     "masks": lambda: {"red": np.zeros((32, 32), bool)},

@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from robsim.cli import bench, colors, demo, errors, notebooks, robots, run, track
+from robsim.cli import bench, check, colors, demo, errors, notebooks, robots, run, track
 from robsim.cli.command import Command, Group
 from robsim.cli.shared import SWITCH
 
@@ -27,6 +27,7 @@ app = typer.Typer(
 app.command(cls=Command, help=demo.HELP, epilog=demo.EXAMPLE)(demo.demo)
 app.command(cls=Command, help=run.NEW_HELP, epilog=run.NEW_EXAMPLE)(run.new)
 app.command(cls=Command, help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
+app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
 app.command(cls=Command, help=track.HELP, epilog=track.EXAMPLE)(track.track)
 app.command(cls=Command, help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
 app.command(cls=Command, help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)

@@ -1,0 +1,114 @@
+"""The command ``robsim check``: what is wrong with callbacks, and in which line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.shared import Json
+from robsim.simulation._slots import SLOTS
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    from robsim.doctor import CheckReport, FolderReport, Problem
+
+EXAMPLE = "Example: robsim check mine"
+HELP = (
+    "Check your callbacks: what is wrong, in which situation and line.\n\n"
+    "Each file of the folder is tried in many situations: a robot that is not seen, a heading that "
+    "passes +-180 degrees, the wall, a long run. The exit status is 0 if all are well, 1 if one is "
+    "ill, 2 if there is nothing to check. A check ends a call that takes longer than 5 s."
+)
+
+_STYLES = {"well": "green", "remark": "yellow", "ill": "bold red"}
+_WIDEST = 100  # characters
+
+
+def check(
+    path: Annotated[
+        Path,
+        typer.Argument(metavar="FILE|FOLDER", help="A folder with callbacks, or one of its files."),
+    ],
+    slot: Annotated[
+        str | None,
+        typer.Option("--slot", metavar="NAME", help=f"Only this one: {', '.join(SLOTS)}."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Check callbacks."""
+    from robsim.doctor import check_folder
+
+    with errors.report_errors():
+        report = check_folder(path, slots=slot)
+    if as_json:
+        print(report.to_json())
+    else:
+        _print_page(report)
+    if not report.ok:
+        raise typer.Exit(1)
+
+
+def _print_page(report: FolderReport) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False, markup=False, emoji=False)
+    console.width = min(console.width, _WIDEST)
+    console.print(report.heading, style="bold")
+    table = Table.grid(padding=(0, 3), pad_edge=True)
+    for slot, verdict in report.verdicts.items():
+        file = "" if isinstance(report.checks[slot], str) else f"{slot}.py"
+        table.add_row(slot, _styled(verdict, _STYLES.get(verdict, "dim")), file)
+    console.print(table)
+    of_files: set[str] = set()
+    for slot, one in report.checks.items():
+        if not isinstance(one, str):
+            _print_check(console, one)
+            of_files |= {f"{slot}.py: {remark}" for remark in one.remarks}
+    for remark in report.remarks:
+        if remark not in of_files:
+            console.print()
+            console.print(_hanging("-", remark))
+
+
+def _print_check(console: Console, report: CheckReport) -> None:
+    """Print the problems and remarks of a file."""
+    if report.ok and not report.remarks:
+        return
+    console.print()
+    console.print(report.name, style="bold")
+    for number, problem in enumerate(report.problems, 1):
+        console.print(_hanging(f"{number}.", problem.sentence))
+        for text, style in _places(problem):
+            console.print(_hanging("", text, style))
+    for remark in report.remarks:
+        console.print(_hanging("-", remark))
+
+
+def _places(problem: Problem) -> list[tuple[str, str]]:
+    """Return the lines that say where a problem is, with their styles."""
+    code = f"> {problem.code}" if problem.code else ""
+    return [(text, style) for text, style in ((problem.where, "dim"), (code, "cyan")) if text]
+
+
+def _hanging(mark: str, text: str, style: str = "") -> Table:
+    """Return a text beside a mark, all its lines indented alike."""
+    from rich.table import Table
+
+    grid = Table.grid(padding=(0, 1), pad_edge=True)
+    grid.add_column(width=3, justify="right")
+    grid.add_column(overflow="fold")
+    grid.add_row(mark, _styled(text, style))
+    return grid
+
+
+def _styled(text: str, style: str) -> Text:
+    from rich.text import Text
+
+    return Text(text, style)

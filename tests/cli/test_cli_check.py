@@ -1,0 +1,195 @@
+"""The command check, as a student at midnight types it."""
+
+import json
+import textwrap
+
+import pytest
+
+import robsim
+from commands import command
+from robsim.doctor import check_folder
+from robsim.doctor._callbacks import folder as folders
+from robsim.simulation._slots import SLOTS
+
+NEVER_SEEN = """
+    def measure(step):
+        return robsim.lokate(step.blobs)
+"""
+ROBSIM = "import robsim\n"
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Return a function that writes callback files to a folder, by their names."""
+
+    def files(**sources):
+        folder = tmp_path / "mine"
+        folder.mkdir(exist_ok=True)
+        for name, source in sources.items():
+            (folder / f"{name}.py").write_text(textwrap.dedent(source))
+        return folder
+
+    return files
+
+
+def test_every_slot_has_a_check():
+    for slot in SLOTS:
+        assert callable(getattr(folders._Folder, slot)), slot
+
+
+def test_a_page_has_a_verdict_for_each_slot_and_the_line_at_fault(write):
+    write(
+        measure=ROBSIM + textwrap.dedent(NEVER_SEEN),
+        control="def control(step)\n    return 1, 1\n",
+        define_model="def define_modell():\n    return 1\n",
+        estimate_parameters="ENABLED = False\n",
+    )
+    run = command("check", "mine", cwd=write().parent)
+    assert run.exit_code == 1
+    lines = [line.split() for line in run.stdout.splitlines()]
+    assert lines[0] == ["mine:", "3", "of", "3", "callbacks", "are", "ill"]
+    assert ["measure", "ill", "measure.py"] in lines
+    assert ["estimate_parameters", "off"] in lines
+    assert ["evaluate_model", "default"] in lines
+    page = " ".join(run.stdout.split())
+    assert "did you mean 'locate'? step 0, robot turns in the middle; measure.py:4" in page
+    assert "> return robsim.lokate(step.blobs)" in page
+    assert (
+        "it is not valid Python: expected ':' control.py:1 in <module> > def control(step)" in page
+    )
+    assert "mine/define_model.py must define define_model(); it defines: define_modell" in page
+    assert len(run.stdout.splitlines()) < 30
+
+
+def test_json_and_python_say_the_same(write):
+    folder = write(control="def control():\n    return 1, 1\n", measurement="")
+    run = command("check", str(folder), "--json")
+    assert run.exit_code == 1
+    content = json.loads(run.stdout)
+    assert content["callbacks"]["control"] == {"verdict": "ill", "file": "control.py"}
+    assert content["callbacks"]["measure"] == {"verdict": "off", "file": ""}
+    report = check_folder(folder)
+    assert content == report.to_dict()
+    assert not report
+    assert "measurement.py is no callback: did you mean measure.py?" in report.remarks[0]
+    (sentence,) = report.sentences
+    assert "control must take one argument, step, got control() (control.py:1)" in sentence
+    assert "control must take one argument" in report._repr_html_()
+    assert "control must take one argument" in str(report)
+
+
+def test_one_file_and_one_slot(write):
+    folder = write(
+        control="def control(step):\n    return 1\n", measure="raise ValueError('no camera')\n"
+    )
+    report = check_folder(folder / "control.py")
+    assert list(report.checks) == ["control"]
+    assert report.heading.endswith("control.py: the callback is ill")
+    assert "it returns 1, not (u1, u2)" in report.sentences[0]
+    (sentence,) = check_folder(folder, slots="measure").sentences
+    assert sentence == "measure.py: it cannot be loaded: it raises ValueError: no camera"
+
+
+def test_what_cannot_be_checked_is_refused(write, tmp_path):
+    folder = write(controll="", helper="")
+    for arguments, words in {
+        (str(tmp_path / "nix"),): "no folder",
+        (str(tmp_path / "nix.py"),): "no file",
+        (str(folder),): "has no callback files",
+        (str(folder / "controll.py"),): "did you mean 'control.py'?",
+        (str(folder), "--slot", "contrl"): "did you mean 'control'?",
+    }.items():
+        run = command("check", *arguments)
+        assert run.exit_code == 2, arguments
+        assert words in run.stderr
+    assert command("check").exit_code == 2
+
+
+def test_endless_files_are_ended(write, monkeypatch):
+    for module in "_trial", "_run_checks", "_callbacks.single_calls":
+        monkeypatch.setattr(f"robsim.doctor.{module}.TIME_LIMIT", 0.2)
+    monkeypatch.setattr(folders, "TIME_LIMIT", 0.2)
+    folder = write(
+        define_model="while True:\n    pass\n",
+        adjust_background="def adjust_background(image):\n    while True:\n        pass\n",
+    )
+    first, second = check_folder(folder).problems
+    assert "never ends" in first.sentence
+    assert first.line.place == "define_model.py:1"
+    assert "adjust_background" in second.sentence
+    assert second.line.function == "adjust_background"
+
+
+def test_helpers_are_found_when_they_are_imported_late(write):
+    folder = write(
+        define_model="""
+            def define_model():
+                from sizes import parameters
+                import robsim
+                return robsim.RobotModel(parameters())
+        """,
+        sizes="import robsim\ndef parameters():\n    return robsim.RobotParameters(mass=0.4)\n",
+    )
+    assert check_folder(folder).ok
+
+
+@pytest.mark.slow
+def test_an_untouched_folder_is_well(tmp_path):
+    assert command("new", "mine", cwd=tmp_path).exit_code == 0
+    for file in (tmp_path / "mine").glob("*.py"):
+        file.write_text(file.read_text().replace("ENABLED = False", "ENABLED = True"))
+    report = check_folder(tmp_path / "mine").raise_for_problems()
+    assert set(report.verdicts.values()) <= {"well", "remark"}
+    assert report.verdicts["measure"] == "well"
+
+
+@pytest.mark.slow
+def test_a_folders_estimator_and_background_are_used(write):
+    folder = write(
+        init_parameter_estimator="""
+            import robsim
+
+            class Own:
+                gain = 1.0
+
+                def __init__(self):
+                    self.inner = robsim.RecursiveLeastSquares(5, n_filters=3)
+
+                def update(self, phi, y):
+                    return self.inner.update(phi, y)
+
+            def init_parameter_estimator(model):
+                return Own()
+        """,
+        estimate_parameters="""
+            def estimate_parameters(step):
+                if step.sample is None:
+                    return None
+                return step.estimator.gain * step.estimator.update(step.sample.phi, step.sample.y)
+        """,
+        adjust_background="def adjust_background(background):\n    return background\n",
+        measure="""
+            def measure(step):
+                if not (step.blobs["red"] and step.blobs["blue"]):
+                    return None
+                return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
+
+            import robsim
+        """,
+    )
+    report = check_folder(folder).raise_for_problems()
+    assert "red square" not in report.to_dict()["measure_errors"]
+
+
+def test_estimates_that_nobody_makes_are_a_remark(write, monkeypatch):
+    found = robsim.doctor.CheckReport(name="control")
+    monkeypatch.setattr(folders, "check_controller", lambda make, **options: found)
+    folder = write(
+        control="""
+            def control(step):
+                return (0, 0) if step.estimate is None else step.estimate.pose[:2] / 1e4
+        """
+    )
+    assert check_folder(folder).remarks == (
+        "control.py: step.estimate is always None: estimate_state is off",
+    )

@@ -1,0 +1,275 @@
+"""What the doctor says of controllers: right ones are well, and wrong ones hear why."""
+
+import functools
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.doctor import check_controller
+from robsim.doctor._callbacks import controllers, steering
+from robsim.doctor._callbacks.scenes import driven
+
+
+def plain(angle):
+    return angle
+
+
+def regulator(wrap=robsim.wrap_angle, *, turn=1, up=1, swap=False, rate=0.0, rate_wrap=None):
+    """Return a maker of controllers to (900, 300), right unless told otherwise."""
+    rate_wrap = rate_wrap or robsim.wrap_angle
+
+    def make():
+        last = None
+
+        def control(step):
+            nonlocal last
+            if step.measurement is None:
+                return 0.0, 0.0
+            x, y, heading = step.measurement.pose
+            dx, dy = 900 - x, up * (300 - y)
+            error = wrap((math.atan2(dx, dy) if swap else math.atan2(dy, dx)) - heading)
+            speed = 0.0 if last is None else rate_wrap(heading - last) / step.dt
+            last = heading
+            steer = turn * float(np.clip(0.5 * error - rate * speed, -0.5, 0.5))
+            drive = min(0.5, 0.01 * math.hypot(dx, dy)) if abs(error) < 1 else 0.0
+            return drive + steer, drive - steer
+
+        return control
+
+    return make
+
+
+def holding(wanted, wrap=robsim.wrap_angle):
+    def control(step):
+        if step.measurement is None:
+            return 0.0, 0.0
+        error = wrap(wanted - step.measurement.pose[2])
+        return 0.3 + 0.3 * error, 0.3 - 0.3 * error
+
+    return lambda: control
+
+
+class TurnsThenStops:
+    def __init__(self):
+        self.state = "turn"
+
+    def __call__(self, step):
+        if step.measurement is not None and step.measurement.pose[2] > 1.57:
+            self.state = "stop"
+        return (0.05, -0.05) if self.state == "turn" else (0, 0)
+
+
+def pursuit():
+    path = np.column_stack((np.linspace(200, 1000, 60), 600 + 200 * np.sin(np.linspace(0, 6, 60))))
+
+    def control(step):
+        if step.estimate is None:
+            return 0, 0
+        x, y, heading = step.estimate.pose
+        nearest = int(np.argmin(np.hypot(path[:, 0] - x, path[:, 1] - y)))
+        goal = path[min(nearest + 6, len(path) - 1)]
+        angle = math.atan2(goal[1] - y, goal[0] - x) - heading
+        return np.array((0.4 + 0.4 * math.sin(angle), 0.4 - 0.4 * math.sin(angle)))
+
+    return control
+
+
+def bang_bang():
+    def control(step):
+        if step.measurement is None:
+            return 0, 0
+        x, y, heading = step.measurement.pose
+        is_right = robsim.wrap_angle(math.atan2(300 - y, 900 - x) - heading) > 0
+        return (0.6, 0.2) if is_right else (0.2, 0.6)
+
+    return control
+
+
+def generator():
+    def voltages():
+        yield
+        while True:
+            for u in (0.5, 0.4), (0.4, 0.5):
+                for _ in range(20):
+                    yield u
+
+    started = voltages()
+    next(started)
+    return started.send
+
+
+def away_from_walls():
+    def control(step):
+        if step.measurement is None:
+            return 0, 0
+        x, y, heading = step.measurement.pose
+        if min(x, y, 1199 - x, 1199 - y) > 150:
+            return 0.5, 0.5
+        error = robsim.wrap_angle(math.atan2(600 - y, 600 - x) - heading)
+        return 0.2 + 0.5 * error, 0.2 - 0.5 * error
+
+    return control
+
+
+def with_gain(gain, step):
+    if step.measurement is None:
+        return [0, 0]
+    error = robsim.wrap_angle(1 - step.measurement.pose[2])
+    return gain * error, -gain * error
+
+
+RIGHT = {
+    "to a point": lambda: robsim.GoToPoint(300, 900),
+    "along a path": lambda: robsim.FollowPath([(400, 400), (800, 400), (800, 800)]),
+    "spin": robsim.Spin,
+    "drive around": robsim.DriveAround,
+    "replay": lambda: robsim.Replay(np.ones((2000, 2))),
+    "proportional": regulator(),
+    "with a rate": regulator(rate=0.3),
+    "state machine": TurnsThenStops,
+    "pure pursuit": pursuit,
+    "heading 0": holding(0.0),
+    "heading 0 needs no wrapping": holding(0.0, plain),
+    "heading 3": holding(3.0),
+    "bang-bang": bang_bang,
+    "generator": generator,
+    "partial": lambda: functools.partial(with_gain, 0.5),
+    "away from walls": away_from_walls,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", RIGHT)
+def test_right_controllers_are_well(name):
+    check_controller(RIGHT[name]).raise_for_problems()
+
+
+WRONG = {
+    "not wrapped": (regulator(plain), "heading not wrapped", "robsim.wrap_angle(wanted"),
+    "rate not wrapped": (regulator(rate=0.3, rate_wrap=plain), "heading not wrapped", "new - old"),
+    "heading not wrapped": (holding(2.0, plain), "heading not wrapped", "robsim.wrap_angle"),
+    "exchanged": (regulator(turn=-1), "turns away", "turns its back on"),
+    "y up": (regulator(up=-1), "y axis", "y points down"),
+    "x and y": (regulator(swap=True), "swapped arguments", "with y first"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_steering_is_told(name):
+    make, kind, words = WRONG[name]
+    (problem,) = check_controller(make).problems
+    assert problem.kind == kind
+    assert words in problem.sentence
+    assert problem.line.function == "control"
+    if point := re.search(r"\((\d+), (\d+)\)", problem.sentence):
+        assert math.dist([*map(int, point.groups())], (900, 300)) < 15
+
+
+@pytest.fixture
+def hurried(monkeypatch):
+    """Leave out what takes seconds."""
+    monkeypatch.setattr(controllers, "_LONG", 60)
+    monkeypatch.setattr(controllers, "_STARTS", {"robot starts in a corner": (200.0, 200.0, 3.1)})
+    monkeypatch.setattr(
+        controllers, "driven", lambda *a, **o: replace(driven(*a, **o), resolution=(400, 400))
+    )
+    monkeypatch.setattr(controllers, "steering_findings", lambda *_: ())
+
+
+def late(step):
+    return [(0.1, 0.1)][step.k // 50]
+
+
+def forgets_none(step):
+    return step.measurement.pose[:2] / 1000
+
+
+def forgets_return(step):
+    if step.measurement is not None:
+        return 0.1, 0.1
+    return None
+
+
+# The controller, the kind, words of the sentence, and the step.
+FAULTS = [
+    (lambda step: (0.1,), "output shape", "it returns (0.1,), not (u1, u2)", 0),
+    (lambda step: (math.nan, 1), "not finite", "(nan, 1) V", 0),
+    (lambda step: (255, 255), "input too large", "8-bit", 0),
+    (lambda step: (700.5, 650), "input too large", "millivolts", 0),
+    (lambda step: (90.5, 30), "input too large", "numpy.clip", 0),
+    (late, "exception", "IndexError", 50),
+    (forgets_none, "not seen yet", "before the robot is seen", 0),
+    (forgets_return, "not seen yet", "it returns None", 0),
+    (lambda: (1, 1), "wrong callback", "one argument, step", None),
+]
+
+
+@pytest.mark.parametrize(("control", "kind", "words", "k"), FAULTS)
+def test_faults_are_told_with_their_step(hurried, control, kind, words, k):
+    (problem,) = check_controller(lambda: control).problems
+    assert (problem.kind, problem.k) == (kind, k)
+    assert words in problem.sentence
+    assert problem.line is not None
+
+
+def test_independent_faults_are_told_at_once(hurried):
+    def control(step):
+        if step.k == 45:
+            return None
+        return step.measurement.pose[0], 255
+
+    kinds = [problem.kind for problem in check_controller(lambda: control).problems]
+    assert kinds == ["input too large", "not seen yet"]
+
+
+def test_state_that_two_share_is_told(hurried):
+    voltages = []
+
+    def control(step):
+        voltages.append(step.k)
+        return len(voltages) / 1e4, 0.1
+
+    (problem,) = check_controller(lambda: control).problems
+    assert problem.kind in ("remembers earlier run", "not reproducible")
+
+
+def test_what_is_no_illness_is_a_remark(hurried):
+    def control(step):
+        print(step.k)
+        return 0.1, 0.1
+
+    report = check_controller(lambda: control)
+    assert report.ok
+    assert ["open loop" in remark for remark in report.remarks] == [True, False]
+    assert "it prints, first '0'" in report.remarks[1]
+
+
+def test_an_estimate_that_is_not_there(hurried):
+    def control(step):
+        return step.estimate.pose[:2] / 1e4
+
+    check_controller(lambda: control).raise_for_problems()
+    (problem,) = check_controller(lambda: control, has_estimate=False).problems
+    assert "there is no state estimator" in problem.sentence
+
+
+def test_a_controller_in_place_of_its_maker():
+    (problem,) = check_controller(robsim.GoToPoint(1, 2)).problems
+    assert "it is a controller already" in problem.sentence
+    with pytest.raises(TypeError, match="a fresh controller, such as its class"):
+        check_controller(5)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_lines_meet_in_the_goal(way):
+    places, goal = np.array(steering._PLACES), np.array((700.0, 510.0))
+    directions = np.arctan2(*(way * (goal - places)).T[::-1])
+    found, sign = steering._meeting_point(places, directions)
+    np.testing.assert_allclose(found, goal)
+    assert sign == way
+    assert steering._meeting_point(places, np.full(len(places), 0.3)) is None

@@ -1,0 +1,290 @@
+"""What the doctor says of measurements, models and backgrounds."""
+
+import math
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.doctor import (
+    check_background,
+    check_measurement,
+    check_model,
+    check_motion,
+)
+from robsim.doctor._callbacks.pose_mistakes import mistakes
+
+
+def located(step):
+    return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
+
+
+def pose_of(red, blue, markers):
+    right = np.subtract(red, blue) / np.linalg.norm(np.subtract(red, blue))
+    forward = np.array((right[1], -right[0]))
+    x, y = np.add(red, blue) / 2 + markers.offset * forward
+    return robsim.Measurement((x, y, math.atan2(forward[1], forward[0])))
+
+
+def pairs(step, to_world):
+    for red in step.blobs["red"]:
+        for blue in step.blobs["blue"]:
+            one, other = to_world(red.centroid), to_world(blue.centroid)
+            off = np.linalg.norm(np.subtract(one, other)) / step.markers.distance - 1
+            if abs(off) < 0.12:
+                return pose_of(one, other, step.markers)
+    return None
+
+
+def by_blobs(step):
+    return pairs(step, step.frame.plane_map.to_world)
+
+
+def as_list(step):
+    seen = located(step)
+    return None if seen is None else list(seen.pose)
+
+
+def weighted(step):
+    """Centroids weighted with the saturation, of the window around the blobs."""
+    image, centroids = step.frame.image, []
+    seen = by_blobs(step)
+    if seen is None:
+        return None
+    u, v = step.frame.plane_map.to_pixel(seen.pose[:2])
+    left, top = max(int(u) - 60, 0), max(int(v) - 60, 0)
+    part = image[top : top + 120, left : left + 120].astype(float)
+    for channel in 0, 2:
+        weight = np.clip(
+            part[:, :, channel] - np.delete(part, channel, 2).max(axis=2) - 60, 0, None
+        )
+        if not weight.any():
+            return None
+        rows, columns = np.indices(weight.shape)
+        centre = np.sum(columns * weight), np.sum(rows * weight)
+        centroids.append(np.add(np.divide(centre, weight.sum()), (left, top)))
+    return pose_of(*map(step.frame.plane_map.to_world, centroids), step.markers)
+
+
+class Tracker:
+    """Looks near the last pose first, and everywhere if it is not there."""
+
+    def __init__(self):
+        self.last = None
+
+    def __call__(self, step):
+        near = {
+            name: [b for b in found if self.last is None or math.dist(b.centroid, self.last) < 90]
+            for name, found in step.blobs.items()
+        }
+        seen = robsim.locate(near, step.markers, step.frame.plane_map) or located(step)
+        self.last = None if seen is None else step.frame.plane_map.to_pixel(seen.pose[:2])
+        return seen
+
+
+def by_opencv():
+    cv2 = pytest.importorskip("cv2")
+
+    def centroids(mask):
+        count, _, stats, found = cv2.connectedComponentsWithStats(cv2.medianBlur(mask, 5))
+        return [found[i] for i in range(1, count) if stats[i, 4] > 40]
+
+    def measure(step):
+        hsv = cv2.cvtColor(step.frame.image, cv2.COLOR_RGB2HSV)
+        red = cv2.inRange(hsv, (0, 120, 60), (10, 255, 255))
+        red |= cv2.inRange(hsv, (170, 120, 60), (180, 255, 255))
+        for one in centroids(red):
+            for other in centroids(cv2.inRange(hsv, (100, 120, 50), (130, 255, 255))):
+                a, b = map(step.frame.plane_map.to_world, (one, other))
+                if abs(np.linalg.norm(a - b) - step.markers.distance) < 6:
+                    return pose_of(a, b, step.markers)
+        return None
+
+    return measure
+
+
+RIGHT = {
+    "robsim's own": lambda: located,
+    "as a list": lambda: as_list,
+    "blobs": lambda: by_blobs,
+    "weighted": lambda: weighted,
+    "near the last pose": Tracker,
+    "OpenCV": by_opencv,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", RIGHT)
+def test_right_measurements_are_well(name):
+    report = check_measurement(RIGHT[name]).raise_for_problems()
+    errors = report.to_dict()["errors"]
+    assert errors["turned"]["seen"] == errors["turned"]["frames"]
+    assert errors["turned"]["distance"] < 1.0
+
+
+def changed(change, unseen=None):
+    def measure(step):
+        seen = located(step)
+        return unseen if seen is None else robsim.Measurement(change(*seen.pose))
+
+    return lambda: measure
+
+
+def keeps_last():
+    last = None
+
+    def measure(step):
+        nonlocal last
+        last = located(step) or last
+        return last
+
+    return measure
+
+
+def largest(step):
+    return pose_of(step.blobs["red"][0].centroid, step.blobs["blue"][0].centroid, step.markers)
+
+
+def in_pixels(step):
+    scale = step.frame.image.shape[1] / 1200
+    near = pairs(step, lambda centroid: np.divide(centroid, scale))
+    return near and (near.pose[0] * scale, near.pose[1] * scale, near.pose[2])
+
+
+# The measurement and the kinds of its problems.
+WRONG = [
+    (changed(lambda x, y, h: (x, y, math.degrees(h))), ["heading in degrees"]),
+    (changed(lambda x, y, h: (x, 1199 - y, -h)), ["y axis", "heading anticlockwise"]),
+    (changed(lambda x, y, h: (x, y, math.atan(math.tan(h)))), ["heading reversed at times"]),
+    (changed(lambda x, y, h: (x + 50, y, h)), ["false poses"]),
+    (keeps_last, ["last pose"]),
+    (lambda: largest, ["fails unseen", "red square", "pixels of the frame"]),
+    (lambda: in_pixels, ["pixels of the frame"]),
+    (lambda: lambda step: None, ["not seen"]),
+    (changed(lambda x, y, h: (x, y, h), (math.nan,) * 3), ["fails unseen"]),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("make", "kinds"), WRONG)
+def test_wrong_measurements_are_told(make, kinds):
+    assert [problem.kind for problem in check_measurement(make).problems] == kinds
+
+
+def writes(step):
+    step.frame.image[:10] = 0
+
+
+# They fail in the first frame.
+@pytest.mark.parametrize(
+    ("measure", "words"),
+    [
+        (lambda step: (1, 2), "it returns (1, 2), not a pose"),
+        (lambda step: step.frame.image.mean(), "not a pose"),
+        (lambda step: step.blob, "a Step has blobs, detection"),
+        (writes, "read-only"),
+    ],
+)
+def test_faults_of_the_first_frame(measure, words):
+    (problem,) = check_measurement(lambda: measure).problems
+    assert words in problem.sentence
+    assert problem.k == 0
+
+
+FORMULAS = {
+    "heading reversed": lambda x, y, h: (x, y, h + math.pi),
+    "heading turned": lambda x, y, h: (x, y, h - math.pi / 2),
+    "heading anticlockwise": lambda x, y, h: (x, y, -h),
+    "swapped arguments": lambda x, y, h: (x, y, math.pi / 2 - h),
+    "heading constant": lambda x, y, h: (x, y, 0.3),
+    "x and y exchanged": lambda x, y, h: (y, x, h),
+    "x axis": lambda x, y, h: (1199 - x, y, h),
+    "position of midpoint": lambda x, y, h: (x - 14 * math.cos(h), y - 14 * math.sin(h), h),
+    "offset reversed": lambda x, y, h: (x - 28 * math.cos(h), y - 28 * math.sin(h), h),
+}
+
+
+@pytest.mark.parametrize("kind", FORMULAS)
+def test_mistakes_are_recognised_by_the_poses(kind):
+    random = np.random.default_rng(1)
+    true = np.column_stack((random.uniform(100, 1100, (80, 2)), random.uniform(-3.1, 3.1, 80)))
+    wrong = np.array([FORMULAS[kind](*pose) for pose in true])
+    wrong[:, 2] = robsim.wrap_angle(wrong[:, 2])
+    markers = robsim.load_robot("lab").marker_layout()
+    measured = wrong + random.normal(0, (0.5, 0.5, 0.02), (80, 3))
+    assert [found for found, _ in mistakes(measured, true, markers, (1200, 1200))] == [kind]
+    assert list(mistakes(true, true, markers, (1200, 1200))) == []
+
+
+def kinds_of(report):
+    return [problem.kind for problem in report.problems]
+
+
+MODELS = [
+    (lambda: robsim.RobotModel(robsim.RobotParameters()), []),
+    (lambda: robsim.RobotParameters(), ["output type"]),
+    (lambda: None, ["output type"]),
+    (
+        lambda: robsim.RobotModel(robsim.RobotParameters(motor_gain=(-0.05, -0.05))),
+        ["drives backwards", "left and right exchanged"],
+    ),
+    (
+        lambda: robsim.RobotModel(
+            robsim.RobotParameters(mass=np.random.default_rng().uniform(0.2, 0.4))
+        ),
+        ["not reproducible"],
+    ),
+]
+
+
+@pytest.mark.parametrize(("define_model", "kinds"), MODELS)
+def test_models(define_model, kinds):
+    assert kinds_of(check_model(lambda: define_model)) == kinds
+
+
+def test_a_model_of_implausible_units_is_worth_a_remark():
+    model = robsim.RobotModel(robsim.RobotParameters(mass=300.0))
+    (remark,) = check_model(lambda: lambda: model).remarks
+    assert "px/s" in remark
+
+
+def unicycle(sign_y=1, sign_turn=1):
+    def move(world):
+        x, y, heading = world.pose_1
+        left, right = world.last_u
+        way = 10 * (left + right) * world.dt
+        turn = 0.2 * sign_turn * (left - right)
+        return x + way * math.cos(heading), y + sign_y * way * math.sin(heading), heading + turn
+
+    return move
+
+
+MOTIONS = [
+    (lambda world: world.model.predict(world.pose_1, world.pose_2, world.last_u), []),
+    (robsim.Unicycle(), []),
+    (unicycle(), []),
+    (unicycle(sign_y=-1), ["drives another way"]),
+    (unicycle(sign_turn=-1), ["left and right exchanged"]),
+    (lambda world: world.pose_1[:2], ["output shape"]),
+    (lambda world: world.pose_1 * math.inf, ["not finite"]),
+    (lambda world: world.pose1, ["exception"]),
+    (lambda world, u: world.pose_1, ["wrong callback"]),
+]
+
+
+@pytest.mark.parametrize(("evaluate_model", "kinds"), MOTIONS)
+def test_motions(evaluate_model, kinds):
+    assert kinds_of(check_motion(lambda: evaluate_model)) == kinds
+
+
+BACKGROUNDS = [
+    (lambda background: background, []),
+    (lambda background: None, ["output type"]),
+    (lambda background: background / 255, ["output type"]),
+    (lambda background: background[::2], ["output shape"]),
+]
+
+
+@pytest.mark.parametrize(("adjust_background", "kinds"), BACKGROUNDS)
+def test_backgrounds(adjust_background, kinds):
+    assert kinds_of(check_background(lambda: adjust_background)) == kinds
