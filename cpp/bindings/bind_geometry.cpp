@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "robsim/geometry/pose.hpp"
@@ -11,14 +9,8 @@ namespace {
 
 // A number for a number, an array for an array.
 py::object wrapped(const ArrayLike& angle) {
-  if (PyFloat_Check(angle.ptr())) return py::float_(robsim::wrap_angle(angle.cast<double>()));
-  const std::string expected = "a number or an array of numbers (rad)";
-  const Doubles angles = numbers_from(angle, "angle", std::nullopt, expected);
-  py::array_t<double> result(Shape(angles.shape(), angles.shape() + angles.ndim()));
-  std::transform(angles.data(), angles.data() + angles.size(), result.mutable_data(),
-                 &robsim::wrap_angle);
-  if (result.ndim() == 0) return py::float_(*result.data());
-  return std::move(result);
+  return for_each_number(angle, "angle", "a number or an array of numbers (rad)",
+                         &robsim::wrap_angle);
 }
 
 }  // namespace

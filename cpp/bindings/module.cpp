@@ -4,6 +4,7 @@
 namespace py = pybind11;
 
 void bind_simd(py::module_& module);
+void bind_elementary(py::module_& module);
 void bind_geometry(py::module_& module);
 void bind_imaging(py::module_& module);
 void bind_model(py::module_& module);
@@ -22,6 +23,7 @@ void bind_loop(py::module_& module);
 PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters::not_supported()) {
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
   bind_simd(module);
+  bind_elementary(module);
   bind_geometry(module);
   bind_imaging(module);
   bind_model(module);

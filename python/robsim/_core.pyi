@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'check_mean_interval', 'classify', 'color_histograms', 'cpu_path', 'cpu_paths', 'detect', 'find_blobs', 'force_cpu_path', 'least_squares', 'locate', 'model_steps', 'path_sensitivities', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'trace_schema', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'least_squares', 'locate', 'log', 'model_steps', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'trace_schema', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -1728,6 +1728,10 @@ class Loop:
         """
         str: the stage that runs, or comes next.
         """
+def atan2(y: float, x: float) -> float:
+    """
+    Return the angle of the point (x, y) from the x axis (rad), in [-pi, pi].
+    """
 def check_mean_interval(time: float, n_steps: int, dt: float) -> None:
     """
     Raise ValueError if so many steps in a time (s), 10 or more, are not dt long on average.
@@ -1776,6 +1780,10 @@ def color_histograms(image: Frame | numpy.typing.NDArray[numpy.uint8], region: c
     TypeError, ValueError
         For an image or a region of the wrong type or shape, or a region outside the image.
     """
+def cos(x: numpy.typing.ArrayLike) -> typing.Any:
+    """
+    Return the cosine of an angle (rad), or of each in an array.
+    """
 def cpu_path() -> str:
     """
     Return which instructions the hot loops use: "baseline" or "avx2".
@@ -1811,6 +1819,10 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     >>> blobs = robsim.find_blobs(frame, robsim.load_colors())
     >>> detection = robsim.vision.detect(blobs, robsim.load_robot("lab").marker_layout())
     >>> detection.reason, detection.explanation
+    """
+def exp(x: numpy.typing.ArrayLike) -> typing.Any:
+    """
+    Return e to the power of a number, or of each in an array.
     """
 def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, minimum_area: int | None = None, maximum_count: int | None = None, smoothing: int | None = None, region: collections.abc.Sequence[int] | None = None) -> dict[str, list[Blob]]:
     """
@@ -1862,6 +1874,10 @@ def force_cpu_path(path: str) -> None:
     ValueError
         If it is not available on this processor.
     """
+def hypot(x: float, y: float) -> float:
+    """
+    Return the length of the vector (x, y).
+    """
 def least_squares(phi: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike) -> LeastSquaresFit:
     """
     Return the theta that minimises the sum of squares of y - phi theta.
@@ -1904,6 +1920,10 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     Measurement or None
         None = not detected: no pair fits, or two fit equally well. `robsim.vision.detect` says why.
     """
+def log(x: numpy.typing.ArrayLike) -> typing.Any:
+    """
+    Return the natural logarithm of a number, or of each in an array.
+    """
 def model_steps(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], dt: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """
     Return the number of steps of a model with this dt (s) in each time (s); see RobotModel.steps_in.
@@ -1925,6 +1945,14 @@ def path_sensitivities(theta: numpy.typing.ArrayLike, path: numpy.typing.ArrayLi
     -------
     array (n, 3, 21)
         Derivatives by the first two values of x, of y and of the heading, and by the 15 parameters.
+    """
+def random_normal(seed: int, counter: int) -> float:
+    """
+    Return the standard normal number at a place of the stream of a seed.
+    """
+def random_uniform(seed: int, counter: int) -> float:
+    """
+    Return the number in [0, 1) at a place of the stream of a seed.
     """
 def regression(poses: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
     """
@@ -1978,6 +2006,10 @@ def simulated_path(theta: numpy.typing.ArrayLike, first: numpy.typing.ArrayLike,
     -------
     array (n, 3)
         The poses; headings are not wrapped.
+    """
+def sin(x: numpy.typing.ArrayLike) -> typing.Any:
+    """
+    Return the sine of an angle (rad), or of each in an array.
     """
 def trace_schema() -> list[TraceGroup]:
     """

@@ -13,17 +13,18 @@ ROOT = Path(__file__).parents[2]
 # Each room and the rooms that it may include; none includes one that includes it.
 CPP = {
     "simd": set(),
+    "elementary": set(),
     "geometry": set(),
-    "random": set(),
+    "random": {"elementary"},
     "estimation": {"simd"},
     "imaging": {"geometry"},
-    "model": {"geometry"},
-    "world/noise": {"simd", "random", "imaging"},
-    "world/sprite": {"simd", "geometry", "imaging"},
+    "model": {"elementary", "geometry"},
+    "world/noise": {"simd", "elementary", "random", "imaging"},
+    "world/sprite": {"simd", "elementary", "geometry", "imaging"},
     "world": {"geometry", "imaging", "world/sprite"},
     "vision/color": {"imaging"},
     "vision/pixels": {"simd", "imaging", "vision/color"},
-    "vision": {"geometry", "imaging", "vision/color", "vision/pixels"},
+    "vision": {"elementary", "geometry", "imaging", "vision/color", "vision/pixels"},
     "simulation/seam": {"imaging", "model", "vision"},
     "simulation/world": {"random", "model", "world", "world/noise", "simulation/seam"},
     "simulation/robot": {

@@ -97,6 +97,16 @@ Doubles doubles_from(py::handle value, const std::string& name, const std::optio
   return array;
 }
 
+py::object for_each_number(py::handle value, const std::string& name, const std::string& expected,
+                           double (*function)(double)) {
+  if (PyFloat_Check(value.ptr())) return py::float_(function(value.cast<double>()));
+  const Doubles numbers = numbers_from(value, name, std::nullopt, expected);
+  Doubles result(Shape(numbers.shape(), numbers.shape() + numbers.ndim()));
+  std::transform(numbers.data(), numbers.data() + numbers.size(), result.mutable_data(), function);
+  if (result.ndim() == 0) return py::float_(*result.data());
+  return std::move(result);
+}
+
 Pose pose_from(py::handle value, const std::string& name) {
   if (const auto p = floats_from<3>(value)) return {(*p)[0], (*p)[1], wrap_angle((*p)[2])};
   const Doubles p = doubles_from(value, name, Shape{3}, "a pose (x, y, heading) in px, px and rad");

@@ -40,6 +40,10 @@ Doubles numbers_from(py::handle value, const std::string& name, const std::optio
 Doubles doubles_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
                      const std::string& expected);
 
+/// The function of a number for a number, an array of them for an array.
+py::object for_each_number(py::handle value, const std::string& name, const std::string& expected,
+                           double (*function)(double));
+
 Pose pose_from(py::handle value, const std::string& name);
 Point point_from(py::handle value, const std::string& name);
 Input input_from(py::handle value, const std::string& name);

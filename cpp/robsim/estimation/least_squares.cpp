@@ -131,7 +131,7 @@ LeastSquaresFit least_squares(const Eigen::Ref<const Rows>& phi,
   fit.theta = (inverse * reached.head(rank)).cwiseQuotient(scale);
   fit.standard_errors_unscaled = inverse.rowwise().norm().cwiseQuotient(scale);
   // |y - phi theta|: what of y is outside the range of phi, or beyond its rank
-  const double residual = std::hypot(reached.tail(n - rank).norm(), R(n, n));
+  const double residual = Eigen::Vector2d(reached.tail(n - rank).norm(), R(n, n)).stableNorm();
   const auto freedom = static_cast<double>(phi.rows() - rank);
   fit.residual_rms = residual / std::sqrt(static_cast<double>(phi.rows()));
   fit.standard_errors =

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "robsim/elementary/sine.hpp"
+
 namespace robsim {
 
 namespace {
@@ -76,8 +78,7 @@ void check_stable(const AxisMatrix& theta) {
 }  // namespace
 
 AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u) {
-  const double cos = std::cos(pose_1[2]);
-  const double sin = std::sin(pose_1[2]);
+  const auto [sin, cos] = elementary::sin_cos(pose_1[2]);
   AxisMatrix phi;
   phi << pose_1[0], pose_2[0], u.u1 * cos, u.u2 * cos, cos,  //
       pose_1[1], pose_2[1], u.u1 * sin, u.u2 * sin, sin,     //
@@ -94,7 +95,14 @@ AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u) {
 
 UnwrappedPose predict(const AxisMatrix& theta, const AxisMatrix& phi) {
   // x(k) = a1X x(k-1) + a2X x(k-2) + (b1X u1(k-1) + b2X u2(k-1) + d1X) cos heading(k-1), and so on
-  return phi.cwiseProduct(theta).rowwise().sum();
+  // In an order that is written down: Eigen's depends on its version and on the processor's
+  // vectors.
+  UnwrappedPose next;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto term = [&](int i) { return phi(axis, i) * theta(axis, i); };
+    next[axis] = ((term(0) + term(2)) + (term(1) + term(3))) + term(4);
+  }
+  return next;
 }
 
 PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, const Input& u) {
@@ -104,8 +112,9 @@ PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, cons
   J.rightCols<3>().diagonal() = theta.col(1);
   // d x(k) / d heading(k-1) = -(b1X u1(k-1) + b2X u2(k-1) + d1X) sin heading(k-1), with cos for y
   const Eigen::Vector3d drive = theta.rightCols<3>() * Eigen::Vector3d(u.u1, u.u2, 1);
-  J(0, 2) = -drive[0] * std::sin(pose_1[2]);
-  J(1, 2) = drive[1] * std::cos(pose_1[2]);
+  const auto [sin, cos] = elementary::sin_cos(pose_1[2]);
+  J(0, 2) = -drive[0] * sin;
+  J(1, 2) = drive[1] * cos;
   return J;
 }
 

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "robsim/elementary/exponential.hpp"
+#include "robsim/elementary/sine.hpp"
+
 namespace robsim {
 
 namespace {
@@ -30,7 +33,7 @@ double random_normal(std::uint64_t seed, std::uint64_t counter) {
   // sqrt(-2 ln a) cos(2 pi b), a in (0, 1], b in [0, 1): Box and Muller 1958
   const double a = 1 - random_uniform(seed, 2 * counter);
   const double b = random_uniform(seed, 2 * counter + 1);
-  return std::sqrt(-2 * std::log(a)) * std::cos(two_pi * b);
+  return std::sqrt(-2 * elementary::log(a)) * elementary::cos(two_pi * b);
 }
 
 }  // namespace robsim

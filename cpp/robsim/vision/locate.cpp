@@ -5,6 +5,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robsim/elementary/exponential.hpp"
+#include "robsim/elementary/polar.hpp"
+#include "robsim/elementary/sine.hpp"
+
 namespace robsim {
 
 namespace {
@@ -46,18 +50,21 @@ bool has_blobs(const BlobsByColor& blobs, const char* color) {
 
 double distance_of(const Pair& pair) {
   const Point &red = pair.red.position, &blue = pair.blue.position;
-  return std::hypot(red.x - blue.x, red.y - blue.y);
+  return elementary::hypot(red.x - blue.x, red.y - blue.y);
 }
 
 // ((distance - expected)/tolerance)^2, 1 at the limit
 double distance_misfit(const Pair& pair, const MarkerLayout& markers) {
   const double expected = markers.distance();
-  return std::pow((distance_of(pair) - expected) / (markers.distance_tolerance * expected), 2);
+  const double deviation = (distance_of(pair) - expected) / (markers.distance_tolerance * expected);
+  return deviation * deviation;
 }
 
 // (log(area/expected) / log(tolerance))^2, 1 at the limit
 double area_misfit(double area, double expected, const MarkerLayout& markers) {
-  return std::pow(std::log(area / expected) / std::log(markers.area_tolerance), 2);
+  const double deviation =
+      elementary::log(area / expected) / elementary::log(markers.area_tolerance);
+  return deviation * deviation;
 }
 
 // Without a known area a marker is to be as large as the other one.
@@ -90,8 +97,8 @@ std::optional<double> accepted_misfit(const Pair& pair, const MarkerLayout& mark
 // alike, so that large blobs far apart are not passed over for specks that happen to be near.
 double unlikeness(const Pair& pair, const MarkerLayout& markers) {
   // log(area/expected) = 2 log(length/expected)
-  const double log_distance =
-      2 * std::log(distance_of(pair) / markers.distance()) / std::log(markers.area_tolerance);
+  const double log_distance = 2 * elementary::log(distance_of(pair) / markers.distance()) /
+                              elementary::log(markers.area_tolerance);
   return log_distance * log_distance + red_misfit(pair, markers) + blue_misfit(pair, markers);
 }
 
@@ -99,15 +106,14 @@ double unlikeness(const Pair& pair, const MarkerLayout& markers) {
 Pose pose_from(const Pair& pair, const MarkerLayout& markers) {
   const auto& [red, blue] = pair;
   const auto direction = [](const Point& from, const Point& to) {
-    return std::atan2(to.y - from.y, to.x - from.x);
+    return elementary::atan2(to.y - from.y, to.x - from.x);
   };
   const double heading =
       wrap_angle(direction(blue.position, red.position) - direction(markers.blue, markers.red));
   // centre = midpoint seen - R(heading) midpoint in the robot's frame
   const double x = (markers.red.x + markers.blue.x) / 2;
   const double y = (markers.red.y + markers.blue.y) / 2;
-  const double cos = std::cos(heading);
-  const double sin = std::sin(heading);
+  const auto [sin, cos] = elementary::sin_cos(heading);
   return {(red.position.x + blue.position.x) / 2 - (x * cos - y * sin),
           (red.position.y + blue.position.y) / 2 - (x * sin + y * cos), heading};
 }
@@ -216,7 +222,7 @@ MarkerLayout MarkerLayout::from_markers(const Polygon& red, const Polygon& blue)
   return markers;
 }
 
-double MarkerLayout::distance() const { return std::hypot(red.x - blue.x, red.y - blue.y); }
+double MarkerLayout::distance() const { return elementary::hypot(red.x - blue.x, red.y - blue.y); }
 
 double MarkerLayout::offset() const { return -(red.x + blue.x) / 2; }
 

@@ -19,10 +19,11 @@ Input Disturbance::disturbed(const Input& u, std::int64_t k) const {
 
 Pose Disturbance::disturbed(const Pose& pose, std::int64_t k) const {
   if (!is_on) return pose;
-  // pose + L n
-  const Eigen::Vector3d w =
-      pose_factor * Eigen::Vector3d(draw(seed, k, 0), draw(seed, k, 1), draw(seed, k, 2));
-  return {pose.x + w[0], pose.y + w[1], pose.heading + w[2]};
+  const std::array<double, 3> n = {draw(seed, k, 0), draw(seed, k, 1), draw(seed, k, 2)};
+  // w = L n, with L lower triangular
+  const auto& L = pose_factor;
+  return {pose.x + L(0, 0) * n[0], pose.y + (L(1, 0) * n[0] + L(1, 1) * n[1]),
+          pose.heading + ((L(2, 0) * n[0] + L(2, 1) * n[1]) + L(2, 2) * n[2])};
 }
 
 }  // namespace robsim

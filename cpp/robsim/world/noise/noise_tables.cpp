@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "robsim/elementary/exponential.hpp"
+
 namespace robsim {
 
 namespace {
@@ -15,12 +17,34 @@ constexpr int maximum_mask_bits = 5;
 constexpr int resolution = 256;  // of the weight of a column of the alias table
 constexpr int iterations = 200;  // of the fit
 
+// P(|n| > x) of a standard normal number n, x >= 0, with a relative error of less than 1e-13.
+// Series and continued fraction: Abramowitz and Stegun 1964, 26.2.11 and 26.2.14.
+double two_sided_tail(double x) {
+  constexpr double sqrt_2_pi = 2.5066282746310002;
+  const double density = elementary::exp(-x * x / 2) / sqrt_2_pi;
+  if (x < 2.5) {
+    // P(|n| < x) = 2 density (x + x^3/3 + x^5/(3 5) + ...)
+    double sum = 0;
+    double term = x;
+    for (int n = 3; sum + term != sum; n += 2) {
+      sum += term;
+      term *= x * x / n;
+    }
+    return 1 - 2 * density * sum;
+  }
+  // 2 density/(x + 1/(x + 2/(x + 3/(x + ...))))
+  constexpr int levels = 150;
+  double denominator = x;
+  for (int n = levels; n >= 1; --n) denominator = x + n / denominator;
+  return 2 * density / denominator;
+}
+
 // The target: P(|step| = k) for k = 0..255, the tail included in the last.
 std::vector<double> target_distribution(double deviation) {
   std::vector<double> probability(maximum_step + 1);
   double outside = 1;
   for (int k = 0; k <= maximum_step; ++k) {
-    const double next = k == maximum_step ? 0 : std::erfc((k + 0.5) / (deviation * std::sqrt(2.0)));
+    const double next = k == maximum_step ? 0 : two_sided_tail((k + 0.5) / deviation);
     probability[static_cast<std::size_t>(k)] = outside - next;
     outside = next;
   }
@@ -103,8 +127,10 @@ void fill_alias(std::array<int, nodes> count, GaussianTables& tables) {
 GaussianTables gaussian_tables(double deviation) {
   // Line segments of a third of a standard deviation approximate the bell curve well enough, and
   // segments twice as long its flanks.
-  const int bits = static_cast<int>(std::floor(std::log2(std::max(deviation / 3, 1.0))));
-  const int spacing = 1 << std::min(bits, maximum_mask_bits - 1);
+  int spacing = 1;  // the power of two next below a third of the deviation, within limits
+  for (int bits = 1; bits < maximum_mask_bits; ++bits) {
+    if (2 * spacing <= deviation / 3) spacing *= 2;
+  }
   GaussianTables tables{};
   int node = spacing / 2;
   for (int i = 0; i < nodes; ++i) {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "robsim/elementary/polar.hpp"
+#include "robsim/elementary/sine.hpp"
+
 namespace robsim {
 
 using sprite::Span;
@@ -55,7 +58,7 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
   }
   const double du = std::max(centre_.x, sprite_.width - 2 - centre_.x);
   const double dv = std::max(centre_.y, sprite_.height - 2 - centre_.y);
-  radius_ = unit_ * std::hypot(du, dv);
+  radius_ = unit_ * elementary::hypot(du, dv);
   if (!(radius_ < maximum_radius)) {
     throw std::invalid_argument("centre and unit must keep the robot's image within " +
                                 std::to_string(static_cast<int>(maximum_radius)) +
@@ -89,7 +92,8 @@ SpriteLine RobotImage::line(const Point& pixel, const Point& ahead, int v) const
 }
 
 Point RobotImage::direction(double heading) const {
-  return {std::cos(heading + alignment_), std::sin(heading + alignment_)};
+  const auto [sin, cos] = elementary::sin_cos(heading + alignment_);
+  return {cos, sin};
 }
 
 const std::vector<Strip>& RobotImage::drawn_heading(int i) const {
