@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from refusals import INF, NAN, NOT_FINITE, Refusal, options, refusals
 from robsim import ParameterMismatch, PoseNoise, RobotModel, RobotParameters, WheelNoise
+from robsim.simulation._world import disturbances
 
 MODEL = RobotModel()
 SIGMA = (0.5, 0.25, 0.01)
@@ -76,19 +77,10 @@ def test_one_number_is_for_both_motors():
 # --- other parameters
 
 
-class Numbers(np.random.Generator):
-    """A generator of given numbers."""
-
-    def __init__(self, *numbers):
-        super().__init__(np.random.PCG64())
-        self.numbers = iter(numbers)
-
-    def standard_normal(self):
-        return next(self.numbers)
-
-
-def test_it_is_as_if_gains_and_frictions_were_drawn():
-    world = ParameterMismatch(0.1).draw(MODEL, Numbers(1, -2, 3.1, 3, -0.5))
+def test_it_is_as_if_gains_and_frictions_were_drawn(monkeypatch):
+    numbers = iter([1, -2, 3.1, 3, -0.5])
+    monkeypatch.setattr(disturbances, "random_normal", lambda seed, counter: next(numbers))
+    world = ParameterMismatch(0.1).draw(MODEL, np.random.default_rng(1))
     gain, p = RobotParameters().motor_gain, RobotParameters()
     other = RobotParameters(
         motor_gain=(1.1 * gain[0], 0.8 * gain[1]),

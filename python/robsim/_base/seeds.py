@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,6 +89,22 @@ def stream(seed: np.random.SeedSequence, name: str) -> np.random.SeedSequence:
 def stream_number(seed: np.random.SeedSequence, name: str) -> int:
     """Return a named stream as the 64-bit number that seeds the C++ core."""
     return int(stream(seed, name).generate_state(1, np.uint64)[0])
+
+
+def random_bits(seed: int | np.random.SeedSequence) -> Iterator[int]:
+    """Yield numbers of 64 random bits.
+
+    Every version of numpy gives the same bits for a seed; what the methods of a Generator make of
+    them may change (NEP 19).
+    """
+    source = np.random.PCG64(seed)
+    while True:
+        yield source.random_raw()
+
+
+def as_uniform(bits: int) -> float:
+    """Return 64 random bits as a number in [0, 1)."""
+    return (bits >> 11) * 2.0**-53
 
 
 def seed_record(seed: np.random.SeedSequence) -> dict[str, Any]:

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, check_float, check_int
-from robsim._core import Step
+from robsim._base.seeds import as_uniform, random_bits
+from robsim._core import Step, cos, exp, log, sin
 
 # Register length -> the cells that are fed back: primitive polynomials, x^7 + x^6 + 1 and so on.
 _FEEDBACK_TAPS = {
@@ -97,7 +98,8 @@ class PseudoRandomBinary(_Excitation):
             "order", self.order, minimum=min(_FEEDBACK_TAPS), maximum=max(_FEEDBACK_TAPS)
         )
         bits = _maximum_length_sequence(order)
-        start = _random(self.seed).integers(len(bits))
+        # the upper half of 32 bits times the length: uniform on 0..length - 1
+        start = (_random_bits(self.seed) & 0xFFFFFFFF) * len(bits) >> 32
         object.__setattr__(self, "_bits", np.roll(bits, -start))
 
     @property
@@ -127,8 +129,8 @@ def _maximum_length_sequence(order: int) -> NDArray[np.bool_]:
     return np.array(bits)
 
 
-def _random(seed: int) -> np.random.Generator:
-    return np.random.default_rng(check_int("seed", seed, minimum=0, maximum=_MAXIMUM_SEED))
+def _random_bits(seed: int) -> int:
+    return next(random_bits(check_int("seed", seed, minimum=0, maximum=_MAXIMUM_SEED)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,7 +213,7 @@ class MultiSine(_Band):
         multiples = np.arange(1, lines + 1)
         waves = (_schroeder(multiples[0::2]), _schroeder(multiples[1::2]))
         object.__setattr__(self, "_waves", waves)
-        object.__setattr__(self, "_start", _random(self.seed).random())
+        object.__setattr__(self, "_start", as_uniform(_random_bits(self.seed)))
 
     @property
     def frequencies(self) -> tuple[Floats, Floats]:
@@ -239,7 +241,7 @@ class _Waves:
         """Return the value at a time, in periods of the minimum frequency."""
         # amplitude sum of cos(2 pi multiple t/period + phase)
         angles = 2 * np.pi * self.multiples * (periods % 1.0) + self.phases
-        return float(self.amplitude * np.cos(angles).sum())
+        return self.amplitude * math.fsum(cos(angles))
 
 
 def _schroeder(multiples: NDArray[np.int64]) -> _Waves:
@@ -250,9 +252,14 @@ def _schroeder(multiples: NDArray[np.int64]) -> _Waves:
     n_samples = _SAMPLES_PER_PERIOD * int(multiples[-1])
     spectrum = np.zeros(n_samples // 2 + 1, complex)
     spectrum[multiples] = np.exp(1j * phases) * n_samples / 2
+    samples = np.abs(np.fft.irfft(spectrum))
+    # The transform, whose last digits differ between machines, finds the largest; the sum gives it.
+    largest = np.flatnonzero(samples >= (1 - 1e-9) * samples.max())
+    turns = multiples * largest[:, np.newaxis] % n_samples / n_samples
+    peak = max(abs(math.fsum(cos(angles))) for angles in 2 * np.pi * turns + phases)
     # peak <= maximum sample/cos(pi/samples per period): a bound on the values between the samples
-    peak = np.abs(np.fft.irfft(spectrum)).max() / math.cos(math.pi / _SAMPLES_PER_PERIOD)
-    return _Waves(multiples=multiples.astype(float), phases=phases, amplitude=1.0 / float(peak))
+    bound = peak / cos(math.pi / _SAMPLES_PER_PERIOD)
+    return _Waves(multiples=multiples.astype(float), phases=phases, amplitude=1.0 / bound)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -317,15 +324,16 @@ class Chirp(_Band):
         self._check_sampling(step.dt)
         progress = step.t / self.duration % 1.0
         left, right = self._phase(progress), self._phase(1) - self._phase(1 - progress)
-        return self._voltage(math.sin(left)), self._voltage(math.sin(right))
+        return self._voltage(sin(left)), self._voltage(sin(right))
 
     def _frequency(self, progress: float) -> float:
         # f(t) = f_min (f_max/f_min)^(t/duration)
-        ratio = self.maximum_frequency / self.minimum_frequency
-        return float(self.minimum_frequency * ratio**progress)
+        return float(self.minimum_frequency * exp(progress * self._log_ratio()))
 
     def _phase(self, progress: float) -> float:
         # phase(t) = 2 pi integral of f from 0 to t = 2 pi duration (f(t) - f_min)/log(f_max/f_min)
         swept = self._frequency(progress) - self.minimum_frequency
-        log_ratio = math.log(self.maximum_frequency / self.minimum_frequency)
-        return 2 * math.pi * self.duration * swept / log_ratio
+        return 2 * math.pi * self.duration * swept / self._log_ratio()
+
+    def _log_ratio(self) -> float:
+        return float(log(self.maximum_frequency / self.minimum_frequency))

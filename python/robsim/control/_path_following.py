@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, check_float
-from robsim._core import Step, wrap_angle
-from robsim.control._waypoints import as_waypoints, nearest_on_segment
+from robsim._core import Step, atan2, cos, hypot, sin, wrap_angle
+from robsim.control._waypoints import as_waypoints, dot, nearest_on_segment
 
 
 class _Motion:
@@ -112,16 +112,16 @@ class _Drive:
         velocity, turn_rate = self._motion.velocity[:2], self._motion.velocity[2]
         # wanted velocity = distance_gain (goal - position), at most maximum_speed
         wanted = self.distance_gain * (goal - position)
-        wanted *= min(1.0, self.maximum_speed / max(math.hypot(*wanted), 1e-9))
+        wanted *= min(1.0, self.maximum_speed / max(hypot(*wanted), 1e-9))
         # force = speed_gain (wanted velocity - velocity): it also brakes a sideways slide
         force = self.speed_gain * (wanted - velocity)
-        if math.hypot(*force) < self.minimum_voltage:
+        if hypot(*force) < self.minimum_voltage:
             return 0.0, 0.0
         # the components of the force along the heading and to its right
-        ahead = force[0] * math.cos(heading) + force[1] * math.sin(heading)
-        right = force[1] * math.cos(heading) - force[0] * math.sin(heading)
+        ahead = force[0] * cos(heading) + force[1] * sin(heading)
+        right = force[1] * cos(heading) - force[0] * sin(heading)
         # error = angle from the robot's axis to the force, whichever end of the axis is nearer
-        error = math.atan2(math.copysign(1, ahead) * right, abs(ahead))
+        error = atan2(math.copysign(1, ahead) * right, abs(ahead))
         # turn = heading_gain error - turn_gain turn rate; the remaining voltage drives
         limit = self.maximum_voltage
         turn = _limited(self.heading_gain * error - self.turn_gain * turn_rate, limit)
@@ -273,9 +273,9 @@ class FollowPath(_Drive):
         """Return the position to drive to now: `lookahead` ahead along the path."""
         path = self._remaining_path(position)
         goal, remaining = nearest_on_segment(position, path[0], path[1]), self.lookahead
-        is_on_line = math.dist(position, goal) <= self.waypoint_radius
+        is_on_line = hypot(*(position - goal)) <= self.waypoint_radius
         for i, waypoint in enumerate(path[1:]):
-            length = math.dist(goal, waypoint)
+            length = hypot(*(waypoint - goal))
             if length > remaining:
                 return np.asarray(goal + remaining / length * (waypoint - goal))
             goal, remaining = waypoint, remaining - length
@@ -291,7 +291,7 @@ class FollowPath(_Drive):
             progress.next_waypoint, progress.last = 0, position
         while (
             progress.next_waypoint < len(points) - 1
-            and math.dist(position, points[progress.next_waypoint]) <= self.waypoint_radius
+            and hypot(*(position - points[progress.next_waypoint])) <= self.waypoint_radius
         ):
             progress.last = points[progress.next_waypoint]
             progress.next_waypoint += 1
@@ -304,5 +304,5 @@ def _is_smooth_turn(line: Floats, leg: Floats) -> bool:
         return False
     following = leg[1] - leg[0]
     # a . b = |a| |b| cos(angle)
-    limit = math.cos(math.pi / 4) * math.hypot(*line) * math.hypot(*following)
-    return bool(line @ following > limit)
+    limit = math.sqrt(0.5) * hypot(*line) * hypot(*following)
+    return bool(dot(line, following) > limit)

@@ -10,12 +10,17 @@ from robsim._base.checks import Floats
 MAXIMUM_COORDINATE = 1e6  # px
 
 
+def dot(a: Floats, b: Floats) -> float:
+    """Return a . b for vectors (2,): numpy's product differs in the last bit between processors."""
+    return float(a[0] * b[0] + a[1] * b[1])
+
+
 def nearest_on_segment(position: Floats, start: Floats, end: Floats) -> Floats:
     """Return the point (2,) of the segment start -> end that is nearest to a position (2,)."""
     along = end - start
-    length = float(np.hypot(*along))
+    square = dot(along, along)
     # fraction = (position - start) . (end - start) / |end - start|^2, within 0..1
-    fraction = float((position - start) @ along) / length**2 if length else 0.0
+    fraction = dot(position - start, along) / square if square else 0.0
     return np.asarray(start + min(max(fraction, 0.0), 1.0) * along)
 
 

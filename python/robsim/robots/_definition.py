@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, check_float, check_int, check_name
 from robsim._base.values import digest, frozen
-from robsim._core import MarkerLayout
+from robsim._core import MarkerLayout, cos, sin
 from robsim.imaging._images import Pixels, check_pixels
 from robsim.robots._geometry_check import geometry_problems
 from robsim.robots._polygon_checks import finite_array, polygon
@@ -144,14 +144,15 @@ class RobotDefinition:
         assert self.centre is not None
         positions = finite_array("points", points, (-1, 2))
         right, down = ((positions - self.centre) * self.unit).T
-        cos, sin = np.cos(np.deg2rad(self.alignment)), np.sin(np.deg2rad(self.alignment))
+        alignment = np.deg2rad(self.alignment)
+        along, across = cos(alignment), sin(alignment)
         # (forward, right) = R(alignment) (right, down), R clockwise as y points down
-        return np.column_stack((cos * right - sin * down, sin * right + cos * down))
+        return np.column_stack((along * right - across * down, across * right + along * down))
 
     @cached_property
     def radius(self) -> float:
         """Maximum distance of the outline from the centre (work-area px)."""
-        return float(np.linalg.norm(self.to_robot_frame(self.outline), axis=1).max())
+        return float(np.sqrt(np.square(self.to_robot_frame(self.outline)).sum(axis=1)).max())
 
     def marker_layout(self) -> MarkerLayout:
         """Return the geometry of the markers, by which `locate` finds this robot."""

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from robsim import _core
 from robsim._base.checks import is_int
 from robsim._base.public import told_by_name
-from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
+from robsim._base.seeds import Seed, as_uniform, random_bits, seed_sequence, stream, stream_number
 from robsim._core import Frame, RobotModel, RobotParameters
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import Noise, as_native_noise
@@ -251,10 +251,12 @@ class Simulation(WorldSlots, Runner):
         if not isinstance(start, str):
             return start
         margin = min(self.robot.radius, width / 2, height / 2)
-        random = np.random.default_rng(stream(self._seed, "start"))
-        x = random.uniform(margin, width - 1 - margin)
-        y = random.uniform(margin, height - 1 - margin)
-        return (x, y, random.uniform(-np.pi, np.pi))
+        lows, highs = (margin, margin, -np.pi), (width - 1 - margin, height - 1 - margin, np.pi)
+        bits = random_bits(stream(self._seed, "start"))
+        return [
+            low + (high - low) * as_uniform(next(bits))
+            for low, high in zip(lows, highs, strict=True)
+        ]
 
     def _default(self, slot: str) -> Any:
         if slot == "control":

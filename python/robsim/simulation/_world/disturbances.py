@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count, islice
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, as_float_array, check_float
-from robsim._core import RobotModel
+from robsim._core import RobotModel, cos, random_normal, sin
 
 _Row = tuple[float, float, float]
 
@@ -91,7 +92,7 @@ class PoseNoise:
         Q, L = self.Q, np.zeros((3, 3))
         for j in range(3):
             # L(j, j)^2 = Q(j, j) - sum_m L(j, m)^2;  a column of zeros where nothing is left
-            rest = Q[j:, j] - L[j:, :j] @ L[j, :j]
+            rest = Q[j:, j] - (L[j:, :j] * L[j, :j]).sum(axis=1)
             if rest[0] > 1e-12 * Q[j, j]:
                 L[j:, j] = rest / np.sqrt(rest[0])
         return L
@@ -170,7 +171,7 @@ class WheelNoise:
         angle = check_float("heading", heading, "rad")
         # The noise w enters x as (b1X w1 + b2X w2) cos heading, y with sin, the heading as it is:
         # Q = G diag(sigma1^2, sigma2^2) G'
-        G = b * np.array([[np.cos(angle)], [np.sin(angle)], [1.0]])
+        G = b * np.array([[cos(angle)], [sin(angle)], [1.0]])
         scaled = G * np.asarray(self.sigma)
         # Row by row, so that Q is symmetric to the last bit.
         return np.array([[(row * other).sum() for other in scaled] for row in scaled])
@@ -223,7 +224,7 @@ class ParameterMismatch:
         model : RobotModel
             What the robot's software believes; its a1 must be above 1.
         rng : numpy.random.Generator
-            Where the numbers are drawn from.
+            The seed of the numbers is drawn from it.
 
         Returns
         -------
@@ -242,7 +243,8 @@ class ParameterMismatch:
             raise TypeError(f"rng must be a numpy.random.Generator, got {rng!r}")
         if not (theta[:, _A1] > 1).all():
             raise ValueError(f"model must have each a1 between 1 and 2, got {theta[:, _A1]}")
-        left, right, linear, angular = (1 + self.sigma * _within_3(rng) for _ in range(4))
+        numbers = islice(_within_3(rng.bit_generator.random_raw()), 4)
+        left, right, linear, angular = (1 + self.sigma * number for number in numbers)
         # a1 - 1 = 1/(1 + rho)
         rho = 1 / (theta[:, _A1] - 1) - 1
         changed = rho * (linear, linear, angular)
@@ -255,11 +257,11 @@ class ParameterMismatch:
         return RobotModel.from_theta(theta, dt=model.dt)
 
 
-def _within_3(rng: np.random.Generator) -> float:
-    """Return a standard normal number, drawn again until it lies within +-3."""
-    while abs(number := rng.standard_normal()) > 3:
-        pass
-    return number
+def _within_3(seed: int) -> Iterator[float]:
+    """Yield standard normal numbers within +-3: the core's, since numpy may change its own."""
+    for i in count():
+        if abs(number := random_normal(seed, i)) <= 3:
+            yield number
 
 
 def _theta_of(model: RobotModel) -> Floats:
