@@ -419,4 +419,5 @@ def _documentation(text: str) -> str:
     return text.replace("    SLOTS\n", others).replace("    CALLBACKS\n", calls + "\n")
 
 
-Simulation.__doc__ = _documentation(Simulation.__doc__ or "")
+if Simulation.__doc__:  # not under python -OO
+    Simulation.__doc__ = _documentation(Simulation.__doc__)
