@@ -43,7 +43,7 @@ PYTHON = {
     "subjects": {"vision", "control", "identification", "evaluation", "reference"},
     "robots": {"robots"},
     "loop": {"simulation"},
-    "views": {"plotting", "doctor", "bench"},
+    "views": {"plotting", "doctor", "bench", "digests"},
     "face": {"__init__"},
     "command line": {"cli"},
     "program": {"__main__"},
