@@ -28,6 +28,7 @@ std::vector<double> step_distribution(const GaussianTables& tables) {
   std::vector<double> probability(1024, 0.0);
   const std::vector<double> weights = node_weights(tables);
   for (std::size_t i = 0; i < 16; ++i) {
+    if (tables.mask[i] == GaussianTables::tail_mark) continue;
     const int count = tables.mask[i] + 1;
     for (int u1 = 0; u1 < count; ++u1) {
       for (int u2 = 0; u2 < count; ++u2) {
@@ -35,6 +36,13 @@ std::vector<double> step_distribution(const GaussianTables& tables) {
         probability[static_cast<std::size_t>(step + 512)] += weights[i] / (count * count);
       }
     }
+  }
+  double beyond = 1;  // P(|step| > k - 1) in the tail
+  for (int k = tables.tail_first; k <= 255; ++k) {
+    const double next = tables.beyond[static_cast<std::size_t>(k)] / std::pow(2.0, 32);
+    probability[static_cast<std::size_t>(512 + k)] += weights[15] * (beyond - next) / 2;
+    probability[static_cast<std::size_t>(512 - k)] += weights[15] * (beyond - next) / 2;
+    beyond = next;
   }
   return probability;
 }
@@ -51,8 +59,10 @@ TEST_P(GaussianTablesOf, EveryColumnIsFullyDistributed) {
   const GaussianTables tables = gaussian_tables(GetParam());
   for (std::size_t i = 0; i < 16; ++i) {
     EXPECT_LT(tables.alias[i], 16) << i;
+    if (i == 15) continue;
     EXPECT_EQ(tables.mask[i] & (tables.mask[i] + 1), 0) << "mask " << i << " must be 2^k - 1";
   }
+  EXPECT_EQ(tables.mask[15], GaussianTables::tail_mark);
 }
 
 TEST_P(GaussianTablesOf, TheStandardDeviationIsWhatWasAskedFor) {
@@ -73,6 +83,17 @@ TEST_P(GaussianTablesOf, TheCumulativeDistributionIsThatOfAGaussian) {
     within += probability[static_cast<std::size_t>(512 + k)];
     if (k > 0) within += probability[static_cast<std::size_t>(512 - k)];
     EXPECT_NEAR(within, std::erf((k + 0.5) / (GetParam() * std::sqrt(2.0))), 0.004) << k;
+  }
+}
+
+TEST_P(GaussianTablesOf, TheTailIsTrueToSixStandardDeviations) {
+  const std::vector<double> probability = step_distribution(gaussian_tables(GetParam()));
+  double outside = 0;  // P(|step| > k)
+  for (int k = 254; k >= 4 * GetParam(); --k) {
+    outside += probability[static_cast<std::size_t>(513 + k)];
+    outside += probability[static_cast<std::size_t>(511 - k)];
+    const double expected = std::erfc((k + 0.5) / (GetParam() * std::sqrt(2.0)));
+    if (k <= 6 * GetParam()) EXPECT_NEAR(outside / expected, 1, 0.01) << k;
   }
 }
 

@@ -65,6 +65,32 @@ def test_gaussian_tails(percent):
     assert beyond == pytest.approx(theory, rel=0.1)
 
 
+def beyond(limit, sigma):
+    """Probability of Gaussian noise above `limit` standard deviations, both sides."""
+    steps = range(math.floor(limit * sigma) + 1, 128)
+    return 2 * sum(gaussian_share(k, sigma) for k in steps)
+
+
+@pytest.mark.parametrize("percent", [2.35, 4, 5, 7])
+def test_what_lies_beyond_four_standard_deviations(percent):
+    sigma = 2.55 * percent
+    noise = np.abs(added("gaussian", percent, seed=4, shape=(600, 600, 3)))
+    expected = noise.size * beyond(4, sigma)  # some 70
+    assert (noise > 4 * sigma).sum() == pytest.approx(expected, abs=5 * math.sqrt(expected))
+
+
+@pytest.mark.long
+def test_what_lies_beyond_five_standard_deviations():
+    found = expected = 0
+    for percent in (1, 2.35, 3.7, 5, 6.5, 8):
+        sigma = 2.55 * percent
+        noise = np.abs(added("gaussian", percent, seed=5, shape=(3000, 1200, 3)))
+        found += (noise > 5 * sigma).sum()
+        expected += noise.size * beyond(5, sigma)
+    assert expected > 20
+    assert found == pytest.approx(expected, abs=4 * math.sqrt(expected))
+
+
 def test_gaussian_tails_and_uniform_limits():
     sigma = 2.55 * 5
     beyond = (np.abs(added("gaussian", 5)) > 3 * sigma).mean()

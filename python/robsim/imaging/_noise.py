@@ -61,6 +61,9 @@ class _Noise:
 class GaussianNoise(_Noise):
     """Gaussian noise, independent for each pixel and channel, rounded and clipped to 0..255.
 
+    Its cumulative distribution is true to 0.001, its standard deviation to 0.5 %; how often it lies
+    beyond 4 to 6 standard deviations is true, too.
+
     Parameters
     ----------
     percent : float

@@ -41,11 +41,13 @@ Draw draw(std::uint64_t (&state)[4][NoiseStream::lanes]) {
   return result;
 }
 
-int gaussian_step(std::uint8_t a, std::uint8_t b, std::uint8_t c, const GaussianTables& tables) {
+int gaussian_step(std::uint8_t a, std::uint8_t b, std::uint8_t c, const GaussianTables& tables,
+                  const NoiseStream& stream, int byte) {
   // a and b: 5 bits each for the triangle, 4 of the others for the column, the last for the sign
   const std::size_t column = (a >> 5) | ((b >> 2) & 8);
   const bool is_own = static_cast<std::int8_t>(c) < tables.threshold[column];
   const std::size_t i = is_own ? column : tables.alias[column];
+  if (tables.mask[i] == GaussianTables::tail_mark) return tail_step(stream.rare_bits(byte), tables);
   const int step = tables.node[i] + (a & tables.mask[i]) - (b & tables.mask[i]);
   return (b & 128) != 0 ? -step : step;
 }
@@ -58,7 +60,7 @@ void add_gaussian_baseline(const std::uint8_t* clean, int bytes, const GaussianT
     const Draw c = draw(stream.state[2]);
     const int count = std::min(block, bytes - first);
     for (int i = 0; i < count; ++i) {
-      const int step = gaussian_step(a.bytes[i], b.bytes[i], c.bytes[i], tables);
+      const int step = gaussian_step(a.bytes[i], b.bytes[i], c.bytes[i], tables, stream, first + i);
       noisy[first + i] = static_cast<std::uint8_t>(std::clamp(clean[first + i] + step, 0, 255));
     }
   }
@@ -128,8 +130,13 @@ struct RegisterTables {
   __m256i mask;
 };
 
-ROBSIM_AVX2_INLINE __m256i with_gaussian(__m256i value, __m256i a, __m256i b, __m256i c,
-                                         const RegisterTables& tables) {
+struct WithGaussian {
+  __m256i sum;
+  std::uint32_t tails;  // bit i: byte i is to be drawn from the tail
+};
+
+ROBSIM_AVX2_INLINE WithGaussian with_gaussian(__m256i value, __m256i a, __m256i b, __m256i c,
+                                              const RegisterTables& tables) {
   const __m256i low = _mm256_and_si256(_mm256_srli_epi16(a, 5), _mm256_set1_epi8(7));
   const __m256i high = _mm256_and_si256(_mm256_srli_epi16(b, 2), _mm256_set1_epi8(8));
   const __m256i column = _mm256_or_si256(low, high);
@@ -146,7 +153,31 @@ ROBSIM_AVX2_INLINE __m256i with_gaussian(__m256i value, __m256i a, __m256i b, __
   const __m256i less = _mm256_subs_epu8(down, up);
   const __m256i plus = _mm256_blendv_epi8(more, less, b);
   const __m256i minus = _mm256_blendv_epi8(less, more, b);
-  return _mm256_subs_epu8(_mm256_adds_epu8(value, plus), minus);
+  return {_mm256_subs_epu8(_mm256_adds_epu8(value, plus), minus),
+          static_cast<std::uint32_t>(_mm256_movemask_epi8(mask))};
+}
+
+// The blocks with bytes that come from the tail: these are drawn after the others, since a call
+// within the loop would cost it its registers.
+struct TailBlocks {
+  static constexpr int maximum = 64;
+
+  alignas(32) std::uint8_t clean[maximum][block];
+  std::uint32_t tails[maximum];
+  int first[maximum];  // byte of the row
+  int count = 0;
+};
+
+void draw_tails(const TailBlocks& blocks, const GaussianTables& tables, const NoiseStream& stream,
+                int bytes, std::uint8_t* noisy) {
+  for (int b = 0; b < blocks.count; ++b) {
+    for (int i = 0; i < block && blocks.first[b] + i < bytes; ++i) {
+      if ((blocks.tails[b] >> i & 1) == 0) continue;
+      const int byte = blocks.first[b] + i;
+      const int value = blocks.clean[b][i] + tail_step(stream.rare_bits(byte), tables);
+      noisy[byte] = static_cast<std::uint8_t>(std::clamp(value, 0, 255));
+    }
+  }
 }
 
 ROBSIM_AVX2_INLINE __m256i with_uniform(__m256i value, __m256i a, __m256i b,
@@ -172,13 +203,13 @@ ROBSIM_AVX2_INLINE void for_each_block(const std::uint8_t* clean, int bytes, std
                                        Next next) {
   int i = 0;
   for (; i + block <= bytes; i += block) {
-    simd::store(next(simd::load(clean + i)), noisy + i);
+    simd::store(next(simd::load(clean + i), i), noisy + i);
   }
   if (i == bytes) return;
   std::uint8_t last[block] = {0};
   const auto count = static_cast<std::size_t>(bytes - i);
   std::memcpy(last, clean + i, count);
-  simd::store(next(simd::load(last)), last);
+  simd::store(next(simd::load(last), i), last);
   std::memcpy(noisy + i, last, count);
 }
 
@@ -190,9 +221,22 @@ ROBSIM_AVX2 void add_gaussian_avx2(const std::uint8_t* clean, int bytes,
   Generators a = generators_from(stream.state[0]);
   Generators b = generators_from(stream.state[1]);
   Generators c = generators_from(stream.state[2]);
-  for_each_block(clean, bytes, noisy, [&](__m256i value) ROBSIM_AVX2 {
-    return with_gaussian(value, draw(a), draw(b), draw(c), registers);
-  });
+  constexpr int part = block * TailBlocks::maximum;
+  TailBlocks blocks;
+  for (int begin = 0; begin < bytes; begin += part) {
+    blocks.count = 0;
+    const int count = std::min(part, bytes - begin);
+    for_each_block(clean + begin, count, noisy + begin, [&](__m256i value, int i) ROBSIM_AVX2 {
+      const WithGaussian result = with_gaussian(value, draw(a), draw(b), draw(c), registers);
+      if (result.tails != 0) {
+        simd::store(value, blocks.clean[blocks.count]);
+        blocks.tails[blocks.count] = result.tails;
+        blocks.first[blocks.count++] = begin + i;
+      }
+      return result.sum;
+    });
+    draw_tails(blocks, tables, stream, bytes, noisy);
+  }
   keep(a, stream.state[0]);
   keep(b, stream.state[1]);
   keep(c, stream.state[2]);
@@ -202,7 +246,7 @@ ROBSIM_AVX2 void add_uniform_avx2(const std::uint8_t* clean, int bytes, const Un
                                   NoiseStream& stream, std::uint8_t* noisy) {
   Generators a = generators_from(stream.state[0]);
   Generators b = generators_from(stream.state[1]);
-  for_each_block(clean, bytes, noisy, [&](__m256i value) ROBSIM_AVX2 {
+  for_each_block(clean, bytes, noisy, [&](__m256i value, int) ROBSIM_AVX2 {
     return with_uniform(value, draw(a), draw(b), steps);
   });
   keep(a, stream.state[0]);
@@ -221,11 +265,17 @@ NoiseStream::NoiseStream(std::uint64_t seed, std::uint64_t index) {
       for (std::uint64_t& lane : word) lane = random_bits(key, counter++);
     }
   }
+  rare_key = random_bits(key, counter);
+}
+
+std::uint64_t NoiseStream::rare_bits(int i) const {
+  return random_bits(rare_key, bytes_done + static_cast<std::uint64_t>(i));
 }
 
 void add_gaussian(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
                   NoiseStream& stream, std::uint8_t* noisy) {
   ROBSIM_PICK(add_gaussian_baseline, add_gaussian_avx2)(clean, bytes, tables, stream, noisy);
+  stream.bytes_done += static_cast<std::uint64_t>(bytes);
 }
 
 void add_uniform(const std::uint8_t* clean, int bytes, const UniformSteps& steps,

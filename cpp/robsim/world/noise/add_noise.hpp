@@ -14,7 +14,12 @@ struct NoiseStream {
 
   NoiseStream(std::uint64_t seed, std::uint64_t index);
 
+  /// The bits of the rare draws of byte i of the row that comes next.
+  std::uint64_t rare_bits(int i) const;
+
   alignas(32) std::uint64_t state[streams][4][lanes];
+  std::uint64_t rare_key;
+  std::uint64_t bytes_done = 0;  // of all rows so far
 };
 
 /// Writes clean + noise, clipped to 0..255. Every 32 bytes of a row use one draw of each stream.

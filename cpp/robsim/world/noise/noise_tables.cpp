@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "robsim/elementary/exponential.hpp"
@@ -11,10 +12,12 @@ namespace robsim {
 namespace {
 
 constexpr int maximum_step = 255;  // larger ones clip to the same bytes
-constexpr int nodes = 16;          // on each side of 0
-constexpr int narrow_nodes = 10;
+constexpr int nodes = 15;          // on each side of 0, besides the tail
+constexpr int narrow_nodes = 8;
 constexpr int maximum_mask_bits = 5;
-constexpr int resolution = 256;  // of the weight of a column of the alias table
+constexpr int columns = 16;      // of the alias table
+constexpr int resolution = 256;  // of the weight of a column
+constexpr int tail_count = 1;    // share of the tail, of columns * resolution
 constexpr int iterations = 200;  // of the fit
 
 // P(|n| > x) of a standard normal number n, x >= 0, with a relative error of less than 1e-13.
@@ -51,6 +54,30 @@ std::vector<double> target_distribution(double deviation) {
   return probability;
 }
 
+// Takes the outermost share out of a distribution, for the tail.
+std::vector<double> take_tail(std::vector<double>& probability) {
+  std::vector<double> tail(probability.size(), 0.0);
+  double rest = double(tail_count) / (columns * resolution);
+  for (std::size_t k = probability.size(); rest > 0 && k-- > 0;) {
+    tail[k] = std::min(probability[k], rest);
+    probability[k] -= tail[k];
+    rest -= tail[k];
+  }
+  return tail;
+}
+
+void fill_tail(const std::vector<double>& tail, GaussianTables& tables) {
+  constexpr double total = double(tail_count) / (columns * resolution);
+  constexpr double highest = std::numeric_limits<std::uint32_t>::max();
+  tables.tail_first = 0;
+  while (tail[static_cast<std::size_t>(tables.tail_first)] == 0) ++tables.tail_first;
+  double outside = 0;
+  for (std::size_t k = tail.size(); k-- > 0;) {
+    tables.beyond[k] = static_cast<std::uint32_t>(std::min(highest * outside / total, highest));
+    outside += tail[k];
+  }
+}
+
 // P(|step| = k) given the node.
 std::vector<double> node_distribution(int node, int mask) {
   std::vector<double> probability(maximum_step + 1, 0.0);
@@ -65,8 +92,8 @@ std::vector<double> node_distribution(int node, int mask) {
 
 // The weights of the nodes whose mixture is closest to the target.
 // Method: expectation-maximisation for the weights of a mixture (Dempster, Laird and Rubin 1977).
-std::vector<double> fitted_weights(const GaussianTables& tables, double deviation) {
-  const std::vector<double> target = target_distribution(deviation);
+std::vector<double> fitted_weights(const GaussianTables& tables,
+                                   const std::vector<double>& target) {
   std::vector<std::vector<double>> part;
   for (std::size_t i = 0; i < nodes; ++i) {
     part.push_back(node_distribution(tables.node[i], tables.mask[i]));
@@ -85,14 +112,16 @@ std::vector<double> fitted_weights(const GaussianTables& tables, double deviatio
   return weight;
 }
 
-// Integers that sum to 16 * 256, rounded from the tail inwards, so that the tail is accurate.
-std::array<int, nodes> rounded(const std::vector<double>& weight) {
-  std::array<int, nodes> count{};
-  double sum = 0;
-  int previous = 0;
+// Integers that sum to 16 * 256, rounded from the tail inwards, so that the flanks are accurate.
+std::array<int, columns> rounded(const std::vector<double>& weight) {
+  std::array<int, columns> count{};
+  constexpr int total = columns * resolution;
+  double sum = double(tail_count) / total;
+  int previous = tail_count;
+  count[nodes] = tail_count;
   for (std::size_t i = nodes; i-- > 0;) {
     sum += weight[i];
-    const int cumulative = i == 0 ? nodes * resolution : int(std::lround(nodes * resolution * sum));
+    const int cumulative = i == 0 ? total : int(std::lround(total * sum));
     count[i] = cumulative - previous;
     previous = cumulative;
   }
@@ -101,15 +130,15 @@ std::array<int, nodes> rounded(const std::vector<double>& weight) {
 
 // Walker's alias method: the node with the smallest count shares its column with the one with the
 // largest.
-void fill_alias(std::array<int, nodes> count, GaussianTables& tables) {
-  for (std::size_t i = 0; i < nodes; ++i) tables.alias[i] = static_cast<std::uint8_t>(i);
-  std::array<bool, nodes> done{};
-  for (int turn = 0; turn < nodes; ++turn) {
-    std::size_t smallest = nodes;
+void fill_alias(std::array<int, columns> count, GaussianTables& tables) {
+  for (std::size_t i = 0; i < columns; ++i) tables.alias[i] = static_cast<std::uint8_t>(i);
+  std::array<bool, columns> done{};
+  for (int turn = 0; turn < columns; ++turn) {
+    std::size_t smallest = columns;
     std::size_t largest = 0;
-    for (std::size_t i = 0; i < nodes; ++i) {
+    for (std::size_t i = 0; i < columns; ++i) {
       if (done[i]) continue;
-      if (smallest == nodes || count[i] < count[smallest]) smallest = i;
+      if (smallest == columns || count[i] < count[smallest]) smallest = i;
       if (done[largest] || count[i] > count[largest]) largest = i;
     }
     // A full column is its own alias: its threshold does not matter.
@@ -141,7 +170,10 @@ GaussianTables gaussian_tables(double deviation) {
         static_cast<std::uint8_t>(std::min(node, maximum_step));
     tables.mask[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(is_beyond ? 0 : mask);
   }
-  fill_alias(rounded(fitted_weights(tables, deviation)), tables);
+  tables.mask[nodes] = GaussianTables::tail_mark;
+  std::vector<double> target = target_distribution(deviation);
+  fill_tail(take_tail(target), tables);
+  fill_alias(rounded(fitted_weights(tables, target)), tables);
   return tables;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace robsim {
@@ -12,12 +13,27 @@ namespace robsim {
 /// u1 - u2 has a triangular distribution, so that the mixture over the nodes is a density that is
 /// linear from node to node. One of 16 nodes is drawn by Walker's alias method, which picks a
 /// column of a table uniformly, and then its own node or its alias.
+///
+/// Nodes come in shares of 1/4096: too coarse for what lies beyond 3.7 standard deviations. The
+/// last node, of one share, stands for all of that tail, whose step is drawn by 33 bits more.
 struct GaussianTables {
+  static constexpr std::uint8_t tail_mark = 128;  // bit of the mask of the last node
+
   std::array<std::int8_t, 16> threshold;  // of a random signed byte; below: own node
   std::array<std::uint8_t, 16> alias;     // the other node of the column
   std::array<std::uint8_t, 16> node;      // 0..255
-  std::array<std::uint8_t, 16> mask;      // 2^k - 1, at most 31
+  std::array<std::uint8_t, 16> mask;      // 2^k - 1, at most 31, or tail_mark
+  int tail_first;                         // the smallest |step| of the tail
+  std::array<std::uint32_t, 256> beyond;  // P(|step| > k) in the tail, in units of 2^-32
 };
+
+/// The step of the tail for 64 random bits.
+inline int tail_step(std::uint64_t bits, const GaussianTables& tables) {
+  const auto drawn = static_cast<std::uint32_t>(bits);
+  int step = tables.tail_first;
+  while (drawn < tables.beyond[static_cast<std::size_t>(step)]) ++step;
+  return (bits >> 63) != 0 ? -step : step;
+}
 
 /// The tables for a positive standard deviation. The steps are clipped to -255..255.
 GaussianTables gaussian_tables(double deviation);
