@@ -10,6 +10,7 @@ from robsim import ColorClass, _core, load_colors
 from robsim._core import color_histograms
 from robsim.imaging._shading import darkened
 from robsim.vision import rgb_to_yuv
+from scenes import poses_within, renderer
 
 CHANNELS = ("y", "u", "v")
 RED, BLUE, FLOOR = (198, 36, 40), (30, 60, 220), (150, 148, 146)
@@ -166,6 +167,38 @@ def test_a_region_without_a_colour_is_refused():
     assert ColorClass.from_histograms(weakest, name="red").v == (136, 255)
     with pytest.raises(ValueError, match="hardly any colour"):
         ColorClass.from_histograms(single(80, 128, 143), name="red")
+
+
+@pytest.mark.parametrize(
+    ("luma", "weakest"),
+    [(80, 16), (64, 16), (40, 10), (20, 6), (0, 6)],  # a quarter of the luma, 6 to 16 levels
+)
+def test_in_dim_light_a_colour_may_be_as_weak_as_all_are(luma, weakest):
+    color = ColorClass.from_histograms(single(luma, 128, 128 + weakest), name="red")
+    assert color.v == (128 + weakest // 2, 255)
+    with pytest.raises(ValueError, match="hardly any colour"):
+        ColorClass.from_histograms(single(luma, 128, 128 + weakest - 1), name="red")
+
+
+@pytest.mark.parametrize("exposure", [0.15, 0.2, 0.3])
+def test_what_is_trained_in_dim_light_is_found_there(rng, exposure):
+    draw, markers = renderer(resolution=(600, 600)), robsim.load_robot("lab").marker_layout()
+    plane_map = robsim.imaging.PlaneMap.scaled((600, 600), (1200, 1200))
+
+    def picture(pose):
+        return (draw.render(pose) * exposure + 0.5).astype(np.uint8)
+
+    classes = []
+    for name, place in (("red", markers.red), ("blue", markers.blue)):
+        u, v = plane_map.to_pixel(np.add((600, 600), place)).astype(int)
+        box = (u - 3, v - 3, u + 3, v + 3)
+        classes.append(ColorClass.from_region(picture((600, 600, 0)), box, name=name))
+    for pose in poses_within(rng, 15):
+        frame = robsim.Frame(picture(pose), plane_map=plane_map)
+        blobs = robsim.find_blobs(frame, classes, markers=markers)
+        found = robsim.locate(blobs, markers, plane_map)
+        assert found is not None
+        assert found.pose[:2] == pytest.approx(pose[:2], abs=2)
 
 
 def test_histograms_of_several_pictures_add_up():

@@ -14,8 +14,11 @@ constexpr int neutral = 128;
 // 7 x 7 grey pixels in Gaussian noise of 40 %.
 constexpr int beyond_grey = 26;
 
-// Closer to neutral (levels), as floors and walls are, there is hardly any colour.
+// Closer to neutral (levels), as floors and walls are, there is hardly any colour; where it is dark
+// all colours are closer, in proportion to brightness, until the steps of 8 bits drown them.
 constexpr int minimum_chroma = 16;
+constexpr int minimum_dark_chroma = 6;
+constexpr int chroma_per_luma = 4;  // a colour of less than 1/4 of its luma is greyish
 
 struct Range {
   int lower;
@@ -38,6 +41,11 @@ Range percentiles(const std::array<std::int64_t, 256>& counts, double percentile
 
 // Distance of a range from neutral; negative if it contains neutral.
 int chroma(const Range& range) { return std::max(range.lower - neutral, neutral - range.upper); }
+
+// The least distance from neutral of a colour of this luma.
+int least_chroma(const Range& luma) {
+  return std::clamp(luma.upper / chroma_per_luma, minimum_dark_chroma, minimum_chroma);
+}
 
 Range widened(const Range& range, int margin) {
   return {range.lower > 0 ? std::clamp(range.lower - margin, 0, 255) : 0,
@@ -94,17 +102,18 @@ ColorClass color_from_histograms(const std::string& name, const ColorHistograms&
   for (std::size_t i = 0; i < 3; ++i) found[i] = percentiles(histograms[i], options.percentile);
   const std::size_t strongest = chroma(found[1]) > chroma(found[2]) ? 1 : 2;
   const int strength = chroma(found[strongest]);
-  if (strength < minimum_chroma && !options.limit_y) {
+  const bool is_grey = strength < least_chroma(found[0]);
+  if (is_grey && !options.limit_y) {
     throw std::invalid_argument(
         "the region has hardly any colour: U " + text(found[1]) + " and V " + text(found[2]) +
-        " lie around 128, which is grey. Give a region within the marker, or limit its "
-        "brightness, too: limit_y=True");
+        " lie around 128, which is grey. Give a region within the marker, and more light if the "
+        "marker is coloured; a black or white one is told by its brightness: limit_y=True");
   }
   const int kept = std::min(beyond_grey, strength / 2);
   Range ranges[3] = {{0, 255}, {0, 255}, {0, 255}};
   if (options.limit_y) ranges[0] = widened(found[0], options.margin);
   for (std::size_t i = 1; i < 3; ++i) {
-    const bool stays_off_grey = i == strongest && strength >= minimum_chroma;
+    const bool stays_off_grey = i == strongest && !is_grey;
     const Range grey = stays_off_grey ? Range{neutral - kept, neutral + kept} : Range{255, 0};
     ranges[i] = chroma_range(found[i], options.margin, grey);
   }
