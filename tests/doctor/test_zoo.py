@@ -34,7 +34,7 @@ def test_a_mistake_in_a_state_estimator_is_told_by_name(make, kinds):
     assert len(report.problems) <= 1, str(report)
 
 
-@pytest.mark.parametrize("name", ["alpha-beta", "low-pass", "closure", "cosine and sine"])
+@pytest.mark.parametrize("name", ["alpha-beta", "low-pass", "median", "unicycle"])
 def test_a_filter_of_fixed_gain_or_unusual_style_is_not_ill(name):
     check_estimator(states.RIGHT[name]).raise_for_problems()
 

@@ -411,6 +411,85 @@ class DeadReckoning(HandsOn):
         return robsim.Estimate(wrapped(self.pose), self.P)
 
 
+class Median:
+    """The median of the last five measurements."""
+
+    def __init__(self):
+        self.seen, self.unseen = [], 1
+
+    def __call__(self, step):
+        self.unseen += 1
+        if step.measurement is not None:
+            self.seen, self.unseen = [*self.seen, step.measurement.pose][-5:], 1
+        if not self.seen:
+            return robsim.Estimate((600, 600, 0), PRIOR[:3, :3])
+        poses = np.array(self.seen)
+        poses[:, 2] = poses[-1, 2] + robsim.wrap_angle(poses[:, 2] - poses[-1, 2])
+        P = self.unseen * np.diag((40.0, 40.0, 0.05))
+        return robsim.Estimate(wrapped(np.median(poses, axis=0)), P)
+
+
+class Holt:
+    """Double exponential smoothing, step by step."""
+
+    def __init__(self):
+        self.level, self.trend, self.unseen = None, np.zeros(3), 1
+
+    def __call__(self, step):
+        z = None if step.measurement is None else step.measurement.pose
+        if self.level is None:
+            self.level = z
+            return robsim.Estimate((600, 600, 0) if z is None else z, PRIOR[:3, :3])
+        self.unseen, ahead = self.unseen + 1, self.level + self.trend
+        if z is not None:
+            level = ahead + 0.5 * wrapped(z - ahead)
+            self.trend = self.trend + 0.3 * (level - self.level - self.trend)
+            self.unseen, ahead = 1, level
+        self.level = ahead
+        return robsim.Estimate(wrapped(ahead), 4 * self.unseen**2 * R)
+
+
+def random_walk():
+    """A Kalman filter that takes the robot to stand still; its F is the identity."""
+    x, P, F = np.zeros(3), 1e6 * np.eye(3), np.eye(3)
+
+    def estimate(step):
+        nonlocal x, P
+        P = F @ P @ F + np.diag((9.0, 9.0, 0.02))
+        if step.measurement is not None:
+            K = P @ np.linalg.inv(P + R)
+            x = x + K @ wrapped(step.measurement.pose - x)
+            P = (np.eye(3) - K) @ P
+        return robsim.Estimate(wrapped(x), (P + P.T) / 2)
+
+    return estimate
+
+
+class Unicycle:
+    """Three states, and speeds that follow the voltages at once: a crude model."""
+
+    def __init__(self):
+        self.x, self.P = np.zeros(3), PRIOR[:3, :3]
+
+    def input(self, step):
+        return step.last_u
+
+    def __call__(self, step):
+        left, right = self.input(step)
+        v, rate = 16.7 * (left + right), 0.917 * (left - right)
+        if step.k > 0:
+            c, s = np.cos(self.x[2]), np.sin(self.x[2])
+            F = np.array(((1, 0, -v * s * step.dt), (0, 1, v * c * step.dt), (0, 0, 1)))
+            self.x = self.x + step.dt * np.array((v * c, v * s, rate))
+            self.P = F @ self.P @ F.T + np.diag((1.0, 1.0, 0.003))
+        if step.measurement is not None:
+            K = self.P @ np.linalg.inv(self.P + R)
+            self.x = self.x + K @ wrapped(step.measurement.pose - self.x)
+            self.P = (np.eye(3) - K) @ self.P
+        self.x, self.P = wrapped(self.x), (self.P + self.P.T) / 2
+        return robsim.Estimate(self.x, self.P)
+
+
 class Robust(ConstantVelocity):
     """Large innovations count less (Huber)."""
 
@@ -493,6 +572,10 @@ RIGHT = {
     "complementary": complementary,
     "last pose": HandsOn,
     "dead reckoning": DeadReckoning,
+    "median": Median,
+    "Holt": Holt,
+    "random walk": random_walk,
+    "unicycle": Unicycle,
     "Huber": Robust,
     "adaptive R": Adaptive,
     "one component after the other": Sequential,
@@ -735,6 +818,11 @@ class FixedDt(ConstantVelocity):
         super().move(u, 0.2)
 
 
+class SwappedUnicycle(Unicycle):
+    def input(self, step):
+        return step.last_u[::-1]
+
+
 class TooMuchInput(Ekf):
     """Volts are taken for something ten times as large."""
 
@@ -765,6 +853,7 @@ BROKEN = {
     "inputs of wrong sign": (Negated, ["inputs of wrong sign"]),
     "turns the other way": (TurnsTheOtherWay, ["inputs swapped"]),
     "turns the other way, own kinematics": (swapped_complementary, ["inputs swapped"]),
+    "inputs swapped, unicycle": (SwappedUnicycle, ["inputs swapped"]),
     "inputs 5 times too large": (TooMuchInput, ["moves too far"]),
     "no K R K'": (NoKRK, ["covariance reduced too far"]),
     "no K R K', CV": (NoKRKConstantVelocity, ["covariance reduced too far"]),

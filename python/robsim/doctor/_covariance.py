@@ -6,6 +6,7 @@ import numpy as np
 
 from robsim._base.check_report import Problem
 from robsim._base.checks import Floats
+from robsim.doctor._lines import line_of_covariance
 from robsim.doctor._trial import EstimatorUnderTest, Trial
 
 # Relative to the variances: far above rounding errors, far below the effect of a wrong formula.
@@ -34,7 +35,7 @@ def covariance_problem(estimator: EstimatorUnderTest, trial: Trial) -> Problem |
                 sentence=sentence,
                 situation=trial.situation.name,
                 k=k,
-                line=estimator.line,
+                line=line_of_covariance(estimator),
             )
     return None
 

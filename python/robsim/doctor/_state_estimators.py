@@ -37,6 +37,8 @@ from robsim.doctor._state.transposes import transpose_problem
 from robsim.doctor._state.trials import SETTLED, Trials, distances
 from robsim.doctor._trial import EstimatorUnderTest
 
+_MOVES = 0.1  # of the true way
+
 _NO_INPUT = (
     "it never uses step.last_u, the inputs: correct for a constant-velocity filter, but a model "
     "with inputs predicts better"
@@ -185,8 +187,10 @@ def _wrapping_problems(trials: Trials) -> Iterator[Problem]:
 def _dt_problems(trials: Trials, gains: Gains, *, is_free: bool) -> Iterator[Problem | str]:
     """Yield a problem or a remark if the time between steps or the inputs have no effect."""
     if is_free and trials.ignores_dt:
-        # Gains that are given per step, as those of an alpha-beta filter, need no dt.
-        if trials.ignores_inputs and trials.diverged_at is None and not is_fixed(gains):
+        # Gains and ways that are given per step, as those of an alpha-beta filter, need no dt, nor
+        # does a filter that takes the robot to stand still.
+        predicts = trials.way_in_gap > _MOVES and not is_fixed(gains)
+        if trials.ignores_inputs and trials.diverged_at is None and predicts:
             dt = trials.weaves.dt
             yield Problem(
                 kind="ignores dt",

@@ -23,6 +23,7 @@ from robsim.doctor._trial import Trial
 AXES = ("x", "y", "heading")
 SEEN_AT = 80  # the step from which the measurements are displaced
 _OFFSET = np.array((1.0, -1.0, 0.02))  # px, px, rad: two sigma, no outlier
+_FAR = 30.0  # times as far
 _WATCHED = 30  # steps
 _RESPONSE = 1e-6  # of the displacement; less is rounding
 _NO_Q = "no process noise"
@@ -77,6 +78,14 @@ class Gains:
         return self._response(self._trials.seen, SEEN_AT, _OFFSET, _WATCHED)
 
     @cached_property
+    def far(self) -> Floats:
+        """The gain (2, 3) of measurements that are displaced far, to either side."""
+        offsets = (_FAR * _OFFSET, -_FAR * _OFFSET)
+        return np.array(
+            [self._response(self._trials.seen, SEEN_AT, one, 1).gain for one in offsets]
+        )
+
+    @cached_property
     def after_gap(self) -> Floats:
         """The gain of the first measurement after a while out of sight, (3,)."""
         return self._response(self._trials.gap, UNSEEN.stop, _OFFSET, 1).gain
@@ -119,8 +128,14 @@ def ignored_problem(trials: Trials, gains: Gains) -> Problem | None:
 def late_problem(trials: Trials, gains: Gains) -> Problem | None:
     """Return whether the estimate of a step does not contain the measurement of that step."""
     delays = gains.usual.delay
-    late = [(name, n) for name, n in zip(AXES, delays, strict=True) if n]
-    if trials.diverged_at is not None or not late:
+    if trials.diverged_at is not None or not any(delays):
+        return None
+    # The median of some measurements does not move with one that stays the largest.
+    at_once = [bool(one) for one in (abs(gains.far) > _RESPONSE).any(axis=0)]
+    late = [
+        (name, n) for name, n, is_now in zip(AXES, delays, at_once, strict=True) if n and not is_now
+    ]
+    if not late:
         return None
     names = " and ".join(name for name, _ in late) if len(late) < 3 else "pose"
     steps = max(n for _, n in late)

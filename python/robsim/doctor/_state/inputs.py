@@ -16,6 +16,7 @@ from robsim.doctor._state.trials import Trials, distances
 _BETTER = 0.5
 _MINIMUM_ERROR = 0.3  # of WAY, or rad; below it the prediction is good
 
+_TOO_FAR = 1.5  # of the true way; twice the prediction gives 1.8, a crude model 1.2
 _SCALES = {"half as large": 0.5, "taken as 0": 0.0}
 
 
@@ -29,6 +30,8 @@ def inputs_problem(trials: Trials) -> Problem | None:
     others |= {name: scale * u for name, scale in _SCALES.items()}
     found = {name: _error(trials, one) for name, one in others.items()}
     better = {name: error for name, error in found.items() if _is_better(error, given)}
+    if trials.way_in_gap < _TOO_FAR:  # a model that is crude
+        better = {name: error for name, error in better.items() if name not in _SCALES}
     if not better:
         return None
     best = min(better, key=lambda name: float(better[name].sum()))

@@ -71,6 +71,16 @@ class Trials:
         return int(is_off.argmax()) if is_off.any() else None
 
     @cached_property
+    def way_in_gap(self) -> float:
+        """The length of the estimated way while the robot is not seen, relative to the true one."""
+        steps = slice(UNSEEN.start - 1, UNSEEN.stop)
+        lengths = [
+            np.hypot(*np.diff(poses[steps, :2], axis=0).T).sum()
+            for poses in (self.gap.outputs, self.weaves.poses)
+        ]
+        return float(lengths[0] / lengths[1])
+
+    @cached_property
     def ignores_dt(self) -> bool:
         """Whether the estimates are the same for another time between two steps."""
         return self.is_unchanged(replace(self.blinks, dt=self.blinks.dt / 2))
