@@ -61,7 +61,7 @@ def check_estimator(
     frames. Looked at are its results (type, symmetry, definiteness); whether they depend on its own
     past steps alone; what it makes of a displaced measurement (the gain, and the step of the first
     change); its covariance while the robot is not seen and when it is seen again; the errors beside
-    the claimed covariance (NEES); its prediction with other inputs; the heading beyond +-pi. Faults
+    its covariance (NEES); its prediction with other inputs; the heading beyond +-pi. Faults
     that do not depend on each other are all reported, their consequences are not.
 
     Parameters

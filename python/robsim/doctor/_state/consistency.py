@@ -1,4 +1,4 @@
-"""Whether a claimed covariance fits the errors, and what measurements and gaps do to it."""
+"""Whether a covariance fits the errors, and what measurements and gaps do to it."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def reduction_problem(trials: Trials, gains: Gains) -> Problem | None:
 
 
 def size_problem(trials: Trials) -> Problem | None:
-    """Return whether the errors are much larger than is claimed, for every camera there may be."""
+    """Return whether the errors are much larger than the covariance says, for every camera."""
     if nees(trials.seen) <= _TOO_SURE:
         return None
     sharper = trials.estimator.try_in(trials.weaves.with_noise(_SHARPER))

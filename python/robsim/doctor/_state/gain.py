@@ -131,9 +131,11 @@ def late_problem(trials: Trials, gains: Gains) -> Problem | None:
     if trials.diverged_at is not None or not any(delays):
         return None
     # The median of some measurements does not move with one that stays the largest.
-    at_once = [bool(one) for one in (abs(gains.far) > _RESPONSE).any(axis=0)]
+    at_once = np.max(abs(gains.far), axis=0).tolist()
     late = [
-        (name, n) for name, n, is_now in zip(AXES, delays, at_once, strict=True) if n and not is_now
+        (name, n)
+        for name, n, gain in zip(AXES, delays, at_once, strict=True)
+        if n and gain < _RESPONSE
     ]
     if not late:
         return None

@@ -107,5 +107,5 @@ def distances(trial: Trial) -> tuple[Floats, Floats]:
 
 
 def variances(trial: Trial) -> Floats:
-    """Return the claimed variances of x, y and the heading (N, 3)."""
+    """Return the variances it gives of x, y and the heading (N, 3)."""
     return trial.outputs[:, [3, 7, 11]]
