@@ -200,8 +200,12 @@ FAULTS = [
     (lambda step: (0.1,), "output shape", "it returns (0.1,), not (u1, u2)", 0),
     (lambda step: (math.nan, 1), "not finite", "(nan, 1) V", 0),
     (lambda step: (255, 255), "input too large", "8-bit", 0),
-    (lambda step: (700.5, 650), "input too large", "millivolts", 0),
-    (lambda step: (90.5, 30), "input too large", "numpy.clip", 0),
+    pytest.param(
+        lambda step: (700.5, 650), "input too large", "millivolts", 0, marks=pytest.mark.slow
+    ),
+    pytest.param(
+        lambda step: (90.5, 30), "input too large", "numpy.clip", 0, marks=pytest.mark.slow
+    ),
     (late, "exception", "IndexError", 50),
     (forgets_none, "not seen yet", "before the robot is seen", 0),
     (forgets_return, "not seen yet", "it returns None", 0),
@@ -227,6 +231,7 @@ def test_independent_faults_are_told_at_once(hurried):
     assert kinds == ["input too large", "not seen yet"]
 
 
+@pytest.mark.slow
 def test_state_that_two_share_is_told(hurried):
     voltages = []
 
@@ -249,6 +254,7 @@ def test_what_is_no_illness_is_a_remark(hurried):
     assert "it prints, first '0'" in report.remarks[1]
 
 
+@pytest.mark.slow
 def test_an_estimate_that_is_not_there(hurried):
     def control(step):
         return step.estimate.pose[:2] / 1e4
