@@ -24,6 +24,7 @@ from robsim.trace import Trace
 
 TIME_LIMIT = 5.0  # s per call; after that it counts as an endless loop
 _TIMED_CALLS = 20
+_PROBE = 0.03  # s
 _KEPT_CHARACTERS = 200  # of stdout
 
 
@@ -110,40 +111,58 @@ class CallClock:
     """The duration of calls, whatever else the machine has to do meanwhile."""
 
     def __init__(self) -> None:
-        self._elapsed: list[float] = []
-        self._used: list[float] = []  # of the processor
+        self._times: list[tuple[float, float, float]] = []
 
     def __len__(self) -> int:
-        return len(self._elapsed)
+        return len(self._times)
 
     @property
     def last(self) -> float:
         """Duration of the last call (s)."""
-        return self._elapsed[-1]
+        return self._times[-1][0]
 
     @contextmanager
     def timed(self) -> Iterator[None]:
         """Measure the call inside the context."""
-        elapsed, used = time.perf_counter(), time.thread_time()
+        before = _clocks()
         yield
-        self._elapsed.append(time.perf_counter() - elapsed)
-        self._used.append(time.thread_time() - used)
+        passed, thread, process = (now - then for now, then in zip(_clocks(), before, strict=True))
+        self._times.append((passed, thread, process))
 
     def check(self, budget: float) -> None:
         """Raise BadResult if a call takes longer than the budget (s).
 
-        It takes the median of what it uses of the processor, and at least the lower quartile of the
-        time that passes: that counts sleeping, and seldom the waiting for other programs.
+        It takes what it works and what it waits, such as in a sleep, without the time in which
+        other programs have the processor.
         """
-        if not self._elapsed:
+        if not self._times:
             return
-        seconds = float(max(np.median(self._used), np.quantile(self._elapsed, 0.25)))
+        passed, thread, process = np.array(self._times).T
+        seconds, work = np.quantile(passed, 0.25), np.median(thread)
+        if seconds > budget:
+            waits = seconds - _slowdown() * np.median(process)
+            seconds = min(seconds, work + max(0.0, waits))
+        seconds = max(seconds, work)
         if seconds > budget:
             raise BadResult(
                 "too slow",
                 f"a call takes {1000 * seconds:.3g} ms, the median of {len(self)}, more than the "
                 f"budget of {1000 * budget:.3g} ms",
             )
+
+
+def _clocks() -> tuple[float, float, float]:
+    """Return the time (s), and what this thread and this process have used of the processor."""
+    return time.perf_counter(), time.thread_time(), time.process_time()
+
+
+def _slowdown() -> float:
+    """Return how much longer than it works a program takes now, since others run, too."""
+    then, before, _ = _clocks()
+    while time.thread_time() - before < _PROBE:
+        pass
+    now, after, _ = _clocks()
+    return (now - then) / (after - before)
 
 
 class StdoutCapture(io.TextIOBase):
