@@ -107,7 +107,7 @@ def test_bad_samples_change_nothing(rng):
 
 def test_one_bad_sample_among_many_changes_nothing():
     filter_ = robsim.RecursiveLeastSquares(2)
-    with pytest.raises(ValueError, match="at most 1e100"):
+    with pytest.raises(ValueError, match="at most 1e50"):
         filter_.update([[1.0, 2.0], [1.0, np.inf]], [1.0, 2.0])
     assert filter_.n_samples == 0
     np.testing.assert_array_equal(filter_.theta, [0, 0])
@@ -261,3 +261,24 @@ def test_forgetting_without_excitation_stays_finite():
 def test_filters_that_no_memory_holds(parameters, filters, message):
     with pytest.raises(ValueError, match=message):
         robsim.RecursiveLeastSquares(parameters, n_filters=filters)
+
+
+@pytest.mark.parametrize("forgetting", [1, 0.99, 0.5, 1e-10])
+def test_stays_finite_for_all_that_it_takes(rng, forgetting):
+    """Regressors of any size beside each other, exact fits, any first covariance."""
+    sizes = [0, 1e-300, 1e-50, 1, 1e8, 1e50]
+    for covariance in (1e-300, 1, 1e9, 1e50):
+        filters = robsim.RecursiveLeastSquares(
+            5, n_filters=30, forgetting=forgetting, initial_covariance=covariance
+        )
+        for _ in range(40):
+            signs = rng.choice([-1, 0, 1], (30, 5))
+            filters.update(signs * rng.choice(sizes, (30, 5)), rng.choice(sizes, 30))
+        assert np.isfinite(filters.theta).all()
+        assert np.isfinite(filters.P).all()
+
+
+@pytest.mark.parametrize("covariance", [1.1e50, 1e300, 0, -1, np.inf, np.nan])
+def test_a_first_covariance_that_would_overflow(covariance):
+    with pytest.raises(ValueError, match="initial_covariance must be above 0 and at most 1e50"):
+        robsim.RecursiveLeastSquares(5, initial_covariance=covariance)

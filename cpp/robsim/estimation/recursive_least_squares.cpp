@@ -9,7 +9,11 @@ namespace robsim {
 
 namespace {
 
-constexpr double maximum = 1e100;  // squares of larger numbers overflow
+// Of regressors, outputs and variances: products of larger ones overflow on the way. So do the
+// variances that a smaller forgetting divides.
+constexpr double maximum = 1e50;
+constexpr double least_forgetting = 1e-10;
+constexpr double surely_usable = maximum * maximum;  // sum of squares
 constexpr int maximum_parameters = 1000;
 constexpr int maximum_filters = 100'000;
 constexpr double maximum_numbers = 1e8;  // of all covariances: 0.8 GB
@@ -21,7 +25,7 @@ void check(bool holds, const char* expected, Number value) {
 
 // True only if no value is NaN or too large to square. False is inconclusive.
 bool are_surely_usable(const double* values, std::int64_t count) {
-  return Eigen::Map<const Eigen::VectorXd>(values, count).squaredNorm() <= maximum;
+  return Eigen::Map<const Eigen::VectorXd>(values, count).squaredNorm() <= surely_usable;
 }
 
 bool has_excessive(const double* values, std::int64_t count) {
@@ -43,9 +47,10 @@ RecursiveLeastSquares::RecursiveLeastSquares(int n_parameters, int n_filters, do
   const double numbers = 1.0 * n_filters * n_parameters * n_parameters;
   check(numbers <= maximum_numbers, "n_filters * n_parameters^2 must be at most 1e8, got ",
         numbers);
-  check(forgetting > 0 && forgetting <= 1, "forgetting must lie in (0, 1], got ", forgetting);
-  check(std::isfinite(initial_covariance) && initial_covariance > 0,
-        "initial_covariance must be positive and finite, got ", initial_covariance);
+  check(forgetting >= least_forgetting && forgetting <= 1,
+        "forgetting must lie within 1e-10..1, got ", forgetting);
+  check(initial_covariance > 0 && initial_covariance <= maximum,
+        "initial_covariance must be above 0 and at most 1e50, got ", initial_covariance);
   reset();
 }
 
@@ -63,7 +68,7 @@ void RecursiveLeastSquares::update(const double* phi, const double* y, std::int6
   const std::int64_t regressors = outputs * n_parameters_;
   const bool is_usable = are_surely_usable(phi, regressors) && are_surely_usable(y, outputs);
   if (!is_usable && (has_excessive(phi, regressors) || has_excessive(y, outputs))) {
-    throw std::invalid_argument("phi and y must be at most 1e100, or NaN for no sample");
+    throw std::invalid_argument("phi and y must be at most 1e50, or NaN for no sample");
   }
   // A single group takes all samples at once; several groups take them in turn, in memory order.
   const std::int64_t at_once = groups_.size() == 1 ? samples : 1;

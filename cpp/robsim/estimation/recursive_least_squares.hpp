@@ -19,7 +19,7 @@ namespace robsim {
 /// limit it is the textbook filter.
 class RecursiveLeastSquares {
  public:
-  /// `n_filters` filters of `n_parameters` parameters each; 0 < forgetting <= 1; the initial P is
+  /// `n_filters` filters of `n_parameters` parameters each; 1e-10 <= forgetting <= 1; the initial P is
   /// initial_covariance times the identity matrix, the initial theta 0.
   /// Throws std::invalid_argument for values outside these ranges.
   explicit RecursiveLeastSquares(int n_parameters, int n_filters = 1, double forgetting = 1,
@@ -37,7 +37,7 @@ class RecursiveLeastSquares {
   /// those of filter 1, ... in phi, and their outputs in y. A filter with NaN in its sample skips
   /// the update. If `history` is given, the estimates after each sample are written to it, in the
   /// order of phi. Throws std::invalid_argument, and changes nothing, for infinity and beyond
-  /// 1e100.
+  /// 1e50.
   void update(const double* phi, const double* y, std::int64_t samples = 1,
               double* history = nullptr);
 
