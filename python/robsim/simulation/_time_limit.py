@@ -9,14 +9,18 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from types import FrameType
 from typing import Any
 
 from robsim._base.checks import check_float
 
-# Interrupts a system call of the main thread; there is no such signal on Windows.
-_WAKE_UP: Any = getattr(signal, "SIGUSR2", None) if hasattr(signal, "pthread_kill") else None
+# Interrupts a system call of the main thread; there is no such signal on Windows. By default it
+# does nothing, and hardly anybody uses it: Go wakes its threads with it for the same reasons.
+_WAKE_UP: Any = getattr(signal, "SIGURG", None) if hasattr(signal, "pthread_kill") else None
+
+# Bytes: no struct sigaction is larger; that of Linux has 152.
+_LARGEST_ACTION = 1024
 
 
 class _TimeIsUp(BaseException):
@@ -75,20 +79,34 @@ class TimeLimit:
         self._deadline, self._is_up = math.inf, False
         is_main = threading.current_thread() is threading.main_thread()
         self._is_awakened = is_main and _WAKE_UP is not None
-        before = signal.getsignal(_WAKE_UP) if self._is_awakened else None
         done = threading.Event()
         watch = threading.Thread(target=self._watch, args=(done,), daemon=True)
-        try:
-            if self._is_awakened:
-                signal.signal(_WAKE_UP, _interrupt)
-            watch.start()
-            yield
-        finally:
-            done.set()
-            if watch.ident is not None:
-                watch.join()
-            if self._is_awakened:
-                signal.signal(_WAKE_UP, before)
+        with self._awakened() if self._is_awakened else nullcontext():
+            try:
+                watch.start()
+                yield
+            finally:
+                done.set()
+                if watch.ident is not None:
+                    watch.join()
+
+    @contextmanager
+    def _awakened(self) -> Iterator[None]:
+        """Interrupt the callback when the signal comes that the watchdog sends."""
+        before = signal.getsignal(_WAKE_UP)
+
+        def interrupt(signum: int, frame: FrameType | None) -> None:
+            if self._is_up:
+                raise _TimeIsUp
+            if callable(before):  # somebody else's signal
+                before(signum, frame)
+
+        with _signal_kept(_WAKE_UP):
+            signal.signal(_WAKE_UP, interrupt)
+            try:
+                yield
+            finally:
+                signal.signal(_WAKE_UP, before or signal.SIG_DFL)
 
     def _watch(self, done: threading.Event) -> None:
         while not done.wait(min(self.seconds / 4, 0.05)):
@@ -108,5 +126,16 @@ class TimeLimit:
             )
 
 
-def _interrupt(signum: int, frame: FrameType | None) -> None:
-    raise _TimeIsUp
+@contextmanager
+def _signal_kept(signum: int) -> Iterator[None]:
+    """Put back what a signal does, of which Python knows nothing where it was set in C.
+
+    As `faulthandler.register` does, for one.
+    """
+    action = ctypes.create_string_buffer(_LARGEST_ACTION)
+    system = ctypes.CDLL(None)
+    system.sigaction(int(signum), None, action)
+    try:
+        yield
+    finally:
+        system.sigaction(int(signum), action, None)
