@@ -1,6 +1,8 @@
 // The table of contents of the extension: one function per room, several for vision and simulation.
 #include <pybind11/pybind11.h>
 
+#include <new>
+
 namespace py = pybind11;
 
 void bind_simd(py::module_& module);
@@ -20,8 +22,22 @@ void bind_controllers(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_loop(py::module_& module);
 
+// The default would say "std::bad_alloc".
+void tell_of_memory() {
+  py::register_local_exception_translator([](std::exception_ptr error) {
+    try {
+      std::rethrow_exception(error);
+    } catch (const std::bad_alloc&) {
+      PyErr_SetString(PyExc_MemoryError,
+                      "there is not enough memory: fewer steps, a smaller area or a smaller "
+                      "resolution of the camera need less");
+    }
+  });
+}
+
 PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters::not_supported()) {
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
+  tell_of_memory();
   bind_simd(module);
   bind_elementary(module);
   bind_geometry(module);
@@ -47,9 +63,10 @@ extern "C" PYBIND11_EXPORT PyObject* PyInit__core() {
   if (PyInterpreterState_Get() == PyInterpreterState_Main()) {
     return PyInit_core_of_the_main_interpreter();
   }
-  PyErr_SetString(PyExc_ImportError,
-                  "robsim cannot be imported in a sub-interpreter: it works in the main interpreter "
-                  "of a process alone. Import it there, or in a process of its own "
-                  "(multiprocessing, subprocess)");
+  PyErr_SetString(
+      PyExc_ImportError,
+      "robsim cannot be imported in a sub-interpreter: it works in the main interpreter "
+      "of a process alone. Import it there, or in a process of its own "
+      "(multiprocessing, subprocess)");
   return nullptr;
 }

@@ -72,6 +72,8 @@ NOT_OF_EXPERIMENT = {"dt": _OF_MODEL, "steps": _OF_RUN, "progress": _OF_RUN}
 
 _PIXEL = np.zeros((1, 1, 3), np.uint8)
 _MAXIMUM_START = 1e6  # work-area px
+_MOST_PIXELS = 2**26  # of a floor, whose four images take 0.8 GB then
+_LARGEST_ROBOT = 4096  # camera px; its image takes 0.3 GB then
 
 
 def step_count(steps: Any) -> int:
@@ -181,6 +183,28 @@ def smoothing_value(smoothing: int | None) -> int | None:
 def resolution_value(resolution: tuple[int, int] | None) -> tuple[int, int] | None:
     """Return the option ``resolution``; None = the size of the area."""
     return None if resolution is None else check_size("resolution", resolution)
+
+
+def check_images(
+    area: tuple[int, int], resolution: tuple[int, int] | None, robot: RobotDefinition
+) -> None:
+    """Raise ValueError if the images of the floor or of the robot would take too much memory."""
+    resolution = resolution or area
+    for name, (width, height) in {"area": area, "resolution": resolution}.items():
+        if width * height > _MOST_PIXELS:
+            raise ValueError(
+                f"{name} must have at most {_MOST_PIXELS} px in all, such as 8192 x 8192, got "
+                f"{width} x {height}"
+            )
+    scale = max(resolution[0] / area[0], resolution[1] / area[1])
+    height, width = robot.image.shape[:2]
+    size = robot.size * max(1, height / width) * scale
+    if size > _LARGEST_ROBOT:
+        raise ValueError(
+            f"resolution must show the robot with at most {_LARGEST_ROBOT} px: for an area of "
+            f"{area[0]} x {area[1]} px, {resolution[0]} x {resolution[1]} px show it with "
+            f"{size:.0f}; give a smaller resolution of the camera or a larger area"
+        )
 
 
 def headings_value(headings: int | None) -> int | None:

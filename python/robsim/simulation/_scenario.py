@@ -172,10 +172,13 @@ class Scenario:
         check_mismatch(self.mismatch)
         options.model_value(self.model)
         smoothing = options.smoothing_value(self.smoothing)
+        robot = as_robot(self.robot)
+        resolution = options.resolution_value(self.resolution)
+        options.check_images(area, resolution, robot)
         return {
-            "robot": as_robot(self.robot),
+            "robot": robot,
             "area": area,
-            "resolution": options.resolution_value(self.resolution),
+            "resolution": resolution,
             "headings": options.headings_value(self.headings),
             "camera_delay": options.delay_value("camera_delay", self.camera_delay),
             "motor_delay": options.delay_value("motor_delay", self.motor_delay),

@@ -17,6 +17,10 @@ namespace {
 
 constexpr double maximum_radius = 20000;  // work-area px
 
+// Bytes of all headings together, if they were squares; two thirds of them are transparent, and
+// not kept. Of a robot that is too large for that the rows are made anew in each frame.
+constexpr double most_memory = 1 << 30;
+
 // Keeps positions far outside the view within the range of int.
 Point near_the_view(const Point& pixel) {
   constexpr double far = 1e8;
@@ -64,6 +68,9 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
                                 std::to_string(static_cast<int>(maximum_radius)) +
                                 " work-area px of its centre");
   }
+  const PixelBox box = bounds({0, 0});
+  const double pixels = 1.0 * (box.right - box.left) * (box.bottom - box.top);
+  keeps_headings_ = pixels * 6 * sizeof(float) * headings <= most_memory;
   drawn_headings_ = std::make_unique<DrawnHeading[]>(static_cast<std::size_t>(headings));
 }
 
@@ -98,20 +105,18 @@ Point RobotImage::direction(double heading) const {
 
 const std::vector<Strip>& RobotImage::drawn_heading(int i) const {
   DrawnHeading& drawn = drawn_headings_[static_cast<std::size_t>(i)];
-  std::call_once(drawn.is_made, [&] { drawn.strips = make_heading(2 * pi * i / headings_); });
+  std::call_once(drawn.is_made, [&] {
+    const PixelBox box = bounds({0, 0});
+    const Point ahead = direction(2 * pi * i / headings_);
+    for (int v = box.top; v < box.bottom; ++v) drawn.strips.push_back(make_strip(ahead, v, box));
+  });
   return drawn.strips;
 }
 
-std::vector<Strip> RobotImage::make_heading(double heading) const {
-  const PixelBox box = bounds({0, 0});
-  const Point ahead = direction(heading);
-  std::vector<Strip> drawn;
-  for (int v = box.top; v < box.bottom; ++v) {
-    const SpriteLine row_line = line({0, 0}, ahead, v);
-    const Span columns = span_within(sprite_, row_line, {box.left, box.right});
-    drawn.push_back(without_transparent_ends(sample(sprite_, row_line, columns)));
-  }
-  return drawn;
+Strip RobotImage::make_strip(const Point& ahead, int v, const PixelBox& box) const {
+  const SpriteLine row_line = line({0, 0}, ahead, v);
+  const Span columns = span_within(sprite_, row_line, {box.left, box.right});
+  return without_transparent_ends(sample(sprite_, row_line, columns));
 }
 
 PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shadow& shadow,
@@ -134,7 +139,10 @@ PixelBox RobotImage::draw_turned(const Point& pixel, double heading, const Shado
 PixelBox RobotImage::draw_nearest_heading(const Point& pixel, double heading, const Shadow& shadow,
                                           const WritableView& view) const {
   const int nearest = static_cast<int>(std::lround(wrap_angle(heading) / (2 * pi) * headings_));
-  const std::vector<Strip>& shown = drawn_heading((nearest + headings_) % headings_);
+  const int i = (nearest + headings_) % headings_;
+  const std::vector<Strip>* const kept = keeps_headings_ ? &drawn_heading(i) : nullptr;
+  const Point ahead = kept ? Point{} : direction(2 * pi * i / headings_);
+  Strip made;
   const int u = static_cast<int>(std::round(pixel.x));
   const int v = static_cast<int>(std::round(pixel.y));
   const PixelBox around = bounds({0, 0});
@@ -143,7 +151,8 @@ PixelBox RobotImage::draw_nearest_heading(const Point& pixel, double heading, co
   if (box.empty()) return {};
   PixelBox drawn;
   for (int row = box.top; row < box.bottom; ++row) {
-    const Strip& strip = shown[static_cast<std::size_t>(row - v - around.top)];
+    if (!kept) made = make_strip(ahead, row - v, around);
+    const Strip& strip = kept ? (*kept)[static_cast<std::size_t>(row - v - around.top)] : made;
     const int left = u + strip.left;
     const Span columns{std::clamp(left, box.left, box.right),
                        std::clamp(left + strip.width, box.left, box.right)};

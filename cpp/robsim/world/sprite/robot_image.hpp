@@ -34,7 +34,8 @@ class RobotImage {
                 const WritableView& view) const;
 
  private:
-  // A strip for each row around the robot's centre, made when the heading is first shown.
+  // A strip for each row around the robot's centre, made when the heading is first shown, and kept
+  // unless all of them would take too much memory.
   struct DrawnHeading {
     std::once_flag is_made;
     std::vector<sprite::Strip> strips;
@@ -44,7 +45,7 @@ class RobotImage {
   Point direction(double heading) const;  // of the image: cosine and sine
   sprite::SpriteLine line(const Point& pixel, const Point& ahead, int v) const;
   const std::vector<sprite::Strip>& drawn_heading(int i) const;
-  std::vector<sprite::Strip> make_heading(double heading) const;
+  sprite::Strip make_strip(const Point& ahead, int v, const PixelBox& box) const;
   PixelBox draw_turned(const Point& pixel, double heading, const Shadow& shadow,
                        const WritableView& view) const;
   PixelBox draw_nearest_heading(const Point& pixel, double heading, const Shadow& shadow,
@@ -57,6 +58,7 @@ class RobotImage {
   Point pixel_size_;  // work-area px per camera pixel
   double radius_;     // of the sprite's farthest corner, work-area px
   int headings_;
+  bool keeps_headings_;
   std::unique_ptr<DrawnHeading[]> drawn_headings_;
 };
 
