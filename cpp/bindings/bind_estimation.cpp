@@ -8,7 +8,7 @@
 #include "python/values.hpp"
 #include "robsim/estimation/least_squares.hpp"
 #include "robsim/estimation/rank.hpp"
-#include "robsim/estimation/recursive_least_squares.hpp"
+#include "robsim/simulation/robot/parameter_estimator.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -61,6 +61,10 @@ Counts sample_counts_of(const RecursiveLeastSquares& self) {
   return samples;
 }
 
+std::vector<double> state_of(const RecursiveLeastSquares& self) { return self.state(); }
+
+void reset(RecursiveLeastSquares& self) { self.reset(); }
+
 std::string text_of(const Shape& shape) {
   return shape_text(shape.data(), static_cast<py::ssize_t>(shape.size()));
 }
@@ -100,11 +104,24 @@ LeastSquaresFit fit(const ArrayLike& phi_value, const ArrayLike& y_value) {
                        Eigen::Map<const Eigen::VectorXd>(y.data(), y.size()));
 }
 
-using RecursiveClass = Class<RecursiveLeastSquares, std::shared_ptr<RecursiveLeastSquares>>;
+template <typename From, typename To>
+using copy_const = std::conditional_t<std::is_const_v<From>, const To, To>;
+
+// What changes with each update, for one thread at a time: a run may have it.
+template <typename Result, typename Filters, typename... Arguments>
+auto alone(Result (*function)(Filters&, Arguments...)) {
+  return
+      [function](copy_const<Filters, GuardedLeastSquares>& self, Arguments... arguments) -> Result {
+        const ThreadGuard::Look look(self.guard());
+        return function(self, arguments...);
+      };
+}
+
+using RecursiveClass = Class<GuardedLeastSquares, std::shared_ptr<GuardedLeastSquares>>;
 
 // It changes with each update: equal are filters that go on alike. There is no hash.
 void define_recursive_value(RecursiveClass& cls) {
-  using Rls = RecursiveLeastSquares;
+  using Rls = GuardedLeastSquares;
   const auto make = [](int n_parameters, int n_filters, double forgetting, double covariance,
                        const std::vector<double>& state) {
     auto filter = std::make_shared<Rls>(n_parameters, n_filters, forgetting, covariance);
@@ -114,10 +131,11 @@ void define_recursive_value(RecursiveClass& cls) {
   const Fields fields(make, Field("n_parameters", &Rls::n_parameters),
                       Field("n_filters", &Rls::n_filters), Field("forgetting", &Rls::forgetting),
                       Field("initial_covariance", &Rls::initial_covariance),
-                      Field("state", &Rls::state));
+                      Field("state", alone(state_of)));
   define_equality(cls, fields);
   define_pickle(cls, fields);
   cls.def("__repr__", [](const Rls& self) {
+    const ThreadGuard::Look look(self.guard());
     return "<RecursiveLeastSquares: " + std::to_string(self.n_parameters()) + " parameters, " +
            std::to_string(self.n_filters()) + (self.n_filters() == 1 ? " filter, " : " filters, ") +
            py::str(py::cast(sample_counts_of(self))).cast<std::string>() + " samples>";
@@ -208,14 +226,17 @@ n_parameters : int
 n_filters : int
     Number of filters: 3 for the axes of a robot, 3 R for those of R runs.
 forgetting : float
-    Forgetting factor, 0 < forgetting <= 1; 1 = none.
+    Forgetting factor, within 1e-10..1; 1 = none.
 initial_covariance : float
-    The initial P is this times the identity matrix; the initial theta is 0.
+    The initial P is this times the identity matrix, at most 1e50; the initial theta is 0.
 
 Raises
 ------
 ValueError
     For values outside these ranges.
+RuntimeError
+    When it is looked at, updated or reset while a run in another thread has it:
+    ``sim.trace.parameters`` can be read meanwhile.
 
 Notes
 -----
@@ -235,7 +256,7 @@ filter follows a change of the parameters more and more slowly as samples accumu
       .def(py::init<int, int, double, double>(), py::arg("n_parameters"), py::kw_only(),
            py::arg("n_filters") = 1, py::arg("forgetting") = defaults.forgetting(),
            py::arg("initial_covariance") = defaults.initial_covariance())
-      .def("update", &update, py::arg("phi"), py::arg("y"), R"(
+      .def("update", alone(update), py::arg("phi"), py::arg("y"), R"(
 Update every filter with one sample, or with N samples in sequence.
 
 Parameters
@@ -254,27 +275,27 @@ array, shaped as phi
 Raises
 ------
 TypeError, ValueError
-    For other shapes and for infinity; the filters are unchanged then.
+    For other shapes and for numbers beyond 1e50; the filters are unchanged then.
 )")
-      .def_property_readonly("theta", &theta_of,
+      .def_property_readonly("theta", alone(theta_of),
                              "array (n_parameters,) or (n_filters, n_parameters): the estimates.")
       .def_property_readonly(
-          "P", &covariance_of,
+          "P", alone(covariance_of),
           "array (n_parameters, n_parameters), for several filters (n_filters, n_parameters, "
           "n_parameters):\n"
           "covariance of the estimates in units of the variance of the output noise.")
       .def_property_readonly(
-          "standard_errors_unscaled", &standard_errors_of,
+          "standard_errors_unscaled", alone(standard_errors_of),
           "array, shaped as theta: standard errors of the estimates in units of the standard\n"
           "deviation of the output noise, the square roots of the diagonal of P.")
       .def_property_readonly(
-          "n_samples", &sample_counts_of,
+          "n_samples", alone(sample_counts_of),
           "int, or array (n_filters,) of int: number of samples used, without skipped updates.")
       .def_property_readonly("forgetting", &RecursiveLeastSquares::forgetting,
                              "float: forgetting factor.")
       .def_property_readonly("initial_covariance", &RecursiveLeastSquares::initial_covariance,
                              "float: the initial P is this times the identity matrix.")
-      .def("reset", &RecursiveLeastSquares::reset, "Return to the initial state.");
+      .def("reset", alone(reset), "Return to the initial state.");
   define_recursive_value(recursive);
 
   bind_fit(module);

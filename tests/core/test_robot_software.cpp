@@ -56,7 +56,7 @@ class RobotSoftwareTest : public ::testing::Test {
     Stages& stages = robot.stages();
     stages.define_model = [] { return RobotModel(); };
     stages.init_parameter_estimator = [](const RobotModel&) {
-      return std::make_shared<RecursiveEstimator>(std::make_shared<RecursiveLeastSquares>(5, 3));
+      return std::make_shared<RecursiveEstimator>(std::make_shared<GuardedLeastSquares>(5, 3));
     };
     stages.measure = {[this](const StepPointer& step) {
                         ++measured;

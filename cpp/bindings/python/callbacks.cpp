@@ -61,9 +61,9 @@ RobotModel model_from(const py::object& result) {
 
 std::shared_ptr<ParameterEstimator> estimator_from(const py::object& result) {
   if (result.is_none()) throw py::type_error("the result must be an estimator object, got None");
-  if (is_exactly<RecursiveLeastSquares>(result)) {
+  if (is_exactly<GuardedLeastSquares>(result)) {
     return std::make_shared<RecursiveEstimator>(
-        result.cast<std::shared_ptr<RecursiveLeastSquares>>());
+        result.cast<std::shared_ptr<GuardedLeastSquares>>());
   }
   return std::make_shared<ObjectEstimator>(result);
 }

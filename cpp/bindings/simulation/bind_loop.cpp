@@ -98,8 +98,13 @@ Columns columns_of(const SlottedLoop& self) {
   return columns;
 }
 
+BlobOptions blob_options_of(const SlottedLoop& self) {
+  const RunGuard::Look look(self.guard());
+  return self.robot().vision().options();
+}
+
 std::vector<MissedDetections> missed_of(const SlottedLoop& self) {
-  self.guard().check_thread();
+  const RunGuard::Look look(self.guard());
   std::vector<MissedDetections> result;
   for (const auto& [reason, missed] : self.robot().missed()) result.push_back(missed);
   std::stable_sort(result.begin(), result.end(),
@@ -122,18 +127,19 @@ void bind_loop(py::module_& module) {
            "Put a callable or a native component into a slot; None = the default.")
       .def(
           "set_controller_seed",
-          [](SlottedLoop& self, std::uint64_t seed) { self.robot().set_controller_seed(seed); },
+          [](SlottedLoop& self, std::uint64_t seed) {
+            const RunGuard::Look look(self.guard());
+            self.robot().set_controller_seed(seed);
+          },
           py::arg("seed"))
       .def_property_readonly(
-          "minimum_area",
-          [](SlottedLoop& self) { return self.robot().vision().options().minimum_area; },
+          "minimum_area", [](SlottedLoop& self) { return blob_options_of(self).minimum_area; },
           "int: of the blobs in the newest frame (px).")
       .def_property_readonly(
-          "maximum_count",
-          [](SlottedLoop& self) { return self.robot().vision().options().maximum_count; },
+          "maximum_count", [](SlottedLoop& self) { return blob_options_of(self).maximum_count; },
           "int: of the blobs of a colour.")
       .def_property_readonly(
-          "smoothing", [](SlottedLoop& self) { return self.robot().vision().options().smoothing; },
+          "smoothing", [](SlottedLoop& self) { return blob_options_of(self).smoothing; },
           "int: window of the newest frame (px); 1 = off.")
       .def("start", &SlottedLoop::start, "Do what comes once, if that has not been done yet.")
       .def(

@@ -39,6 +39,7 @@ class SlottedWorld : public SimulatedWorld, public SlotValues {
   }
 
   void set_true_model(const py::object& draw) {
+    guard().check_idle("the model of the world");
     slots().true_model = nullptr;
     if (!draw.is_none()) {
       slots().true_model = [draw = py::handle(draw)](const RobotModel& model) {
@@ -95,7 +96,6 @@ Eigen::Matrix3d matrix_from(const ArrayLike& value, const std::string& name) {
 // What a capture shows: a new frame, or one that borrows `out`, written anew.
 Frame drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture,
             const std::optional<PixelArray>& out) {
-  const RunGuard::Look look(self.loop_guard());
   if (!out) return self.draw(capture);
   const bool is_buffer = PyObject_CheckBuffer(out->ptr());
   const py::object pixels = is_buffer ? py::object(py::array(*out)) : py::object(*out);
@@ -222,14 +222,20 @@ void bind_simulated_world(py::module_& module) {
           py::arg("pose_factor"), py::arg("input_sigma"))
       .def("set_seeds", &SlottedWorld::set_seeds, py::kw_only(), py::arg("noise"),
            py::arg("dropout"), py::arg("disturbance"))
-      .def_property_readonly("model", [](const SlottedWorld& self) { return self.model(); })
+      .def_property_readonly(
+          "model", [](const SlottedWorld& self) { return self.model(); },
+          "RobotModel or None: the one that the robot follows; None before the start.")
       .def_property_readonly(
           "scene",
-          [](const SlottedWorld& self) { return std::const_pointer_cast<Scene>(self.scene()); },
+          [](const SlottedWorld& self) {
+            const RunGuard::Look look(self.loop_guard());
+            return std::const_pointer_cast<Scene>(self.scene());
+          },
           "Scene or None: what the camera looks at; None if nobody has looked yet.")
       .def(
           "draw_newest",
           [](SlottedWorld& self, const std::optional<PixelArray>& out) {
+            const RunGuard::Look look(self.loop_guard());
             const SimulatedWorld::Capture* capture = self.newest_capture();
             if (!capture) throw std::runtime_error("no frame has come yet in this step");
             return drawn(self, *capture, out);
@@ -240,6 +246,7 @@ void bind_simulated_world(py::module_& module) {
           [](SlottedWorld& self, std::int64_t k, const ArrayLike& pose,
              const std::array<double, 2>& view, bool hidden, const std::array<double, 2>& noise,
              const std::optional<PixelArray>& out) {
+            const RunGuard::Look look(self.loop_guard());
             Truth truth;
             truth.pose = pose_from(pose, "pose");
             truth.view = {view[0], view[1]};

@@ -64,7 +64,13 @@ class Image {
   WritableView writable_view();
 
   /// True while another Image (such as a frame that a user kept) holds the same pixels.
-  bool is_shared() const { return pixels_.use_count() > 1; }
+  bool is_shared() const {
+    if (pixels_.use_count() > 1) return true;
+    // What the last other holder read, in any thread, comes before what is written now: giving a
+    // reference back is ordered after its giving one back, which looking at the count is not.
+    const auto reference = pixels_;
+    return false;
+  }
 
  private:
   std::shared_ptr<const std::uint8_t> pixels_;

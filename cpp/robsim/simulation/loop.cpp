@@ -105,6 +105,7 @@ bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
   recorder_.prepare(*world_, robot_, steps);
   bool is_at_end = false;
   try {
+    const auto estimator = robot_.hold_estimator();
     is_at_end = turns(steps, pulse);
   } catch (...) {
     stop_robot();
@@ -138,6 +139,7 @@ std::optional<Stage> Loop::step_stage(const Pulse& pulse) {
   recorder_.prepare(*world_, robot_, 1);
   Stage done = Stage::world;
   try {
+    const auto estimator = robot_.hold_estimator();
     // One that was on when the stage before it was done may have been switched off.
     while (stage_ != Stage::world && !is_on(stage_)) do_stage();
     done = stage_;

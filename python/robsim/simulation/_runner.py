@@ -6,6 +6,7 @@ import reprlib
 from abc import abstractmethod
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from threading import Lock
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,6 +18,7 @@ from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
 from robsim._core import ColorClass, Frame, MarkerLayout, Step
 from robsim.robots import RobotDefinition
 from robsim.simulation._callbacks.errors import callback_of
+from robsim.simulation._callbacks.memory import held
 from robsim.simulation._callbacks.missing_data import note_missing_data, unmet_needs
 from robsim.simulation._callbacks.misused_values import note_misuse
 from robsim.simulation._run_info import run_info
@@ -54,7 +56,7 @@ class Runner(Slotted):
         self.colors = colors
         self.markers = markers
         self._smoothing = smoothing
-        self._is_guarded = False
+        self._guarding = Lock()
         self._seed = seed
         self._rng: np.random.Generator | None = None
         self._run_info: RunInfo | None = None
@@ -198,12 +200,12 @@ class Runner(Slotted):
     @contextmanager
     def _guarded(self) -> Iterator[None]:
         """Let callbacks import the helper modules of their folder, and enforce the time limit."""
-        if self._is_guarded:  # the core raises if it is running
+        if not self._guarding.acquire(blocking=False):  # the core raises if it is running
             yield
             return
-        self._is_guarded = True
         with ExitStack() as stack:
-            stack.callback(setattr, self, "_is_guarded", False)
+            stack.callback(self._guarding.release)
+            stack.enter_context(held(self._callbacks.values()))
             if self._folder is not None:
                 stack.enter_context(self._folder.importable())
             if self._time_limit is not None:

@@ -286,10 +286,11 @@ class Simulation(WorldSlots, Runner):
     def true_model(self) -> RobotModel:
         """The model that the robot of the world follows; the robot half believes in `model`."""
         self._start()
-        return self._world.model
+        model: RobotModel = self._world.model
+        return model
 
     def _theta_true(self) -> ArrayLike:
-        return (self._world.model if self._core.has_started else RobotModel()).theta
+        return (self._world.model or RobotModel()).theta
 
     @told_by_name
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
@@ -315,7 +316,15 @@ class Simulation(WorldSlots, Runner):
             kept in `trace`. The next run repeats the stage that failed, in the same step; what
             comes before it in the step is not done again.
         RuntimeError
-            If it is already running.
+            If it is already running, or another run has its estimator or controller.
+
+        Notes
+        -----
+        Meanwhile other threads can read `trace`, `n_steps` and `stage`, draw a plot of them, and
+        `stop` the run; what the run changes, such as `last_step` and `estimator`, refuses to be
+        looked at. A run with callbacks in Python takes turns with other busy threads, and waits up
+        to 5 ms for each turn: ``sys.setswitchinterval(0.0005)`` makes that shorter. A run without
+        any waits for nobody.
         """
         if steps is None:
             raise TypeError("steps must be an int: a simulated world has no end")

@@ -5,7 +5,7 @@ namespace robsim {
 RobotModel default_model() { return RobotModel(); }
 
 std::shared_ptr<ParameterEstimator> default_parameter_estimator(const RobotModel&) {
-  return std::make_shared<RecursiveEstimator>(std::make_shared<RecursiveLeastSquares>(5, 3));
+  return std::make_shared<RecursiveEstimator>(std::make_shared<GuardedLeastSquares>(5, 3));
 }
 
 std::optional<AxisMatrix> update_estimator(const StepPointer& step) {

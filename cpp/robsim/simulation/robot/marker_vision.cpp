@@ -22,7 +22,7 @@ MarkerVision::MarkerVision(std::vector<ColorClass> colors, const MarkerLayout& m
       finder_(std::move(colors), with_smoothing({}, smoothing)) {}
 
 BlobsByColor MarkerVision::find(const Frame& frame) {
-  const NativeWork native;
+  const NativeWork native(std::int64_t{frame.image.width()} * frame.image.height());
   const BlobOptions options = with_smoothing(
       marker_blobs(markers_, frame.plane_map, frame.image.width(), frame.image.height()),
       smoothing_);

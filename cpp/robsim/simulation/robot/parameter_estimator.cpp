@@ -5,7 +5,7 @@
 
 namespace robsim {
 
-RecursiveEstimator::RecursiveEstimator(std::shared_ptr<RecursiveLeastSquares> filters)
+RecursiveEstimator::RecursiveEstimator(std::shared_ptr<GuardedLeastSquares> filters)
     : filters_(std::move(filters)) {
   if (filters_->n_filters() != 3 || filters_->n_parameters() != 5) {
     throw std::invalid_argument(

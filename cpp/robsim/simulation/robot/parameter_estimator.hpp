@@ -4,6 +4,7 @@
 
 #include "robsim/estimation/recursive_least_squares.hpp"
 #include "robsim/simulation/robot/step.hpp"
+#include "robsim/simulation/seam/thread_guard.hpp"
 
 namespace robsim {
 
@@ -26,20 +27,39 @@ class ParameterEstimator {
 
   /// True if it needs the Python interpreter.
   virtual bool is_interpreted() const { return false; }
+
+  /// What gives it to one run at a time; null if the interpreter sees to that.
+  virtual const ThreadGuard* guard() const { return nullptr; }
+};
+
+/// Recursive least squares that runs and others have in turn.
+class GuardedLeastSquares : public RecursiveLeastSquares {
+ public:
+  using RecursiveLeastSquares::RecursiveLeastSquares;
+
+  const ThreadGuard& guard() const { return guard_; }
+
+ private:
+  ThreadGuard guard_{
+      "a run in another thread has this estimator as long as it lasts: look at "
+      "sim.trace.parameters meanwhile; simulations that run at a time need an estimator each",
+      "a run in another thread had this estimator when the process was forked, and may have been "
+      "in the middle of an update: make another one in this process"};
 };
 
 /// The default: recursive least squares, one filter for each of the three axes.
 class RecursiveEstimator : public ParameterEstimator {
  public:
-  explicit RecursiveEstimator(std::shared_ptr<RecursiveLeastSquares> filters);
+  explicit RecursiveEstimator(std::shared_ptr<GuardedLeastSquares> filters);
 
   AxisMatrix update(const Step& step) override;
   bool has_standard_errors() const override { return true; }
   bool write_standard_errors_unscaled(double* errors) const override;
-  const std::shared_ptr<RecursiveLeastSquares>& filters() const { return filters_; }
+  const ThreadGuard* guard() const override { return &filters_->guard(); }
+  const std::shared_ptr<GuardedLeastSquares>& filters() const { return filters_; }
 
  private:
-  std::shared_ptr<RecursiveLeastSquares> filters_;
+  std::shared_ptr<GuardedLeastSquares> filters_;
 };
 
 }  // namespace robsim

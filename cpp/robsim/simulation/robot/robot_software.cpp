@@ -53,6 +53,16 @@ void RobotSoftware::renew_step() {
   step_ = std::make_shared<Step>(guard_, vision_);
 }
 
+bool RobotSoftware::has_estimator_alone() const {
+  const bool has_step = step_ && step_->estimator == estimator_;
+  return estimator_.use_count() == (has_step ? 2 : 1) && (!has_step || step_.use_count() == 1);
+}
+
+std::optional<ThreadGuard::Run> RobotSoftware::hold_estimator() const {
+  const ThreadGuard* guard = estimator_ ? estimator_->guard() : nullptr;
+  return guard ? std::optional<ThreadGuard::Run>(std::in_place, *guard) : std::nullopt;
+}
+
 void RobotSoftware::estimate_parameters() {
   if (!stages_.estimate_parameters) return;
   const std::optional<AxisMatrix> result = stages_.estimate_parameters.call(step_);

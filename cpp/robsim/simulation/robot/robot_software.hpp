@@ -62,6 +62,13 @@ class RobotSoftware {
   const RobotModel& model() const { return model_.value(); }
   const std::shared_ptr<ParameterEstimator>& estimator() const { return estimator_; }
 
+  /// True if nobody else has the estimator or, with the step, a way to it.
+  bool has_estimator_alone() const;
+
+  /// Gives the estimator to the run of this thread, for the life of what it returns. Throws
+  /// std::runtime_error if a run in another thread has it. Only after the start.
+  std::optional<ThreadGuard::Run> hold_estimator() const;
+
   /// The newest step. Only after the start.
   const StepPointer& step() const { return step_; }
 

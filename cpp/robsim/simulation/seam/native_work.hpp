@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 namespace robsim {
 
 /// How to give up and take back what an interpreter around the core lets one thread hold at a time.
@@ -16,6 +18,9 @@ void set_interpreter_lock(const InterpreterLock& lock);
 class NativeWork {
  public:
   NativeWork();
+
+  /// The same around work on so many pixels, if that is long.
+  explicit NativeWork(std::int64_t pixels);
   ~NativeWork();
   NativeWork(const NativeWork&) = delete;
   NativeWork& operator=(const NativeWork&) = delete;

@@ -34,24 +34,25 @@ void SimulatedWorld::set_start(const Pose& start) {
   if (!is_finite(start)) {
     throw std::invalid_argument("start must be a finite pose, got NaN or inf");
   }
+  const RunGuard::Look look(guard());
   options_.start = start;
   options_.start.heading = wrap_angle(start.heading);
 }
 
 void SimulatedWorld::set_noise(const VisualNoise& noise) {
-  guard().check_thread();
+  const RunGuard::Look look(guard());
   noise_ = std::make_shared<VisualNoise>(noise);
 }
 
 void SimulatedWorld::set_dropout(double probability, int steps) {
-  guard().check_thread();
+  const RunGuard::Look look(guard());
   options_.dropout.probability = probability;
   options_.dropout.steps = steps;
 }
 
 void SimulatedWorld::set_disturbance(const Eigen::Matrix3d& pose_factor,
                                      std::array<double, 2> input_sigma) {
-  guard().check_thread();
+  const RunGuard::Look look(guard());
   options_.disturbance.pose_factor = pose_factor;
   options_.disturbance.input_sigma = input_sigma;
   options_.disturbance.is_on = !pose_factor.isZero(0) || input_sigma[0] != 0 || input_sigma[1] != 0;
@@ -59,6 +60,7 @@ void SimulatedWorld::set_disturbance(const Eigen::Matrix3d& pose_factor,
 
 void SimulatedWorld::set_seeds(std::uint64_t noise, std::uint64_t dropout,
                                std::uint64_t disturbance) {
+  const RunGuard::Look look(guard());
   options_.noise_seed = noise;
   options_.dropout.seed = dropout;
   options_.disturbance.seed = disturbance;
@@ -169,7 +171,7 @@ Frame SimulatedWorld::without_noise(const Capture& capture) {
   frame.t = static_cast<double>(capture.k) * model_->dt();
   frame.index = capture.k;
   frame.plane_map = renderer().plane_map(capture.pan);
-  const NativeWork native;
+  const NativeWork native(pixel_count());
   frame.image =
       renderer().render(capture.hidden ? std::nullopt : std::optional(capture.pose), capture.pan);
   return frame;
@@ -178,7 +180,7 @@ Frame SimulatedWorld::without_noise(const Capture& capture) {
 Frame SimulatedWorld::draw(const Capture& capture) {
   Frame frame = without_noise(capture);
   if (capture.noise->is_off()) return frame;
-  const NativeWork native;
+  const NativeWork native(pixel_count());
   Image noisy = noisy_images_.take(frame.image.width(), frame.image.height());
   capture.noise->add(frame.image.view(), options_.noise_seed, static_cast<std::uint64_t>(capture.k),
                      noisy.writable_view());
@@ -195,7 +197,7 @@ Frame SimulatedWorld::draw_into(const Capture& capture, const WritableView& pixe
         std::to_string(frame.image.height()) + " px, got " + std::to_string(pixels.width) + " x " +
         std::to_string(pixels.height));
   }
-  const NativeWork native;
+  const NativeWork native(pixel_count());
   capture.noise->add(frame.image.view(), options_.noise_seed, static_cast<std::uint64_t>(capture.k),
                      pixels);
   frame.image = borrowed;

@@ -79,8 +79,8 @@ class SimulatedWorld : public World {
   const WorldOptions& options() const { return options_; }
   WorldSlots& slots() { return slots_; }
 
-  /// The model that the robot follows. Only after the start.
-  const RobotModel& model() const { return model_.value(); }
+  /// The model that the robot follows; nothing before the start.
+  const std::optional<RobotModel>& model() const { return model_; }
 
   // To be changed before the start, or between two steps.
   void set_start(const Pose& start);
@@ -119,6 +119,7 @@ class SimulatedWorld : public World {
   Pose next_pose(std::int64_t k) const;
   Pan followed_view() const;
   Renderer& renderer();
+  std::int64_t pixel_count() const { return std::int64_t{options_.width} * options_.height; }
   Frame without_noise(const Capture& capture);
 
   WorldOptions options_;

@@ -1,0 +1,186 @@
+"""Forks, signals and the end of Python while a run is under way in some thread."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+import traceback
+
+import pytest
+
+import robsim
+from threads import running
+
+pytestmark = [
+    pytest.mark.threads,
+    pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning"),
+]
+
+OPTIONS = {"measure": True, "estimate_parameters": True, "resolution": (64, 64), "seed": 1}
+
+
+def python(code):
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+def told(look):
+    try:
+        look()
+    except RuntimeError as error:
+        return str(error)
+    return "done"
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_forked_process_is_told_that_the_run_is_not_its_own():
+    sim = robsim.Simulation(control=robsim.DriveAround(), **OPTIONS)
+    sim.run(5)
+    estimator = sim.estimator
+
+    def look():
+        for use in (lambda: sim.run(3), sim.step, sim.reset, lambda: sim.last_step):
+            assert "when the process was forked" in told(use)
+        for use in (lambda: estimator.theta, estimator.reset):
+            assert "when the process was forked" in told(use)
+        assert not sim.is_running
+        assert not sim.stop()
+        own = robsim.Simulation(control=robsim.DriveAround(), **OPTIONS)
+        with running(own):  # the number of a thread there is never that of one of the parent's
+            assert "another thread is running" in told(lambda: own.last_step)
+            assert "when the process was forked" in told(lambda: sim.last_step)
+        assert len(own.run(3)) > 3
+
+    with running(sim):
+        child = os.fork()
+        if child == 0:
+            code = 1
+            try:
+                look()
+                code = 0
+            except BaseException:
+                traceback.print_exc(file=sys.__stderr__)
+            finally:
+                os._exit(code)
+        assert os.waitpid(child, 0)[1] == 0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_callback_may_fork_and_both_processes_go_on():
+    children = []
+
+    def control(step):
+        if step.k == 2:
+            children.append(os.fork())
+        return 0.3, 0.1
+
+    sim = robsim.Simulation(control=control, **OPTIONS)
+    try:
+        trace = sim.run(6)
+    finally:
+        if children == [0]:
+            os._exit(0 if sim.n_steps == 6 and not sim.is_running else 1)
+    assert len(trace) == 6
+    assert os.waitpid(children[0], 0)[1] == 0
+
+
+DAEMON = """
+import threading, time, robsim
+sim = robsim.Simulation(measure=True, resolution=(64, 64), {options})
+threading.Thread(target=lambda: sim.run(10**7), daemon=True).start()
+while not sim.n_steps:
+    time.sleep(0.001)
+"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("options", ["", "control=lambda step: (0, 0)", "time_limit=9"])
+def test_the_end_of_python_during_a_run(options):
+    assert python(DAEMON.format(options=options)) == (0, "", "")
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not hasattr(signal, "SIGURG"), reason="needs signals of Unix")
+def test_a_time_limit_leaves_all_signals_as_they_were():
+    """Handlers that were set in C, of which Python knows nothing, too."""
+    code = """
+import faulthandler, os, signal, sys, tempfile
+import robsim
+own = []
+signal.signal(signal.SIGUSR1, lambda *_: own.append("own"))
+log = tempfile.TemporaryFile()
+faulthandler.register(signal.SIGUSR2, file=log, all_threads=False)
+faulthandler.register(signal.SIGURG, file=log, all_threads=False)
+def control(step):
+    os.kill(os.getpid(), signal.SIGUSR1)
+    os.kill(os.getpid(), signal.SIGUSR2)
+    os.kill(os.getpid(), signal.SIGURG)  # not ours: no reason to end anything
+    return 0, 0
+sim = robsim.Simulation(control=control, time_limit=5)
+sim.run(3)
+os.kill(os.getpid(), signal.SIGURG)
+os.kill(os.getpid(), signal.SIGUSR2)
+log.seek(0)
+print(len(own), log.read().count(b"most recent call first"))
+"""
+    assert python(code) == (0, "3 5\n", "")  # while it runs, that of SIGURG waits: 3 + 2
+
+
+@pytest.mark.long
+def test_a_handler_of_python_for_the_same_signal_is_called_meanwhile():
+    if not hasattr(signal, "SIGURG"):
+        pytest.skip("needs signals of Unix")
+    code = """
+import os, signal
+import robsim
+own = []
+signal.signal(signal.SIGURG, lambda *_: own.append(1))
+def control(step):
+    os.kill(os.getpid(), signal.SIGURG)
+    return 0, 0
+robsim.Simulation(control=control, time_limit=5).run(3)
+os.kill(os.getpid(), signal.SIGURG)
+print(len(own))
+"""
+    assert python(code) == (0, "4\n", "")
+
+
+@pytest.mark.long
+def test_ctrl_c_ends_a_native_run_and_keeps_its_trace():
+    code = """
+import robsim
+sim = robsim.Simulation(measure=True, resolution=(64, 64))
+sim.run(1)
+print("begins", flush=True)
+try:
+    sim.run(10**7)
+except KeyboardInterrupt:
+    print(len(sim.trace) > 1, sim.is_running)
+"""
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout.readline() == "begins\n"
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=60) == ("True False\n", "")
+
+
+def test_a_sub_interpreter_is_told_that_it_cannot():
+    interpreters = pytest.importorskip("_xxsubinterpreters")  # of Python 3.11 and 3.12
+    code = """
+import _xxsubinterpreters as interpreters, faulthandler
+faulthandler.dump_traceback_later(30, exit=True)
+try:
+    interpreters.run_string(interpreters.create(), "import robsim")
+except interpreters.RunFailedError as error:
+    print(error)
+"""
+    assert interpreters
+    status, out, err = python(code)
+    assert status == 0, err
+    assert "ImportError" in out
+    assert "sub-interpreter" in out

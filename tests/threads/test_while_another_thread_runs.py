@@ -1,0 +1,196 @@
+"""What can be reached of a run while another thread runs it: snapshots, or a refusal in words."""
+
+import copy
+import pickle
+import time
+
+import numpy as np
+import pytest
+
+import robsim
+from threads import running, together
+
+pytestmark = pytest.mark.threads
+
+OPTIONS = {"measure": True, "estimate_parameters": True, "resolution": (64, 64), "seed": 1}
+DURATION = 0.1  # s, of trying to do harm
+
+
+def simulation(**options):
+    return robsim.Simulation(control=robsim.DriveAround(), **OPTIONS | options)
+
+
+@pytest.fixture
+def sim():
+    """A simulation that has run, so that there is something to look at."""
+    sim = simulation()
+    sim.run(30)
+    return sim
+
+
+def outcome(look):
+    """What a look from another thread comes to: "done", or how it was refused."""
+    try:
+        look()
+    except RuntimeError as error:
+        return str(error)
+    return "done"
+
+
+def outcomes(*looks):
+    end = time.monotonic() + DURATION
+    seen = set()
+    while time.monotonic() < end:
+        seen.update(map(outcome, looks))
+    return seen
+
+
+def public(thing):
+    return [name for name in dir(thing) if not name.startswith("_")]
+
+
+#: What belongs to the whole run, and stands still between two steps at most.
+REFUSED = {"estimator.theta", "last_step", "frame", "missed_detections"}
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda rls: rls.theta,
+        lambda rls: rls.P,
+        lambda rls: rls.standard_errors_unscaled,
+        lambda rls: rls.n_samples,
+        lambda rls: rls.reset(),
+        lambda rls: rls.update(np.ones((3, 5)), np.ones(3)),
+        repr,
+        copy.copy,
+        copy.deepcopy,
+        pickle.dumps,
+        lambda rls: rls == copy.copy(rls),
+    ],
+)
+def test_the_estimator_belongs_to_the_run(sim, use):
+    rls = sim.estimator
+    with running(sim):
+        refused = outcomes(lambda: use(rls), lambda: use(sim.estimator))
+    (words,) = refused
+    assert "a run in another thread has this estimator" in words
+    assert "sim.trace.parameters" in words
+    use(rls)  # afterwards it is anybody's again
+    again = simulation()
+    again.run(sim.n_steps)
+    np.testing.assert_array_equal(again.trace.parameters, sim.trace.parameters)
+
+
+def test_all_of_an_estimator_is_thought_of(sim):
+    never_changes = {"n_parameters", "n_filters", "forgetting", "initial_covariance"}
+    known = {"theta", "P", "standard_errors_unscaled", "n_samples", "reset", "update"}
+    assert set(public(robsim.RecursiveLeastSquares)) <= known | never_changes
+
+
+def test_all_of_a_simulation_can_be_asked_for(sim):
+    """Each property gives something, or says why not; none of them disturbs the run."""
+    told = {}
+    with running(sim):
+        for name in public(type(sim)):
+            if isinstance(getattr(type(sim), name), property):
+                told[name] = outcomes(lambda name=name: getattr(sim, name))
+        told["repr"] = outcomes(lambda: repr(sim))
+    refused = {name: words for name, words in told.items() if words != {"done"}}
+    assert set(refused) == {"last_step", "frame", "missed_detections"}
+    for words in refused.values():
+        assert all("another thread is running this simulation" in one for one in words)
+
+
+def test_a_live_plot(sim):
+    """A trace that is read during the run is the beginning of that at its end."""
+    read = []
+    with running(sim):
+        while len(read) < 50 or len(read[-1]) < 100:
+            read.append(sim.trace)
+    whole = sim.trace
+    for part in read:
+        for name in ("pose_true", "pose_measured", "parameters", "u"):
+            np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[: len(part)])
+
+
+def test_nothing_can_be_changed(sim):
+    def fill(slot):
+        setattr(sim, slot, None)
+
+    with running(sim):
+        for slot in sim.SLOTS:
+            (words,) = outcomes(lambda slot=slot: fill(slot))
+            assert "during a run" in words or "call sim.reset() first" in words
+        for option in ("noise", "dropout", "process_noise"):
+            (words,) = outcomes(lambda option=option: setattr(sim, option, None))
+            assert "another thread is running" in words
+        for change in (sim.reset, sim.step, sim.step_stage, lambda: sim.run(1)):
+            (words,) = outcomes(change)
+            assert "already running" in words
+        (words,) = outcomes(lambda: sim.render_step(3))
+        assert "another thread is running" in words
+
+
+def test_steps_and_frames_that_were_kept(sim):
+    """They are those of before the run, whatever comes after them."""
+    sim.reset()
+    steps = [sim.step() for _ in range(5)]
+    pixels = [step.frame.image.copy() for step in steps]
+    last = sim.last_step
+
+    def look():
+        for step, before in zip(steps, pixels, strict=True):
+            assert (step.k, step.t) == (steps.index(step), step.k * step.dt)
+            np.testing.assert_array_equal(step.frame.image, before)
+            assert step.blobs
+            assert step.u.shape == (2,)
+        assert last == steps[-1]
+        assert last.parameters is not None or last.k < 3
+
+    with running(sim):
+        assert outcomes(look) == {"done"}
+
+
+def test_a_kept_step_can_be_given_back_while_the_next_run_begins():
+    for _ in range(30):
+        sim = simulation()
+        sim.run(1)
+        kept = [sim.last_step]
+
+        def give_back(kept=kept):
+            assert kept[0].k == 0
+            kept[0].t, kept[0].dt
+            kept.clear()
+
+        together(lambda sim=sim: sim.run(20), give_back)
+
+
+def test_a_run_ends_when_another_thread_says_so():
+    sims = [simulation() for _ in range(2)]
+    for _ in range(3):
+        before = [sim.n_steps for sim in sims]
+
+        def stop(before=before):
+            while any(sim.n_steps == n for sim, n in zip(sims, before, strict=True)):
+                time.sleep(0)
+            while any(sim.is_running for sim in sims):
+                for sim in sims:
+                    sim.stop()
+
+        together(*(lambda sim=sim: sim.run(200_000) for sim in sims), stop)
+        assert all(sim.n_steps < n + 200_000 for sim, n in zip(sims, before, strict=True))
+
+
+def test_a_start_in_another_thread_is_seen_whole():
+    """What is read while callbacks of the start run is that of before it, or of after."""
+    for _ in range(3):
+        sim = simulation(define_model=lambda: time.sleep(0.01) or robsim.RobotModel())
+        sim.adjust_background = lambda background: time.sleep(0.01) or background
+
+        def read(sim=sim):
+            while sim.n_steps == 0:
+                assert np.shape(sim.trace.info.theta_true) == (3, 5)
+                repr(sim)
+
+        together(lambda sim=sim: sim.run(3), read)
