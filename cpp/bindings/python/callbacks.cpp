@@ -219,6 +219,17 @@ void SlottedLoop::set_slot(const std::string& slot, const py::object& value) {
   values[slot] = value;
 }
 
+py::handle SlottedLoop::also_held() const {
+  const auto* estimator = dynamic_cast<const ObjectEstimator*>(robot().estimator().get());
+  if (guard().is_running()) return {};  // another thread may be changing the step
+  if (!estimator || !robot().has_estimator_alone()) return {};
+  return estimator->object();
+}
+
+void SlottedLoop::let_go() {
+  if (!guard().is_running()) robot().reset();
+}
+
 void SlottedLoop::refuse(const ResultError& error) const {
   PyErr_SetString(PyExc_ValueError, error.what());
   Callback(error.slot(), values.at(error.slot())).refuse(error.k());

@@ -106,6 +106,10 @@ py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator);
 /// collector can see them: a callback often refers to its own simulation.
 struct SlotValues {
   std::unordered_map<std::string, py::object> values;
+
+  /// What else it alone holds.
+  py::handle also_held() const { return {}; }
+  void let_go() {}
 };
 
 /// Lets Python's garbage collector look into the slots of a class.
@@ -119,11 +123,13 @@ void collect_garbage(PyHeapTypeObject* heap_type) {
     for (const auto& slot : py::cast<Slotted&>(py::handle(self)).values) {
       Py_VISIT(slot.second.ptr());
     }
+    Py_VISIT(py::cast<const Slotted&>(py::handle(self)).also_held().ptr());
     return 0;
   };
   type.tp_clear = [](PyObject* self) {
     if (py::detail::is_holder_constructed(self)) {
       py::cast<Slotted&>(py::handle(self)).values.clear();
+      py::cast<Slotted&>(py::handle(self)).let_go();
     }
     return 0;
   };
@@ -140,6 +146,10 @@ class SlottedLoop : public Loop, public SlotValues {
 
   /// Throws the error of a stage as the Python exception of the callable in its slot.
   [[noreturn]] void refuse(const ResultError& error) const;
+
+  /// The user's estimator, which often refers to its simulation; null while somebody else has it.
+  py::handle also_held() const;
+  void let_go();
 
   StepObject step_object;  // empty between two runs
 };
