@@ -26,7 +26,7 @@ FULL = Scenario(
     background=_RNG.integers(0, 256, (8, 10, 3)).astype(np.uint8),
     start=(1, 2.5, 6),
     seed=np.random.SeedSequence(7).spawn(2)[1],
-    colors=[robsim.ColorClass("dark red", y=(1, 2)), robsim.ColorClass('"blau.ä"\n')],
+    colors=[robsim.ColorClass("dark red", y=(1, 2)), robsim.ColorClass('"blau.ä"')],
     markers=MarkerLayout.from_positions((1, 2), (3, 4), red_area=5),
     smoothing=3,
     identify_from="estimate",
@@ -60,8 +60,10 @@ _LAYOUTS = st.builds(
     area_tolerance=st.floats(1.01, 1e9),
     maximum_blobs=st.integers(1, 2**31 - 1),
 )
+# Printable, as names of colours have to be.
+_NAMES = st.text(st.characters(categories=("L", "N", "P", "S")), min_size=1, max_size=40)
 _COLORS = st.lists(
-    st.builds(robsim.ColorClass, st.text(min_size=1), y=_RANGE, u=_RANGE, v=_RANGE),
+    st.builds(robsim.ColorClass, _NAMES, y=_RANGE, u=_RANGE, v=_RANGE),
     min_size=1,
     max_size=4,
     unique_by=lambda color: color.name,

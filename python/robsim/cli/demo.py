@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from robsim.cli.results import Results
     from robsim.identification._batch import BatchEstimate
+    from robsim.simulation import Simulation
 
 EXAMPLE = "Example: robsim demo"
 HELP = (
@@ -57,15 +58,23 @@ def demo(
 
 
 def _run(out: Path, steps: int, seed: int) -> Results:
-    """Drive through a noisy camera's view, estimate from what it measures, write the figures."""
-    from robsim._core import DriveAround
+    """Write the figures of the run."""
     from robsim.cli.results import check_folder, write_results
-    from robsim.imaging import GaussianNoise
-    from robsim.simulation import Simulation
 
     if steps < _MINIMUM_STEPS:
         raise ValueError(f"steps must be at least {_MINIMUM_STEPS}, got {steps}")
     check_folder(out)
+    simulation = simulate_demo(steps, seed, progress="drive around")
+    # From noisy poses least squares is biased, this method is not.
+    return write_results(out, simulation, method="output_error")
+
+
+def simulate_demo(steps: int = 1000, seed: int = 2008, progress: str | bool = False) -> Simulation:
+    """Drive through a noisy camera's view, and estimate from what it measures."""
+    from robsim._core import DriveAround
+    from robsim.imaging import GaussianNoise
+    from robsim.simulation import Simulation
+
     simulation = Simulation(
         control=DriveAround(),
         resolution=(600, 600),
@@ -76,9 +85,8 @@ def _run(out: Path, steps: int, seed: int) -> Results:
         estimate_parameters=True,
         seed=seed,
     )
-    simulation.run(steps, progress="drive around")
-    # From noisy poses least squares is biased, this method is not.
-    return write_results(out, simulation, method="output_error")
+    simulation.run(steps, progress=progress)
+    return simulation
 
 
 def _print_report(report: BatchEstimate) -> None:
