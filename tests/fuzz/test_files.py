@@ -1,0 +1,287 @@
+"""Damaged files into every reader: what is in them, or a refusal in words; never a crash.
+
+Each kind starts from whole files, written here, and from those in `corpus`, which once broke
+something or are made to.
+"""
+
+import io
+import json
+import shutil
+import warnings
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+import robsim
+from fuzzing import SEEDS, attempt, fuzzed, mutations
+from robsim.imaging import load_image, save_video
+from robsim.vision import save_colors
+from scenarios import FULL
+
+pytestmark = pytest.mark.fuzz
+
+CORPUS = Path(__file__).parent / "corpus"
+
+
+def small_run():
+    sim = robsim.Simulation(
+        area=(120, 120),
+        measure=True,
+        estimate_parameters=True,
+        control=robsim.DriveAround(),
+        seed=1,
+    )
+    sim.run(12)
+    return sim
+
+
+def encoded(form, pixels, **options):
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, form, **options)
+    return buffer.getvalue()
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The contents of whole files, by kind."""
+    folder = tmp_path_factory.mktemp("whole")
+    sim = small_run()
+    sim.trace.save(folder / "run.npz")
+    FULL.save(folder / "full.toml")
+    robsim.Scenario(seed=3, noise=robsim.GaussianNoise(5)).save(folder / "small.toml")
+    save_colors(folder / "colors.toml", robsim.load_colors())
+    pixels = np.random.default_rng(1).integers(0, 256, (24, 32, 3)).astype(np.uint8)
+    forms = [("PNG", {}), ("JPEG", {}), ("BMP", {}), ("GIF", {}), ("TIFF", {}), ("WEBP", {})]
+    alpha = np.dstack((pixels, pixels[..., :1]))
+    robot = Path(robsim.__file__).parent / "assets/robots/lab/robot.toml"
+    kinds = {
+        "traces": [(folder / "run.npz").read_bytes()],
+        "scenarios": [(folder / name).read_bytes() for name in ("full.toml", "small.toml")],
+        "colors": [(folder / "colors.toml").read_bytes()],
+        "robots": [robot.read_bytes()],
+        "pictures": [encoded(*form[:1], pixels, **form[1]) for form in forms]
+        + [encoded("PNG", alpha), encoded("PNG", pixels[..., 0])],
+    }
+    return {kind: whole + corpus(kind) for kind, whole in kinds.items()}
+
+
+def corpus(kind):
+    return [file.read_bytes() for file in sorted((CORPUS / kind).glob("*"))]
+
+
+@pytest.fixture(scope="module")
+def scratch(tmp_path_factory):
+    return tmp_path_factory.mktemp("scratch")
+
+
+def some(data, contents):
+    """One of the whole files, or one that is damaged."""
+    content = data.draw(st.sampled_from(contents))
+    return data.draw(st.one_of(st.just(content), mutations(content), mutations(content)))
+
+
+def check_trace(path):
+    trace = attempt(robsim.Trace.load, path)
+    if trace is not None:
+        assert len(repr(trace)) < 10_000
+        assert "<script" not in trace._repr_html_()
+        attempt(trace.tracking)
+        trace.save(path)
+        assert robsim.Trace.load(path) == trace
+
+
+@fuzzed
+@given(st.data())
+def test_traces(whole, scratch, data):
+    path = scratch / "run.npz"
+    path.write_bytes(some(data, whole["traces"]))
+    check_trace(path)
+
+
+ODD = st.sampled_from(
+    (
+        None,
+        -1,
+        0,
+        1e300,
+        "",
+        "<script>alert(1)</script>",
+        "\x1b]0;a\x07",
+        [],
+        {},
+        [[]],
+        "truth",
+        2**70,
+    )
+)
+
+
+@fuzzed
+@given(st.data())
+def test_members_of_traces(whole, scratch, data):
+    """The parts of an archive changed one by one, with checksums that are right again."""
+    with zipfile.ZipFile(io.BytesIO(whole["traces"][0])) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    name = data.draw(st.sampled_from(sorted(members)))
+    what = data.draw(st.sampled_from(("bytes", "shape", "type", "info", "info", "drop", "add")))
+    if what == "bytes":
+        members[name] = data.draw(mutations(members[name]))
+    elif what == "drop":
+        del members[name]
+    elif what == "add":
+        members[data.draw(st.sampled_from(("x.npy", "../x.npy", "u.npy ", "blobs_<b>.npy")))] = b"0"
+    elif what == "info":
+        info = json.loads(str(np.load(io.BytesIO(members["info.npy"]))))
+        info[data.draw(st.sampled_from((*sorted(info), "more")))] = data.draw(ODD)
+        members["info.npy"] = npy(np.array(json.dumps(info)))
+    else:
+        rng = np.random.default_rng(data.draw(SEEDS))
+        shape = rng.integers(0, 14, rng.integers(0, 4))
+        kind = data.draw(st.sampled_from(("f8", "f4", "i8", "?", "c16", "U3")))
+        members[name] = npy(rng.integers(0, 9, shape).astype(kind))
+    path = scratch / "members.npz"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for member, content in members.items():
+            archive.writestr(member, content)
+    check_trace(path)
+
+
+def npy(array):
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
+
+
+def check_scenario(path):
+    scenario = attempt(robsim.Scenario.load, path)
+    if scenario is not None:
+        scenario.save(path)
+        assert robsim.Scenario.load(path) == scenario
+
+
+@fuzzed
+@given(st.data())
+def test_scenarios(whole, scratch, data):
+    path = scratch / "scenario.toml"
+    path.write_bytes(some(data, whole["scenarios"]))
+    check_scenario(path)
+
+
+def check_colors(path):
+    colors = attempt(robsim.load_colors, path)
+    if colors is not None:
+        save_colors(path, colors)
+        assert robsim.load_colors(path) == colors
+
+
+@fuzzed
+@given(st.data())
+def test_colors(whole, scratch, data):
+    path = scratch / "colors.toml"
+    path.write_bytes(some(data, whole["colors"]))
+    check_colors(path)
+
+
+def check_robot(path):
+    """A robot whose file this is, with the picture of one that ships."""
+    folder = path.parent / "robot"
+    if not folder.exists():
+        shutil.copytree(Path(robsim.__file__).parent / "assets/robots/lab", folder)
+    (folder / "robot.toml").write_bytes(path.read_bytes())
+    robot = attempt(robsim.load_robot, folder)
+    if robot is not None:
+        assert len(repr(robot)) < 1000
+
+
+@fuzzed
+@given(st.data())
+def test_robots(whole, scratch, data):
+    path = scratch / "robot.toml"
+    path.write_bytes(some(data, whole["robots"]))
+    check_robot(path)
+
+
+def check_picture(path, mode="RGB"):
+    pixels = attempt(load_image, path, mode=mode)
+    if pixels is not None:
+        assert pixels.dtype == np.uint8
+
+
+@fuzzed
+@given(st.data(), st.sampled_from(("RGB", "RGBA", "L")))
+def test_pictures(whole, scratch, data, mode):
+    path = scratch / "picture.png"
+    path.write_bytes(some(data, whole["pictures"]))
+    check_picture(path, mode)
+
+
+def check_video(path):
+    attempt(frames_of, path)
+
+
+def frames_of(path):
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".* is truncated or damaged")
+        for k, frame in enumerate(robsim.Recording(path, dt=0.1)):
+            assert frame.image.dtype == np.uint8
+            assert k < 1000
+
+
+@fuzzed
+@given(st.data())
+def test_folders_of_pictures(whole, scratch, data):
+    folder = scratch / "pictures"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    names = st.sampled_from(
+        ("1.png", "2.jpg", "a10.png", "a9.bmp", ".hidden.png", "b.txt", "é.png")
+    )
+    for name in data.draw(st.lists(names, max_size=3, unique=True)):
+        (folder / name).write_bytes(some(data, whole["pictures"]))
+    check_video(folder)
+
+
+@pytest.fixture(scope="module", params=(".avi", ".mp4", ".mkv"))
+def video(request, tmp_path_factory):
+    pytest.importorskip("cv2")
+    path = tmp_path_factory.mktemp("video") / f"whole{request.param}"
+    save_video(path, small_run_frames(), fps=10)
+    return path
+
+
+def small_run_frames():
+    sim = small_run()
+    return [sim.render_step(k) for k in range(6)]
+
+
+@fuzzed
+@given(st.data())
+def test_videos(video, data):
+    path = video.with_stem("damaged")
+    path.write_bytes(some(data, [video.read_bytes(), *corpus("videos")]))
+    check_video(path)
+
+
+READERS = {
+    "traces": check_trace,
+    "scenarios": check_scenario,
+    "colors": check_colors,
+    "robots": check_robot,
+    "pictures": check_picture,
+    "videos": check_video,
+}
+FILES = sorted(file for file in CORPUS.glob("*/*"))
+
+
+def test_the_corpus_is_there():
+    assert {file.parent.name for file in FILES} == set(READERS)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parent.name}/{file.name}")
+def test_corpus(file, tmp_path):
+    READERS[file.parent.name](Path(shutil.copy(file, tmp_path)))
