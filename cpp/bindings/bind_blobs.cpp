@@ -62,7 +62,7 @@ BlobsByColor find(const ImageLike& image, const std::vector<ColorClass>& colors,
                   std::optional<int> smoothing, const std::optional<Region>& region) {
   const ImageView view = view_from(image, "image");
   BlobOptions options;
-  if (markers) options = marker_blobs(*markers, plane_map_of(image), view.width, view.height);
+  if (markers) options = marker_blobs(*markers, plane_map_of(image), view);
   if (minimum_area) options.minimum_area = *minimum_area;
   if (maximum_count) options.maximum_count = *maximum_count;
   if (smoothing) options.smoothing = *smoothing;
@@ -165,6 +165,10 @@ distance_tolerance, area_tolerance, maximum_blobs
                "from_positions");
 }
 
+double width_in(const MarkerLayout& self, const Frame& frame) {
+  return marker_width(self, frame.plane_map, frame.image.width(), frame.image.height());
+}
+
 void bind_marker_layout(py::module_& module) {
   const MarkerLayout defaults;
   Class<MarkerLayout> layout(public_in(module, "robsim.vision"), "MarkerLayout", R"(
@@ -217,6 +221,20 @@ red, blue : array (N, 2)
     Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
 distance_tolerance, area_tolerance, maximum_blobs
     As for `MarkerLayout`.
+)")
+      .def("width_in", &width_in, py::arg("frame"), R"(
+Return how wide the smaller marker is in the middle of a frame.
+
+Parameters
+----------
+frame : Frame
+    The frame; its plane map tells the scale.
+
+Returns
+-------
+float
+    The side of a square of its area (px of the frame); NaN if no area is known. Poses can be
+    trusted from 4.5 px on.
 )")
       .def_property_readonly("distance", &MarkerLayout::distance,
                              "float: distance between the markers' centroids (work-area px).")
@@ -292,8 +310,8 @@ maximum_count : int, optional
     `maximum_blobs` of the markers.
 smoothing : int, optional
     Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
-    and 3/4 of a marker's width; 1 = off. Default: 1, or 0.28 of the width of the smaller marker, at
-    most 7.
+    and 3/4 of a marker's width; 1 = off. Default: 1, or 0.28 of the width of the smaller marker, 3
+    to 7; below a marker of 7 px, 3 in images with noise and 1 in others.
 region : tuple of int, optional
     (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
     pixels are searched, as if the image ended there. Positions are those in the whole image.

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -163,16 +164,59 @@ def test_what_was_missed_in_a_run():
     small[:600, :600] = image[::2, ::2]
     experiment = missed([image, image // 10, small, image // 10])
     dark, half = experiment.missed_detections
-    assert (dark.reason, dark.steps, dark.first_k) == ("no blobs", 2, 1)
+    assert (dark.reason, dark.steps, dark.first_k) == ("dark", 2, 1)
     assert (half.reason, half.steps, half.first_k) == ("distance", 1, 2)
     assert half.first.distance == pytest.approx(21.5, abs=0.5)
     sentence = explain_missed(experiment.missed_detections, 4)
-    assert sentence.startswith("no detection in 3 of 4 steps: in 2, first in step 1, no red")
+    assert sentence.startswith(
+        "no detection in 3 of 4 steps: in 2, first in step 1, the picture is"
+    )
     assert sentence.endswith("; in 1: no pair of blobs at the markers' distance")
     experiment.reset()
     experiment.run(1)
     assert experiment.missed_detections == []
     assert explain_missed([], 1) is None
+
+
+@pytest.mark.parametrize(
+    ("disturb", "reason", "explanation"),
+    [
+        (lambda image: image // 10, "dark", r"the picture is dark: mean level \d+ of 255"),
+        (
+            lambda image: np.clip(image.astype(int) * 6, 0, 255).astype(np.uint8),
+            "overexposed",
+            r"the picture is overexposed: \d+ % of its pixels are white",
+        ),
+        (
+            lambda image: image[::30, ::30],
+            "small markers",
+            r"the markers are 0\.8 px wide in the frame; poses can be trusted from 4\.5 px on",
+        ),
+        (lambda image: np.full_like(image, 150), "no blobs", "no red and no blue blob"),
+    ],
+)
+def test_causes_in_the_frame(disturb, reason, explanation):
+    sim = robsim.Simulation(seed=1)
+    image = np.ascontiguousarray(disturb(sim.frame.image))
+    size = image.shape[1::-1]
+    plane_map = robsim.imaging.PlaneMap.scaled(size, sim.area)
+    frame = robsim.Frame(image, plane_map=plane_map)
+    blobs = robsim.find_blobs(frame, sim.colors, markers=sim.markers)
+    for picture in (frame, image):
+        detection = detect(blobs, sim.markers, plane_map=plane_map, image=picture)
+        assert detection.reason == reason
+        assert re.search(explanation, detection.explanation)
+        assert pickle.loads(pickle.dumps(detection)) == detection
+    # without the picture nothing is known of it
+    assert detect(blobs, sim.markers, plane_map=plane_map).reason not in ("dark", "overexposed")
+
+
+def test_a_dark_floor_is_no_fault_where_the_robot_is_found():
+    image = np.zeros((200, 200, 3), np.uint8)
+    for color, u, v, side in (RED, BLUE):
+        image[v : v + side, u : u + side] = {"red": (220, 30, 30), "blue": (30, 60, 220)}[color]
+    blobs = robsim.find_blobs(image, robsim.load_colors())
+    assert detect(blobs, KNOWN, image=image).reason is None
 
 
 def test_another_robot():

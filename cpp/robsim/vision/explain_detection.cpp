@@ -4,6 +4,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "robsim/vision/marker_blobs.hpp"
+
 namespace robsim {
 
 namespace {
@@ -66,6 +68,12 @@ std::string explain_missing(const std::string& what) {
   return "no " + what + " blob was detected: check the frame and the colours";
 }
 
+std::string small_markers(double width) {
+  return "the markers are " + number(width, 1) +
+         " px wide in the frame; poses can be trusted from " + number(least_marker_width, 1) +
+         " px on. Give the camera more pixels, bring it nearer, or make the markers larger";
+}
+
 std::string explain_result(const Detection& d) {
   switch (d.result) {
     case DetectionResult::no_blobs:
@@ -85,6 +93,20 @@ std::string explain_result(const Detection& d) {
       return "two pairs of red and blue blobs fit the markers equally well (misfits " +
              number(d.misfit, 2) + " and " + number(d.runner_up, 2) +
              "): is something else as red or blue?";
+    case DetectionResult::by_chance:
+      return "red and blue blobs fit the markers (misfit " + number(d.misfit, 2) +
+             "), but so many others are about that " + number(d.false_alarms, 3) +
+             " pairs of them fit as well by chance: is there more noise than markers of this size "
+             "can bear, or much else as red and blue?";
+    case DetectionResult::dark:
+      return "the picture is dark: mean level " + number(d.cause, 0) +
+             " of 255. No robot was detected: more light, a longer exposure, or colours trained in "
+             "this light";
+    case DetectionResult::overexposed:
+      return "the picture is overexposed: " + number(100 * d.cause, 0) +
+             " % of its pixels are white. No robot was detected: less light, or a shorter exposure";
+    case DetectionResult::small_markers:
+      return small_markers(d.cause);
     case DetectionResult::detected:
       break;
   }
@@ -110,10 +132,24 @@ std::string name_of(DetectionResult result) {
       return "areas";
     case DetectionResult::ambiguous:
       return "ambiguous";
+    case DetectionResult::by_chance:
+      return "by chance";
+    case DetectionResult::dark:
+      return "dark";
+    case DetectionResult::overexposed:
+      return "overexposed";
+    case DetectionResult::small_markers:
+      return "small markers";
     case DetectionResult::detected:
       break;
   }
   return "detected";
+}
+
+std::optional<std::string> small_markers_remark(const MarkerLayout& markers,
+                                                const PlaneMap& plane_map, int width, int height) {
+  const double seen = marker_width(markers, plane_map, width, height);
+  return seen < least_marker_width ? std::optional(small_markers(seen)) : std::nullopt;
 }
 
 bool fits_exchanged(const Detection& d) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "robsim/vision/locate.hpp"
@@ -11,6 +12,11 @@ std::string name_of(DetectionResult result);
 
 /// A sentence for people, with the numbers that decided.
 std::string explain(const Detection& detection);
+
+/// What is to be said of markers that are narrower than `least_marker_width` in a width x height
+/// frame; nothing of others.
+std::optional<std::string> small_markers_remark(const MarkerLayout& markers,
+                                                const PlaneMap& plane_map, int width, int height);
 
 /// True if the pair fits much better with the roles of red and blue exchanged: as in a frame whose
 /// channels are in OpenCV's order, BGR. Markers of about the same area never tell.

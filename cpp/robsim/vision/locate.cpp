@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -15,6 +16,9 @@ namespace {
 
 // Misfit (0 = perfect, 3 = just accepted) by which the best pair must be better than the second.
 constexpr double clear_lead = 0.1;
+
+// Pairs by chance that may be expected in a frame.
+constexpr double most_false_alarms = 0.005;
 
 // Blobs of a colour, the largest first, among which the pair most like the markers is looked for.
 constexpr std::size_t most_alike = 8;
@@ -43,6 +47,24 @@ std::vector<Marker> markers_of(const BlobsByColor& blobs, const char* color, con
   return result;
 }
 
+// (log(area/expected) / log(tolerance))^2, 1 at the limit
+double area_misfit(double area, double expected, const MarkerLayout& markers) {
+  const double deviation =
+      elementary::log(area / expected) / elementary::log(markers.area_tolerance);
+  return deviation * deviation;
+}
+
+// Those with the area of the marker, or all if it is not known.
+std::vector<Marker> of_area(const std::vector<Marker>& all, double expected,
+                            const MarkerLayout& markers) {
+  if (std::isnan(expected)) return all;
+  std::vector<Marker> result;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(result), [&](const Marker& marker) {
+    return area_misfit(marker.area, expected, markers) <= 1;
+  });
+  return result;
+}
+
 bool has_blobs(const BlobsByColor& blobs, const char* color) {
   const auto found = blobs.find(color);
   return found != blobs.end() && !found->second.empty();
@@ -57,13 +79,6 @@ double distance_of(const Pair& pair) {
 double distance_misfit(const Pair& pair, const MarkerLayout& markers) {
   const double expected = markers.distance();
   const double deviation = (distance_of(pair) - expected) / (markers.distance_tolerance * expected);
-  return deviation * deviation;
-}
-
-// (log(area/expected) / log(tolerance))^2, 1 at the limit
-double area_misfit(double area, double expected, const MarkerLayout& markers) {
-  const double deviation =
-      elementary::log(area / expected) / elementary::log(markers.area_tolerance);
   return deviation * deviation;
 }
 
@@ -165,17 +180,59 @@ DetectionResult without_pair(const BlobsByColor& blobs) {
   return has_blue ? DetectionResult::no_red_blob : DetectionResult::no_blobs;
 }
 
+// The area that the blobs are spread over (px^2): their extent, which falls short of that of the
+// floor by a factor of (n - 1)/(n + 1) in each direction if n blobs lie anywhere, and which is no
+// less than that of a robot.
+double spread(const std::vector<Marker>& reds, const std::vector<Marker>& blues, double robot) {
+  const Point& first = reds.front().position;
+  Point least = first;
+  Point most = first;
+  for (const std::vector<Marker>* markers : {&reds, &blues}) {
+    for (const Marker& marker : *markers) {
+      const Point& place = marker.position;
+      least = {std::min(least.x, place.x), std::min(least.y, place.y)};
+      most = {std::max(most.x, place.x), std::max(most.y, place.y)};
+    }
+  }
+  const auto count = static_cast<double>(reds.size() + blues.size());
+  const double factor = (count + 1) / (count - 1);
+  return std::max(factor * (most.x - least.x), robot) *
+         std::max(factor * (most.y - least.y), robot);
+}
+
+// How many pairs of blobs that are not in the best pair would fit as well as that one, if they lay
+// anywhere: the sum of the probabilities that their distance does.
+double false_alarms(const Pair& best, double best_misfit, const std::vector<Marker>& reds,
+                    const std::vector<Marker>& blues, const MarkerLayout& markers) {
+  double sum = 0;
+  for (const Marker& red : reds) {
+    if (red.blob == best.red.blob) continue;
+    for (const Marker& blue : blues) {
+      if (blue.blob == best.blue.blob) continue;
+      const Pair pair{red, blue};
+      const double rest = best_misfit - red_misfit(pair, markers) - blue_misfit(pair, markers);
+      if (rest > 0) sum += std::sqrt(std::min(rest, 1.0));
+    }
+  }
+  // area of the ring: 2 pi distance x 2 tolerance distance sqrt(rest)
+  const double distance = markers.distance();
+  const double ring = 4 * pi * markers.distance_tolerance * distance * distance;
+  return sum == 0 ? 0 : sum * ring / spread(reds, blues, markers.distance());
+}
+
 Detection choose(const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& map) {
   const std::vector<Marker> reds = markers_of(blobs, "red", map);
   const std::vector<Marker> blues = markers_of(blobs, "blue", map);
   Detection none;
   none.result = without_pair(blobs);
   if (reds.empty() || blues.empty()) return none;
+  const std::vector<Marker> red_candidates = of_area(reds, markers.red_area, markers);
+  const std::vector<Marker> blue_candidates = of_area(blues, markers.blue_area, markers);
   std::optional<Pair> best;
   double best_misfit = 0;
   double second = std::numeric_limits<double>::infinity();
-  for (const Marker& red : reds) {
-    for (const Marker& blue : blues) {
+  for (const Marker& red : red_candidates) {
+    for (const Marker& blue : blue_candidates) {
       const std::optional<double> value = accepted_misfit({red, blue}, markers);
       if (!value) continue;
       if (best && *value >= best_misfit) {
@@ -188,11 +245,17 @@ Detection choose(const BlobsByColor& blobs, const MarkerLayout& markers, const P
     }
   }
   if (!best) return refused(reds, blues, markers);
-  const bool is_clear = !(second - best_misfit < clear_lead);
-  Detection detection = detection_of(
-      *best, is_clear ? DetectionResult::detected : DetectionResult::ambiguous, markers);
-  if (is_clear) detection.measurement = Measurement{pose_from(*best, markers)};
+  Detection detection = detection_of(*best, DetectionResult::detected, markers);
   detection.runner_up = second;
+  detection.false_alarms =
+      false_alarms(*best, best_misfit, red_candidates, blue_candidates, markers);
+  if (second - best_misfit < clear_lead) {
+    detection.result = DetectionResult::ambiguous;
+  } else if (detection.false_alarms > most_false_alarms) {
+    detection.result = DetectionResult::by_chance;
+  } else {
+    detection.measurement = Measurement{pose_from(*best, markers)};
+  }
   return detection;
 }
 

@@ -22,7 +22,7 @@ struct MarkerLayout {
   double red_area = std::numeric_limits<double>::quiet_NaN();   // work-area px^2, NaN = unknown
   double blue_area = std::numeric_limits<double>::quiet_NaN();  // work-area px^2, NaN = unknown
   double distance_tolerance = 0.12;  // fraction of the distance between the markers
-  double area_tolerance = 2;         // maximum ratio between an area and its expected value
+  double area_tolerance = 2.5;       // maximum ratio between an area and its expected value
   int maximum_blobs = 64;            // blobs considered per colour, the largest first
 
   /// The layout of the manual: the line from blue to red is perpendicular to the heading, red on
@@ -49,7 +49,13 @@ enum class DetectionResult {
   at_border,  // all blobs of a colour may be cut off
   distance,   // no pair is as far apart as the markers
   areas,      // the blobs of a pair are too large or too small
-  ambiguous   // two pairs fit equally well
+  ambiguous,  // two pairs fit equally well
+  by_chance,  // so many other blobs are about that a pair of them would fit as well
+
+  // Causes in the frame, where it was examined.
+  dark,
+  overexposed,
+  small_markers
 };
 
 /// The red-blue pair that fits the markers best, how well it fits, and what follows from it.
@@ -63,9 +69,12 @@ struct Detection {
   double misfit = std::numeric_limits<double>::infinity();     // 0 = perfect; no pair: infinite
   double runner_up = std::numeric_limits<double>::infinity();  // of the next pair that fits, too
   double exchanged = std::numeric_limits<double>::infinity();  // if red were blue, and blue red
-  double distance = 0;   // between the two blobs, work-area px
-  double red_area = 0;   // work-area px^2
-  double blue_area = 0;  // work-area px^2
+  double false_alarms = 0;  // pairs of the other blobs that fit as well, to be expected by chance
+  double distance = 0;      // between the two blobs, work-area px
+  double red_area = 0;      // work-area px^2
+  double blue_area = 0;     // work-area px^2
+
+  double cause = 0;  // the number that tells a cause in the frame: mean level, share, width
 
   MarkerLayout markers;  // that were looked for
 };
@@ -73,7 +82,10 @@ struct Detection {
 /// Looks for the red-blue pair whose distance and areas fit the markers best. The misfit is the sum
 /// of three squared deviations, each at most 1 (the limit) in a pair that is accepted. Blobs at the
 /// border of the frame may be cut off and are not used. Without known marker areas, those of a pair
-/// must be similar. There is no measurement if no pair is accepted, or two fit equally well.
+/// must be similar. There is no measurement if no pair is accepted, or two fit equally well, or the
+/// other blobs would give one as good too often by chance: in noise that takes specks of the floor
+/// for markers, a false pose is to be expected in about one of 100 frames at most.
+/// Method: the number of false alarms (Desolneux, Moisan and Morel 2000, Meaningful alignments).
 Detection detect(const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map);
 
 /// The measurement of `detect`.

@@ -3,35 +3,71 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robsim/vision/pixels/chroma_noise.hpp"
+
 namespace robsim {
 
 namespace {
 
-// Less than 1/4 of the marker's width does not help; 7 px suffice for the strongest noise, and more
-// would blur the shape of large markers.
+// 3 to 5 px find large markers as well; 7 px find fewer specks beside them in strong noise, which
+// takes a third of the time. More would blur their shape.
 constexpr double window_fraction = 0.28;      // of the marker's width
+constexpr int minimum_window = 3;             // px
 constexpr double maximum_window = 7;          // px
 constexpr double minimum_fraction = 1.0 / 8;  // of the marker's area
+
+// Of one pixel (levels). The shipped colour limits are 26 from grey: at a standard deviation of
+// this, one grey pixel in 14 has the colour of a marker.
+constexpr double noise_limit = 18;
+
+// A corner of the frame may look beyond the floor, where a marker would be as small as one likes.
+constexpr double least_far_width = 0.5;  // of the width in the middle
+
+double width_at(const MarkerLayout& markers, const PlaneMap& plane_map, const Point& pixel) {
+  const double marker = std::fmin(markers.red_area, markers.blue_area);
+  return std::sqrt(marker / plane_map.area_scale(pixel));
+}
+
+// The smallest width of the smaller marker in the frame.
+double smallest_width(const MarkerLayout& markers, const PlaneMap& map, int width, int height) {
+  const double middle = marker_width(markers, map, width, height);
+  double smallest = middle;
+  for (const double u : {0.0, width - 1.0}) {
+    for (const double v : {0.0, height - 1.0}) {
+      smallest = std::min(smallest, width_at(markers, map, {u, v}));
+    }
+  }
+  return std::max(smallest, least_far_width * middle);
+}
 
 // The odd number of pixels nearest to a width.
 int odd_window(double width) {
   return 2 * static_cast<int>(std::min(width, maximum_window) / 2) + 1;
 }
 
+int window_for(double marker_width, const ImageView& image) {
+  const int window = odd_window(window_fraction * marker_width);
+  if (window >= minimum_window) return window;
+  // It takes away the edge of a small marker, and in dim light the marker: it must be worth it.
+  return pixels::chroma_noise(image) < noise_limit ? 1 : minimum_window;
+}
+
 }  // namespace
 
-BlobOptions marker_blobs(const MarkerLayout& markers, const PlaneMap& plane_map, int width,
-                         int height) {
+double marker_width(const MarkerLayout& markers, const PlaneMap& plane_map, int width, int height) {
+  return width_at(markers, plane_map, {(width - 1) / 2.0, (height - 1) / 2.0});
+}
+
+BlobOptions marker_blobs(const MarkerLayout& markers, const PlaneMap& plane_map,
+                         const ImageView& image) {
   BlobOptions options;
   options.maximum_count = markers.maximum_blobs;
-  const double marker = std::min(markers.red_area, markers.blue_area);
-  const double scale = plane_map.area_scale({(width - 1) / 2.0, (height - 1) / 2.0});
-  const double area = marker / scale;  // px^2 of the frame
-  if (!std::isfinite(area)) return options;
-  const double pixels = static_cast<double>(width) * height;
-  options.smoothing = odd_window(window_fraction * std::sqrt(area));
+  const double width = smallest_width(markers, plane_map, image.width, image.height);
+  if (!std::isfinite(width)) return options;
+  const double all = static_cast<double>(image.width) * image.height;
+  options.smoothing = window_for(width, image);
   options.minimum_area =
-      std::max<std::int64_t>(1, std::llround(std::min(minimum_fraction * area, pixels)));
+      std::max<std::int64_t>(1, std::llround(std::min(minimum_fraction * width * width, all)));
   return options;
 }
 

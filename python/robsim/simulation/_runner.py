@@ -26,6 +26,7 @@ from robsim.simulation._slots import SLOTS
 from robsim.simulation._slotted import Slotted
 from robsim.trace import RunInfo, Trace
 from robsim.trace._columns import empty_groups
+from robsim.vision._small_markers import warn_of_small_markers
 
 
 class Runner(Slotted):
@@ -60,6 +61,7 @@ class Runner(Slotted):
         self._seed = seed
         self._rng: np.random.Generator | None = None
         self._run_info: RunInfo | None = None
+        self._is_marker_size_known = False
         self._changed: tuple[str, ...] = ()  # options, in the middle of the run
         self._world_half = world  # here the garbage collector sees into it
         self._core = _core.Loop(
@@ -102,6 +104,11 @@ class Runner(Slotted):
         if not isinstance(progress, (bool, str)):
             raise TypeError(f"progress must be True, False or a label, got {progress!r}")
         self._prepare()
+        is_at_end = self._run_guarded(steps, progress, total)
+        self._check_marker_size()
+        return is_at_end
+
+    def _run_guarded(self, steps: int, progress: bool | str, total: int | None) -> bool:
         if not progress:
             with self._guarded():
                 return self._core.run(steps)
@@ -113,6 +120,14 @@ class Runner(Slotted):
             is_at_end = self._core.run(steps, lambda done: bar.update(done - bar.n))
             bar.update(self._core.rows - before - bar.n)
         return is_at_end
+
+    def _check_marker_size(self) -> None:
+        """Warn once if the default measurement looks at markers that are too small."""
+        if self._is_marker_size_known or self._callbacks["measure"] is not True:
+            return
+        if self._core.rows and (frame := self._core.last_step.frame) is not None:
+            self._is_marker_size_known = True
+            warn_of_small_markers(self.markers, frame)
 
     def step(self) -> Step:
         """Run one step.
@@ -137,6 +152,7 @@ class Runner(Slotted):
             raise EOFError("there are no more frames")
         if self._core.rows == before:
             raise RuntimeError("stop() was called before a frame came")
+        self._check_marker_size()
         return self._core.last_step
 
     def step_stage(self) -> str:

@@ -96,7 +96,8 @@ class Scenario:
     smoothing : int, optional
         Width of the averaging window applied before a pixel's colour is classified (px of the
         frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. 1 =
-        off. Default: 0.28 of the width of the smaller marker, at most 7.
+        off. Default: 0.28 of the width of the smaller marker, 3 to 7; below a marker of 7 px, 3 in
+        frames with noise and 1 in others.
     identify_from : str
         Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.
     model : RobotModel or RobotParameters, optional

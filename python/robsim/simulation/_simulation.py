@@ -318,6 +318,11 @@ class Simulation(WorldSlots, Runner):
         RuntimeError
             If it is already running, or another run has its estimator or controller.
 
+        Warns
+        -----
+        robsim.vision.SmallMarkersWarning
+            If the default measurement looks at markers that are too small in the frames.
+
         Notes
         -----
         Meanwhile other threads can read `trace`, `n_steps` and `stage`, draw a plot of them, and

@@ -18,6 +18,7 @@ from robsim._core import (
 from robsim.vision._color_files import colors_to_toml, load_colors, save_colors
 from robsim.vision._color_masks import paint_classes
 from robsim.vision._color_score import ColorScore, score_color
+from robsim.vision._small_markers import SmallMarkersWarning
 
 __all__ = [
     "Blob",
@@ -27,6 +28,7 @@ __all__ = [
     "MarkerLayout",
     "Measurement",
     "MissedDetections",
+    "SmallMarkersWarning",
     "classify",
     "color_histograms",
     "colors_to_toml",

@@ -12,6 +12,10 @@ _WORDS = {
     "distance": "no pair of blobs at the markers' distance",
     "areas": "no pair of blobs with the markers' areas",
     "ambiguous": "two pairs of blobs that fit equally well",
+    "by chance": "blobs that may fit by chance",
+    "dark": "a dark picture",
+    "overexposed": "an overexposed picture",
+    "small markers": "markers too small in the frame",
 }
 
 

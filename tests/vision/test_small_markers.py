@@ -1,0 +1,217 @@
+"""Markers of a few pixels: their window, false poses in noise, and the warning."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import robsim
+from detection_rates import CASES, measured, rates
+from robsim.vision import MarkerLayout, SmallMarkersWarning, detect
+from scenes import AREA, false_poses, renderer
+
+LAB = robsim.load_robot("lab").marker_layout()
+COLORS = robsim.load_colors()
+
+
+def frame_of(size, noise=None, index=0):
+    """A frame of a camera of size x size px, which sees the lab robot in the work area."""
+    image = renderer(resolution=(size, size)).render((500, 600, 0.4))
+    if noise is not None:
+        image = noise.add(image, 3, index)
+    return robsim.Frame(image, plane_map=robsim.imaging.PlaneMap.scaled((size, size), AREA))
+
+
+def window_of(frame, markers=LAB):
+    """The smoothing that find_blobs chooses."""
+    options = {"markers": markers, "minimum_area": 1, "maximum_count": 10_000}
+    chosen = robsim.find_blobs(frame, COLORS, **options)
+    same = [
+        window
+        for window in (1, 3, 5, 7)
+        if robsim.find_blobs(frame, COLORS, smoothing=window, **options) == chosen
+    ]
+    assert len(same) == 1, "a frame in which every window finds other blobs"
+    return same[0]
+
+
+@pytest.mark.parametrize(
+    ("size", "percent", "window"),
+    [
+        *((size, percent, 3) for size in (200, 240, 320, 370) for percent in (15, 20, 40)),
+        *((size, 5, 1) for size in (200, 240, 320, 370)),
+        *((480, percent, 3) for percent in (5, 40)),
+        *((800, percent, 5) for percent in (5, 40)),
+        *((1200, percent, 7) for percent in (5, 40)),
+    ],
+)
+def test_the_window_suits_the_marker_and_the_noise(size, percent, window):
+    assert window_of(frame_of(size, robsim.GaussianNoise(percent))) == window
+
+
+def test_the_window_suits_the_smaller_marker_and_the_far_end_of_the_floor():
+    frame = frame_of(1200, robsim.GaussianNoise(10))
+    unequal = MarkerLayout.from_positions((-14, 22), (-14, -22), red_area=900, blue_area=100)
+    one_known = MarkerLayout.from_positions((-14, 22), (-14, -22), red_area=100)
+    assert window_of(frame, unequal) == window_of(frame, one_known) == 3
+    # the far end, at the top, is seen at half the scale
+    oblique = robsim.imaging.PlaneMap.from_points(
+        [(300, 0), (899, 0), (1199, 1199), (0, 1199)], [(0, 0), (1200, 0), (1200, 1200), (0, 1200)]
+    )
+    assert window_of(robsim.Frame(frame.image, plane_map=oblique)) < 7
+
+
+def test_the_width_of_a_marker():
+    assert LAB.width_in(frame_of(1200)) == pytest.approx(np.sqrt(LAB.red_area))
+    assert LAB.width_in(frame_of(240)) == pytest.approx(np.sqrt(LAB.red_area) / 5)
+    assert np.isnan(MarkerLayout(43, 14).width_in(frame_of(240)))
+    one_known = MarkerLayout.from_positions((-14, 22), (-14, -22), blue_area=100)
+    assert one_known.width_in(frame_of(1200)) == pytest.approx(10)
+
+
+# Without the count of false alarms, 10 to 40 poses of 40 are false.
+@pytest.mark.long
+@pytest.mark.parametrize("camera", [(240, 240), (320, 240), (320, 320)])
+@pytest.mark.parametrize("name", ["Gaussian 40 %", "Gaussian 60 %", "uniform 60 %"])
+def test_hardly_a_false_pose_in_strong_noise(camera, name):
+    found = rates(camera, *CASES[name], 40, empty=80)
+    assert found.false <= 3, found
+    assert found.on_empty_floor <= 4, found  # at most 1 in 200 is to be expected
+
+
+@pytest.mark.parametrize("name", ["Gaussian 20 %", "uniform 40 %"])
+def test_small_markers_are_found_in_noise(name):
+    found = rates((320, 240), *CASES[name], 25, empty=25)
+    assert found.found >= 23, found
+    assert (found.false, found.on_empty_floor) == (0, 0), found
+
+
+@pytest.mark.parametrize(
+    ("camera", "name"),
+    [
+        ((320, 240), "exposure .5"),
+        ((480, 480), "exposure .5"),
+        ((480, 480), "exposure .6, Gaussian 20 %"),
+        ((640, 480), "JPEG 50"),
+    ],
+)
+def test_dim_light_and_compression_hide_no_marker(camera, name):
+    found = rates(camera, *CASES[name], 20, empty=1)
+    assert found.found >= 16, found
+    assert found.false == 0, found
+
+
+# --- pairs by chance
+
+
+def blobs_of(rng, count, *pairs):
+    """Specks of a marker's area anywhere on a floor of 1000 x 1000 px, and pairs of markers."""
+
+    def blob(color, u, v, area):
+        box = (int(u), int(v), int(u) + 20, int(v) + 20)
+        return robsim.vision.Blob(color, area=area, centroid=(u, v), bounding_box=box)
+
+    found = {"red": [], "blue": []}
+    for color, blobs in found.items():
+        for u, v in rng.uniform(50, 950, (count, 2)):
+            blobs.append(blob(color, u, v, int(rng.uniform(200, 900))))
+    for (u, v), area in pairs:
+        found["red"].append(blob("red", u, v + 43, area))
+        found["blue"].append(blob("blue", u, v, area))
+    return found
+
+
+def ring_probability(tolerance):
+    """Of a distance within a fraction of 43 px of this, if both blobs lie anywhere."""
+    return 4 * np.pi * tolerance * 43**2 / 900**2
+
+
+def test_false_alarms_are_the_pairs_to_be_expected_by_chance(rng):
+    blobs = blobs_of(rng, 12, ((500, 500), 531), ((100, 100), 900))  # the second is too far off
+    detection = detect(blobs, LAB)
+    areas = {
+        color: (np.log([b.area / LAB.red_area for b in found]) / np.log(LAB.area_tolerance)) ** 2
+        for color, found in blobs.items()
+    }
+    others = {
+        color: areas[color][[b != best for b in blobs[color]]]
+        for color, best in (("red", detection.red), ("blue", detection.blue))
+    }
+    sums = others["red"][others["red"] <= 1][:, None] + others["blue"][others["blue"] <= 1]
+    rest = np.clip(detection.misfit - sums, 0, 1)
+    expected = np.sqrt(rest).sum() * ring_probability(LAB.distance_tolerance)
+    assert detection.false_alarms == pytest.approx(expected, rel=0.3)  # the floor is estimated
+
+
+def test_a_pair_among_many_specks_must_fit_well():
+    rng = np.random.default_rng(5)
+    good, poor = ((500, 500), 531), ((500, 500), 300)
+    assert detect(blobs_of(rng, 0, poor), LAB).reason is None  # nothing else is about
+    results = [detect(blobs_of(rng, 25, pair), LAB) for pair in 20 * [good]]
+    # a perfect pair is taken unless another pair happens to fit as well
+    assert sum(result.measurement is not None for result in results) >= 12
+    results = [detect(blobs_of(rng, 25, pair), LAB) for pair in 20 * [poor]]
+    assert {result.reason for result in results} <= {"by chance", "ambiguous"}
+    refused = next(result for result in results if result.reason == "by chance")
+    assert refused.false_alarms > 0.005
+    assert "by chance" in refused.explanation
+
+
+def test_without_a_robot_specks_are_taken_for_one_in_one_of_200_frames_at_most():
+    rng = np.random.default_rng(6)
+    reported = sum(
+        detect(blobs_of(rng, int(rng.integers(1, 40))), LAB).measurement is not None
+        for _ in range(400)
+    )
+    assert reported <= 8  # 2 are to be expected at most
+
+
+# --- the warning
+
+
+def small_camera(**options):
+    return robsim.Simulation(robot="lab", resolution=(200, 200), measure=True, seed=1, **options)
+
+
+def test_the_warning_comes_once_and_names_size_limit_and_remedy():
+    sim = small_camera()
+    with pytest.warns(SmallMarkersWarning) as caught:
+        sim.run(2)
+    (warning,) = caught
+    message = str(warning.message)
+    assert message.startswith("the markers are 3.8 px wide in the frame; poses can be trusted from")
+    assert "Give the camera more pixels" in message
+    assert warning.filename == __file__
+    assert warning.message.width == pytest.approx(3.84, abs=0.01)
+    sim.run(2)
+    sim.reset()
+    sim.run(2)  # warnings are errors here
+    with pytest.warns(SmallMarkersWarning):
+        small_camera().step()
+
+
+def test_an_experiment_warns_too():
+    frames = [frame_of(200)]
+    with pytest.warns(SmallMarkersWarning, match=r"3\.8 px wide"):
+        robsim.Experiment(frames, robot="lab").run()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"resolution": (200, 200)},  # nobody measures
+        {"resolution": (240, 240), "measure": True},
+        {"area": (300, 300), "measure": True},
+        {"resolution": (200, 200), "measure": lambda step: None},  # by code of one's own
+    ],
+)
+def test_no_warning_without_need(options):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        robsim.Simulation(robot="lab", seed=1, **options).run(2)
+
+
+def test_at_the_size_that_can_be_trusted_20_percent_of_noise_hide_hardly_a_robot():
+    errors = measured((240, 240), None, robsim.GaussianNoise(20), np.full((20, 3), 400.0))
+    assert np.isfinite(errors[:, 0]).sum() >= 18
+    assert not false_poses(errors).any()
