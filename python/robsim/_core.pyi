@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'least_squares', 'locate', 'log', 'model_steps', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'trace_schema', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'least_squares', 'locate', 'log', 'model_steps', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'trace_schema', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -613,7 +613,7 @@ class MarkerLayout:
         How many blobs of a colour are considered, the largest first.
     """
     @staticmethod
-    def from_markers(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.0, maximum_blobs: int = 64) -> MarkerLayout:
+    def from_markers(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64) -> MarkerLayout:
         """
         Return the layout of these markers, with their areas.
         
@@ -625,7 +625,7 @@ class MarkerLayout:
             As for `MarkerLayout`.
         """
     @staticmethod
-    def from_positions(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, red_area: float | None = None, blue_area: float | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.0, maximum_blobs: int = 64) -> MarkerLayout:
+    def from_positions(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, red_area: float | None = None, blue_area: float | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64) -> MarkerLayout:
         """
         Return the layout of markers at these positions.
         
@@ -644,7 +644,7 @@ class MarkerLayout:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, distance: float, offset: float, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.0, maximum_blobs: int = 64) -> None:
+    def __init__(self, distance: float, offset: float, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -652,6 +652,21 @@ class MarkerLayout:
         ...
     def __setstate__(self, arg0: typing.Any) -> None:
         ...
+    def width_in(self, frame: Frame) -> float:
+        """
+        Return how wide the smaller marker is in the middle of a frame.
+        
+        Parameters
+        ----------
+        frame : Frame
+            The frame; its plane map tells the scale.
+        
+        Returns
+        -------
+        float
+            The side of a square of its area (px of the frame); NaN if no area is known. Poses can be
+            trusted from 4.5 px on.
+        """
     @property
     def area_tolerance(self) -> float:
         """
@@ -823,6 +838,12 @@ class Detection:
         str: a sentence on the result, with the numbers that decided.
         """
     @property
+    def false_alarms(self) -> float:
+        """
+        float: how many pairs of the other blobs would fit as well by chance, if they lay
+        anywhere; a pair is accepted up to 0.005.
+        """
+    @property
     def measurement(self) -> Measurement | None:
         """
         Measurement or None: None = not detected, see `reason`.
@@ -836,7 +857,9 @@ class Detection:
     def reason(self) -> str | None:
         """
         str or None: why there is no measurement: ``"no blobs"``, ``"no red blob"``,
-        ``"no blue blob"``, ``"at the border"``, ``"distance"``, ``"areas"`` or ``"ambiguous"``.
+        ``"no blue blob"``, ``"at the border"``, ``"distance"``, ``"areas"``,
+        ``"ambiguous"`` or ``"by chance"``; and, where the frame tells the cause, ``"dark"``,
+        ``"overexposed"`` or ``"small markers"``.
         """
     @property
     def red(self) -> Blob | None:
@@ -887,14 +910,17 @@ class RecursiveLeastSquares:
     n_filters : int
         Number of filters: 3 for the axes of a robot, 3 R for those of R runs.
     forgetting : float
-        Forgetting factor, 0 < forgetting <= 1; 1 = none.
+        Forgetting factor, within 1e-10..1; 1 = none.
     initial_covariance : float
-        The initial P is this times the identity matrix; the initial theta is 0.
+        The initial P is this times the identity matrix, at most 1e50; the initial theta is 0.
     
     Raises
     ------
     ValueError
         For values outside these ranges.
+    RuntimeError
+        When it is looked at, updated or reset while a run in another thread has it:
+        ``sim.trace.parameters`` can be read meanwhile.
     
     Notes
     -----
@@ -947,7 +973,7 @@ class RecursiveLeastSquares:
         Raises
         ------
         TypeError, ValueError
-            For other shapes and for infinity; the filters are unchanged then.
+            For other shapes and for numbers beyond 1e50; the filters are unchanged then.
         """
     @property
     def P(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1439,8 +1465,10 @@ class SimulatedWorld(World):
     def set_true_model(self, draw: typing.Any) -> None:
         ...
     @property
-    def model(self) -> RobotModel:
-        ...
+    def model(self) -> RobotModel | None:
+        """
+        RobotModel or None: the one that the robot follows; None before the start.
+        """
     @property
     def scene(self) -> Scene:
         """
@@ -1792,12 +1820,14 @@ def cpu_paths() -> list[str]:
     """
     Return the paths available on this processor, the fastest last.
     """
-def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, *, plane_map: PlaneMap = ...) -> Detection:
+def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, *, plane_map: PlaneMap = ..., image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None) -> Detection:
     """
     Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
     
     The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
-    used: they may be cut off.
+    used: they may be cut off. Where noise or other things give many blobs like the markers, a pair is
+    accepted only if hardly any pair of the others would fit as well by chance [1]_: on a floor of
+    noise, a pose is reported in about one of 100 frames at most.
     
     Parameters
     ----------
@@ -1808,11 +1838,19 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
         The positions of the markers on the robot.
     plane_map : PlaneMap, optional
         From pixels of the blobs' frame to the work area. Default: the identity.
+    image : Frame or array (H, W, 3) of uint8, optional
+        Where the blobs were found: without a measurement it is examined for the cause, such as a dark
+        picture.
     
     Returns
     -------
     Detection
         Its measurement, misfit and reason.
+    
+    References
+    ----------
+    .. [1] A. Desolneux, L. Moisan, J.-M. Morel, "Meaningful alignments", International Journal of
+       Computer Vision 40 (2000): the number of false alarms.
     
     Examples
     --------
@@ -1844,8 +1882,8 @@ def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collect
         `maximum_blobs` of the markers.
     smoothing : int, optional
         Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
-        and 3/4 of a marker's width; 1 = off. Default: 1, or 0.28 of the width of the smaller marker, at
-        most 7.
+        and 3/4 of a marker's width; 1 = off. Default: 1, or 0.28 of the width of the smaller marker, 3
+        to 7; below a marker of 7 px, 3 in images with noise and 1 in others.
     region : tuple of int, optional
         (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
         pixels are searched, as if the image ended there. Positions are those in the whole image.
@@ -2010,6 +2048,10 @@ def simulated_path(theta: numpy.typing.ArrayLike, first: numpy.typing.ArrayLike,
 def sin(x: numpy.typing.ArrayLike) -> typing.Any:
     """
     Return the sine of an angle (rad), or of each in an array.
+    """
+def small_markers_remark(markers: MarkerLayout, frame: Frame) -> str | None:
+    """
+    What is to be said of markers too small in the frame; None of others.
     """
 def trace_schema() -> list[TraceGroup]:
     """

@@ -19,9 +19,9 @@ namespace robsim {
 /// limit it is the textbook filter.
 class RecursiveLeastSquares {
  public:
-  /// `n_filters` filters of `n_parameters` parameters each; 1e-10 <= forgetting <= 1; the initial P is
-  /// initial_covariance times the identity matrix, the initial theta 0.
-  /// Throws std::invalid_argument for values outside these ranges.
+  /// `n_filters` filters of `n_parameters` parameters each; 1e-10 <= forgetting <= 1; the initial P
+  /// is initial_covariance times the identity matrix, the initial theta 0. Throws
+  /// std::invalid_argument for values outside these ranges.
   explicit RecursiveLeastSquares(int n_parameters, int n_filters = 1, double forgetting = 1,
                                  double initial_covariance = 1e9);
 

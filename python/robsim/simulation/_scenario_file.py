@@ -360,9 +360,16 @@ def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
     try:
         if len(text) > MOST_BYTES:
             raise ValueError(f"text must have at most {MOST_BYTES >> 20} MB")
-        return cls(**_options(parse_toml(text), known=[field.name for field in fields(cls)]))
+        return cls(**_options(_parsed(text), known=[field.name for field in fields(cls)]))
     except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{one_line(source)}: {error}") from error
+
+
+def _parsed(text: str) -> dict[str, Any]:
+    try:
+        return parse_toml(text)
+    except ValueError as error:
+        raise ValueError(f"this is not TOML: {error}") from error
 
 
 def _options(values: dict[str, Any], known: Iterable[str]) -> dict[str, Any]:

@@ -286,8 +286,7 @@ class Simulation(WorldSlots, Runner):
     def true_model(self) -> RobotModel:
         """The model that the robot of the world follows; the robot half believes in `model`."""
         self._start()
-        model: RobotModel = self._world.model
-        return model
+        return self._world.model or RobotModel()
 
     def _theta_true(self) -> ArrayLike:
         return (self._world.model or RobotModel()).theta

@@ -23,9 +23,8 @@ MarkerVision::MarkerVision(std::vector<ColorClass> colors, const MarkerLayout& m
 
 BlobsByColor MarkerVision::find(const Frame& frame) {
   const NativeWork native(std::int64_t{frame.image.width()} * frame.image.height());
-  const BlobOptions options = with_smoothing(
-      marker_blobs(markers_, frame.plane_map, frame.image.view()),
-      smoothing_);
+  const BlobOptions options =
+      with_smoothing(marker_blobs(markers_, frame.plane_map, frame.image.view()), smoothing_);
   if (!(options == finder_.options())) finder_ = BlobFinder(finder_.colors(), options);
   return finder_.find(frame.image.view());
 }

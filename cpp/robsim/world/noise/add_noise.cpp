@@ -125,7 +125,7 @@ ROBSIM_AVX2_INLINE __m256i table(const std::array<T, 16>& values) {
 // The tables in registers.
 struct RegisterTables {
   __m256i threshold;
-  __m256i alias;
+  __m256i change;  // alias xor column
   __m256i node;
   __m256i mask;
 };
@@ -141,19 +141,21 @@ ROBSIM_AVX2_INLINE WithGaussian with_gaussian(__m256i value, __m256i a, __m256i 
   const __m256i high = _mm256_and_si256(_mm256_srli_epi16(b, 2), _mm256_set1_epi8(8));
   const __m256i column = _mm256_or_si256(low, high);
   const __m256i is_own = _mm256_cmpgt_epi8(_mm256_shuffle_epi8(tables.threshold, column), c);
-  const __m256i i = _mm256_blendv_epi8(_mm256_shuffle_epi8(tables.alias, column), column, is_own);
+  const __m256i i = _mm256_xor_si256(
+      column, _mm256_andnot_si256(is_own, _mm256_shuffle_epi8(tables.change, column)));
   const __m256i mask = _mm256_shuffle_epi8(tables.mask, i);
   const __m256i node = _mm256_shuffle_epi8(tables.node, i);
   const __m256i u1 = _mm256_and_si256(a, mask);
   const __m256i u2 = _mm256_and_si256(b, mask);
-  // step = more - less, one of which is 0; they swap roles for the other sign
+  // step = more - less, one of which is 0
   const __m256i up = _mm256_adds_epu8(node, _mm256_subs_epu8(u1, u2));
   const __m256i down = _mm256_subs_epu8(u2, u1);
   const __m256i more = _mm256_subs_epu8(up, down);
   const __m256i less = _mm256_subs_epu8(down, up);
-  const __m256i plus = _mm256_blendv_epi8(more, less, b);
-  const __m256i minus = _mm256_blendv_epi8(less, more, b);
-  return {_mm256_subs_epu8(_mm256_adds_epu8(value, plus), minus),
+  // value - step = 255 - ((255 - value) + step)
+  const __m256i flip = _mm256_cmpgt_epi8(_mm256_setzero_si256(), b);
+  const __m256i sum = _mm256_adds_epu8(_mm256_xor_si256(value, flip), more);
+  return {_mm256_xor_si256(_mm256_subs_epu8(sum, less), flip),
           static_cast<std::uint32_t>(_mm256_movemask_epi8(mask))};
 }
 
@@ -165,15 +167,16 @@ struct TailBlocks {
   alignas(32) std::uint8_t clean[maximum][block];
   std::uint32_t tails[maximum];
   int first[maximum];  // byte of the row
-  int count = 0;
+  int count;
 };
 
 void draw_tails(const TailBlocks& blocks, const GaussianTables& tables, const NoiseStream& stream,
                 int bytes, std::uint8_t* noisy) {
   for (int b = 0; b < blocks.count; ++b) {
-    for (int i = 0; i < block && blocks.first[b] + i < bytes; ++i) {
-      if ((blocks.tails[b] >> i & 1) == 0) continue;
+    int i = 0;
+    for (std::uint32_t tails = blocks.tails[b]; tails != 0; tails >>= 1, ++i) {
       const int byte = blocks.first[b] + i;
+      if ((tails & 1) == 0 || byte >= bytes) continue;
       const int value = blocks.clean[b][i] + tail_step(stream.rare_bits(byte), tables);
       noisy[byte] = static_cast<std::uint8_t>(std::clamp(value, 0, 255));
     }
@@ -216,25 +219,28 @@ ROBSIM_AVX2_INLINE void for_each_block(const std::uint8_t* clean, int bytes, std
 ROBSIM_AVX2 void add_gaussian_avx2(const std::uint8_t* clean, int bytes,
                                    const GaussianTables& tables, NoiseStream& stream,
                                    std::uint8_t* noisy) {
-  const RegisterTables registers = {table(tables.threshold), table(tables.alias),
-                                    table(tables.node), table(tables.mask)};
+  std::array<std::uint8_t, 16> change;
+  for (std::size_t k = 0; k < 16; ++k) change[k] = static_cast<std::uint8_t>(tables.alias[k] ^ k);
+  const RegisterTables registers = {table(tables.threshold), table(change), table(tables.node),
+                                    table(tables.mask)};
   Generators a = generators_from(stream.state[0]);
   Generators b = generators_from(stream.state[1]);
   Generators c = generators_from(stream.state[2]);
   constexpr int part = block * TailBlocks::maximum;
   TailBlocks blocks;
   for (int begin = 0; begin < bytes; begin += part) {
-    blocks.count = 0;
+    int found = 0;
     const int count = std::min(part, bytes - begin);
     for_each_block(clean + begin, count, noisy + begin, [&](__m256i value, int i) ROBSIM_AVX2 {
       const WithGaussian result = with_gaussian(value, draw(a), draw(b), draw(c), registers);
       if (result.tails != 0) {
-        simd::store(value, blocks.clean[blocks.count]);
-        blocks.tails[blocks.count] = result.tails;
-        blocks.first[blocks.count++] = begin + i;
+        simd::store(value, blocks.clean[found]);
+        blocks.tails[found] = result.tails;
+        blocks.first[found++] = begin + i;
       }
       return result.sum;
     });
+    blocks.count = found;
     draw_tails(blocks, tables, stream, bytes, noisy);
   }
   keep(a, stream.state[0]);
