@@ -146,7 +146,7 @@ def test_the_frames_come_late_and_say_when_they_were_taken():
 
 
 def test_noise_and_dropout_change_between_steps_and_the_past_is_drawn_as_it_was():
-    sim = Simulation(seed=4, resolution=(200, 200), measure=True)
+    sim = Simulation(seed=4, resolution=(250, 250), measure=True)
     images = []
 
     def run(steps):

@@ -19,7 +19,7 @@ class Estimator:
 
 
 def plain():
-    return robsim.Simulation(measure=True, resolution=(64, 64))
+    return robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75))
 
 
 def with_a_callback():

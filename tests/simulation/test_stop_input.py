@@ -612,7 +612,10 @@ def test_a_stop_input_that_stops_nothing_is_refused(stop_input):
 def test_a_reset_that_is_refused_stops_the_robot_all_the_same():
     robot = Robot()
     experiment = robsim.Experiment(
-        (frame(k) for k in range(5)), send=robot, control=lambda step: input_of(step.k)
+        (frame(k) for k in range(5)),
+        send=robot,
+        control=lambda step: input_of(step.k),
+        measure=None,
     )
     experiment.step()
     assert robot.drives
@@ -628,6 +631,7 @@ def test_the_end_of_a_with_block_waits_for_the_run_of_another_thread():
         iter(frames.get, None),
         send=robot,
         control=lambda step: input_of(step.k),
+        measure=None,
         frame_timeout=math.inf,
     ) as experiment:
         thread = threading.Thread(target=experiment.run)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import warnings
 from collections.abc import Generator, Iterator
 from contextlib import closing
 from os import PathLike
@@ -16,6 +15,7 @@ import numpy as np
 from robsim._base.checks import check_float, check_size
 from robsim._base.files import as_path
 from robsim._base.text import one_line, quoted
+from robsim._base.warn import warn_user
 from robsim._core import Frame, PlaneMap
 from robsim.imaging._containers import check_is_video
 from robsim.imaging._frames import check_same_size, frame_size
@@ -207,10 +207,9 @@ class _Video:
             index += 1
         known = self.count()
         if known is not None and index < _COMPLETE * known:
-            warnings.warn(
+            warn_user(
                 f"{one_line(self.file)} ends after {index} of {known} frames: it is truncated or "
                 "damaged",
-                stacklevel=4,
             )
 
     def _open(self) -> Any:

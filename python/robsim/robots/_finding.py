@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable
 from dataclasses import replace
 from os import PathLike
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats
+from robsim._base.warn import warn_user
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
 from robsim.imaging._images import Pixels, check_pixels, resized
 from robsim.robots._definition import RobotDefinition
@@ -101,10 +101,9 @@ def robot_from_image(
         blue=points["blue"],
     )
     if outline is None and (small[..., 3] > _OPAQUE).all():
-        warnings.warn(
+        warn_user(
             "the image has no transparency, so its border is the outline, and what surrounds the "
             "robot is part of it: make the surroundings transparent, or give an outline",
-            stacklevel=2,
         )
     return robot
 

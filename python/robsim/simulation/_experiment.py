@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from os import PathLike
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike
 from robsim import _core
 from robsim._base.checks import Floats, check_choice
 from robsim._base.seeds import Seed, seed_sequence
+from robsim._base.warn import warn_user
 from robsim._core import (
     ColorClass,
     Frame,
@@ -216,15 +216,15 @@ class Experiment(Runner):
         is_at_end = self._run(wanted, progress, steps)
         done = self.n_steps - before
         if is_at_end and steps is None and not self.n_steps:
-            warnings.warn("frames gave no frame: there was nothing to run", stacklevel=2)
+            warn_user("frames gave no frame: there was nothing to run")
         if is_at_end and steps is not None and done < steps:
             if done == 0:
                 raise EOFError("there are no more frames")
-            warnings.warn(f"the frames ended after {done} of {steps} steps", stacklevel=2)
+            warn_user(f"the frames ended after {done} of {steps} steps")
         if self.n_steps >= self._next_look:
             self._next_look = 2 * self.n_steps  # seldom, as it costs as much as some steps
             if remark := mirrored_remark(self):
-                warnings.warn(remark, stacklevel=2)
+                warn_user(remark)
         return self.trace
 
     @contextmanager
@@ -313,9 +313,8 @@ class Experiment(Runner):
         self._source.lacks = None
         super()._check_stages()
         if self._motors is not None and not self._is_on("control"):
-            warnings.warn(
+            warn_user(
                 "send was given, but there is no controller: nothing is sent; give control=...",
-                stacklevel=4,
             )
 
     def _theta_true(self) -> ArrayLike:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any, ClassVar
@@ -14,6 +13,7 @@ from robsim._base.checks import check_choice, check_size
 from robsim._base.files import as_path, read_text, write_whole
 from robsim._base.seeds import Seed, seed_value
 from robsim._base.spelling import check_names
+from robsim._base.warn import warn_user
 from robsim._core import (
     ColorClass,
     DriveAround,
@@ -262,16 +262,14 @@ class Scenario:
                 raise ValueError(f"trace must begin with step 0, got step {trace.k[0]}")
             scenario = scenario.replace(control=Replay(trace.u))
         if trace.info.changed:
-            warnings.warn(
+            warn_user(
                 f"{', '.join(trace.info.changed)} changed in the run: the scenario has what came "
                 "last",
-                stacklevel=2,
             )
         if missing := sorted(callbacks - {"control"}):
-            warnings.warn(
+            warn_user(
                 f"the run had callbacks in Python for {', '.join(missing)}: give them to "
                 "Simulation(scenario, ...) again",
-                stacklevel=2,
             )
         assert isinstance(scenario, cls)
         return scenario

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-import warnings
-
+from robsim._base.warn import warn_user
 from robsim._core import Frame, MarkerLayout, small_markers_remark
 
 
@@ -36,13 +34,4 @@ def warn_of_small_markers(markers: MarkerLayout, frame: Frame) -> None:
         A frame of the camera.
     """
     if (remark := small_markers_remark(markers, frame)) is not None:
-        warning = SmallMarkersWarning(remark, markers.width_in(frame))
-        warnings.warn(warning, stacklevel=_level_of_caller())
-
-
-def _level_of_caller() -> int:
-    """Return how many calls above the function that warns there is code other than robsim's."""
-    level, caller = 1, sys._getframe(1)
-    while caller.f_back and caller.f_globals.get("__name__", "").partition(".")[0] == "robsim":
-        level, caller = level + 1, caller.f_back
-    return level
+        warn_user(SmallMarkersWarning(remark, markers.width_in(frame)))

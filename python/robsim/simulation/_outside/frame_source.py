@@ -9,7 +9,6 @@ import queue
 import reprlib
 import threading
 import time
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
@@ -18,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import check_size
+from robsim._base.warn import warn_user
 from robsim._core import Arrival, Frame, Observation, RobotModel, RobotParameters
 from robsim.imaging._frames import frame_size
 from robsim.simulation._scenario import Scenario
@@ -141,12 +141,11 @@ class FrameSource:
         size = frame_size(frame.image)
         is_mapped = not np.array_equal(frame.plane_map.matrix, np.eye(3))
         if size != self.area and not is_mapped:
-            warnings.warn(
+            warn_user(
                 f"the frames have {size[0]} x {size[1]} px and no plane map, but the area has "
                 f"{self.area[0]} x {self.area[1]} px: a pixel counts as a px of the area. Give "
                 f"each Frame plane_map=robsim.imaging.PlaneMap.scaled({size}, {self.area}), or "
                 f"Experiment area={size}",
-                stacklevel=5,
             )
 
     def model(self) -> RobotModel:
