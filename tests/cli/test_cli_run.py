@@ -203,8 +203,9 @@ def test_why_some_frames_are_without_a_detection(tmp_path):
     run = command("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
     assert "2 (33.3 %)" in run.stdout
     assert (
-        "no detection in 4 of 6 steps: in 3, first in step 1, no red and no blue blob was "
-        "detected: check the frame and the colours; in 1: no blue blob"
+        "no detection in 4 of 6 steps: in 3, first in step 1, the picture is dark: mean level 15 "
+        "of 255. No robot was detected: more light, a longer exposure, or colours trained in this "
+        "light; in 1: no blue blob"
     ) in run.stderr
 
 

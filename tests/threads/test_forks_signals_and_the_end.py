@@ -17,7 +17,13 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning"),
 ]
 
-OPTIONS = {"measure": True, "estimate_parameters": True, "resolution": (64, 64), "seed": 1}
+OPTIONS = {
+    "measure": True,
+    "estimate_parameters": True,
+    "area": (300, 300),
+    "resolution": (75, 75),
+    "seed": 1,
+}
 
 
 def python(code):
@@ -89,7 +95,7 @@ def test_a_callback_may_fork_and_both_processes_go_on():
 
 DAEMON = """
 import threading, time, robsim
-sim = robsim.Simulation(measure=True, resolution=(64, 64), {options})
+sim = robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75), {options})
 threading.Thread(target=lambda: sim.run(10**7), daemon=True).start()
 while not sim.n_steps:
     time.sleep(0.001)
@@ -152,7 +158,7 @@ print(len(own))
 def test_ctrl_c_ends_a_native_run_and_keeps_its_trace():
     code = """
 import robsim
-sim = robsim.Simulation(measure=True, resolution=(64, 64))
+sim = robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75))
 sim.run(1)
 print("begins", flush=True)
 try:

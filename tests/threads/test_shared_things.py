@@ -19,7 +19,8 @@ def test_an_estimator_serves_one_run_at_a_time():
             init_parameter_estimator=lambda model: shared,
             control=robsim.DriveAround(),
             measure=True,
-            resolution=(64, 64),
+            area=(300, 300),
+            resolution=(75, 75),
             seed=seed,
         )
         for seed in range(2)
@@ -53,7 +54,8 @@ def test_a_refused_run_stops_the_robot():
         init_parameter_estimator=lambda model: shared,
         control=robsim.DriveAround(),
         measure=True,
-        resolution=(64, 64),
+        area=(300, 300),
+        resolution=(75, 75),
     )
     sent = []
     frames = [robsim.Frame(np.zeros((64, 64, 3), dtype=np.uint8)) for _ in range(9)]
@@ -79,7 +81,13 @@ def test_a_refused_run_stops_the_robot():
 def test_a_ready_controller_and_a_scene_serve_any_number(control):
     def make(seed):
         noise = robsim.GaussianNoise(10)
-        options = {"measure": True, "resolution": (64, 64), "noise": noise, "headings": 36}
+        options = {
+            "measure": True,
+            "area": (300, 300),
+            "resolution": (75, 75),
+            "noise": noise,
+            "headings": 36,
+        }
         return robsim.Simulation(control=control, seed=seed, **options)
 
     alone = [make(seed).run(60).pose_measured for seed in range(4)]
@@ -95,7 +103,8 @@ def test_a_ready_controller_and_a_scene_serve_any_number(control):
 def test_a_controller_with_a_memory_serves_one_run_at_a_time(make):
     shared = make()
     first, second = (
-        robsim.Simulation(measure=True, resolution=(64, 64), control=shared) for _ in range(2)
+        robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75), control=shared)
+        for _ in range(2)
     )
     second.run(2)
     with running(first), pytest.raises(RuntimeError, match=f"has this {type(shared).__name__}"):
@@ -117,7 +126,7 @@ def test_frames_that_several_threads_draw_again():
 
 def test_a_frame_that_is_given_back_by_another_thread_is_not_changed_before():
     """Its memory is used again as soon as nobody else holds it."""
-    sim = robsim.Simulation(measure=True, resolution=(100, 80), seed=1)
+    sim = robsim.Simulation(measure=True, area=(300, 240), resolution=(100, 80), seed=1)
     given, taken = [], threading.Semaphore(0)
 
     def control(step):
@@ -140,7 +149,7 @@ def test_callbacks_in_several_threads():
     """With callbacks the runs take turns; each gives what it gives alone."""
 
     def make(seed):
-        sim = robsim.Simulation(measure=True, resolution=(64, 64), seed=seed)
+        sim = robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75), seed=seed)
         sim.control = lambda step: (0.2 + 0.001 * sim.rng.random(), 0.1)
         return sim
 
@@ -159,7 +168,9 @@ def test_the_garbage_collector_looks_at_a_run():
             return np.zeros((3, 5))
 
     def make(**options):
-        sim = robsim.Simulation(measure=True, resolution=(64, 64), seed=1, **options)
+        sim = robsim.Simulation(
+            measure=True, area=(300, 300), resolution=(75, 75), seed=1, **options
+        )
         sim.define_model = lambda: sim and robsim.RobotModel()
         return sim
 

@@ -12,7 +12,13 @@ from threads import running, together
 
 pytestmark = pytest.mark.threads
 
-OPTIONS = {"measure": True, "estimate_parameters": True, "resolution": (64, 64), "seed": 1}
+OPTIONS = {
+    "measure": True,
+    "estimate_parameters": True,
+    "area": (300, 300),
+    "resolution": (75, 75),
+    "seed": 1,
+}
 DURATION = 0.1  # s, of trying to do harm
 
 

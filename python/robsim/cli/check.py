@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from robsim.cli import errors
+from robsim.cli.errors import styled
 from robsim.cli.shared import Json
 from robsim.simulation._slots import SLOTS
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.console import RenderableType
     from rich.table import Table
-    from rich.text import Text
 
     from robsim.doctor import CheckReport, FolderReport, Problem
 
@@ -27,7 +28,6 @@ HELP = (
 )
 
 _STYLES = {"well": "green", "remark": "yellow", "ill": "bold red"}
-_WIDEST = 100  # characters
 
 
 def check(
@@ -47,48 +47,46 @@ def check(
     with errors.report_errors():
         report = check_folder(path, slots=slot)
     if as_json:
-        print(report.to_json())
+        errors.show(report.to_json())
     else:
-        _print_page(report)
+        errors.print_page(_page(report))
     if not report.ok:
         raise typer.Exit(1)
 
 
-def _print_page(report: FolderReport) -> None:
-    from rich.console import Console
+def _page(report: FolderReport) -> Iterator[RenderableType]:
+    """Yield what is printed of a folder: a line for each slot, then what is wrong with each."""
     from rich.table import Table
 
-    console = Console(highlight=False, markup=False, emoji=False)
-    console.width = min(console.width, _WIDEST)
-    console.print(report.heading, style="bold")
+    yield styled(report.heading, "bold")
     table = Table.grid(padding=(0, 3), pad_edge=True)
     for slot, verdict in report.verdicts.items():
         file = "" if isinstance(report.checks[slot], str) else f"{slot}.py"
-        table.add_row(slot, _styled(verdict, _STYLES.get(verdict, "dim")), file)
-    console.print(table)
+        table.add_row(slot, styled(verdict, _STYLES.get(verdict, "dim")), file)
+    yield table
     of_files: set[str] = set()
     for slot, one in report.checks.items():
         if not isinstance(one, str):
-            _print_check(console, one)
+            yield from _findings(one)
             of_files |= {f"{slot}.py: {remark}" for remark in one.remarks}
     for remark in report.remarks:
         if remark not in of_files:
-            console.print()
-            console.print(_hanging("-", remark))
+            yield ""
+            yield _hanging("-", remark)
 
 
-def _print_check(console: Console, report: CheckReport) -> None:
-    """Print the problems and remarks of a file."""
+def _findings(report: CheckReport) -> Iterator[RenderableType]:
+    """Yield the problems and remarks of a file."""
     if report.ok and not report.remarks:
         return
-    console.print()
-    console.print(report.name, style="bold")
+    yield ""
+    yield styled(report.name, "bold")
     for number, problem in enumerate(report.problems, 1):
-        console.print(_hanging(f"{number}.", problem.sentence))
+        yield _hanging(f"{number}.", problem.sentence)
         for text, style in _places(problem):
-            console.print(_hanging("", text, style))
+            yield _hanging("", text, style)
     for remark in report.remarks:
-        console.print(_hanging("-", remark))
+        yield _hanging("-", remark)
 
 
 def _places(problem: Problem) -> list[tuple[str, str]]:
@@ -104,11 +102,5 @@ def _hanging(mark: str, text: str, style: str = "") -> Table:
     grid = Table.grid(padding=(0, 1), pad_edge=True)
     grid.add_column(width=3, justify="right")
     grid.add_column(overflow="fold")
-    grid.add_row(mark, _styled(text, style))
+    grid.add_row(mark, styled(text, style))
     return grid
-
-
-def _styled(text: str, style: str) -> Text:
-    from rich.text import Text
-
-    return Text(text, style)

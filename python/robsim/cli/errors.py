@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.measure import Measurement
+from rich.text import Text
 
 from robsim._base.text import one_line, printable
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 _WIDEST = 1000  # characters
+_WIDEST_PAGE = 100
 
 # Arguments of Python with the names that the command has for them.
 _option_of: dict[str, str] = {}
@@ -144,6 +146,19 @@ def print_table(table: Table) -> None:
     width = Measurement.get(console, console.options.update(width=_WIDEST), table).maximum
     console.width = max(console.width, width)
     console.print(table)
+
+
+def print_page(parts: Iterable[RenderableType]) -> None:
+    """Print texts and tables one below the other to stdout, in lines of a readable length."""
+    console = Console(highlight=False, markup=False, emoji=False)
+    console.width = min(console.width, _WIDEST_PAGE)
+    for part in parts:
+        console.print(part)
+
+
+def styled(text: str, style: str = "") -> Text:
+    """Return a text in a style for a page."""
+    return Text(printable(text), style)
 
 
 def print_note(text: str) -> None:

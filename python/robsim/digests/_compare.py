@@ -16,6 +16,7 @@ import numpy as np
 import scipy
 
 from robsim._base.checks import Floats
+from robsim._base.files import write_whole
 from robsim._base.report import Column, Quantity, Report, Row, Table
 from robsim._core import cpu_path
 from robsim.digests._cases import BYTES, DIGITS
@@ -186,4 +187,4 @@ def write_expected(file: str | PathLike[str]) -> None:
         "bytes": {name: digest_of(arrays()) for name, arrays in BYTES.items()},
         "digits": {name: some_of(numbers()).tolist() for name, (_, numbers) in DIGITS.items()},
     }
-    Path(file).write_text(json.dumps(values, indent=1) + "\n")
+    write_whole(Path(file), (json.dumps(values, indent=1) + "\n").encode())
