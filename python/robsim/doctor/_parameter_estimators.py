@@ -24,6 +24,7 @@ from robsim.doctor._trial import BadResult, EstimatorUnderTest, Trial
 
 _SHORT = 400  # steps
 _QUIET = 0.1  # of the usual disturbances, so that the verdict does not hang on them
+_WORSE = 3.0  # times the largest error before the rest
 _REPEATED = 6  # samples
 _DIVERGED = 10.0  # prediction error relative to the rms displacement per step
 _RECOVERY = 100  # steps after a rest within which the parameters must be good again
@@ -195,7 +196,10 @@ def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[
         return
     growth = sizes.get(STANDS.stop - 1, 0.0) / max(sizes.get(STANDS.start, 0.0), 1e-300)
     is_large = bool(sizes.get(STANDS.start)) and growth > MAXIMUM_GROWTH
-    is_off = _relative_errors(trial)[STANDS.stop + _RECOVERY :] > _DIVERGED
+    errors = _relative_errors(trial)
+    # One that learns slowly is no better before the rest.
+    usual = float(np.nanmax(errors[STANDS.start // 2 : STANDS.start]))
+    is_off = errors[STANDS.stop + _RECOVERY :] > max(_DIVERGED, _WORSE * usual)
     if has_overflowed or is_large or is_off.any():
         reason = f": its P grows {growth:.0e}-fold in the rest" if is_large else ""
         yield Problem(

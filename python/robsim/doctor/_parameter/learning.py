@@ -21,6 +21,8 @@ from robsim.doctor._parameter.windup import line_of_matrix
 from robsim.doctor._trial import EstimatorUnderTest, Trial
 
 _NOTHING = "learns nothing"
+_MISMATCHED = "sample mismatched"
+_STAYS = 0.1  # of the displacement in a step
 _LEARNED = 0.95  # of the rms of 2 x(k-1) - x(k-2)
 _LAST = 150  # samples over which it is measured
 _UNKNOWNS = 5  # of an axis
@@ -88,7 +90,7 @@ def mismatch_problem(
         return None
     late, other = ("y", "phi") if is_y_late else ("phi", "y")
     return Problem(
-        kind="sample mismatched",
+        kind=_MISMATCHED,
         sentence=f"it uses {other} of a step with {late} of the step before: a displaced {other} "
         f"changes its parameters at once, a displaced {late} a step later; phi and y of one call "
         "belong together, y = phi @ theta",
@@ -135,6 +137,7 @@ def _cause(learning: Learning, influence: Influence) -> tuple[str, str] | None:
     """Return kind and sentence of parameters that predict nothing; None = they come slowly."""
     return (
         _runaway(learning)
+        or _standing(learning)
         or _dead(influence)
         or _rearranged(learning)
         or _mixed(influence)
@@ -151,6 +154,21 @@ def _runaway(learning: Learning) -> tuple[str, str] | None:
         "wrong sign",
         "an update makes the error of its own sample larger: theta = theta + K (y - phi @ theta); "
         "look at the signs of K and of the error, and that it is the error of this axis",
+    )
+
+
+def _standing(learning: Learning) -> tuple[str, str] | None:
+    """Return whether they are (1, 0, 0, 0, 0): the y that they fit is x(k-1), which is in phi."""
+    ahead = np.eye(5)[0]
+    off = np.sum(learning.phi * (learning.before - ahead), axis=2)
+    displacement = np.sum(learning.phi * (_GOES_ON - ahead), axis=2)
+    is_off = np.sum(off**2, axis=0) > _STAYS**2 * np.sum(displacement**2, axis=0)
+    if is_off[:2].any():  # a heading jumps where it is wrapped
+        return None
+    return (
+        _MISMATCHED,
+        "they are (1, 0, 0, 0, 0), so that y is x(k-1): it uses phi of a step with y of the step "
+        "before; phi and y of one call belong together",
     )
 
 

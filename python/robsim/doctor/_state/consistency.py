@@ -63,7 +63,9 @@ def reduction_problem(trials: Trials, gains: Gains) -> Problem | None:
             line=line_of_covariance(trials.estimator),
         )
     first, unborn = variances(trials.late)[5], variances(trials.late)[4]
-    is_sunk = (K > _CERTAIN) & (after < _SUNK * before)
+    # All components at once: a particle filter with few particles left has random gains.
+    is_followed = ((K > _CERTAIN) & (K < 2 - _CERTAIN)).all()
+    is_sunk = np.full(3, is_followed and (after < _SUNK * before).all())
     is_sunk |= (first < _FIRST * before) & (unborn > before)
     if not is_sunk.any():
         return None
