@@ -22,15 +22,18 @@ Trace::Column& Trace::column(const std::string& name, std::size_t width, double 
                                   [&](const Column& c) { return c.name() == name; });
   if (found != columns_.end() && found->is_listed_) return *found;
   const std::lock_guard<std::mutex> lock(mutex_);
+  // What may throw comes first: a column without memory would be found, and written to, later.
   if (found != columns_.end()) {
+    if (found->width_ != width) {
+      found->memory_ = make_memory(capacity_, width, missing);
+      found->width_ = width;
+    }
     found->is_listed_ = true;
-    if (found->width_ == width) return *found;
-    found->width_ = width;
-    found->memory_ = make_memory(capacity_, width, missing);
     return *found;
   }
-  columns_.emplace_back(name, width, missing);
-  columns_.back().memory_ = make_memory(capacity_, width, missing);
+  Column made(name, width, missing);
+  made.memory_ = make_memory(capacity_, width, missing);
+  columns_.push_back(std::move(made));
   return columns_.back();
 }
 
@@ -74,12 +77,13 @@ void Trace::append() {
 void Trace::clear() {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (Column& column : columns_) {
-    column.is_listed_ = false;
     if (column.memory_.use_count() > 1) {
       column.memory_ = make_memory(capacity_, column.width_, column.missing_);
-    } else {
-      std::fill(column.memory_->begin(), column.memory_->end(), column.missing_);
     }
+  }
+  for (Column& column : columns_) {
+    column.is_listed_ = false;
+    std::fill(column.memory_->begin(), column.memory_->end(), column.missing_);
   }
   rows_.store(0, std::memory_order_release);
 }
