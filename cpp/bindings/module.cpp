@@ -22,6 +22,14 @@ void bind_controllers(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_loop(py::module_& module);
 
+namespace {
+
+const char* const in_sub_interpreter =
+    "robsim cannot be imported in a sub-interpreter: it works in the main interpreter of a process "
+    "alone. Import it there, or in a process of its own (multiprocessing, subprocess)";
+
+bool is_main_interpreter() { return PyInterpreterState_Get() == PyInterpreterState_Main(); }
+
 // The default would say "std::bad_alloc".
 void tell_of_memory() {
   py::register_local_exception_translator([](std::exception_ptr error) {
@@ -35,7 +43,10 @@ void tell_of_memory() {
   });
 }
 
+}  // namespace
+
 PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters::not_supported()) {
+  if (!is_main_interpreter()) throw py::import_error(in_sub_interpreter);
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
   tell_of_memory();
   bind_simd(module);
@@ -57,16 +68,11 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   pybind11::delattr(module, "__module__");  // the bindings set it
 }
 
-// In a sub-interpreter pybind11 would wait for ever for the lock of the main one: so the module's
-// own entry looks first.
+// In a sub-interpreter pybind11 may wait for ever for the lock of the main one: so the module's own
+// entry looks first. From Python 3.13 on it is called in the main one for all: the body looks
+// again.
 extern "C" PYBIND11_EXPORT PyObject* PyInit__core() {
-  if (PyInterpreterState_Get() == PyInterpreterState_Main()) {
-    return PyInit_core_of_the_main_interpreter();
-  }
-  PyErr_SetString(
-      PyExc_ImportError,
-      "robsim cannot be imported in a sub-interpreter: it works in the main interpreter "
-      "of a process alone. Import it there, or in a process of its own "
-      "(multiprocessing, subprocess)");
+  if (is_main_interpreter()) return PyInit_core_of_the_main_interpreter();
+  PyErr_SetString(PyExc_ImportError, in_sub_interpreter);
   return nullptr;
 }

@@ -40,7 +40,8 @@ FULL = Scenario(
 _FINITE = st.floats(-1e6, 1e6)
 _HEADING = st.floats(-6.28, 6.28)
 _POSITIVE = st.floats(1e-3, 1e3)
-_SIZE = st.tuples(st.integers(16, 8192), st.integers(16, 8192))
+# Whatever area and resolution come together, the robot's image is not too large.
+_SIZE = st.tuples(st.integers(400, 8192), st.integers(400, 8192))
 _RANGE = st.tuples(st.integers(0, 255), st.integers(0, 255)).map(sorted).map(tuple)
 _SEEDS = st.one_of(
     st.integers(0, 2**200),

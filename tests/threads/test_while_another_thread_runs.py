@@ -19,7 +19,7 @@ OPTIONS = {
     "resolution": (75, 75),
     "seed": 1,
 }
-DURATION = 0.1  # s, of trying to do harm
+DURATION = 0.03  # s, of trying to do harm
 
 
 def simulation(**options):

@@ -72,7 +72,7 @@ class _Drive:
     minimum_voltage: float = 0.3  # V
     _motion: _Motion = field(default_factory=_Motion, init=False)
 
-    remembers_run: ClassVar = True
+    _remembers_run: ClassVar = True
     needs: ClassVar = ("measurement", "estimate")  # one of them, to know where the robot is
 
     def __post_init__(self) -> None:

@@ -286,7 +286,9 @@ class Simulation(WorldSlots, Runner):
     def true_model(self) -> RobotModel:
         """The model that the robot of the world follows; the robot half believes in `model`."""
         self._start()
-        return self._world.model or RobotModel()
+        model = self._world.model
+        assert model is not None  # it has started
+        return model
 
     def _theta_true(self) -> ArrayLike:
         return (self._world.model or RobotModel()).theta

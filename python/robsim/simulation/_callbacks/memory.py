@@ -12,7 +12,7 @@ _in_run: dict[int, object] = {}  # by their ids
 def held(callbacks: Iterable[object]) -> Iterator[None]:
     """Keep the callbacks that remember their run for the run of this thread.
 
-    These are the objects with a true attribute ``remembers_run``.
+    These are the objects with a true attribute ``_remembers_run``.
 
     Raises
     ------
@@ -20,7 +20,7 @@ def held(callbacks: Iterable[object]) -> Iterator[None]:
         If another run has one of them.
     """
     run = object()
-    mine = [one for one in callbacks if getattr(one, "remembers_run", False) is True]
+    mine = [one for one in callbacks if getattr(one, "_remembers_run", False) is True]
     try:
         for callback in mine:
             # One call, which no other thread interrupts.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import reprlib
 from collections.abc import Callable
 from functools import cache, cached_property, lru_cache
@@ -24,6 +25,9 @@ HEADINGS = 36
 _SQUARE = (572, 64, 56, (198, 36, 40))
 
 _cache = SceneCache(maximum_size=64 * 2**20)
+if hasattr(os, "register_at_fork"):
+    # A thread of the parent's may have been about to change it, or a heading in a scene.
+    os.register_at_fork(after_in_child=_cache.forget)
 
 
 def draw_red_square(background: Pixels) -> Pixels:

@@ -20,6 +20,10 @@ class SceneCache:
 
     def __init__(self, *, maximum_size: int) -> None:
         self.maximum_size = maximum_size
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget all scenes."""
         self._scenes: OrderedDict[Hashable, Scene] = OrderedDict()
         self._lock = Lock()
 
