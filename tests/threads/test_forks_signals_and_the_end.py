@@ -161,7 +161,9 @@ print(len(own))
 @pytest.mark.long
 def test_ctrl_c_ends_a_native_run_and_keeps_its_trace():
     code = """
+import signal
 import robsim
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a job in the background
 sim = robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75))
 sim.run(1)
 print("begins", flush=True)
@@ -170,13 +172,17 @@ try:
 except KeyboardInterrupt:
     print(len(sim.trace) > 1, sim.is_running)
 """
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    assert process.stdout.readline() == "begins\n"
-    time.sleep(0.3)
-    process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=60) == ("True False\n", "")
+    command = [sys.executable, "-c", code]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            assert process.stdout.readline() == "begins\n"
+            time.sleep(0.3)
+            process.send_signal(signal.SIGINT)
+            assert process.communicate(timeout=60) == ("True False\n", "")
+        finally:
+            process.kill()
 
 
 @pytest.mark.long
