@@ -1827,7 +1827,7 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
     used: they may be cut off. Where noise or other things give many blobs like the markers, a pair is
     accepted only if hardly any pair of the others would fit as well by chance [1]_: on a floor of
-    noise, a pose is reported in about one of 100 frames at most.
+    noise, a pose is reported in one or two of 100 frames at most.
     
     Parameters
     ----------

@@ -84,7 +84,7 @@ struct Detection {
 /// border of the frame may be cut off and are not used. Without known marker areas, those of a pair
 /// must be similar. There is no measurement if no pair is accepted, or two fit equally well, or the
 /// other blobs would give one as good too often by chance: in noise that takes specks of the floor
-/// for markers, a false pose is to be expected in about one of 100 frames at most.
+/// for markers, a false pose is to be expected in one or two of 100 frames at most.
 /// Method: the number of false alarms (Desolneux, Moisan and Morel 2000, Meaningful alignments).
 Detection detect(const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map);
 
