@@ -108,7 +108,7 @@ std::unique_ptr<Loop> make_loop() {
   Stages& stages = loop->stages();
   stages.define_model = [] { return RobotModel(); };
   stages.init_parameter_estimator = [](const RobotModel&) {
-    return std::make_shared<RecursiveEstimator>(std::make_shared<RecursiveLeastSquares>(5, 3));
+    return std::make_shared<RecursiveEstimator>(std::make_shared<GuardedLeastSquares>(5, 3));
   };
   stages.measure = {[](const StepPointer& step) {
                       return locate(*step->blobs, step->markers(), step->frame->plane_map);
