@@ -93,7 +93,9 @@ TEST_P(GaussianTablesOf, TheTailIsTrueToSixStandardDeviations) {
     outside += probability[static_cast<std::size_t>(513 + k)];
     outside += probability[static_cast<std::size_t>(511 - k)];
     const double expected = std::erfc((k + 0.5) / (GetParam() * std::sqrt(2.0)));
-    if (k <= 6 * GetParam()) EXPECT_NEAR(outside / expected, 1, 0.01) << k;
+    if (k <= 6 * GetParam()) {
+      EXPECT_NEAR(outside / expected, 1, 0.01) << k;
+    }
   }
 }
 
