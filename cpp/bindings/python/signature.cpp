@@ -14,6 +14,13 @@ namespace robsim::bindings {
 
 namespace {
 
+// The parameters of a function without `self`.
+struct Signature {
+  std::string name;  // as users call it: "find_blobs", "Frame", "predict"
+  bool has_self = false;
+  std::vector<Parameter> parameters;
+};
+
 // The functions with signatures, by what Python hands to them as `self`.
 std::unordered_map<PyObject*, Signature>& signatures() {
   static auto* all = new std::unordered_map<PyObject*, Signature>;  // outlives the interpreter
@@ -245,8 +252,6 @@ constexpr std::array<FastCall, sizeof...(places)> entries(std::index_sequence<pl
   return {&enter<places>...};
 }
 
-}  // namespace
-
 void give_signature(const py::object& function, const Signature& signature) {
   PyCFunctionObject* const object = &c_function(function);
   PyMethodDef& method = *object->m_ml;
@@ -269,6 +274,39 @@ void give_owner(const py::object& function, py::handle owner) {
   records[n_functions] = object.m_self;  // kept for good
   object.m_self = owner.inc_ref().ptr();
   object.m_ml->ml_meth = as_c_function(all[n_functions++]);
+}
+
+}  // namespace
+
+void ParameterList::add(const py::arg& argument) {
+  list_.push_back({argument.name, is_keyword_only_, {}});
+}
+
+void ParameterList::add(const py::arg_v& argument) {
+  list_.push_back({argument.name, is_keyword_only_, argument.value});
+}
+
+void ParameterList::set_types(std::initializer_list<Type> types) {
+  auto type = std::rbegin(types);  // backwards: those of `self` and such come first
+  for (auto parameter = list_.rbegin(); parameter != list_.rend(); ++parameter, ++type) {
+    if (type == std::rend(types)) return;
+    parameter->accepts = type->accepts;
+    parameter->expected = type->expected;
+  }
+}
+
+void sign_function(py::handle owner, const char* name, const ParameterList& parameters) {
+  const py::object function = owner.attr(name);
+  give_signature(function, {name, false, parameters.get()});
+  give_owner(function, owner);
+}
+
+void sign_method(py::handle owner, const char* name, const ParameterList& parameters) {
+  const std::string method = name;
+  const bool is_init = method == "__init__";
+  if (!is_init && method != "__call__" && method.substr(0, 2) == "__") return;
+  const auto shown = is_init ? owner.attr("__name__").cast<std::string>() : method;
+  give_signature(owner.attr(name), {shown, true, parameters.get()});
 }
 
 }  // namespace robsim::bindings

@@ -3,6 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <initializer_list>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -22,21 +23,6 @@ struct Parameter {
   std::string (*expected)(py::handle) = nullptr;
 };
 
-/// The parameters of a function without `self`.
-struct Signature {
-  std::string name;  // as users call it: "find_blobs", "Frame", "predict"
-  bool has_self = false;
-  std::vector<Parameter> parameters;
-};
-
-/// Lets `inspect.signature` know a native function, and a call with wrong arguments raise a
-/// TypeError that names the argument, what was expected and what came.
-void give_signature(const py::object& function, const Signature& signature);
-
-/// Lets a native function with a signature belong to a module or class, as those of Python do: help
-/// would say that it is a method of something of pybind11, and it could not be pickled.
-void give_owner(const py::object& function, py::handle owner);
-
 /// The types of a callable's arguments, as a tuple.
 template <typename F>
 struct ArgumentTypes : ArgumentTypes<decltype(&F::operator())> {};
@@ -49,46 +35,58 @@ struct ArgumentTypes<R (C::*)(A...)> : ArgumentTypes<R (*)(A...)> {};
 template <typename C, typename R, typename... A>
 struct ArgumentTypes<R (C::*)(A...) const> : ArgumentTypes<R (*)(A...)> {};
 
-/// Collects what pybind11 is told of the arguments of a function.
+/// The parameters of a function, by what pybind11 is told of them. A template is compiled anew for
+/// each function, so what depends on no type stands in the source file.
 class ParameterList {
  public:
-  void add(const py::arg& argument) { list_.push_back({argument.name, is_keyword_only_, {}}); }
-  void add(const py::arg_v& argument) {
-    list_.push_back({argument.name, is_keyword_only_, argument.value});
+  template <typename... T, typename... Extra>
+  explicit ParameterList(const std::tuple<T...>*, const Extra&... extra) {
+    (add(extra), ...);
+    set_types({type_of<T>()...});
   }
+
+  const std::vector<Parameter>& get() const { return list_; }
+
+ private:
+  struct Type {
+    bool (*accepts)(py::handle);
+    std::string (*expected)(py::handle);
+  };
+
+  template <typename T>
+  static constexpr Type type_of() {
+    if constexpr (std::is_same_v<T, py::detail::value_and_holder>) {
+      return {};
+    } else {
+      return {&accepts<T>, &Expected<T>::text};
+    }
+  }
+
+  void add(const py::arg& argument);
+  void add(const py::arg_v& argument);
   void add(const py::kw_only&) { is_keyword_only_ = true; }
   template <typename Other>
   void add(const Other&) {}
-
-  /// The list, with the types T of all arguments; those of `self` and such come first.
-  template <typename... T>
-  std::vector<Parameter> with_types(const std::tuple<T...>*) && {
-    std::size_t i = list_.size() - sizeof...(T);  // wraps, and comes to 0 at the first in the list
-    (set_type<T>(i++), ...);
-    return std::move(list_);
-  }
-
- private:
-  template <typename T>
-  void set_type(std::size_t i) {
-    if constexpr (!std::is_same_v<T, py::detail::value_and_holder>) {
-      if (i >= list_.size()) return;
-      list_[i].accepts = &accepts<T>;
-      list_[i].expected = &Expected<T>::text;
-    }
-  }
+  void set_types(std::initializer_list<Type> types);
 
   std::vector<Parameter> list_;
   bool is_keyword_only_ = false;
 };
 
 template <typename F, typename... Extra>
-Signature signature_of(const std::string& name, bool has_self, const Extra&... extra) {
-  ParameterList parameters;
-  (parameters.add(extra), ...);
+ParameterList parameters_of(const Extra&... extra) {
   using Types = typename ArgumentTypes<std::decay_t<F>>::type;
-  return {name, has_self, std::move(parameters).with_types(static_cast<const Types*>(nullptr))};
+  return ParameterList(static_cast<const Types*>(nullptr), extra...);
 }
+
+/// Lets `inspect.signature` know a native function of a module, or a static method of a class, and
+/// a call with wrong arguments raise a TypeError that names the argument, what was expected and
+/// what came. It belongs to its owner as those of Python do: help would say that it is a method of
+/// something of pybind11, and it could not be pickled.
+void sign_function(py::handle owner, const char* name, const ParameterList& parameters);
+
+/// The same for a method; those that Python calls for an operator stay as they are.
+void sign_method(py::handle owner, const char* name, const ParameterList& parameters);
 
 /// As py::module_, for functions with signatures.
 class Module : public py::module_ {
@@ -98,8 +96,7 @@ class Module : public py::module_ {
   template <typename F, typename... Extra>
   Module& def(const char* name, F&& f, const Extra&... extra) {
     py::module_::def(name, std::forward<F>(f), extra...);
-    give_signature(attr(name), signature_of<F>(name, false, extra...));
-    give_owner(attr(name), *this);
+    sign_function(*this, name, parameters_of<F>(extra...));
     return *this;
   }
 };
@@ -115,12 +112,7 @@ class Class : public py::class_<T, Options...> {
   template <typename F, typename... Extra>
   Class& def(const char* name, F&& f, const Extra&... extra) {
     Base::def(name, std::forward<F>(f), extra...);
-    const std::string method = name;
-    if (method == "__init__" || method == "__call__" || method.substr(0, 2) != "__") {
-      const auto type = this->attr("__name__").template cast<std::string>();
-      const std::string shown = method == "__init__" ? type : method;
-      give_signature(this->attr(name), signature_of<F>(shown, true, extra...));
-    }
+    sign_method(*this, name, parameters_of<F>(extra...));
     return *this;
   }
 
@@ -143,8 +135,7 @@ class Class : public py::class_<T, Options...> {
   template <typename F, typename... Extra>
   Class& def_static(const char* name, F&& f, const Extra&... extra) {
     Base::def_static(name, std::forward<F>(f), extra...);
-    give_signature(this->attr(name), signature_of<F>(name, false, extra...));
-    give_owner(this->attr(name), *this);
+    sign_function(*this, name, parameters_of<F>(extra...));
     return *this;
   }
 
