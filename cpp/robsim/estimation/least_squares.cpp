@@ -116,8 +116,9 @@ LeastSquaresFit least_squares(const Eigen::Ref<const Rows>& phi,
   VectorXd scale = R.topLeftCorner(n, n).colwise().norm().transpose();
   scale = (scale.array() > 0).select(scale, 1.0);
   // R11 / scale = U diag(s) V'
-  const Eigen::JacobiSVD<MatrixXd> svd(R.topLeftCorner(n, n) * scale.cwiseInverse().asDiagonal(),
-                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<MatrixXd, Eigen::NoQRPreconditioner> svd(  // which only oblongs need
+      R.topLeftCorner(n, n) * scale.cwiseInverse().asDiagonal(),
+      Eigen::ComputeFullU | Eigen::ComputeFullV);
   const VectorXd& s = svd.singularValues();
   const Index rank = (s.array() > rank_tolerance * s[0]).count();
   const VectorXd reached = svd.matrixU().transpose() * R.col(n).head(n);

@@ -1,6 +1,7 @@
 #include "robsim/imaging/fit_homography.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
