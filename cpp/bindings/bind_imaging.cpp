@@ -66,8 +66,8 @@ py::array_t<double> map_points(py::handle value, const std::string& name, const 
   return result;
 }
 
-Frame frame_of(Image image, std::optional<double> t, std::int64_t index,
-               const PlaneMap& plane_map) {
+Frame frame_with(Image image, std::optional<double> t, std::int64_t index,
+                 const PlaneMap& plane_map) {
   if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
   if (index < 0) throw py::value_error("index must be at least 0");
   return {std::move(image), t, index, plane_map};
@@ -75,8 +75,8 @@ Frame frame_of(Image image, std::optional<double> t, std::int64_t index,
 
 Frame make_frame(const PixelArray& image, bool copy, std::optional<double> t, std::int64_t index,
                  const PlaneMap& plane_map) {
-  return frame_of(copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t,
-                  index, plane_map);
+  return frame_with(copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t,
+                    index, plane_map);
 }
 
 void bind_plane_map(py::module_& module) {
@@ -191,7 +191,7 @@ Returns
 array (2,) or (N, 2)
     Pixels (u, v).
 )")
-      .def("__repr__", &repr);
+      .def("__repr__", py::overload_cast<const PlaneMap&>(&repr));
   const Fields fields([](const PlaneMap::Matrix& matrix) { return PlaneMap(matrix); },
                       Field("matrix", &PlaneMap::matrix));
   define_equality(plane_map, fields);
@@ -236,7 +236,7 @@ A frame in shared memory, which then stays open as long as the frame (under a me
           "from_bgr",
           [](const PixelArray& image, std::optional<double> t, std::int64_t index,
              const PlaneMap& plane_map) {
-            return frame_of(copy_of_bgr(image_view(image, "image")), t, index, plane_map);
+            return frame_with(copy_of_bgr(image_view(image, "image")), t, index, plane_map);
           },
           py::arg("image"), py::kw_only(), py::arg("t") = py::none(), py::arg("index") = 0,
           py::arg("plane_map") = PlaneMap(), R"(

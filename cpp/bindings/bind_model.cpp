@@ -15,7 +15,7 @@ using namespace robsim::bindings;
 
 namespace {
 
-std::pair<double, double> pair_of(const std::array<double, 2>& values) {
+std::pair<double, double> both_motors(const std::array<double, 2>& values) {
   return {values[0], values[1]};
 }
 
@@ -45,7 +45,7 @@ using Pair = std::pair<double, double>;
 
 void define_parameters_value(Class<RobotParameters>& cls) {
   const auto pair = [](std::array<double, 2> RobotParameters::* member) {
-    return [member](const RobotParameters& p) { return pair_of(p.*member); };
+    return [member](const RobotParameters& p) { return both_motors(p.*member); };
   };
   const auto make = [](double mass, double inertia, double linear_friction, double angular_friction,
                        double wheel_radius, double wheel_base, Pair motor_gain, Pair motor_offset,
@@ -81,9 +81,9 @@ void define_model_value(Class<RobotModel>& cls) {
 }
 
 // One row of numbers or N of them; one stands for all where another argument has N.
-class Rows {
+class StepRows {
  public:
-  Rows(py::handle value, const std::string& name, py::ssize_t width, const std::string& one)
+  StepRows(py::handle value, const std::string& name, py::ssize_t width, const std::string& one)
       : values_(doubles_from(value, name, std::nullopt, one)), width_(width) {
     const bool fits = values_.ndim() >= 1 && values_.ndim() <= 2;
     if (fits && values_.shape(values_.ndim() - 1) == width) return;
@@ -102,7 +102,7 @@ class Rows {
 
 // The arguments of the model for one step or for N of them.
 struct Steps {
-  Rows pose_1, pose_2, u;
+  StepRows pose_1, pose_2, u;
   py::ssize_t count;
   bool is_many;
 
@@ -112,10 +112,10 @@ struct Steps {
         u(u_value, "u", 2, "(u1, u2), the two voltages in V"),
         count(1),
         is_many(pose_1.is_many() || pose_2.is_many() || u.is_many()) {
-    for (const Rows* rows : {&pose_1, &pose_2, &u}) {
+    for (const StepRows* rows : {&pose_1, &pose_2, &u}) {
       if (rows->is_many()) count = rows->count();
     }
-    for (const Rows* rows : {&pose_1, &pose_2, &u}) {
+    for (const StepRows* rows : {&pose_1, &pose_2, &u}) {
       if (!rows->is_many() || rows->count() == count) continue;
       throw py::value_error("pose_1, pose_2 and u must have as many rows, or be one, got " +
                             std::to_string(pose_1.count()) + ", " + std::to_string(pose_2.count()) +
@@ -274,8 +274,9 @@ ValueError
            py::arg("angular_friction") = defaults.angular_friction,
            py::arg("wheel_radius") = defaults.wheel_radius,
            py::arg("wheel_base") = defaults.wheel_base,
-           py::arg("motor_gain") = pair_of(defaults.motor_gain),
-           py::arg("motor_offset") = pair_of(defaults.motor_offset), py::arg("dt") = defaults.dt)
+           py::arg("motor_gain") = both_motors(defaults.motor_gain),
+           py::arg("motor_offset") = both_motors(defaults.motor_offset),
+           py::arg("dt") = defaults.dt)
       .def_readonly("mass", &RobotParameters::mass, "float: mass (kg).")
       .def_readonly("inertia", &RobotParameters::inertia, "float: moment of inertia (kg m^2).")
       .def_readonly("linear_friction", &RobotParameters::linear_friction,
@@ -286,10 +287,10 @@ ValueError
       .def_readonly("wheel_base", &RobotParameters::wheel_base,
                     "float: distance of the wheels (m).")
       .def_property_readonly(
-          "motor_gain", [](const RobotParameters& p) { return pair_of(p.motor_gain); },
+          "motor_gain", [](const RobotParameters& p) { return both_motors(p.motor_gain); },
           "tuple of float: torque per voltage, left and right (N m/V).")
       .def_property_readonly(
-          "motor_offset", [](const RobotParameters& p) { return pair_of(p.motor_offset); },
+          "motor_offset", [](const RobotParameters& p) { return both_motors(p.motor_offset); },
           "tuple of float: torque at 0 V, left and right (N m).")
       .def_readonly("dt", &RobotParameters::dt, "float: sample time (s).");
   define_parameters_value(parameters);

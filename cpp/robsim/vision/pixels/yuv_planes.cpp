@@ -11,7 +11,8 @@ namespace robsim::pixels {
 
 namespace {
 
-void convert_baseline(const std::uint8_t* rgb, int first, int last, std::uint8_t* const* planes) {
+void convert_row_baseline(const std::uint8_t* rgb, int first, int last,
+                          std::uint8_t* const* planes) {
   for (int u = first; u < last; ++u) {
     const Yuv yuv = rgb_to_yuv(rgb + std::ptrdiff_t{3} * u);
     const int values[] = {yuv.y, yuv.u, yuv.v};
@@ -30,8 +31,8 @@ ROBSIM_AVX2_INLINE void convert_32(const std::uint8_t* rgb, int u, std::uint8_t*
   }
 }
 
-ROBSIM_AVX2 void convert_avx2(const std::uint8_t* rgb, int first, int last,
-                              std::uint8_t* const* planes) {
+ROBSIM_AVX2 void convert_row_avx2(const std::uint8_t* rgb, int first, int last,
+                                  std::uint8_t* const* planes) {
   int u = first;
   for (; u + 32 <= last; u += 32) {
     const std::uint8_t* pixels = rgb + std::ptrdiff_t{3} * u;
@@ -49,7 +50,7 @@ ROBSIM_AVX2 void convert_avx2(const std::uint8_t* rgb, int first, int last,
 }  // namespace
 
 void convert_to_planes(const std::uint8_t* rgb, int first, int last, std::uint8_t* const* planes) {
-  ROBSIM_PICK(convert_baseline, convert_avx2)(rgb, first, last, planes);
+  ROBSIM_PICK(convert_row_baseline, convert_row_avx2)(rgb, first, last, planes);
 }
 
 }  // namespace robsim::pixels
