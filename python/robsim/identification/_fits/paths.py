@@ -19,22 +19,9 @@ def recursion(a1: float, a2: float, force: Floats) -> Floats:
         The parameters.
     force : array (n,) or (n, m)
         The driving term.
-
-    Notes
-    -----
-    Computed in log2(n) passes over whole arrays, by Graeffe's root squaring of the delay
-    polynomial: 1/A(z) = A(-z) / (A(z) A(-z)), whose denominator has only even powers of the delay
-    z.
     """
-    result = force
-    lag = 1
-    while lag < len(force):
-        # A(-z) = 1 + a1 z - a2 z^2
-        filtered = result.copy()
-        filtered[lag:] += a1 * result[:-lag]
-        filtered[2 * lag :] -= a2 * result[: -2 * lag]
-        # A(z) A(-z) = 1 - (a1^2 + 2 a2) z^2 + a2^2 z^4
-        a1, a2 = a1 * a1 + 2 * a2, -a2 * a2
-        result = filtered
-        lag *= 2
-    return result
+    from scipy.signal import lfilter
+
+    # s / force = 1 / (1 - a1 z - a2 z^2), with the delay z
+    filtered: Floats = lfilter([1.0], [1.0, -a1, -a2], force, axis=0)
+    return filtered
