@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <numeric>
 #include <vector>
 
 #include "robsim/simulation/loop.hpp"
@@ -82,13 +83,21 @@ Sprite robot() {
   return premultiplied(rgba.data(), size, size);
 }
 
-std::shared_ptr<const Scene> make_scene() {
+std::shared_ptr<const Scene> make_scene(int headings) {
   const PlaneMap camera = PlaneMap::scaled(side, side, side, side);
   return std::make_shared<Scene>(Background(grey_floor(), grey_floor(), side / 2, 0.8),
-                                 RobotImage(robot(), {29.5, 29.5}, 1, 0, 36, camera), camera);
+                                 RobotImage(robot(), {29.5, 29.5}, 1, 0, headings, camera), camera);
 }
 
-std::unique_ptr<Loop> make_loop() {
+// Each pixel shows in the trace, by the inputs.
+double sum_of_pixels(const Frame& frame) {
+  const auto view = frame.image.view();
+  double sum = 0;
+  for (int v = 0; v < side; ++v) sum += std::accumulate(view.row(v), view.row(v) + 3 * side, 0.0);
+  return sum;
+}
+
+std::unique_ptr<Loop> make_loop(int headings) {
   WorldOptions options;
   options.area = {side, side, Boundary::bounce};
   options.camera = PlaneMap::scaled(side, side, side, side);
@@ -97,7 +106,7 @@ std::unique_ptr<Loop> make_loop() {
   options.start = {80, 80, 0};
   options.noise = VisualNoise(NoiseKind::gaussian, 5);
   auto world = std::make_shared<SimulatedWorld>(options);
-  world->slots().make_scene = make_scene;
+  world->slots().make_scene = [headings] { return make_scene(headings); };
   auto loop = std::make_unique<Loop>(
       world,
       RobotOptions{{{"red", {0, 0, 200}, {255, 255, 255}}, {"blue", {0, 200, 0}, {255, 255, 255}}},
@@ -114,9 +123,11 @@ std::unique_ptr<Loop> make_loop() {
                       return locate(*step->blobs, step->markers(), step->frame->plane_map);
                     },
                     false};
-  stages.control = {
-      [](const StepPointer& step) { return Input{0.5 + 0.01 * static_cast<double>(step->k), 0.4}; },
-      false};
+  stages.control = {[](const StepPointer& step) {
+                      return Input{0.5 + 0.01 * static_cast<double>(step->k),
+                                   0.4 + 1e-9 * sum_of_pixels(*step->look())};
+                    },
+                    false};
   return loop;
 }
 
@@ -133,17 +144,23 @@ std::vector<double> recorded(const Loop& loop) {
   return numbers;
 }
 
-std::vector<double> numbers_of_a_run() {
-  const auto loop = make_loop();
+std::vector<double> numbers_of_a_run(int headings) {
+  const auto loop = make_loop(headings);
   loop->run(steps, pulse, false);
   return recorded(*loop);
 }
 
-TEST(FailingAllocations, ARunGoesOnAfterEachOfThem) {
-  const std::vector<double> expected = numbers_of_a_run();
+struct Drawing {
+  int headings, stride;
+};
+
+class FailingAllocationsOf : public testing::TestWithParam<Drawing> {};
+
+TEST_P(FailingAllocationsOf, ARunGoesOnAfterEach) {
+  const std::vector<double> expected = numbers_of_a_run(GetParam().headings);
   ASSERT_GT(expected.size(), 10u * steps);
-  for (std::int64_t number = 0;; ++number) {
-    const auto loop = make_loop();
+  for (std::int64_t number = 0;; number += GetParam().stride) {
+    const auto loop = make_loop(GetParam().headings);
     bool has_failed = false;
     until_failure = number;
     try {
@@ -161,11 +178,16 @@ TEST(FailingAllocations, ARunGoesOnAfterEachOfThem) {
   }
 }
 
+// The robot's image in 36 headings is kept; in 10 000 it is too large, and made for each frame,
+// with many allocations, of which each seventh fails.
+INSTANTIATE_TEST_SUITE_P(Headings, FailingAllocationsOf,
+                         testing::Values(Drawing{36, 1}, Drawing{10000, 7}));
+
 TEST(FailingAllocations, NothingIsMadeOrEverything) {
   for (std::int64_t number = 0;; ++number) {
     until_failure = number;
     try {
-      const auto loop = make_loop();
+      const auto loop = make_loop(36);
       until_failure = never;
       EXPECT_GT(number, 20);
       return;

@@ -14,6 +14,7 @@ Image Renderer::render(const std::optional<Pose>& pose, const Pan& pan) {
   if (!(canvas.pan == pan)) canvas.dirty = view.box();
   canvas.pan = pan;
   scene_->draw_floor(canvas.dirty, pan, view);
+  canvas.dirty = view.box();  // if drawing fails
   canvas.dirty = pose ? scene_->draw_robot(*pose, pan, view) : PixelBox{};
   return canvas.image;
 }

@@ -108,7 +108,9 @@ const std::vector<Strip>& RobotImage::drawn_heading(int i) const {
   std::call_once(drawn.is_made, [&] {
     const PixelBox box = bounds({0, 0});
     const Point ahead = direction(2 * pi * i / headings_);
-    for (int v = box.top; v < box.bottom; ++v) drawn.strips.push_back(make_strip(ahead, v, box));
+    std::vector<Strip> strips;
+    for (int v = box.top; v < box.bottom; ++v) strips.push_back(make_strip(ahead, v, box));
+    drawn.strips = std::move(strips);
   });
   return drawn.strips;
 }
