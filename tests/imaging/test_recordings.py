@@ -239,7 +239,7 @@ class TestVideo:
 
     def test_without_opencv(self, video, monkeypatch):
         monkeypatch.setitem(sys.modules, "cv2", None)
-        with pytest.raises(ImportError, match=r"needs OpenCV: pip install 'robsim\[camera\]'"):
+        with pytest.raises(ImportError, match=r"needs OpenCV: pip install opencv-python-headless"):
             Recording(video)
 
 

@@ -13,7 +13,7 @@ SCRIPT = Path(__file__).parents[1] / "support" / "write_stub.py"
 @pytest.mark.long
 def test_the_stub_of_the_core_is_up_to_date(tmp_path):
     if not shutil.which("pybind11-stubgen", path=str(Path(sys.executable).parent)):
-        raise RuntimeError("the tests need pybind11-stubgen: pip install 'robsim[test]'")
+        raise RuntimeError("the tests need pybind11-stubgen: pip install pybind11-stubgen")
     subprocess.run([sys.executable, SCRIPT, tmp_path], check=True, capture_output=True)
     shipped = Path(robsim.__file__).with_name("_core.pyi").read_text()
     assert (tmp_path / "robsim/_core.pyi").read_text() == shipped, "write it anew: ./run stubs"

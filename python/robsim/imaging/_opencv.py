@@ -13,6 +13,7 @@ _lock = threading.Lock()
 _redirection = threading.Lock()
 _n_quiet = 0  # contexts of `quiet` that are open, in all threads
 _level_before = 0
+_LOG_LEVEL_SILENT = 0
 
 
 def load_opencv(purpose: str) -> Any:
@@ -36,17 +37,17 @@ def load_opencv(purpose: str) -> Any:
     try:
         return importlib.import_module("cv2")
     except ImportError as error:
-        raise ImportError(f"{purpose} needs OpenCV: pip install 'robsim[camera]'") from error
+        raise ImportError(f"{purpose} needs OpenCV: pip install opencv-python-headless") from error
 
 
 @contextmanager
 def quiet(cv2: Any) -> Iterator[None]:
     """Let OpenCV log nothing inside the context; what else prints is not touched."""
     global _n_quiet, _level_before
-    logging = cv2.utils.logging
+    logging = getattr(cv2.utils, "logging", cv2)  # 4.8 has it in cv2 itself
     with _lock:
         if _n_quiet == 0:
-            _level_before = logging.setLogLevel(logging.LOG_LEVEL_SILENT)
+            _level_before = logging.setLogLevel(_LOG_LEVEL_SILENT)
         _n_quiet += 1
     try:
         yield
