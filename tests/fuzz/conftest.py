@@ -11,4 +11,5 @@ def _counted():
     yield
     for name, refused in fuzzing.refused.items():
         taken = fuzzing.taken[name]
-        assert refused + taken < 20 or taken >= 0.03 * refused, (name, taken, refused)
+        # Fewer say nothing, and other versions of hypothesis try others.
+        assert refused + taken < 100 or taken >= 0.03 * refused, (name, taken, refused)

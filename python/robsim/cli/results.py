@@ -117,7 +117,7 @@ def write_results(out: Path, simulation: Runner, *, method: str = "least_squares
     if np.isfinite(trace.parameters).any() and np.isfinite(trace.pose_true).any():
         figures["parameters.png"] = plotting.plot_parameters(trace)
     if report is not None:
-        figures["batch.png"] = plotting.plot_batch(report).get_figure(root=True)
+        figures["batch.png"] = plotting.plot_batch(report).get_figure()
     for name in _FIGURES:
         if name in figures:
             save_figure(out / name, figures[name])
@@ -137,7 +137,7 @@ def _camera_figure(simulation: Runner) -> Any:
         outline=simulation.robot.to_robot_frame(simulation.robot.outline),
         trace=simulation.trace,
     )
-    return axes.get_figure(root=True)
+    return axes.get_figure()
 
 
 def _report(simulation: Runner, method: str) -> BatchEstimate | None:

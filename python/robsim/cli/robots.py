@@ -103,7 +103,7 @@ def show(
         plain_name = re.sub(r"[^\w-]+", "-", robot.name)
         file = out or Path(f"robot-{plain_name}.png")
         file = file if file.suffix else file.with_suffix(".png")
-        save_figure(file, plot_robot(robot).get_figure(root=True))
+        save_figure(file, plot_robot(robot).get_figure())
     errors.show(_described(robot))
     errors.say(f"figure written to {file}")
     for problem in problems:
