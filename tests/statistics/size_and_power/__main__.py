@@ -13,12 +13,19 @@ def main() -> int:
     """Return 1 if a promise does not hold, 0 otherwise."""
     parser = argparse.ArgumentParser(prog="./run statistics", description=__doc__)
     parser.add_argument("--seeds", type=int, default=1000, help="default: 1000")
+    parser.add_argument("--first", type=int, default=0, help="the first seed; default: 0")
     parser.add_argument("--only", nargs="+", choices=families(), default=families())
     parser.add_argument("--out", type=Path, help="write table.md and table.json to this folder")
     parser.add_argument("--keep", type=Path, help="keep what is done in this folder, and go on")
     parser.add_argument("--processes", type=int, help="default: one for each core")
     given = parser.parse_args()
-    rows = measured(given.seeds, given.only, processes=given.processes, kept=given.keep)
+    rows = measured(
+        given.seeds,
+        given.only,
+        first=given.first,
+        processes=given.processes,
+        kept=given.keep,
+    )
     print(as_markdown(rows), end="")
     if given.out:
         given.out.mkdir(parents=True, exist_ok=True)

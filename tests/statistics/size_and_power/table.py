@@ -13,7 +13,7 @@ from pathlib import Path
 
 from size_and_power.row import Row
 
-_CHUNK = 20  # seeds that a process takes at a time
+_CHUNK = 20  # seeds that a process takes at a time, fewer of a family with slow trials
 _HEADS = ("verdict", "what is true", "record", "answer", "trials", "rate", "95 % interval")
 _ENDS = ("promised", "")
 
@@ -25,7 +25,12 @@ def families() -> list[str]:
 
 
 def measured(
-    seeds: int, names: Sequence[str], *, processes: int | None = None, kept: Path | None = None
+    seeds: int,
+    names: Sequence[str],
+    *,
+    first: int = 0,
+    processes: int | None = None,
+    kept: Path | None = None,
 ) -> list[Row]:
     """Return the rows of some families.
 
@@ -35,12 +40,14 @@ def measured(
         Number of seeds; a family with slow trials takes its share of them.
     names : sequence of str
         The families.
+    first : int
+        The first seed; those of a table that has been looked at should not be used again.
     processes : int, optional
         Number of processes. Default: one for each core that there is for us; 1 = this one.
     kept : Path, optional
         A folder where what is done is kept, so that the next call with it goes on from there.
     """
-    jobs = [(name, chunk) for name in names for chunk in _chunks(name, seeds)]
+    jobs = [(name, chunk) for name in names for chunk in _chunks(name, first, seeds)]
     done: dict[tuple[str, range], list[Row]] = {}
     if processes == 1:
         done = {job: _rows(*job, kept) for job in jobs}
@@ -52,10 +59,12 @@ def measured(
     return [row for name in names for row in _sum([done[job] for job in jobs if job[0] == name])]
 
 
-def _chunks(name: str, seeds: int) -> Iterator[range]:
-    count = max(1, round(seeds * getattr(_module(name), "SHARE", 1.0)))
-    for start in range(0, count, _CHUNK):
-        yield range(start, min(start + _CHUNK, count))
+def _chunks(name: str, first: int, seeds: int) -> Iterator[range]:
+    share = getattr(_module(name), "SHARE", 1.0)
+    end = first + max(1, round(seeds * share))
+    chunk = max(1, round(_CHUNK * share))
+    for start in range(first, end, chunk):
+        yield range(start, min(start + chunk, end))
 
 
 def _rows(name: str, seeds: range, kept: Path | None) -> list[Row]:
