@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import robsim
-from fuzzing import SEEDS, attempt, fuzzed, mutations
+from fuzzing import SEEDS, attempt, fuzzed, mutations, refused
 from robsim.imaging import load_image, save_video
 from robsim.vision import save_colors
 from scenarios import FULL
@@ -101,6 +101,7 @@ def test_traces(whole, scratch, data):
     path = scratch / "run.npz"
     path.write_bytes(some(data, whole["traces"]))
     check_trace(path)
+    refused.clear()  # by their checksums nearly all; test_members_of_traces gets past these
 
 
 ODD = st.sampled_from(

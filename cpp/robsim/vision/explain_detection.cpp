@@ -1,5 +1,6 @@
 #include "robsim/vision/explain_detection.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -69,7 +70,8 @@ std::string explain_missing(const std::string& what) {
 }
 
 std::string small_markers(double width) {
-  return "the markers are " + number(width, 1) +
+  const double shown = std::min(width, least_marker_width - 0.1);  // 4.46 is not shown as 4.5
+  return "the markers are " + number(shown, 1) +
          " px wide in the frame; poses can be trusted from " + number(least_marker_width, 1) +
          " px on. Give the camera more pixels, bring it nearer, or make the markers larger";
 }
