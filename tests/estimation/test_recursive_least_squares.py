@@ -195,6 +195,13 @@ def test_options_out_of_range_are_refused(options, name):
         robsim.RecursiveLeastSquares(**options)
 
 
+@pytest.mark.parametrize("value", [5e-324, 1e300, -0.1])
+def test_what_came_is_told_in_digits_that_count(value):
+    with pytest.raises(ValueError, match="forgetting") as caught:
+        robsim.RecursiveLeastSquares(2, initial_covariance=1.0, forgetting=value)
+    assert float(str(caught.value).rpartition("got ")[2]) == pytest.approx(value, rel=1e-9, abs=0)
+
+
 LIMIT = 1e9  # of the covariance, for each parameter
 
 

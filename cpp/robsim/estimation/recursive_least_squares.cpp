@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "robsim/text/to_text.hpp"
+
 namespace robsim {
 
 namespace {
@@ -18,9 +20,8 @@ constexpr int maximum_parameters = 1000;
 constexpr int maximum_filters = 100'000;
 constexpr double maximum_numbers = 1e8;  // of all covariances: 0.8 GB
 
-template <typename Number>
-void check(bool holds, const char* expected, Number value) {
-  if (!holds) throw std::invalid_argument(expected + std::to_string(value));
+void check(bool holds, const char* expected, double value) {
+  if (!holds) throw std::invalid_argument(expected + to_text(value));
 }
 
 // True only if no value is NaN or too large to square. False is inconclusive.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "robsim/elementary/sine.hpp"
+#include "robsim/text/to_text.hpp"
 
 namespace robsim {
 
@@ -141,7 +142,7 @@ RobotModel::RobotModel(const RobotParameters& parameters)
 RobotModel::RobotModel(const AxisMatrix& theta, double dt) : theta_(theta), dt_(dt) {
   if (!theta.allFinite()) throw std::invalid_argument("theta must be finite, got NaN or inf");
   if (!(std::isfinite(dt) && dt > 0)) {
-    throw std::invalid_argument("dt must be positive and finite (s), got " + std::to_string(dt));
+    throw std::invalid_argument("dt must be positive and finite (s), got " + to_text(dt));
   }
   check_stable(theta);
 }

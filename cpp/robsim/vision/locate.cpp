@@ -9,6 +9,7 @@
 #include "robsim/elementary/exponential.hpp"
 #include "robsim/elementary/polar.hpp"
 #include "robsim/elementary/sine.hpp"
+#include "robsim/text/to_text.hpp"
 
 namespace robsim {
 
@@ -264,7 +265,7 @@ Detection choose(const BlobsByColor& blobs, const MarkerLayout& markers, const P
 MarkerLayout MarkerLayout::across(double distance, double offset) {
   if (!(distance > 0)) {
     throw std::invalid_argument("distance between the markers must be above 0 px, got " +
-                                std::to_string(distance));
+                                to_text(distance));
   }
   MarkerLayout markers;
   markers.red = {-offset, distance / 2};
@@ -295,12 +296,12 @@ void check_marker_layout(const MarkerLayout& markers) {
   }
   if (markers.distance() < 1e-3) {
     throw std::invalid_argument("distance between the markers must be at least 0.001 px, got " +
-                                std::to_string(markers.distance()));
+                                to_text(markers.distance()));
   }
   for (const double area : {markers.red_area, markers.blue_area}) {
     if (!std::isnan(area) && !(std::isfinite(area) && area > 0)) {
       throw std::invalid_argument("marker area must be positive and finite, or NaN, got " +
-                                  std::to_string(area));
+                                  to_text(area));
     }
   }
   if (markers.maximum_blobs < 1) {
@@ -309,11 +310,11 @@ void check_marker_layout(const MarkerLayout& markers) {
   }
   if (!(markers.distance_tolerance > 0)) {
     throw std::invalid_argument("distance_tolerance must be above 0, got " +
-                                std::to_string(markers.distance_tolerance));
+                                to_text(markers.distance_tolerance));
   }
   if (!(markers.area_tolerance > 1)) {
     throw std::invalid_argument("area_tolerance must be above 1, got " +
-                                std::to_string(markers.area_tolerance));
+                                to_text(markers.area_tolerance));
   }
 }
 

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robsim/text/to_text.hpp"
+
 namespace robsim {
 
 namespace {
@@ -26,7 +28,7 @@ Background::Background(Layer floor, Layer home, int shadow_left, double shadow_f
   }
   if (!(shadow_factor >= 0 && shadow_factor <= 1)) {
     throw std::invalid_argument("shadow_factor must lie within 0..1, got " +
-                                std::to_string(shadow_factor));
+                                to_text(shadow_factor));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "robsim/random/counter_random.hpp"
+#include "robsim/text/to_text.hpp"
 
 namespace robsim {
 
@@ -19,7 +20,7 @@ Input Spin::operator()(const Step&) const { return {voltage_, -voltage_}; }
 DriveAround::DriveAround(double low, double high, int hold) : low_(low), high_(high), hold_(hold) {
   if (!(std::isfinite(low) && std::isfinite(high) && low <= high)) {
     throw std::invalid_argument("low must not be above high, both finite (V), got low=" +
-                                std::to_string(low) + " and high=" + std::to_string(high));
+                                to_text(low) + " and high=" + to_text(high));
   }
   if (hold < 1) {
     throw std::invalid_argument("hold must be at least 1 step, got " + std::to_string(hold));

@@ -4,11 +4,13 @@
 #include <string>
 #include <utility>
 
+#include "robsim/text/to_text.hpp"
+
 namespace robsim {
 
 namespace {
 
-std::string seconds(double t) { return "t = " + std::to_string(t) + " s"; }
+std::string seconds(double t) { return "t = " + to_text(t) + " s"; }
 
 std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height) + " px";

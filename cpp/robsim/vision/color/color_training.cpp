@@ -4,6 +4,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "robsim/text/to_text.hpp"
+
 namespace robsim {
 
 namespace {
@@ -70,7 +72,7 @@ void check_margin(int margin, int minimum) {
 void check_options(const TrainingOptions& options) {
   if (!(options.percentile >= 0 && options.percentile < 50)) {
     throw std::invalid_argument("percentile must be at least 0 and below 50 (%), got " +
-                                std::to_string(options.percentile));
+                                to_text(options.percentile));
   }
   check_margin(options.margin, 0);
 }

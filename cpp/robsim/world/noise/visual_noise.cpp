@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "robsim/text/to_text.hpp"
 #include "robsim/world/noise/add_noise.hpp"
 
 namespace robsim {
@@ -15,8 +16,7 @@ constexpr double highest = 1e6;  // percent; at more, too, all but a few pixels 
 
 VisualNoise::VisualNoise(NoiseKind kind, double percent) : kind_(kind), percent_(percent) {
   if (!(std::isfinite(percent) && percent >= 0)) {
-    throw std::invalid_argument("percent must be at least 0 and finite, got " +
-                                std::to_string(percent));
+    throw std::invalid_argument("percent must be at least 0 and finite, got " + to_text(percent));
   }
   if (percent == 0) return;
   const double scale = 2.55 * std::min(percent, highest);

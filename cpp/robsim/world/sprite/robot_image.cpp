@@ -6,6 +6,7 @@
 
 #include "robsim/elementary/polar.hpp"
 #include "robsim/elementary/sine.hpp"
+#include "robsim/text/to_text.hpp"
 
 namespace robsim {
 
@@ -55,7 +56,7 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
       headings_(headings) {
   if (!(std::isfinite(unit) && unit > 0)) {
     throw std::invalid_argument("unit must be positive and finite (work-area px), got " +
-                                std::to_string(unit));
+                                to_text(unit));
   }
   if (headings < 0) {
     throw std::invalid_argument("headings must be at least 0, got " + std::to_string(headings));
