@@ -130,14 +130,14 @@ def __getattr__(name: str) -> _Any:
     message = f"module 'robsim' has no attribute {name!r}"
     if name.startswith("_"):
         raise AttributeError(message)
-    from robsim._base.spelling import suggestion
+    from robsim._base.spelling import no_attribute, suggestion
 
     # `reference` is quick to load; `plotting` would load matplotlib.
     loaded = [__getattr__("reference"), *(globals()[room] for room in _ROOMS if room in globals())]
     for room in loaded:
         if name in room.__all__:
-            raise AttributeError(f"{message}: it is {room.__name__}.{name}")
-    raise AttributeError(message + suggestion(name, __all__))
+            raise no_attribute(f"{message}: it is {room.__name__}.{name}")
+    raise no_attribute(message + suggestion(name, __all__))
 
 
 def __dir__() -> list[str]:

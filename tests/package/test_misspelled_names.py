@@ -2,6 +2,7 @@
 
 import inspect
 import pickle
+import traceback
 
 import pytest
 
@@ -133,3 +134,15 @@ def test_signatures_and_pickles_are_those_of_the_class():
 def test_a_name_that_is_not_at_the_top_is_told_where_it_is(name, words):
     with pytest.raises(AttributeError, match=words):
         getattr(robsim, name)
+
+
+@pytest.mark.parametrize(
+    "look",
+    [lambda: robsim.lokate, lambda: Simulation().contrl, lambda: Simulation().trace.pose_tru],
+)
+def test_what_may_be_meant_is_told_once(look):
+    """Python, from 3.12 on, tells it for the attributes that it knows."""
+    with pytest.raises(AttributeError) as caught:
+        look()
+    told = "".join(traceback.format_exception_only(caught.value))
+    assert told.lower().count("did you mean") == 1

@@ -46,6 +46,14 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     return "" if meant is None else f"; did you mean {meant!r}?"
 
 
+def no_attribute(message: str) -> AttributeError:
+    """Return an AttributeError whose message says what may be meant.
+
+    It has no name: Python, from 3.12 on, would add a suggestion of its own.
+    """
+    return AttributeError(message, obj=None)
+
+
 def check_names(
     what: str, given: Iterable[str], known: Iterable[str], error: Callable[[str], Exception]
 ) -> None:

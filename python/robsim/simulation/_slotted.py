@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._base.public import hint_at_option
-from robsim._base.spelling import closest, suggestion, with_article
+from robsim._base.spelling import closest, no_attribute, suggestion, with_article
 from robsim._core import Step
 from robsim.simulation import _slots as table
 from robsim.simulation._callbacks.checks import check_callback
@@ -167,12 +167,11 @@ class Slotted(RobotSlots, ABC):
         public = [known for known in dir(kind) if not known.startswith("_")]
         for place, other in (("sim.last_step.", Step), ("sim.trace.", Trace)):
             if hasattr(other, name):
-                raise AttributeError(
-                    f"{kind.__name__} has no attribute {name!r}: did you mean {place}{name}?"
-                )
+                hint = f"did you mean {place}{name}?"
+                raise no_attribute(f"{kind.__name__} has no attribute {name!r}: {hint}")
         meant = f"sim.trace.{name}_true" if hasattr(Trace, f"{name}_true") else None
         hint = f"; did you mean {meant!r}?" if meant else suggestion(name, public)
-        raise AttributeError(f"{kind.__name__} has no attribute {name!r}{hint}")
+        raise no_attribute(f"{kind.__name__} has no attribute {name!r}{hint}")
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         kind = type(self).__name__

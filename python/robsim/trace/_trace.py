@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from robsim._base.checks import Floats, check_choice
 from robsim._base.files import as_path, open_whole
 from robsim._base.report.as_data import import_pandas
-from robsim._base.spelling import check_names, suggestion
+from robsim._base.spelling import check_names, no_attribute, suggestion
 from robsim._base.text import as_cell, is_plain, listed, one_line, quoted
 from robsim._core import TraceGroup, wrap_angle
 from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of, group_of
@@ -204,13 +204,12 @@ class Trace:
         # Only for what is not there. Python itself asks for underscored names, before __init__ too.
         if not name.startswith("_"):
             if name in self.names:
-                raise AttributeError(f"{name} is a column: trace[{name!r}]")
+                raise no_attribute(f"{name} is a column: trace[{name!r}]")
             if name in _ELSEWHERE:
-                raise AttributeError(
-                    f"a trace has no attribute {quoted(name)}; did you mean {_ELSEWHERE[name]}?"
-                )
+                hint = f"; did you mean {_ELSEWHERE[name]}?"
+                raise no_attribute(f"a trace has no attribute {quoted(name)}{hint}")
             hint = suggestion(name, (*self.names, *filter(_is_public, dir(self))))
-            raise AttributeError(f"a trace has no attribute {quoted(name)}{hint}")
+            raise no_attribute(f"a trace has no attribute {quoted(name)}{hint}")
         raise AttributeError(f"a trace has no attribute {quoted(name)}")
 
     @property
