@@ -56,7 +56,7 @@ def test_the_signature_and_the_docstring_have_every_slot_of_the_table(kind, call
         set(kind.SLOTS) if kind is Simulation else set()
     ) == set(kind.SLOTS)
     for name in kind.SLOTS:
-        assert f"    {name} : " in kind.__doc__
+        assert f"\n{name} : " in kind.__doc__
         assert SLOTS[name].call in kind.__doc__
         assert SLOTS[name].call in getattr(kind, name).__doc__
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -321,6 +322,6 @@ class Experiment(Runner):
         return np.full((3, 5), np.nan)
 
 
-Experiment.__doc__ = (Experiment.__doc__ or "").replace(
-    "    SLOTS\n", slots.documented(Experiment.SLOTS)
+Experiment.__doc__ = inspect.cleandoc(Experiment.__doc__ or "").replace(
+    "SLOTS\n", slots.documented(Experiment.SLOTS)
 )

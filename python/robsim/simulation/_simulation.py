@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from functools import partial
 from os import PathLike
@@ -426,12 +427,12 @@ def _true_model(scenario: Scenario, seed: np.random.SeedSequence, belief: RobotM
 
 def _documentation(text: str) -> str:
     """Return a docstring with the documentation of the options, which stands in `Scenario`."""
-    options = Scenario.__doc__ or ""
-    start, end = options.index("    robot : "), options.index("\n    Raises\n")
-    calls = "\n".join(f"    - {SLOTS[slot].call}" for slot in _STAGES)
+    text, options = (inspect.cleandoc(one) for one in (text, Scenario.__doc__ or ""))
+    start, end = options.index("robot : "), options.index("\nRaises\n")
+    calls = "\n".join(f"- {SLOTS[slot].call}" for slot in _STAGES)
     others = slots.documented(slot for slot in SLOTS if slot not in _STAGES)
-    text = text.replace("    OPTIONS\n", options[start:end].rstrip() + "\n")
-    return text.replace("    SLOTS\n", others).replace("    CALLBACKS\n", calls + "\n")
+    text = text.replace("OPTIONS\n", options[start:end].rstrip() + "\n")
+    return text.replace("SLOTS\n", others).replace("CALLBACKS\n", calls + "\n")
 
 
 if Simulation.__doc__:  # not under python -OO

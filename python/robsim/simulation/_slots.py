@@ -166,13 +166,13 @@ def checked_slots(slots: Any, known: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def documented(slots: Iterable[str]) -> str:
-    """Return the documentation of arguments that fill slots, as part of a class's docstring."""
+    """Return the documentation of arguments that fill slots, as part of a docstring."""
     entries = []
     for slot in (SLOTS[name] for name in slots):
         kind = "callable or bool" if slot.is_switch else "callable"
         text = textwrap.fill(f"{slot.call}, {slot.doc}", 92, break_on_hyphens=False)
         entries.append(f"{slot.name} : {kind}, optional\n{textwrap.indent(text, '    ')}\n")
-    return textwrap.indent("".join(entries), "    ")
+    return "".join(entries)
 
 
 def shows_slots(
