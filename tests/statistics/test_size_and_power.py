@@ -5,7 +5,7 @@ import json
 import pytest
 
 from robsim.evaluation import _consistency, _whiteness
-from size_and_power import Row, as_json, as_markdown, counted, families, measured
+from size_and_power import Row, as_json, as_markdown, counted, family_names, measured
 from size_and_power.families import nees, whiteness
 
 # With this probability of a false alarm a row, nobody sees one.
@@ -16,7 +16,9 @@ SEEDS = {"nees": 30, "nis": 60, "whiteness": 60}
 
 @pytest.mark.slow
 @pytest.mark.kernels
-@pytest.mark.parametrize("family", [name for name in families() if name != "doctor"])  # test_zoo
+@pytest.mark.parametrize(
+    "family", [name for name in family_names() if name != "doctor"]
+)  # test_zoo
 def test_the_promises_hold(family):
     rows = measured(SEEDS.get(family, 40), [family], processes=1)
     broken = [row for row in rows if row.p_value < NEVER]

@@ -6,6 +6,6 @@ seeds it takes, because a trial of it is slow. All such modules are found by the
 """
 
 from size_and_power.row import Row, counted
-from size_and_power.table import as_json, as_markdown, families, measured
+from size_and_power.table import as_json, as_markdown, family_names, measured
 
-__all__ = ["Row", "as_json", "as_markdown", "counted", "families", "measured"]
+__all__ = ["Row", "as_json", "as_markdown", "counted", "family_names", "measured"]

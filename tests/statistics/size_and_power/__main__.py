@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from size_and_power.table import as_json, as_markdown, families, measured
+from size_and_power.table import as_json, as_markdown, family_names, measured
 
 
 def main() -> int:
@@ -14,7 +14,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="./run statistics", description=__doc__)
     parser.add_argument("--seeds", type=int, default=1000, help="default: 1000")
     parser.add_argument("--first", type=int, default=0, help="the first seed; default: 0")
-    parser.add_argument("--only", nargs="+", choices=families(), default=families())
+    parser.add_argument("--only", nargs="+", choices=family_names(), default=family_names())
     parser.add_argument("--out", type=Path, help="write table.md and table.json to this folder")
     parser.add_argument("--keep", type=Path, help="keep what is done in this folder, and go on")
     parser.add_argument("--processes", type=int, help="default: one for each core")

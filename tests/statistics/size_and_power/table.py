@@ -18,7 +18,7 @@ _HEADS = ("verdict", "what is true", "record", "answer", "trials", "rate", "95 %
 _ENDS = ("promised", "")
 
 
-def families() -> list[str]:
+def family_names() -> list[str]:
     """Return the names of the families of verdicts."""
     folder = Path(__file__).parent / "families"
     return sorted(module.name for module in pkgutil.iter_modules([str(folder)]))
