@@ -338,7 +338,6 @@ BROKEN = [
     (ExpectsTheRobot, "missing measurement", "AttributeError", "step.measurement.pose"),
     (MakesNan, "missing measurement", "all finite", "return robsim.Estimate"),
     (StartsWhenSeen, "not seen yet", "it returns None", "def __call__"),
-    (FixedStep, "ignores dt", "0.2 or 0.1 s", "def __call__"),
     (WritesIntoStep, "writes into step", "work on a copy", "v -= self.x[:3]"),
     (ClassMemory, "remembers earlier run", "remembers the run before", "def __call__"),
     (resets_at_the_start, "shared memory", "influence each other", "def estimate(step):"),
@@ -462,11 +461,17 @@ def test_a_sample_time_of_ones_own_is_the_one_that_is_tried():
 
 def test_independent_findings_are_all_told():
     class Both(Prints):
-        def predict(self, dt):
-            super().predict(0.2)
+        def innovation(self, measurement):
+            return measurement.pose - self.x[:3]
 
     kinds = [problem.kind for problem in check_estimator(Both).problems]
-    assert kinds == ["ignores dt", "prints"]
+    assert kinds == ["heading not wrapped", "prints"]
+
+
+def test_a_constant_dt_is_a_remark():
+    report = check_estimator(FixedStep)
+    assert report  # one with speeds per step, which is right for every dt, estimates the same
+    assert any("never uses step.dt" in remark for remark in report.remarks)
 
 
 class LeastSquares:

@@ -35,7 +35,7 @@ def test_a_mistake_in_a_state_estimator_is_told_by_name(make, kinds):
     assert len(report.problems) <= 1, str(report)
 
 
-@pytest.mark.parametrize("name", ["alpha-beta", "low-pass", "median", "unicycle"])
+@pytest.mark.parametrize("name", ["alpha-beta", "low-pass", "line fit", "unicycle"])
 def test_a_filter_of_fixed_gain_or_unusual_style_is_not_ill(name):
     check_estimator(states.RIGHT[name]).raise_for_problems()
 
@@ -61,6 +61,9 @@ LINES = {
     "P not reduced": "self.P = self.reduced(K, self.P)",
     "inputs swapped": "return step.last_u[::-1]",
     "F P F": "return F @ P @ F",
+    "heading ignored": "step.measurement.pose",
+    "one step ahead": "def __call__(self, step):",
+    "gate that never opens": "z = step.measurement.pose",
 }
 
 

@@ -282,6 +282,28 @@ class SlowLowPass(AlphaBeta):
         return robsim.Estimate(estimate.pose, estimate.covariance + np.diag((40.0, 40.0, 0.05)))
 
 
+class LineFit:
+    """A line through the last measurements, in steps: right for every dt."""
+
+    def __init__(self):
+        self.window = []
+
+    def __call__(self, step):
+        self.window = [(t - 1, z) for t, z in self.window]
+        if step.measurement is not None:
+            self.window = [*self.window, (0, step.measurement.pose)][-5:]
+        if len(self.window) < 3:
+            return robsim.Estimate(
+                self.window[-1][1] if self.window else np.zeros(3), PRIOR[:3, :3]
+            )
+        t, z = (np.array(part) for part in zip(*self.window, strict=True))
+        z[:, 2] = np.unwrap(z[:, 2])
+        A = np.column_stack((np.ones_like(t), t))
+        P = np.linalg.inv(A.T @ A)
+        P = 8 * R * P[0, 0] - 0.02 * t[-1] * np.diag((40, 40, 0.1))
+        return robsim.Estimate(wrapped(np.linalg.lstsq(A, z, rcond=None)[0][0]), P)
+
+
 class GatedEkf(Ekf):
     """Innovations that are beyond 6 sigma are left out, but never two in a row."""
 
@@ -559,6 +581,7 @@ RIGHT = {
     "square root by QR": SquareRoot,
     "information": Information,
     "window fit": WindowFit,
+    "line fit": LineFit,
     "closure": closure,
     "generator": generator,
     "cosine and sine": CosSin,
@@ -818,6 +841,35 @@ class FixedDt(ConstantVelocity):
         super().move(u, 0.2)
 
 
+class IgnoresHeading(ConstantVelocity):
+    """Only the measured place is used."""
+
+    def gain(self, P):
+        return super().gain(P) * (1, 1, 0)
+
+
+class Ahead(ConstantVelocity):
+    """Returns the prediction for the next step."""
+
+    def result(self):
+        pose = self.x[:3] + 0.2 * self.x[3:]
+        return robsim.Estimate(wrapped(pose), self.P[:3, :3])
+
+
+class GateOfPixels(HandsOn):
+    """Leaves out what is farther than 20 px from the last pose, for ever."""
+
+    is_seen = False
+
+    def __call__(self, step):
+        self.P = self.P + step.dt * np.diag((125.0, 125.0, 0.0125))
+        if step.measurement is not None:
+            z = step.measurement.pose
+            if not self.is_seen or np.hypot(*(z - self.pose)[:2]) < 20:
+                self.pose, self.P, self.is_seen = z, R, True
+        return robsim.Estimate(self.pose, self.P)
+
+
 class SwappedUnicycle(Unicycle):
     def input(self, step):
         return step.last_u[::-1]
@@ -879,7 +931,10 @@ BROKEN = {
     "asymmetric": (Asymmetric, ["covariance not symmetric"]),
     "P stays as it is": (NeverDoubts, ["covariance does not grow"]),
     "claims errors thirty times too small": (TooSure, ["covariance too small"]),
-    "dt fixed": (FixedDt, ["ignores dt"]),
+    "dt fixed": (FixedDt, ["remark:it never uses step.dt"]),
+    "heading ignored": (IgnoresHeading, ["ignores measurement"]),
+    "one step ahead": (Ahead, ["estimate ahead"]),
+    "gate that never opens": (GateOfPixels, ["lost after a gap"]),
 }
 
 # Faults that do not depend on each other: all of them are told.

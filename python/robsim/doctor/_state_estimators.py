@@ -19,8 +19,10 @@ from robsim.doctor._run_checks import BUDGET, run_checks
 from robsim.doctor._situations import DT
 from robsim.doctor._slots import STATE
 from robsim.doctor._state.consistency import (
+    ahead_problem,
     consistency_remarks,
     growth_problem,
+    lost_problem,
     reduction_problem,
     size_problem,
 )
@@ -29,15 +31,13 @@ from robsim.doctor._state.gain import (
     divergence_problem,
     gain_remarks,
     ignored_problem,
-    is_fixed,
     late_problem,
+    unused_problem,
 )
 from robsim.doctor._state.inputs import inputs_problem
 from robsim.doctor._state.transposes import transpose_problem
 from robsim.doctor._state.trials import SETTLED, Trials, distances
 from robsim.doctor._trial import EstimatorUnderTest
-
-_MOVES = 0.1  # of the true way
 
 _NO_INPUT = (
     "it never uses step.last_u, the inputs: correct for a constant-velocity filter, but a model "
@@ -71,8 +71,8 @@ def check_estimator(
         example a class with ``__call__``, or a function that defines and returns another. Or a
         file ``estimate_state.py``, or the callback folder that has it.
     dt : float, optional
-        The only time between two steps (s) that it is made for. Default: it has to use
-        ``step.dt``.
+        The only time between two steps (s) that it is made for. Default: any; a remark says if it
+        never uses ``step.dt``.
     budget : float
         Maximum of the median time per call (s).
 
@@ -89,7 +89,8 @@ def check_estimator(
 
     Notes
     -----
-    What cannot be told, since the estimates are the same: a measurement of the step before from an
+    What cannot be told, since the estimates are the same: a constant in the place of ``step.dt``
+    from speeds and gains that are per step, which gets a remark only; a measurement of the step before from an
     estimate of the step before; exchanged motors from a heading of wrong sign; a prediction that is
     done twice from a dt or inputs that are twice as large, and in a filter that estimates its
     velocity from a larger Q (it takes the velocity for half as large); standard deviations in place
@@ -126,15 +127,19 @@ def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem
     # A wrong covariance is a cause of the others.
     diverged = None if transposed else divergence_problem(trials, gains)
     wrong = None if transposed else covariance_problem(estimator, trials.seen)
-    yield from filter(None, (transposed, late, diverged, wrong))
+    unused = unused_problem(trials, gains)
+    yield from filter(None, (transposed, unused, late, diverged, wrong))
     failed = next((one for one in (trials.gap, trials.late) if one.error), None)
     if failed is not None:
         yield problem_of(estimator, failed)
         return
-    if not (late or trials.diverged_at is not None):
+    if not (late or unused or trials.diverged_at is not None):
         inputs = inputs_problem(trials)
-        yield from filter(None, (inputs,))
-        if not transposed and (wrong is None or wrong.kind == "covariance not symmetric"):
+        ahead = None if inputs else ahead_problem(trials)
+        lost = None if growth_problem(trials) else lost_problem(trials)
+        yield from filter(None, (inputs, ahead, lost))
+        is_readable = wrong is None or wrong.kind == "covariance not symmetric"
+        if is_readable and not (transposed or ahead or lost):
             yield from _covariance_problems(trials, gains, has_errors=inputs is not None)
     if trials.hidden.error is not None:
         yield problem_of(estimator, trials.hidden)
@@ -142,7 +147,7 @@ def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem
     yield from filter(None, (together_problem(estimator, trials.hidden, trials.turns),))
     if trials.diverged_at is None:
         yield from _wrapping_problems(trials)
-    yield from _dt_problems(trials, gains, is_free=dt is None)
+    yield from _unused_remarks(trials, is_free=dt is None)
     if not late:
         yield from gain_remarks(trials, gains)
 
@@ -184,22 +189,13 @@ def _wrapping_problems(trials: Trials) -> Iterator[Problem]:
         )
 
 
-def _dt_problems(trials: Trials, gains: Gains, *, is_free: bool) -> Iterator[Problem | str]:
-    """Yield a problem or a remark if the time between steps or the inputs have no effect."""
+def _unused_remarks(trials: Trials, *, is_free: bool) -> Iterator[str]:
+    """Yield a remark if the time between steps or the inputs have no effect.
+
+    A filter whose speeds and gains are per step, such as a line through the last measurements, is
+    right without dt, and gives the same estimates as one with a constant dt.
+    """
     if is_free and trials.ignores_dt:
-        # Gains and ways that are given per step, as those of an alpha-beta filter, need no dt, nor
-        # does a filter that takes the robot to stand still.
-        predicts = trials.way_in_gap > _MOVES and not is_fixed(gains)
-        if trials.ignores_inputs and trials.diverged_at is None and predicts:
-            dt = trials.weaves.dt
-            yield Problem(
-                kind="ignores dt",
-                sentence=f"its estimate is the same whether step.dt is {dt:g} or {dt / 2:g} s, "
-                "though its gain comes from a covariance: use step.dt, not a constant; if it is "
-                "for one dt only, pass dt=... to this check",
-                line=trials.estimator.line,
-            )
-        else:
-            yield _NO_DT
+        yield _NO_DT
     if trials.ignores_inputs:
         yield _NO_INPUT

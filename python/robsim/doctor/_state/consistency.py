@@ -8,10 +8,10 @@ import numpy as np
 
 from robsim._base.check_report import Problem
 from robsim._base.checks import Floats
-from robsim.doctor._lines import line_of_covariance
+from robsim.doctor._lines import line_of_covariance, line_of_measurement
 from robsim.doctor._situations import MEASUREMENT_SIGMA, UNSEEN
 from robsim.doctor._state.gain import Gains, named
-from robsim.doctor._state.trials import SETTLED, Trials, errors, variances
+from robsim.doctor._state.trials import SETTLED, Trials, distances, errors, variances
 from robsim.doctor._trial import Trial
 
 # Mean NEES: 3 for a consistent filter. Q and R tuned 4 times too large or small: 0.5 to 12.
@@ -78,6 +78,38 @@ def reduction_problem(trials: Trials, gains: Gains) -> Problem | None:
         situation=trials.gap.situation.name,
         k=UNSEEN.stop,
         line=line_of_covariance(trials.estimator),
+    )
+
+
+def ahead_problem(trials: Trials) -> Problem | None:
+    """Return whether the estimate is where the robot will be."""
+    lead = -_lag(trials.seen)
+    if lead < _LAG:
+        return None
+    return Problem(
+        kind="estimate ahead",
+        sentence=f"its estimate is ahead of the robot, by {lead:.2g} of its steps: it returns the prediction "
+        "for the next step, or predicts after the update and again before the next one; the "
+        "estimate of a step is that after the update with the measurement of this step",
+        situation=trials.weaves.name,
+        line=trials.estimator.line,
+    )
+
+
+def lost_problem(trials: Trials) -> Problem | None:
+    """Return whether it never comes back once the robot was not seen for a while."""
+    if not trials.is_lost_after_gap:
+        return None
+    distance, angle = distances(trials.gap)
+    return Problem(
+        kind="lost after a gap",
+        sentence=f"{len(distance) - UNSEEN.stop} steps after the robot is seen again its estimate "
+        f"is {distance[-1]:.3g} px and {np.degrees(angle[-1]):.0f} degrees off: where measurements "
+        "far from the prediction are left out, the limit has to grow with P, or they must be "
+        "believed after some steps; otherwise its covariance does not grow",
+        situation=trials.gap.situation.name,
+        k=len(distance) - 1,
+        line=line_of_measurement(trials.estimator),
     )
 
 

@@ -125,6 +125,25 @@ def ignored_problem(trials: Trials, gains: Gains) -> Problem | None:
     )
 
 
+def unused_problem(trials: Trials, gains: Gains) -> Problem | None:
+    """Return whether a part of the measured pose has no effect."""
+    delays = gains.usual.delay
+    if trials.diverged_at is not None:
+        return None
+    # A gate may leave out one that is displaced little, but not all.
+    reaches = np.max(abs(gains.far), axis=0) > _RESPONSE
+    is_unused = np.array([one is None for one in delays]) & ~reaches
+    if not is_unused.any():
+        return None
+    return Problem(
+        kind="ignores measurement",
+        sentence=f"its estimate of {named(is_unused)} is the same wherever that is measured: use "
+        "all of step.measurement.pose, x, y and heading",
+        situation=trials.weaves.name,
+        line=line_of_measurement(trials.estimator),
+    )
+
+
 def late_problem(trials: Trials, gains: Gains) -> Problem | None:
     """Return whether the estimate of a step does not contain the measurement of that step."""
     delays = gains.usual.delay
@@ -232,8 +251,3 @@ def gain_remarks(trials: Trials, gains: Gains) -> Iterator[str]:
             f"it hardly listens to measurements any more (its gain is {abs(gain).max():.2g}): "
             "correct only if its model is exact, without disturbances, slip and walls"
         )
-
-
-def is_fixed(gains: Gains) -> bool:
-    """Return whether the gain is the same after a while out of sight, as without a covariance."""
-    return bool(np.allclose(gains.usual.gain, gains.after_gap, rtol=0.02, atol=1e-3))

@@ -19,6 +19,8 @@ from robsim.doctor._situations import (
 from robsim.doctor._trial import EstimatorUnderTest, Trial
 
 SETTLED = 60  # steps after which the estimate has to be near the truth
+_FOUND_AGAIN = 25  # steps with measurements after a gap; in this time a right one is back
+_LOST_BY = (5.0, 0.2)  # px, rad
 _MAXIMUM_ERROR = (100.0, 1.2)  # px, rad: beyond it the estimate has diverged
 
 
@@ -69,6 +71,15 @@ class Trials:
         is_off = (distance > _MAXIMUM_ERROR[0]) | (angle > _MAXIMUM_ERROR[1])
         is_off[:SETTLED] = False
         return int(is_off.argmax()) if is_off.any() else None
+
+    @cached_property
+    def is_lost_after_gap(self) -> bool:
+        """Whether it is still far off long after it was seen again, but not without the gap."""
+        (gap, gap_angle), (seen, seen_angle) = distances(self.gap), distances(self.seen)
+        last = slice(UNSEEN.stop + _FOUND_AGAIN, None)
+        is_off = gap[last].min() > _LOST_BY[0] + seen[SETTLED:].max()
+        is_turned = gap_angle[last].min() > _LOST_BY[1] + seen_angle[SETTLED:].max()
+        return bool(is_off or is_turned)
 
     @cached_property
     def way_in_gap(self) -> float:
