@@ -97,7 +97,12 @@ FAULTS = {
     "phi of the step before, robsim": "it uses y of a step with phi of the step before",
     "one P": "a displaced x changes the parameters of y",
     "one filter of robsim": "needs n_filters=3",
-    "windup .9": "P grows",
+    "windup .9 in slots": "P grows",
+    "windup .9 in lists": "P grows",
+    "whole numbers": "make it of floats",
+    "one row three times": "one list three times",
+    "no inputs": "b1 and b2 never change",
+    "small P": "its gain is too small",
 }
 
 
@@ -108,6 +113,11 @@ def test_a_parameter_estimator_is_told_why(name, words):
     assert [problem.kind for problem in report.problems] == kinds
     assert words in report.sentences[0]
     assert report.problems[0].line is None or report.problems[0].code
+
+
+def test_the_line_that_sets_one_of_several_matrices_is_shown():
+    report = check_parameter_estimator(parameters.WindupInSlots, updates=1000)
+    assert report.problems[0].code == "self.filters[i] = (P + P.T) / 2"
 
 
 def test_a_gradient_method_is_slow_and_not_ill():

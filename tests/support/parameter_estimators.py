@@ -501,7 +501,81 @@ class Swaps(Forgetting):
         return super().update(phi, y[[1, 0, 2]])
 
 
+class Integers(LeastSquares):
+    """theta is an array of integers."""
+
+    def update(self, phi, y):
+        self.theta = np.trunc(super().update(phi, y))
+        return self.theta
+
+
+class OneRow:
+    """[[0.0] * 5] * 3 is one list three times."""
+
+    def __init__(self):
+        self.theta, self.P = [[0.0] * 5] * 3, [1e6 * np.eye(5) for _ in range(3)]
+
+    def update(self, phi, y):
+        for i in range(3):
+            K = self.P[i] @ phi[i] / (1 + phi[i] @ self.P[i] @ phi[i])
+            e = y[i] - phi[i] @ self.theta[i]
+            for j in range(5):
+                self.theta[i][j] += K[j] * e
+            self.P[i] = self.P[i] - np.outer(K, phi[i] @ self.P[i])
+        return self.theta
+
+
+class NoInputs(LeastSquares):
+    """The voltages are left out."""
+
+    def update(self, phi, y):
+        return super().update(phi * (1, 1, 0, 0, 1), y)
+
+
+class SmallP(LeastSquares):
+    """P starts so small that nothing is learned."""
+
+    P0 = 1e-9
+
+
+class WindupInSlots:
+    """P in an attribute without a dict, a matrix for each axis."""
+
+    __slots__ = ("filters", "theta")
+
+    def __init__(self):
+        self.theta, self.filters = np.zeros((3, 5)), {i: 1e6 * np.eye(5) for i in range(3)}
+
+    def update(self, phi, y):
+        for i, P in self.filters.items():
+            K = P @ phi[i] / (0.9 + phi[i] @ P @ phi[i])
+            self.theta[i] += K * (y[i] - phi[i] @ self.theta[i])
+            P = (P - np.outer(K, phi[i] @ P)) / 0.9
+            self.filters[i] = (P + P.T) / 2
+        return self.theta
+
+
+class WindupInLists(Windup):
+    """P as lists of lists, of which numpy knows nothing."""
+
+    def __init__(self):
+        super().__init__()
+        self.P = self.P.tolist()
+
+    def update(self, phi, y):
+        self.P = np.array(self.P)
+        theta = super().update(phi, y)
+        self.P = self.P.tolist()
+        return theta
+
+
 BROKEN = {
+    "whole numbers": (Integers, ["whole numbers"]),
+    "one row three times": (OneRow, ["axes mixed"]),
+    "no inputs": (NoInputs, ["parameters not learned"]),
+    "small P": (SmallP, ["learns nothing"]),
+    "windup .9 in slots": (WindupInSlots, ["windup"]),
+    "windup .9 in lists": (WindupInLists, ["windup"]),
     "one sample": (OneSample, ["learns nothing"]),
     "two samples": (TwoSamples, ["learns nothing"]),
     "P never updated": (KeepsP, ["learns nothing"]),

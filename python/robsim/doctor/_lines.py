@@ -139,6 +139,9 @@ def _covariance_names(call: ast.AST) -> set[str]:
 
 
 def _sets(node: ast.AST, names: Collection[str]) -> bool:
+    """Return whether it sets one of the names, or a part of it: P, self.P, self.P[i]."""
+    if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store):
+        return getattr(node.value, "attr", getattr(node.value, "id", None)) in names
     if not isinstance(node, (ast.Attribute, ast.Name)) or not isinstance(node.ctx, ast.Store):
         return False
     return getattr(node, "attr", getattr(node, "id", None)) in names

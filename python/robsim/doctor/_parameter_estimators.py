@@ -156,7 +156,8 @@ def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | No
         kind="diverges",
         sentence="its parameters are good at first and diverge later: with forgetting (lambda < 1) "
         "in P = (P - outer(K, phi @ P)) / lambda, rounding errors make P asymmetric and grow; add "
-        "P = (P + P.T) / 2 after it",
+        "P = (P + P.T) / 2 after it. Where that is done, lambda is too small: its memory, "
+        "1 / (1 - lambda) samples, must be several times the 5 parameters",
         situation="robot drives around for a long time",
         k=k,
         line=line_of_matrix(estimator),

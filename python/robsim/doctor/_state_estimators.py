@@ -90,12 +90,13 @@ def check_estimator(
     Notes
     -----
     What cannot be told, since the estimates are the same: a constant in the place of ``step.dt``
-    from speeds and gains that are per step, which gets a remark only; a measurement of the step before from an
-    estimate of the step before; exchanged motors from a heading of wrong sign; a prediction that is
-    done twice from a dt or inputs that are twice as large, and in a filter that estimates its
-    velocity from a larger Q (it takes the velocity for half as large); standard deviations in place
-    of variances from an R for another camera, which gets a remark only, since the doctor does not
-    know the camera. Filters with Q and R that are 4 times too large or small pass.
+    from speeds and gains that are per step, which gets a remark only; a measurement of the step
+    before from an estimate of the step before; exchanged motors from a heading of wrong sign; a
+    prediction that is done twice from a dt or inputs that are twice as large, and in a filter that
+    estimates its velocity from a larger Q (it takes the velocity for half as large); standard
+    deviations in place of variances from an R for another camera, which gets a remark only, since
+    the doctor does not know the camera. Filters with Q and R that are 4 times too large or small
+    pass.
 
     The mean NEES is 3 for a consistent filter; a problem is above 20, with the noise of the
     sharpest camera, too. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to

@@ -30,6 +30,7 @@ _RUNAWAY = 1e6  # right ones are below 10
 _FITTED = 0.02  # share of an error that is left after the update; least squares leave about 1
 _ORDINARY = 0.95  # share of the samples whose error an update reduces
 _NAMES = ("x", "y", "heading")
+_COLUMNS = ("a1", "a2", "b1", "b2", "d1")
 _GOES_ON = np.tile((2.0, -1.0, 0.0, 0.0, 0.0), (3, 1))
 
 
@@ -51,6 +52,10 @@ class Learning:
         # The sample of step k and the parameters of steps k - 1 and k.
         self.before = trial.outputs[-_LAST - 1 : -1].reshape(-1, 3, 5)
         self.after = trial.outputs[-_LAST:].reshape(-1, 3, 5)
+        thetas = trial.outputs[np.isfinite(trial.outputs).all(axis=1)].reshape(-1, 3, 5)
+        self.never_changed = (thetas == thetas[0]).all(axis=0)  # (3, 5)
+        self.are_whole = bool((thetas == np.round(thetas)).all())
+        self.rows_are_one = bool((thetas == thetas[:, :1]).all())
 
     def error_of(self, theta: Floats) -> Floats:
         """Return the error of parameters (3, 5) or (N, 3, 5), relative to going on as before."""
@@ -83,7 +88,9 @@ def mismatch_problem(
     estimator: EstimatorUnderTest, trial: Trial, influence: Influence
 ) -> Problem | None:
     """Return whether phi of one step is used with y of another."""
-    if not Learning(trial).is_near:
+    learning = Learning(trial)
+    # Whole numbers hide the effect of a sample.
+    if not learning.is_near or learning.are_whole:
         return None
     is_y_late, is_phi_late = influence.is_mismatched
     if influence.mixed or not (is_y_late or is_phi_late):
@@ -106,7 +113,11 @@ def learning_items(
     """Yield why the parameters predict no better than going on as before does, if so."""
     learning = Learning(trial)
     error = learning.error
-    is_bad = ~(error < _LEARNED)
+    # Without its inputs the robot is predicted somewhat better than by going on as before.
+    has_no_inputs = learning.never_changed[:, 2:4].all(axis=1) & ~learning.before[-1, :, 2:4].any(
+        axis=1
+    )
+    is_bad = ~(error < _LEARNED) | has_no_inputs
     if not is_bad.any():
         return
     worst = " and ".join(name for name, bad in zip(_NAMES, is_bad, strict=True) if bad)
@@ -136,13 +147,50 @@ def learning_items(
 def _cause(learning: Learning, influence: Influence) -> tuple[str, str] | None:
     """Return kind and sentence of parameters that predict nothing; None = they come slowly."""
     return (
-        _runaway(learning)
+        _rounded(learning)
+        or _one_row(learning)
+        or _runaway(learning)
         or _standing(learning)
         or _dead(influence)
         or _rearranged(learning)
         or _mixed(influence)
+        or _unused(learning)
         or _forgetful(learning, influence)
         or _unsteady(learning)
+    )
+
+
+def _rounded(learning: Learning) -> tuple[str, str] | None:
+    if not learning.are_whole:
+        return None
+    return (
+        "whole numbers",
+        "its parameters are whole numbers at all steps: theta is an array of integers, which cuts "
+        "off what is added; make it of floats, such as np.zeros((3, 5))",
+    )
+
+
+def _one_row(learning: Learning) -> tuple[str, str] | None:
+    if not learning.rows_are_one or learning.never_changed[0, 0]:
+        return None
+    return (
+        "axes mixed",
+        "its three rows are the same at all steps: each axis has its own theta[i], phi[i], y[i] "
+        "and P; one filter for all three does this, and [[0.0] * 5] * 3, which is one list three "
+        "times",
+    )
+
+
+def _unused(learning: Learning) -> tuple[str, str] | None:
+    """Return whether a parameter stays what it was at the start."""
+    columns = np.flatnonzero(learning.never_changed.all(axis=0))
+    if not 0 < len(columns) < _UNKNOWNS:
+        return None
+    names = " and ".join(_COLUMNS[i] for i in columns)
+    return (
+        "parameters not learned",
+        f"{names} never change{'s' * (len(columns) == 1)}: the estimator leaves out that part of "
+        "phi; phi[i] is x(k-1), x(k-2), u1, u2, 1, for the parameters a1, a2, b1, b2, d1",
     )
 
 
@@ -241,6 +289,13 @@ def _unsteady(learning: Learning) -> tuple[str, str] | None:
         left = learning.left
         if (left < 1 + 1e-9).mean() > _ORDINARY and np.median(left) < 1 - 1e-3:
             return None
+    if abs(np.median(left) - 1) < 1e-3:
+        return (
+            _NOTHING,
+            "an update hardly changes the error of its own sample: its gain is too small; P (or "
+            "the step size) must start large, such as P = 1e6 * np.eye(5), and not shrink without "
+            "reason",
+        )
     return (
         "wrong parameters",
         "an update does not reduce the error of its own sample: check the gain, the signs and the "

@@ -88,9 +88,9 @@ def ahead_problem(trials: Trials) -> Problem | None:
         return None
     return Problem(
         kind="estimate ahead",
-        sentence=f"its estimate is ahead of the robot, by {lead:.2g} of its steps: it returns the prediction "
-        "for the next step, or predicts after the update and again before the next one; the "
-        "estimate of a step is that after the update with the measurement of this step",
+        sentence=f"its estimate is {lead:.2g} of its steps ahead of the robot: it returns the "
+        "prediction for the next step, or predicts after the update and again before the next "
+        "one; the estimate of a step is that after the update with the measurement of this step",
         situation=trials.weaves.name,
         line=trials.estimator.line,
     )
