@@ -3,6 +3,7 @@ import subprocess
 import sys
 import textwrap
 import time
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -19,6 +20,8 @@ from robsim.doctor import (
 )
 from robsim.doctor import _slots as slots
 from robsim.doctor import _trial as trial
+from robsim.doctor._reproducibility import together_problem
+from robsim.doctor._situations import turning, weaving
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long]
 
@@ -838,3 +841,13 @@ def test_what_makes_no_estimator_says_what_to_write(make, name, words):
 def test_a_slot_is_no_maker_of_estimators():
     with pytest.raises(TypeError, match=r"such as its class, or lambda: .*, got <slot estimate_"):
         robsim.check_estimator(robsim.Simulation().estimate_state)
+
+
+def test_a_slow_call_beside_another_estimator_is_no_shared_memory(monkeypatch):
+    """On a busy machine a call may come too late at any time."""
+    estimator = trial.EstimatorUnderTest(ConstantVelocity, slots.STATE, budget=0.02)
+    alone = estimator.try_in(weaving(0.2))
+    late = replace(alone, outputs=alone.outputs[:8], error=TimeoutError("too late"))
+    monkeypatch.setattr(estimator, "try_together", lambda *_: late)
+    problem = together_problem(estimator, alone, turning(0.2))
+    assert (problem.kind, problem.k) == ("too slow", 8)

@@ -62,6 +62,8 @@ def together_problem(
     step = _difference(together, alone)
     if step is None:
         return None
+    if isinstance(together.error, TimeoutError):
+        return problem_of(estimator, together)
     return Problem(
         kind="shared memory",
         sentence=f"two {estimator.slot.noun}s from make() influence each other, as with a global "
