@@ -115,6 +115,19 @@ def away_from_walls():
     return control
 
 
+def along_a_line():
+    """Feedback of the distance from the line y = 600 and of the heading: right near the line."""
+
+    def control(step):
+        if step.measurement is None:
+            return 0.2, 0.2
+        _, y, heading = step.measurement.pose
+        turn = np.clip(-0.004 * (y - 600) - 0.8 * heading, -0.5, 0.5)
+        return 0.4 + turn, 0.4 - turn
+
+    return control
+
+
 def with_gain(gain, step):
     if step.measurement is None:
         return [0, 0]
@@ -139,6 +152,7 @@ RIGHT = {
     "generator": generator,
     "partial": lambda: functools.partial(with_gain, 0.5),
     "away from walls": away_from_walls,
+    "along a line": along_a_line,
 }
 
 
@@ -198,6 +212,7 @@ def forgets_return(step):
 # The controller, the kind, words of the sentence, and the step.
 FAULTS = [
     (lambda step: (0.1,), "output shape", "it returns (0.1,), not (u1, u2)", 0),
+    (lambda step: ("0.5", "0.5"), "output shape", "it returns ('0.5', '0.5'), not (u1, u2)", 0),
     (lambda step: (math.nan, 1), "not finite", "(nan, 1) V", 0),
     (lambda step: (255, 255), "input too large", "8-bit", 0),
     pytest.param(

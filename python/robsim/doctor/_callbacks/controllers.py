@@ -123,7 +123,7 @@ def read_input(result: Any, before: Floats | None) -> Floats:
         u = np.array(result, dtype=float)
     except (TypeError, ValueError):
         u = np.empty(0)
-    if u.shape != (2,):
+    if u.shape != (2,) or any(isinstance(one, (str, bytes)) for one in result):  # "0.5"
         raise BadResult(
             "output shape",
             f"it returns {result!r}, not (u1, u2), the voltages of the left and the right motor",

@@ -25,11 +25,18 @@ _SMALL = 1e-3  # V
 _MEETS = 20.0  # px, rms distance of the directions from the point where they meet
 _FARTHEST = 2500.0  # px from the middle: farther away, directions are as good as parallel
 _NEAR = math.radians(45)
+_PARALLEL = math.radians(10)
 _KICK = 0.1  # V
 _COMES_NEAR = 100.0  # px
 
 _CANNOT_BE_TOLD = (
     "whether it steers the right way cannot be told: its steering points to no single place"
+)
+
+_LONG_WAY = (
+    "where its heading is beyond +-pi from the one that it aims at, it turns the long way round: "
+    "for a line or a path that may be meant; else wrap the heading error, "
+    "robsim.wrap_angle(wanted - heading)"
 )
 
 # What a wrong formula makes of a direction, undone; the sentence says what is wrong.
@@ -101,7 +108,8 @@ def steering_findings(controller: EstimatorUnderTest, usual: Trial) -> Iterator[
         steerings.append(steering)
     wrong = _not_wrapped(controller, steerings)
     if wrong is not None:
-        yield wrong
+        # Along a line it is u1 - u2 = -a y - b heading, which is right near the line.
+        yield wrong if _has_goal(steerings) else _LONG_WAY
         return
     yield from _kicks(controller)
     yield from _goal_findings(controller, steerings, usual)
@@ -216,12 +224,10 @@ def _kicks(controller: EstimatorUnderTest) -> Iterator[Problem]:
 def _goal_findings(
     controller: EstimatorUnderTest, steerings: list[_Steering], usual: Trial
 ) -> Iterator[Problem | str]:
-    known = [(one.place, one.direction) for one in steerings if one.direction is not None]
-    if len(known) < 4:
+    places, directions = _known(steerings)
+    if len(places) < 4:
         yield _CANNOT_BE_TOLD
         return
-    places = np.array([place for place, _ in known])
-    directions = [direction for _, direction in known if direction is not None]
     met = _meeting_point(places, np.array(directions))
     if met is not None:
         goal, way = met
@@ -233,7 +239,7 @@ def _goal_findings(
                 sentence=f"from everywhere it turns its back on ({goal[0]:.0f}, {goal[1]:.0f}) and "
                 "drives away: left and right are exchanged, or a sign is wrong; u1 is the left "
                 "motor, and a faster left wheel turns the robot to the right, to larger headings",
-                situation=_standing(known[0][0]),
+                situation=_standing(places[0]),
                 line=controller.line,
             )
         return
@@ -244,11 +250,29 @@ def _goal_findings(
             yield Problem(
                 kind=kind,
                 sentence=f"{sentence}; it seems to mean the point ({x:.0f}, {y:.0f})",
-                situation=_standing(known[0][0]),
+                situation=_standing(places[0]),
                 line=controller.line,
             )
             return
     yield _CANNOT_BE_TOLD
+
+
+def _known(steerings: list[_Steering]) -> tuple[Floats, list[float]]:
+    """Return the places from which it drives to a single direction, and the directions."""
+    known = [(one.place, one.direction) for one in steerings if one.direction is not None]
+    return np.array([place for place, _ in known]), [d for _, d in known if d is not None]
+
+
+def _has_goal(steerings: list[_Steering]) -> bool:
+    """Return whether it steers to one place, be it by a wrong formula, or to one heading."""
+    places, directions = _known(steerings)
+    if directions and np.ptp(wrap_angle(np.array(directions) - directions[0])) < _PARALLEL:
+        return True
+    formulas = [lambda direction: direction, *(undone for undone, *_ in _MISTAKES)]
+    return len(places) >= 3 and any(
+        _meeting_point(places, np.array([undone(one) for one in directions])) is not None
+        for undone in formulas
+    )
 
 
 def _meeting_point(places: Floats, directions: Floats) -> tuple[Floats, int] | None:
