@@ -3,6 +3,7 @@
 import ast
 import csv
 import io
+import itertools
 import os
 import re
 from contextlib import chdir
@@ -62,6 +63,57 @@ def test_other_short_texts():
     assert len(cut("x" * 10**6)) <= 200
     assert listed("abc") == "a, b, c"
     assert listed(map(str, range(12))) == "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, ... (12 in all)"
+
+
+class Loud:
+    def __repr__(self):
+        return "\x1b[2J" * 1000
+
+
+class Mute:
+    def __repr__(self):
+        raise ZeroDivisionError
+
+
+@pytest.mark.parametrize(
+    "value",
+    [Loud(), Mute(), [Loud()] * 100, ["x" * 10**6, Mute()]],
+    ids=["loud", "mute", "many", "long"],
+)
+def test_what_came_is_quoted_whatever_its_repr(value):
+    sim = robsim.Simulation(seed=1)
+    calls = {
+        "x": lambda: robsim.GoToPoint(value, 1),
+        "u": lambda: robsim.Replay(value),
+        "percent": lambda: robsim.GaussianNoise(value),
+        "seed": lambda: robsim.Simulation(seed=value),
+        "frames": lambda: robsim.Experiment(value if isinstance(value, Loud) else Mute()),
+        "groups": lambda: robsim.Trace(value, sim.run(2).info),
+        "info": lambda: robsim.Trace({}, value),
+        "steps": lambda: sim.run(value),
+        "model": lambda: robsim.reference.RobotMotion(value),
+        "parameters": lambda: robsim.RobotModel(value),
+    }
+    for name, call in calls.items():
+        with pytest.raises((TypeError, ValueError), match=name) as caught:
+            call()
+        assert is_harmless(str(caught.value), breaks="\n"), name
+        assert len(str(caught.value)) < 500, name
+
+
+def test_no_message_writes_the_repr_of_what_came():
+    """It may be long, have control characters, or fail: there is `quoted` for it."""
+    for file in PACKAGE.rglob("*.py"):
+        for text in (
+            n for n in ast.walk(ast.parse(file.read_text())) if isinstance(n, ast.JoinedStr)
+        ):
+            parts = text.values
+            for before, part in itertools.pairwise(parts):
+                if isinstance(part, ast.FormattedValue) and part.conversion == ord("r"):
+                    assert not str(getattr(before, "value", "")).endswith("got "), (
+                        file,
+                        part.lineno,
+                    )
 
 
 NAMES = ["", "a\0b", "a\nb", "\x1b[2J", "\u202ea", "a\u2028b", "\x9b", "x" * 41, "\ud800"]

@@ -38,6 +38,19 @@ bool fits(const py::array& array, const Shape& shape) {
   return true;
 }
 
+// The repr of anything: of an object whose repr fails, its type; without control characters.
+py::str printable_repr(py::handle value) {
+  py::str text;
+  try {
+    text = py::repr(value);
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_Exception)) throw;  // KeyboardInterrupt
+    text = "an object of " + py::type::of(value).attr("__name__").cast<std::string>();
+  }
+  if (text.attr("isprintable")().cast<bool>()) return text;
+  return text.attr("encode")("unicode_escape").attr("decode")("ascii");
+}
+
 }  // namespace
 
 std::string shape_text(const py::ssize_t* sizes, py::ssize_t dimensions) {
@@ -52,7 +65,7 @@ std::string describe(py::handle value) {
     return "a " + py::str(array.dtype()).cast<std::string>() + " array of shape " +
            shape_text(array.shape(), array.ndim());
   }
-  const py::str text = py::repr(value);
+  const py::str text = printable_repr(value);
   if (py::len(text) <= maximum_repr) return text.cast<std::string>();
   // Cut as text, not as bytes: a character may have several.
   return text[py::slice(0, maximum_repr, 1)].cast<std::string>() + " ...";

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from robsim._base.text import quoted
+
 
 @dataclass(frozen=True, repr=False)
 class SeedRecord:
@@ -29,7 +31,7 @@ class SeedRecord:
 
 def _check_numbers(name: str, numbers: Any) -> None:
     if not isinstance(numbers, tuple) or not all(type(n) is int and n >= 0 for n in numbers):
-        raise ValueError(f"{name} must have ints of at least 0, got {numbers!r}")
+        raise ValueError(f"{name} must have ints of at least 0, got {quoted(numbers)}")
 
 
 Seed = int | np.random.SeedSequence | np.random.Generator | SeedRecord | None
@@ -60,9 +62,9 @@ def seed_sequence(seed: Seed) -> np.random.SeedSequence:
     if seed is None:
         return np.random.SeedSequence()
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
-        raise TypeError(f"seed must be an int, SeedSequence, Generator or None, got {seed!r}")
+        raise TypeError(f"seed must be an int, SeedSequence, Generator or None, got {quoted(seed)}")
     if seed < 0:
-        raise ValueError(f"seed must be at least 0, got {seed}")
+        raise ValueError(f"seed must be at least 0, got {quoted(seed)}")
     return np.random.SeedSequence(int(seed))
 
 

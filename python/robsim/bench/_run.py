@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from robsim._base.checks import check_int
+from robsim._base.text import quoted
 from robsim._core import cpu_path
 from robsim.bench._cases import BenchResult, Call, Case, timed
 from robsim.bench._estimation import (
@@ -65,7 +65,7 @@ def run_bench(
     check_int("frames", frames, minimum=1, maximum=10**6)
     check_int("steps", steps, minimum=1, maximum=10**9)
     if not isinstance(sizes, (tuple, list)):
-        raise TypeError(f"sizes must be a tuple of ints (px), got {reprlib.repr(sizes)}")
+        raise TypeError(f"sizes must be a tuple of ints (px), got {quoted(sizes)}")
     for size in sizes:
         check_int("sizes", size, minimum=16, maximum=16384)
     cv2 = load_opencv("the comparison")

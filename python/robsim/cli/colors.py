@@ -10,6 +10,7 @@ import numpy as np
 import typer
 
 from robsim._base.checks import check_float
+from robsim._base.text import quoted
 from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
 from robsim.cli.command import Command
@@ -269,7 +270,7 @@ def _marked_regions(
         if not equals or name not in names:
             raise ValueError(
                 f"--region must begin with one of the colours, {', '.join(names)}, such as "
-                f"{names[0]}=578,613,594,630, got {text!r}"
+                f"{names[0]}=578,613,594,630, got {quoted(text)}"
             )
         marked.setdefault(name, []).append(parse_region("--region", box))
     if marked and len(images) > 1:

@@ -12,6 +12,7 @@ import typer
 
 from robsim._base.checks import check_size
 from robsim._base.spelling import suggestion
+from robsim._base.text import quoted
 from robsim.control._by_name import NAMES, POINTS, controller_named
 from robsim.imaging import GaussianNoise, UniformNoise
 from robsim.simulation import Dropout
@@ -40,7 +41,7 @@ def whole_number(text: str) -> int:
     try:
         return int(text)
     except ValueError:
-        raise typer.BadParameter(f"it must be a whole number, got {text!r}") from None
+        raise typer.BadParameter(f"it must be a whole number, got {quoted(text)}") from None
 
 
 def number(text: str) -> float:
@@ -48,7 +49,7 @@ def number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise typer.BadParameter(f"it must be a number such as 0.5, got {text!r}") from None
+        raise typer.BadParameter(f"it must be a number such as 0.5, got {quoted(text)}") from None
 
 
 def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
@@ -57,7 +58,7 @@ def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
         return None
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal()):
-        raise ValueError(f"{option} must be a size such as 640x480, got {text!r}")
+        raise ValueError(f"{option} must be a size such as 640x480, got {quoted(text)}")
     try:
         return check_size(option, (int(width), int(height)))
     except ValueError as error:
@@ -71,7 +72,7 @@ def parse_noise(option: str, text: str | None) -> GaussianNoise | UniformNoise |
     kind, _, percent = text.lower().partition(":")
     if kind not in _NOISES or not _is_number(percent):
         raise ValueError(
-            f"{option} must be a noise such as gaussian:10 or uniform:10, got {text!r}"
+            f"{option} must be a noise such as gaussian:10 or uniform:10, got {quoted(text)}"
             + ("" if kind in _NOISES else suggestion(kind, _NOISES))
         )
     with about(option):
@@ -85,7 +86,7 @@ def parse_dropout(option: str, text: str | None) -> Dropout | None:
     probability, colon, steps = text.partition(":")
     if not _is_number(probability) or (colon and not steps.isdecimal()):
         raise ValueError(
-            f"{option} must be a probability such as 0.2, or 0.2:5 for 5 steps, got {text!r}"
+            f"{option} must be a probability such as 0.2, or 0.2:5 for 5 steps, got {quoted(text)}"
         )
     with about(option):
         return Dropout(float(probability), int(steps) if colon else 1)
@@ -96,7 +97,7 @@ def parse_headings(option: str, text: str) -> int | None:
     if text == "continuous":
         return None
     if not text.isdecimal():
-        raise ValueError(f"{option} must be a number such as 36, or continuous, got {text!r}")
+        raise ValueError(f"{option} must be a number such as 36, or continuous, got {quoted(text)}")
     return int(text)
 
 
@@ -115,11 +116,12 @@ def parse_control(option: str, text: str | None) -> Callable[..., Any] | None:
     name, colon, points = text.partition(":")
     if name not in NAMES:
         raise ValueError(
-            f"{option} must be one of {', '.join(NAMES)}, got {text!r}{suggestion(name, NAMES)}"
+            f"{option} must be one of {', '.join(NAMES)}, "
+            f"got {quoted(text)}{suggestion(name, NAMES)}"
         )
     if name not in POINTS:
         if colon:
-            raise ValueError(f"{option} {name} takes no points, got {text!r}")
+            raise ValueError(f"{option} {name} takes no points, got {quoted(text)}")
         return controller_named(name)
     found = parse_points(option, points, count=POINTS[name], minimum=1, prefix=f"{name}:")
     with about(option):
@@ -135,7 +137,7 @@ def parse_start(option: str, text: str | None) -> tuple[float, float, float] | s
     if len(parts) != 3 or len(numbers) != 3 or not all(map(math.isfinite, numbers)):
         raise ValueError(
             f"{option} must be x,y,heading in px, px and degrees, such as 300,300,90, or random, "
-            f"got {text!r}"
+            f"got {quoted(text)}"
         )
     x, y, degrees = numbers
     return x, y, math.radians(math.remainder(degrees, 360))
@@ -146,7 +148,8 @@ def parse_region(option: str, text: str) -> tuple[int, int, int, int]:
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != 4 or not all(re.fullmatch(r"\d{1,5}", part) for part in parts):
         raise ValueError(
-            f"{option} must be left,top,right,bottom in px, such as 573,609,599,634, got {text!r}"
+            f"{option} must be left,top,right,bottom in px, such as 573,609,599,634, "
+            f"got {quoted(text)}"
         )
     left, top, right, bottom = map(int, parts)
     return left, top, right, bottom

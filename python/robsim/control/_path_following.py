@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import reprlib
 from dataclasses import KW_ONLY, dataclass, field, fields
 from typing import Any, ClassVar
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, check_float
+from robsim._base.text import quoted
 from robsim._core import Step, atan2, cos, hypot, sin, wrap_angle
 from robsim.control._waypoints import as_waypoints, dot, nearest_on_segment
 
@@ -37,7 +37,7 @@ class _Motion:
             k = step.k
         except AttributeError:
             raise TypeError(
-                f"step must be a Step, got {reprlib.repr(step)}: by hand it is "
+                f"step must be a Step, got {quoted(step)}: by hand it is "
                 "robsim.Step(measurement=(x, y, heading))"
             ) from None
         if k == 0 or k < self.k:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
+from robsim._base.text import quoted
 
 MAXIMUM_COORDINATE = 1e6  # px
 
@@ -30,15 +31,15 @@ def as_waypoints(waypoints: ArrayLike) -> Floats:
     try:
         points = np.array(waypoints)
     except ValueError:
-        raise ValueError(f"{expected}, got {waypoints!r}") from None
+        raise ValueError(f"{expected}, got {quoted(waypoints)}") from None
     if points.dtype.kind not in "iuf":
-        raise TypeError(f"{expected}, got {waypoints!r}")
+        raise TypeError(f"{expected}, got {quoted(waypoints)}")
     if points.ndim != 2 or points.shape[1] != 2 or not len(points):
         hint = ": for a single one write [(x, y)]" if points.shape == (2,) else ""
         raise ValueError(f"{expected}, got shape {points.shape}{hint}")
     if not (np.abs(points) <= MAXIMUM_COORDINATE).all():  # NaN fails, too
         raise ValueError(
-            f"waypoints must be finite, within {MAXIMUM_COORDINATE:g} px, got {waypoints!r}"
+            f"waypoints must be finite, within {MAXIMUM_COORDINATE:g} px, got {quoted(waypoints)}"
         )
     points = points.astype(np.float64)
     points.setflags(write=False)

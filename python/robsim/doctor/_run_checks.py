@@ -11,6 +11,7 @@ from typing import Any
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import check_float
 from robsim._base.report import Table
+from robsim._base.text import quoted
 from robsim.doctor._errors import problem_of_make
 from robsim.doctor._trial import TIME_LIMIT, EstimatorUnderTest, NoEstimator, Slot
 from robsim.simulation._callbacks.slot import SlotHandle
@@ -42,7 +43,7 @@ def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckRe
     if not callable(make) or isinstance(make, SlotHandle):
         raise TypeError(
             f"make must be callable and return a fresh {slot.noun}, such as its class, or lambda: "
-            f"My{slot.noun.capitalize()}(...), got {make!r}"
+            f"My{slot.noun.capitalize()}(...), got {quoted(make)}"
         )
     estimator = EstimatorUnderTest(
         make, slot, check_float("budget", budget, "s", exclusive_minimum=0)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, check_float, check_int
+from robsim._base.text import quoted
 
 
 def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floats:
@@ -43,10 +44,10 @@ def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floa
     n = check_int("n", n, minimum=1, maximum=10**9)
     level = check_float("level", level, exclusive_minimum=0.0)
     if level >= 1.0:
-        raise ValueError(f"level must lie between 0 and 1, got {level!r}")
+        raise ValueError(f"level must lie between 0 and 1, got {quoted(level)}")
     counts: Any = np.asarray(runs)
     if counts.dtype.kind not in "iu" or (counts < 0).any():
-        raise ValueError(f"runs must be whole numbers of at least 0, got {runs!r}")
+        raise ValueError(f"runs must be whole numbers of at least 0, got {quoted(runs)}")
     counts = np.where(counts == 0, np.nan, counts)[..., np.newaxis]
     outside = (1.0 - level) / 2.0
     # chdtri(n, p) is exceeded with the probability p

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array
 from robsim._base.rank import decompose
+from robsim._base.text import quoted
 from robsim._core import RobotModel, regression
 from robsim.trace import Trace
 from robsim.trace._trace import check_trace
@@ -52,7 +53,7 @@ def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:
             f"{noise.shape}"
         )
     if not (noise >= 0).all():
-        raise ValueError(f"sigma must be at least 0, got {sigma!r}")
+        raise ValueError(f"sigma must be at least 0, got {quoted(sigma)}")
     rows = np.where(np.isnan(rows).any(axis=-1, keepdims=True), 0.0, rows)
     triangles = np.empty((*rows.shape, rows.shape[-1]))
     R = np.zeros(triangles.shape[1:])
@@ -100,7 +101,7 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
     _check_truth(trace)
     noise = as_float_array("sigma", sigma)
     if noise.shape != (3,):
-        raise ValueError(f"sigma must be 3 numbers (px, px, rad), got {sigma!r}")
+        raise ValueError(f"sigma must be 3 numbers (px, px, rad), got {quoted(sigma)}")
     phi = np.full((len(trace), 3, 5), np.nan)
     if len(trace) > 2:
         phi[2:], _ = regression(trace.pose_true, trace.u)
@@ -190,7 +191,8 @@ def _seen_steps(F: Floats, seen: ArrayLike | None) -> NDArray[np.bool_]:
     steps = np.asarray(seen)
     if steps.ndim != 1 or steps.dtype != bool or not len(steps):
         raise ValueError(
-            f"seen must be an array (N,) of bool, which is needed for an F of (n, n), got {seen!r}"
+            f"seen must be an array (N,) of bool, which is needed for an F of (n, n), "
+            f"got {quoted(seen)}"
         )
     return steps
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array, check_text, is_int
 from robsim._base.report import Column, Quantity, Report, Row, Table, count
+from robsim._base.text import quoted
 from robsim._core import wrap_angle
 from robsim.trace import Trace
 from robsim.trace._columns import POSES
@@ -47,10 +47,12 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
         raise ValueError(f"estimate and truth must be of the same shape, got {shapes}") from None
     size = error.shape[-1] if error.ndim else 0
     if not isinstance(angles, Iterable):
-        raise TypeError(f"angles must be a sequence of ints, got {angles!r}")
+        raise TypeError(f"angles must be a sequence of ints, got {quoted(angles)}")
     for angle in angles:
         if not is_int(angle) or not 0 <= angle < size:
-            raise ValueError(f"angles must be among the {size} numbers of a row, got {angle!r}")
+            raise ValueError(
+                f"angles must be among the {size} numbers of a row, got {quoted(angle)}"
+            )
         error[..., angle] = wrap_angle(error[..., angle])
     return error
 
@@ -238,7 +240,7 @@ def estimation_errors(
 
 def _texts(name: str, texts: Sequence[str]) -> tuple[str, ...]:
     if isinstance(texts, str) or not isinstance(texts, Iterable):
-        raise TypeError(f"{name} must be a sequence of texts, got {texts!r}")
+        raise TypeError(f"{name} must be a sequence of texts, got {quoted(texts)}")
     return tuple(check_text(name, text) for text in texts)
 
 
@@ -266,7 +268,7 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
         If the runs do not have the same steps, or `of` is unknown.
     """
     if of not in ("estimate", "measurement"):
-        raise ValueError(f"of must be 'estimate' or 'measurement', got {of!r}")
+        raise ValueError(f"of must be 'estimate' or 'measurement', got {quoted(of)}")
     runs = as_runs(traces)
     poses = np.array([trace.poses_from(of) for trace in runs])
     truth = np.array([trace.pose_true for trace in runs])
@@ -289,9 +291,7 @@ def as_runs(traces: Trace | Sequence[Trace]) -> list[Trace]:
     runs = [traces] if isinstance(traces, Trace) or not isinstance(traces, Iterable) else [*traces]
     if not runs or not all(isinstance(trace, Trace) for trace in runs):
         hint = ": give sim.trace of each" if any(hasattr(one, "trace") for one in runs) else ""
-        raise TypeError(
-            f"traces must be a Trace or a sequence of them, got {reprlib.repr(traces)}{hint}"
-        )
+        raise TypeError(f"traces must be a Trace or a sequence of them, got {quoted(traces)}{hint}")
     steps = {(int(trace.k[0]) if len(trace) else 0, len(trace)) for trace in runs}
     if len(steps) > 1 or not len(runs[0]):
         lengths = sorted({len(trace) for trace in runs})

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, as_float_array, check_choice, check_int
 from robsim._base.report import Column, Report, Table, percent
+from robsim._base.text import quoted
 from robsim.identification._parameter_table import equation_noise, noise_remarks, parameter_table
 from robsim.identification._regression import regression_of
 from robsim.trace import PARAMETER_NAMES, Trace
@@ -186,7 +187,9 @@ def judge(
     """
     values = np.array(as_float_array("sigma", ASSUMED_SIGMA if sigma is None else sigma))
     if values.shape != (3,) or not (np.isfinite(values) & (values >= 0)).all():
-        raise ValueError(f"sigma must be three numbers of at least 0 (px, px, rad), got {sigma!r}")
+        raise ValueError(
+            f"sigma must be three numbers of at least 0 (px, px, rad), got {quoted(sigma)}"
+        )
     size = np.abs(np.asarray(theta, dtype=np.float64))
     size[:, 4] = size[:, 2:4].max(axis=1)
     errors = values[:, np.newaxis] * np.asarray(standard_errors_unscaled, dtype=np.float64)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from robsim._base.checks import check_float, check_int
+from robsim._base.text import quoted
 from robsim._core import VisualNoise
 from robsim.imaging._images import Pixels
 
@@ -124,7 +125,8 @@ def as_native_noise(noise: Noise | None) -> VisualNoise:
         return native_noise("none", 0.0)
     if not isinstance(noise, _Noise):
         raise TypeError(
-            f"noise must be a GaussianNoise, a UniformNoise or None, got {noise!r}: write, for "
+            f"noise must be a GaussianNoise, a UniformNoise or None, "
+            f"got {quoted(noise)}: write, for "
             "example, noise=robsim.GaussianNoise(40)"
         )
     return noise._native

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, as_float_array
 from robsim._base.spelling import with_article
+from robsim._base.text import quoted
 from robsim._core import Blob, ColorClass, Estimate, Frame, Measurement
 from robsim.evaluation._consistency import ConsistencyReport
 from robsim.evaluation._errors import ErrorReport
@@ -57,7 +57,7 @@ def check_blobs(blobs: Any) -> None:
         if not isinstance(found, Sequence) or not all(isinstance(one, Blob) for one in found):
             raise TypeError(
                 "blobs must be a dict of the list of Blob of each colour, as from "
-                f"robsim.find_blobs(frame, colors), got {reprlib.repr(blobs)}"
+                f"robsim.find_blobs(frame, colors), got {quoted(blobs)}"
             )
 
 
@@ -107,7 +107,7 @@ def check_panels(axes: Any, rows: list[list[str]]) -> None:
     if not isinstance(axes, Mapping):
         raise TypeError(
             f"axes must be a dict of panels to Axes, as of figure.subplot_mosaic({rows!r}), got "
-            f"{reprlib.repr(axes)}"
+            f"{quoted(axes)}"
         )
     if missing := sorted({name for row in rows for name in row} - axes.keys()):
         raise ValueError(f"axes must have the panels {', '.join(missing)}, got {', '.join(axes)}")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._base.text import quoted
 from robsim._core import Estimate, Step, check_mean_interval
 from robsim.reference._motion import RobotMotion
 from robsim.reference._noise import check_vector3
@@ -78,7 +79,7 @@ class StateEstimator(ABC):
 
     def __init__(self, prior: Prior | None) -> None:
         if prior is not None and not isinstance(prior, Prior):
-            raise TypeError(f"prior must be a Prior, got {prior!r}")
+            raise TypeError(f"prior must be a Prior, got {quoted(prior)}")
         self.prior = Prior() if prior is None else prior
         self.reset()
 

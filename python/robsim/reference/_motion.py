@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robsim._base.checks import Floats, as_float_array
+from robsim._base.text import quoted
 from robsim._core import RobotModel
 
 
@@ -28,7 +29,7 @@ class RobotMotion:
 
     def __init__(self, model: RobotModel | None = None) -> None:
         if model is not None and not isinstance(model, RobotModel):
-            raise TypeError(f"model must be a RobotModel, got {model!r}")
+            raise TypeError(f"model must be a RobotModel, got {quoted(model)}")
         self.model = RobotModel() if model is None else model
         self.T = self.model.dt
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from robsim._base.checks import Floats, check_float
+from robsim._base.text import quoted
 
 #: Of a pose measured from frames of 1200 px with 36 drawn headings: px, px, rad. Measured: 0.28,
 #: 0.28, 0.050.
@@ -32,7 +33,9 @@ def check_vector3(
     except TypeError:
         entries = []
     if len(entries) != 3:
-        raise ValueError(f"{name} must be 3 numbers, for x, y and the heading, got {values!r}")
+        raise ValueError(
+            f"{name} must be 3 numbers, for x, y and the heading, got {quoted(values)}"
+        )
     return np.array(
         [
             check_float(name, entry, minimum=minimum, exclusive_minimum=exclusive_minimum)
@@ -45,7 +48,8 @@ def check_process_sigma(sigma: Sequence[float]) -> Floats:
     """Return the checked option ``process_sigma``, an array (3,)."""
     if isinstance(sigma, (tuple, list)) and len(sigma) == 2:
         raise ValueError(
-            f"process_sigma must be 3 numbers, for x, y and the heading, got {sigma!r}: those of "
+            f"process_sigma must be 3 numbers, for x, y and the heading, "
+            f"got {quoted(sigma)}: those of "
             "a WheelNoise are in V; noise.Q(model, heading) is the covariance of the pose that it "
             "causes"
         )

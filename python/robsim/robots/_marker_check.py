@@ -10,6 +10,7 @@ import numpy as np
 
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats
+from robsim._base.text import quoted
 from robsim._core import Blob, ColorClass, PlaneMap, detect, find_blobs, rgb_to_yuv
 from robsim.imaging._images import Pixels, resized
 from robsim.imaging._shading import darkened
@@ -55,7 +56,7 @@ def check_colors(
         ColorClass.
     """
     if not isinstance(robot, RobotDefinition):
-        raise TypeError(f"robot must be a RobotDefinition, got {robot!r}")
+        raise TypeError(f"robot must be a RobotDefinition, got {quoted(robot)}")
     classes = {color.name: color for color in as_colors(colors)}
     sentences = _problems(_View(robot), classes)
     if not sentences:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
+from robsim._base.text import quoted
 
 _MAXIMUM_POINTS = 1000
 _MAXIMUM_COORDINATE = 1e6  # image px, beyond any image
@@ -20,7 +21,7 @@ def finite_array(name: str, value: Any, shape: tuple[int, ...]) -> Floats:
     except (TypeError, ValueError):
         result = np.empty(0, dtype=object)
     if not _fits(result, shape):
-        raise ValueError(f"{name} must be finite numbers of shape {shape}, got {value!r}")
+        raise ValueError(f"{name} must be finite numbers of shape {shape}, got {quoted(value)}")
     return result.astype(np.float64)
 
 
@@ -37,7 +38,7 @@ def polygon(name: str, value: Any) -> Floats:
     points = finite_array(name, value, (-1, 2))
     if abs(points).max(initial=0) > _MAXIMUM_COORDINATE:
         raise ValueError(
-            f"{name} must be a polygon within {_MAXIMUM_COORDINATE:g} px, got {value!r}"
+            f"{name} must be a polygon within {_MAXIMUM_COORDINATE:g} px, got {quoted(value)}"
         )
     if len(points) > 1:
         points = np.asarray(points[(points != np.roll(points, -1, axis=0)).any(axis=1)])

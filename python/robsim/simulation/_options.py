@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import as_float_array, check_int, check_size, is_int
+from robsim._base.text import quoted
 from robsim._base.values import FileVersion
 from robsim._core import (
     ColorClass,
@@ -79,7 +80,7 @@ _LARGEST_ROBOT = 4096  # camera px; its image takes 0.3 GB then
 def step_count(steps: Any) -> int:
     """Return `steps` as an int of at least 0; else raise TypeError or ValueError."""
     if not is_int(steps):
-        raise TypeError(f"steps must be an int, got {steps!r}")
+        raise TypeError(f"steps must be an int, got {quoted(steps)}")
     if not 0 <= steps <= UNLIMITED:
         raise ValueError(f"steps must lie within 0..{UNLIMITED}, got {steps}")
     return int(steps)
@@ -91,9 +92,11 @@ def timeout_value(timeout: float | None, default: float) -> float:
         return default
     is_number = isinstance(timeout, (int, float, np.integer, np.floating))
     if not is_number or isinstance(timeout, bool):
-        raise TypeError(f"frame_timeout must be a number (s), got {timeout!r}")
+        raise TypeError(f"frame_timeout must be a number (s), got {quoted(timeout)}")
     if not timeout > 0:  # NaN is not, too
-        raise ValueError(f"frame_timeout must be above 0 (s), or inf for no limit, got {timeout!r}")
+        raise ValueError(
+            f"frame_timeout must be above 0 (s), or inf for no limit, got {quoted(timeout)}"
+        )
     return float(timeout)
 
 
@@ -127,9 +130,11 @@ def start_value(
         return None
     if isinstance(start, str):
         if start != "random":
-            raise ValueError(f"start must be a pose (x, y, heading) or 'random', got {start!r}")
+            raise ValueError(
+                f"start must be a pose (x, y, heading) or 'random', got {quoted(start)}"
+            )
         return start
-    expected = f"start must be a pose (x, y, heading) in px, px and rad, got {start!r}"
+    expected = f"start must be a pose (x, y, heading) in px, px and rad, got {quoted(start)}"
     try:
         pose = as_float_array("start", start)
     except TypeError:
@@ -139,7 +144,7 @@ def start_value(
     x, y, heading = pose.tolist()
     if area and not (0 <= x <= area[0] - 1 and 0 <= y <= area[1] - 1):
         raise ValueError(
-            f"start must lie within the area of {area[0]} x {area[1]} px, got {start!r}"
+            f"start must lie within the area of {area[0]} x {area[1]} px, got {quoted(start)}"
         )
     if abs(heading) > 2 * math.pi:
         raise ValueError(
@@ -147,7 +152,7 @@ def start_value(
             f"degrees, it is {math.radians(heading):.4g} rad, numpy.radians({heading:g})"
         )
     if max(abs(x), abs(y)) > _MAXIMUM_START:
-        raise ValueError(f"start must lie within {_MAXIMUM_START:g} px, got {start!r}")
+        raise ValueError(f"start must lie within {_MAXIMUM_START:g} px, got {quoted(start)}")
     return x, y, wrap_angle(heading)
 
 
@@ -167,7 +172,7 @@ def markers_value(markers: Markers) -> MarkerLayout | None:
     if not isinstance(markers, (str, PathLike, RobotDefinition)):
         raise TypeError(
             f"markers must be a MarkerLayout, a RobotDefinition, a robot's name or a folder, "
-            f"got {markers!r}"
+            f"got {quoted(markers)}"
         )
     try:
         return as_robot(markers).marker_layout()
@@ -222,7 +227,9 @@ def model_value(model: RobotModel | RobotParameters | None) -> RobotModel | Robo
     if isinstance(model, RobotParameters):
         RobotModel(model)  # raises if the predictor is unstable
     elif model is not None and not isinstance(model, RobotModel):
-        raise TypeError(f"model must be a RobotModel, a RobotParameters or None, got {model!r}")
+        raise TypeError(
+            f"model must be a RobotModel, a RobotParameters or None, got {quoted(model)}"
+        )
     return model
 
 
@@ -230,14 +237,18 @@ def switch_value(name: str, value: bool | None) -> bool:
     """Return whether a stage that may be off is on."""
     if value is None or isinstance(value, (bool, np.bool_)):
         return bool(value)
-    raise TypeError(f"{name} must be True or False in a Scenario, got {value!r}{_no_code(value)}")
+    raise TypeError(
+        f"{name} must be True or False in a Scenario, got {quoted(value)}{_no_code(value)}"
+    )
 
 
 def check_is_data(name: str, value: Any) -> None:
     """Raise TypeError if an option is of none of its `KINDS`: a subclass may hold code."""
     if value is not None and type(value) not in KINDS[name]:
         names = " or ".join(kind.__name__ for kind in KINDS[name])
-        raise TypeError(f"{name} must be {names} in a Scenario, got {value!r}{_no_code(value)}")
+        raise TypeError(
+            f"{name} must be {names} in a Scenario, got {quoted(value)}{_no_code(value)}"
+        )
 
 
 def _no_code(value: Any) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import reprlib
 from abc import abstractmethod
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike
 from robsim import _core
 from robsim._base.public import told_by_name
 from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
+from robsim._base.text import quoted
 from robsim._core import ColorClass, Frame, MarkerLayout, Step
 from robsim.robots import RobotDefinition
 from robsim.simulation._callbacks.errors import callback_of
@@ -92,7 +92,7 @@ class Runner(Slotted):
             If `frame` is not a Frame.
         """
         if not isinstance(frame, Frame):
-            raise TypeError(f"frame must be a Frame, got {reprlib.repr(frame)}")
+            raise TypeError(f"frame must be a Frame, got {quoted(frame)}")
         return _core.find_blobs(frame, self.colors, markers=self.markers, smoothing=self._smoothing)
 
     @abstractmethod
@@ -102,7 +102,7 @@ class Runner(Slotted):
     def _run(self, steps: int, progress: bool | str, total: int | None) -> bool:
         """Run some steps; return whether the world has come to its end."""
         if not isinstance(progress, (bool, str)):
-            raise TypeError(f"progress must be True, False or a label, got {progress!r}")
+            raise TypeError(f"progress must be True, False or a label, got {quoted(progress)}")
         self._prepare()
         is_at_end = self._run_guarded(steps, progress, total)
         self._check_marker_size()

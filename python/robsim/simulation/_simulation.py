@@ -16,6 +16,7 @@ from robsim import _core
 from robsim._base.checks import is_int
 from robsim._base.public import told_by_name
 from robsim._base.seeds import Seed, as_uniform, random_bits, seed_sequence, stream, stream_number
+from robsim._base.text import quoted
 from robsim._core import Frame, RobotModel, RobotParameters
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import Noise, as_native_noise
@@ -126,9 +127,9 @@ class Simulation(WorldSlots, Runner):
             hint = "give options by name"
             if isinstance(scenario, (str, PathLike)):
                 is_file = Path(scenario).suffix == ".toml"
-                load = f"robsim.Scenario.load({str(scenario)!r})"
-                hint = f"give {load}" if is_file else f"{hint}, such as robot={scenario!r}"
-            raise TypeError(f"scenario must be a Scenario, got {scenario!r}: {hint}")
+                load = f"robsim.Scenario.load({quoted(str(scenario))})"
+                hint = f"give {load}" if is_file else f"{hint}, such as robot={quoted(scenario)}"
+            raise TypeError(f"scenario must be a Scenario, got {quoted(scenario)}: {hint}")
         data = {name: given[name] for name in OPTIONS if name in given}
         code = {
             name: data.pop(name) for name in _STAGES if name in data and not _is_data(name, data)
@@ -366,7 +367,7 @@ class Simulation(WorldSlots, Runner):
         self._core.check_thread()
         newest = self._core.last_step.k
         if not is_int(k):
-            raise TypeError(f"k must be an int, the number of a step, got {k!r}")
+            raise TypeError(f"k must be an int, the number of a step, got {quoted(k)}")
         if not 0 <= k <= newest:
             raise IndexError(f"there are steps 0..{newest}, got k = {k}")
         captured = k - self._scenario.camera_delay

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.spelling import suggestion
+from robsim._base.text import quoted
 from robsim._core import (
     Controller,
     DriveAround,
@@ -152,14 +153,16 @@ def is_default(value: object) -> bool:
 def checked_slots(slots: Any, known: tuple[str, ...]) -> tuple[str, ...]:
     """Return names of slots as a tuple, after a check that they are known."""
     if not isinstance(slots, Iterable):
-        raise TypeError(f"slots must be names of slots, such as ('control',), got {slots!r}")
+        raise TypeError(f"slots must be names of slots, such as ('control',), got {quoted(slots)}")
     names = (slots,) if isinstance(slots, str) else tuple(slots)
     for name in names:
         if not isinstance(name, str):
-            raise TypeError(f"slots must be names of slots, such as ('control',), got {name!r}")
+            raise TypeError(
+                f"slots must be names of slots, such as ('control',), got {quoted(name)}"
+            )
         if name not in known:
             hint = suggestion(name, known)
-            raise ValueError(f"slots must be among {', '.join(known)}, got {name!r}{hint}")
+            raise ValueError(f"slots must be among {', '.join(known)}, got {quoted(name)}{hint}")
     if not names:
         raise ValueError(f"slots must name at least one of {', '.join(known)}, got none")
     return names

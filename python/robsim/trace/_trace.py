@@ -89,6 +89,10 @@ class Trace:
     ) -> None:
         if type(first_step) is not int or not 0 <= first_step < 2**62:
             raise ValueError(f"first_step must be an int of at least 0, got {quoted(first_step)}")
+        if not isinstance(groups, Mapping):
+            raise TypeError(f"groups must be a dict of names to arrays, got {quoted(groups)}")
+        if not isinstance(info, RunInfo):
+            raise TypeError(f"info must be a RunInfo, got {quoted(info)}")
         self.info = info
         self._first_step = first_step
         self._groups = {name: as_rows(name, values) for name, values in groups.items()}
@@ -290,7 +294,7 @@ class Trace:
             return columns[key]
         if not isinstance(key, slice):
             raise TypeError(
-                f"a trace takes a column name or a slice of steps, got {key!r}; "
+                f"a trace takes a column name or a slice of steps, got {quoted(key)}; "
                 "for one step write trace[k:k + 1]"
             )
         start, stop, stride = key.indices(self._rows)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import ImageColor
 
+from robsim._base.text import quoted
 from robsim._core import Frame, rgb_to_yuv
 from robsim.imaging._images import Pixels
 
@@ -39,7 +40,8 @@ def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
     """
     if not isinstance(masks, dict):
         raise TypeError(
-            f"masks must be a dict of str to bool arrays, as classify returns it, got {masks!r}"
+            f"masks must be a dict of str to bool arrays, as classify returns it, "
+            f"got {quoted(masks)}"
         )
     luma = rgb_to_yuv(image.image if isinstance(image, Frame) else image)[..., :1]
     painted = np.repeat(luma // 2, 3, axis=2)

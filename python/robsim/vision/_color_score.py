@@ -9,6 +9,7 @@ import numpy as np
 
 from robsim._base.checks import Floats, check_int, is_int
 from robsim._base.report import Column, Quantity, Report, Row, Table, percent
+from robsim._base.text import quoted
 from robsim._core import Blob, ColorClass, Frame, color_histograms, find_blobs
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import native_noise
@@ -182,10 +183,10 @@ def score_color(
     """
     pixels = image.image if isinstance(image, Frame) else image
     if not isinstance(color, ColorClass):
-        raise TypeError(f"color must be a ColorClass, got {color!r}")
+        raise TypeError(f"color must be a ColorClass, got {quoted(color)}")
     boxes = _checked(pixels, regions)
     if not is_int(smoothing):
-        raise TypeError(f"smoothing must be an int, got {smoothing!r}")
+        raise TypeError(f"smoothing must be an int, got {quoted(smoothing)}")
     repeats = check_int("repeats", repeats, minimum=1, maximum=10_000)
     seed = check_int("seed", seed, minimum=0, maximum=2**64 - 1)
     classes = _widenings(color)
@@ -212,7 +213,9 @@ def score_color(
 
 def _checked(image: Pixels, regions: Sequence[Region]) -> list[Region]:
     if not isinstance(regions, Sequence) or not regions or np.ndim(regions[0]) != 1:
-        raise TypeError(f"regions must be a list of (left, top, right, bottom), got {regions!r}")
+        raise TypeError(
+            f"regions must be a list of (left, top, right, bottom), got {quoted(regions)}"
+        )
     for region in regions:
         color_histograms(image, region)  # raises for a region outside the image
     return list(regions)

@@ -11,6 +11,7 @@ import numpy as np
 
 from robsim._base.checks import check_int, check_text
 from robsim._base.report.numbers import Format, shown, shown_unit
+from robsim._base.text import quoted
 
 
 def _check_labels(label: Quantity | Column) -> None:
@@ -24,11 +25,13 @@ def _check_labels(label: Quantity | Column) -> None:
 
 def _tuple_of(name: str, values: Any, kind: type) -> tuple[Any, ...]:
     if not isinstance(values, Iterable):
-        raise TypeError(f"{name} must be a sequence of {kind.__name__}, got {values!r}")
+        raise TypeError(f"{name} must be a sequence of {kind.__name__}, got {quoted(values)}")
     entries = tuple(values)
     for entry in entries:
         if not isinstance(entry, kind):
-            raise TypeError(f"{name} must be a sequence of {kind.__name__}, got one of {entry!r}")
+            raise TypeError(
+                f"{name} must be a sequence of {kind.__name__}, got one of {quoted(entry)}"
+            )
     return entries
 
 
@@ -127,7 +130,7 @@ class Row:
         check_text("unit", self.unit)
         is_text = isinstance(self.values, (str, bytes))
         if is_text or not isinstance(self.values, (Sequence, np.ndarray)):
-            raise TypeError(f"values must be a sequence, got {self.values!r}")
+            raise TypeError(f"values must be a sequence, got {quoted(self.values)}")
 
 
 @dataclass(frozen=True, kw_only=True)

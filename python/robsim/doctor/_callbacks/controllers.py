@@ -11,6 +11,7 @@ import numpy as np
 
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats, check_bool
+from robsim._base.text import quoted
 from robsim._core import Step
 from robsim.doctor._callbacks.scenes import (
     CENTRE,
@@ -126,7 +127,8 @@ def read_input(result: Any, before: Floats | None) -> Floats:
     if u.shape != (2,) or any(isinstance(one, (str, bytes)) for one in result):  # "0.5"
         raise BadResult(
             "output shape",
-            f"it returns {result!r}, not (u1, u2), the voltages of the left and the right motor",
+            f"it returns {quoted(result)}, not (u1, u2), the voltages of the left and "
+            "the right motor",
         )
     if not np.isfinite(u).all():
         raise BadResult(

@@ -13,6 +13,7 @@ import numpy as np
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats
 from robsim._base.report import Column, Row, Table
+from robsim._base.text import quoted
 from robsim._core import Measurement, PlaneMap, Step
 from robsim.doctor._callbacks.pose_mistakes import are_right, errors, mistakes
 from robsim.doctor._callbacks.scenes import (
@@ -103,7 +104,7 @@ def check_measurement(
     >>> print(robsim.doctor.check_measurement(lambda: measure))
     """
     if background is not None and not callable(background):
-        raise TypeError(f"background must be a function of the image, got {background!r}")
+        raise TypeError(f"background must be a function of the image, got {quoted(background)}")
     slot = Slot(
         entry=partial(entry_of, RobotSlots.measure),
         callback=lambda measure: measure,

@@ -11,6 +11,7 @@ import numpy as np
 
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats
+from robsim._base.text import quoted
 from robsim._core import RobotModel, WorldState, wrap_angle
 from robsim.doctor._callbacks.scenes import CENTRE
 from robsim.doctor._callbacks.single_calls import CallbackCalls, check_calls
@@ -61,7 +62,7 @@ def _model_checks(calls: CallbackCalls) -> Iterator[Problem | str]:
             hint = ": write robsim.RobotModel(...) around it"
         elif model is None:
             hint = ": the return is missing"
-        yield calls.problem("output type", f"it returns {model!r}, not a RobotModel{hint}")
+        yield calls.problem("output type", f"it returns {quoted(model)}, not a RobotModel{hint}")
         return
     if not np.array_equal(model.theta, calls.call("a second run").theta):
         yield calls.problem(
@@ -147,9 +148,12 @@ def _fault(result: Any) -> tuple[str, str] | None:
     except (TypeError, ValueError):
         pose = np.empty(0)
     if pose.shape != (3,):
-        return "output shape", f"it returns {result!r}, not a pose: return (x, y, heading)"
+        return "output shape", f"it returns {quoted(result)}, not a pose: return (x, y, heading)"
     if not np.isfinite(pose).all():
-        return "not finite", f"it returns {result!r}: look for a division by 0, or an overflow"
+        return (
+            "not finite",
+            f"it returns {quoted(result)}: look for a division by 0, or an overflow",
+        )
     return None
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from robsim._base.text import quoted
 from robsim.doctor._trial import BadResult
 from robsim.simulation._callbacks.checks import check_callback
 from robsim.simulation._callbacks.slot import Slot
@@ -22,7 +23,7 @@ def entry_of(slot: Slot[Any], callback: Any) -> Callable[..., Any]:
     """
     try:
         if not callable(callback):  # None would mean the default
-            raise TypeError(f"{slot.name} must be callable, got {callback!r}")
+            raise TypeError(f"{slot.name} must be callable, got {quoted(callback)}")
         check_callback(slot.name, callback)
     except TypeError as error:
         raise BadResult("wrong callback", str(error)) from None

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats
+from robsim._base.text import quoted
 
 HEADING = 2
 _MAXIMUM_VALUE = 1e9  # px, rad or V: beyond any real value
@@ -90,7 +91,9 @@ def _rows(name: str, values: Any, width: int) -> Floats:
     try:
         rows = np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise TypeError(f"{name} must be numbers of shape (N, {width}), got {values!r}") from error
+        raise TypeError(
+            f"{name} must be numbers of shape (N, {width}), got {quoted(values)}"
+        ) from error
     if rows.ndim != 2 or rows.shape[1] != width:
         raise ValueError(f"{name} must have the shape (N, {width}), got {rows.shape}")
     return rows

@@ -12,6 +12,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, check_float, check_int
+from robsim._base.text import quoted
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_steps
 from robsim.trace import Trace
@@ -63,7 +64,7 @@ def plot_ellipses(
     check_steps(trace)
     level = check_float("level", level, exclusive_minimum=0.0)
     if level >= 1.0:
-        raise ValueError(f"level must lie between 0 and 1, got {level!r}")
+        raise ValueError(f"level must lie between 0 and 1, got {quoted(level)}")
     rows = _drawn_rows(trace, every)
     positions, covariances = trace.pose_estimated[rows, :2], trace.covariance[rows, :2, :2]
     shapes = ellipses(covariances, level)

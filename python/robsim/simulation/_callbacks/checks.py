@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import functools
-import reprlib
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from robsim._base.text import quoted
 from robsim._core import RobotParameters
 from robsim.simulation._callbacks.signatures import (
     accepts,
@@ -58,7 +58,7 @@ def _is_plain(value: object) -> bool:
 def _described(slot: Slot[Any], value: object) -> str:
     """Return what was given in place of a callable."""
     if _is_plain(value):
-        return reprlib.repr(value)
+        return quoted(value)
     arguments = ", ".join(filter(None, ("self", slot.argument)))
     return f"an object of {type(value).__name__}, which has no method __call__({arguments})"
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
+
+from robsim._base.text import quoted
 
 if TYPE_CHECKING:
     from robsim.simulation._slotted import Slotted
@@ -59,7 +60,7 @@ class SlotHandle(Generic[T]):
             raise TypeError(f"use @sim.{name}, without brackets")
         if not callable(callback):
             raise TypeError(
-                f"{name} must be callable, got {reprlib.repr(callback)}: the decorator "
+                f"{name} must be callable, got {quoted(callback)}: the decorator "
                 f"sim.{name} fills the slot, sim.{name}.callback is what is in it"
             )
         self._runner._set_slot(name, callback)

@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from robsim._base.files import as_folder, copy_files
-from robsim._base.text import one_line
+from robsim._base.text import one_line, quoted
 from robsim.simulation._callbacks.checks import check_callback
 from robsim.simulation._folders.modules import FolderModules, reserved_names
 from robsim.simulation._folders.spelling import misspelled
@@ -193,7 +193,7 @@ def _callback(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] |
     """Return the callback that a file defines for its slot, checked."""
     enabled = getattr(module, "ENABLED", True)
     if not isinstance(enabled, bool):
-        raise TypeError(f"{one_line(file)}: ENABLED must be True or False, got {enabled!r}")
+        raise TypeError(f"{one_line(file)}: ENABLED must be True or False, got {quoted(enabled)}")
     if not enabled:
         return False
     wanted = f"{slot}({SLOTS[slot].argument})"
@@ -205,7 +205,9 @@ def _callback(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] |
     if isinstance(callback, bool) and SLOTS[slot].is_switch:
         return callback
     if not callable(callback):
-        raise TypeError(f"{one_line(file)}: {slot} must be a function {wanted}, got {callback!r}")
+        raise TypeError(
+            f"{one_line(file)}: {slot} must be a function {wanted}, got {quoted(callback)}"
+        )
     try:
         check_callback(slot, callback)
     except TypeError as error:

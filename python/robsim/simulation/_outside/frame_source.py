@@ -6,7 +6,6 @@ import functools
 import inspect
 import math
 import queue
-import reprlib
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import check_size
+from robsim._base.text import quoted
 from robsim._base.warn import warn_user
 from robsim._core import Arrival, Frame, Observation, RobotModel, RobotParameters
 from robsim.imaging._frames import frame_size
@@ -58,8 +58,8 @@ class FrameSource:
     ) -> None:
         if isinstance(frames, (str, PathLike)):
             raise TypeError(
-                f"frames must be an iterable of Frame objects, got {frames!r}: for a video or a "
-                f"folder of images, give robsim.Recording({str(frames)!r})"
+                f"frames must be an iterable of Frame objects, got {quoted(frames)}: for a video "
+                f"or a folder of images, give robsim.Recording({quoted(str(frames))})"
             )
         if not isinstance(frames, Iterable) or isinstance(frames, (bytes, Mapping, np.ndarray)):
             raise TypeError(
@@ -179,7 +179,7 @@ def _described(frames: object) -> str:
         return f"an array of shape {frames.shape}: give a list of robsim.Frame(image, t=...)"
     if inspect.isfunction(frames) or inspect.ismethod(frames):
         return f"the function {frames.__name__}: call it, frames={frames.__name__}()"
-    return reprlib.repr(frames)
+    return quoted(frames)
 
 
 class _Reader:

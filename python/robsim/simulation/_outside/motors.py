@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import Floats, as_float_array
+from robsim._base.text import quoted
 
 
 class Motors:
@@ -28,7 +29,7 @@ class Motors:
 
     def __init__(self, send: Callable[[Floats], Any], stop_input: Floats | None) -> None:
         if not callable(send):
-            raise TypeError(f"send must be callable, got {send!r}")
+            raise TypeError(f"send must be callable, got {quoted(send)}")
         self._send = send
         self._stop_input = stop_input
         self._has_moved = False
@@ -71,5 +72,7 @@ def stop_input_value(stop_input: Sequence[float] | None) -> Floats | None:
         return None
     u = as_float_array("stop_input", stop_input)
     if u.shape != (2,) or not np.isfinite(u).all():
-        raise ValueError(f"stop_input must be (u1, u2), finite, in V, or None, got {stop_input!r}")
+        raise ValueError(
+            f"stop_input must be (u1, u2), finite, in V, or None, got {quoted(stop_input)}"
+        )
     return u

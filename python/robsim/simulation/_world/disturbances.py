@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, as_float_array, check_float
+from robsim._base.text import quoted
 from robsim._core import RobotModel, cos, random_normal, sin
 
 _Row = tuple[float, float, float]
@@ -47,14 +48,15 @@ class PoseNoise:
         matrix = as_float_array("covariance", self.covariance)
         if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
             raise ValueError(
-                f"covariance must be an array of shape (3, 3), all finite, got {self.covariance!r}"
+                f"covariance must be an array of shape (3, 3), all finite, "
+                f"got {quoted(self.covariance)}"
             )
         if not np.array_equal(matrix, matrix.T):
-            raise ValueError(f"covariance must be symmetric, got {self.covariance!r}")
+            raise ValueError(f"covariance must be symmetric, got {quoted(self.covariance)}")
         if not _is_semidefinite(matrix):
             raise ValueError(
                 f"covariance must be positive semi-definite: no direction has a negative variance, "
-                f"got {self.covariance!r}"
+                f"got {quoted(self.covariance)}"
             )
         object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))
 
@@ -143,7 +145,7 @@ class WheelNoise:
         elif np.shape(self.sigma) == (2,):
             pair = tuple(self.sigma)
         else:
-            raise ValueError(f"sigma must be one or two numbers (V), got {self.sigma!r}")
+            raise ValueError(f"sigma must be one or two numbers (V), got {quoted(self.sigma)}")
         both = tuple(check_float("sigma", value, "V", minimum=0) for value in pair)
         object.__setattr__(self, "sigma", both)
 
@@ -240,7 +242,7 @@ class ParameterMismatch:
         """
         theta = np.array(_theta_of(model))
         if not isinstance(rng, np.random.Generator):
-            raise TypeError(f"rng must be a numpy.random.Generator, got {rng!r}")
+            raise TypeError(f"rng must be a numpy.random.Generator, got {quoted(rng)}")
         if not (theta[:, _A1] > 1).all():
             raise ValueError(f"model must have each a1 between 1 and 2, got {theta[:, _A1]}")
         numbers = islice(_within_3(rng.bit_generator.random_raw()), 4)
@@ -266,7 +268,7 @@ def _within_3(seed: int) -> Iterator[float]:
 
 def _theta_of(model: RobotModel) -> Floats:
     if not isinstance(model, RobotModel):
-        raise TypeError(f"model must be a RobotModel, got {model!r}")
+        raise TypeError(f"model must be a RobotModel, got {quoted(model)}")
     return model.theta
 
 
@@ -274,7 +276,8 @@ def check_process_noise(noise: PoseNoise | WheelNoise | None) -> PoseNoise | Whe
     """Return the option ``process_noise``; raise TypeError if it has another type."""
     if noise is not None and not isinstance(noise, (PoseNoise, WheelNoise)):
         raise TypeError(
-            f"process_noise must be a PoseNoise, a WheelNoise or None, got {noise!r}: write, for "
+            f"process_noise must be a PoseNoise, a WheelNoise or None, "
+            f"got {quoted(noise)}: write, for "
             "example, process_noise=robsim.PoseNoise.from_sigma(0.5, 0.5, 0.01)"
         )
     return noise
@@ -284,7 +287,8 @@ def check_mismatch(mismatch: ParameterMismatch | None) -> ParameterMismatch | No
     """Return the option ``mismatch``; raise TypeError if it has another type."""
     if mismatch is not None and not isinstance(mismatch, ParameterMismatch):
         raise TypeError(
-            f"mismatch must be a ParameterMismatch or None, got {mismatch!r}: write, for example, "
+            f"mismatch must be a ParameterMismatch or None, "
+            f"got {quoted(mismatch)}: write, for example, "
             "mismatch=robsim.ParameterMismatch(0.05)"
         )
     return mismatch

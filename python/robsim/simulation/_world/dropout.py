@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from robsim._base.checks import check_float, check_int
+from robsim._base.text import quoted
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ def as_dropout(dropout: Dropout | None) -> Dropout:
         return Dropout(0.0)
     if not isinstance(dropout, Dropout):
         raise TypeError(
-            f"dropout must be a Dropout or None, got {dropout!r}: write, for example, "
+            f"dropout must be a Dropout or None, got {quoted(dropout)}: write, for example, "
             "dropout=robsim.Dropout(0.2)"
         )
     return dropout

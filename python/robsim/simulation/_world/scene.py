@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import reprlib
 from collections.abc import Callable
 from functools import cache, cached_property, lru_cache
 
 import numpy as np
 
 from robsim._base.shipped import ASSETS
+from robsim._base.text import quoted
 from robsim._base.values import digest, frozen
 from robsim._core import Scene
 from robsim.imaging._images import Pixels, load_image, resized
@@ -201,7 +201,7 @@ def _check_pixels(background: Pixels, alternative: str = "") -> None:
 def _described(value: object) -> str:
     if isinstance(value, np.ndarray):
         return f"a {value.dtype} array of shape {value.shape}"
-    return reprlib.repr(value)
+    return quoted(value)
 
 
 @lru_cache(maxsize=2)
@@ -235,7 +235,7 @@ def _adjusted(adjust_background: Callable[[Pixels], Pixels], shown: Pixels) -> P
         raise
     expected = f"the result must be a uint8 array of shape {shown.shape}"
     if not isinstance(adjusted, np.ndarray):
-        raise refused(TypeError(f"{expected}, got {adjusted!r}"), *place)
+        raise refused(TypeError(f"{expected}, got {quoted(adjusted)}"), *place)
     if adjusted.dtype != np.uint8 or adjusted.shape != shown.shape:
         came = f"{adjusted.dtype} of shape {adjusted.shape}"
         raise refused(ValueError(f"{expected}, got {came}"), *place)
