@@ -560,6 +560,14 @@ def test_the_posterior_bound_of_a_linear_system_is_the_kalman_covariance():
     np.testing.assert_array_equal(each, bounds)
 
 
+def test_a_posterior_bound_without_any_noise_is_refused_in_words():
+    none = np.zeros((1, 1))
+    with pytest.raises(ValueError, match=r"R must be such that .* inverse .* got \[\[0.0\]\]"):
+        posterior_cramer_rao_bound(
+            np.eye(1), np.eye(1), Q=none, R=none, P0=none, seen=np.ones(3, dtype=bool)
+        )
+
+
 def test_the_posterior_bound_agrees_with_the_form_of_the_paper():
     seen = np.random.default_rng(14).random(80) < 0.6
     seen[0] = False

@@ -179,7 +179,12 @@ def posterior_cramer_rao_bound(
 
 def _with_measurement(P: Floats, H: Floats, R: Floats) -> Floats:
     # (P^-1 + H' R^-1 H)^-1 = (I - K H) P (I - K H)' + K R K' with K = P H' (H P H' + R)^-1
-    K = np.linalg.solve(H @ P @ H.T + R, H @ P).T
+    try:
+        K = np.linalg.solve(H @ P @ H.T + R, H @ P).T
+    except np.linalg.LinAlgError:
+        raise ValueError(
+            f"R must be such that H P H' + R has an inverse in every step, got {quoted(R.tolist())}"
+        ) from None
     I_KH = np.eye(len(P)) - K @ H
     bound: Floats = I_KH @ P @ I_KH.T + K @ R @ K.T
     return bound
