@@ -1,3 +1,4 @@
+import gc
 import os
 import sys
 from ipaddress import ip_address
@@ -20,6 +21,12 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if "rng" in getattr(item, "fixturenames", ()):
             item.add_marker("random")
+
+
+def pytest_collection_finish():
+    """Leave what lives till the end out of each garbage collection: a tenth of the tests' time."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from scipy import stats
+from scipy import special
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,8 +49,10 @@ class Row:
     @property
     def interval(self) -> tuple[float, float]:
         """The 95 % interval of the rate: Clopper and Pearson, Biometrika 26(4), 1934."""
-        interval = stats.binomtest(self.hits, self.trials).proportion_ci(0.95, "exact")
-        return float(interval.low), float(interval.high)
+        hits, misses = self.hits, self.trials - self.hits
+        low = special.betaincinv(hits, misses + 1, 0.025) if hits else 0.0
+        high = special.betaincinv(hits + 1, misses, 0.975) if misses else 1.0
+        return float(low), float(high)
 
     @property
     def holds(self) -> bool:
@@ -63,9 +65,9 @@ class Row:
         """Probability of a rate as far outside the promise if the promise were true."""
         low, high = self.promised
         if self.rate > high:
-            return float(stats.binom.sf(self.hits - 1, self.trials, high))
+            return float(special.bdtrc(self.hits - 1, self.trials, high))
         if self.rate < low:
-            return float(stats.binom.cdf(self.hits, self.trials, low))
+            return float(special.bdtr(self.hits, self.trials, low))
         return 1.0
 
     def with_more(self, other: Row) -> Row:
