@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import subprocess
 import sys
 
 import numpy as np
@@ -10,13 +9,15 @@ import pytest
 
 import robsim
 from commands import cli, command
+from disks import full_disk
+from robsim.cli import main
 
 pytestmark = pytest.mark.long
 
 
 @pytest.fixture(scope="module")
-def desk(tmp_path_factory):
-    """Return a folder with untouched callbacks and a first run of them."""
+def first_run(tmp_path_factory):
+    """Return a folder with untouched callbacks, and a first run of them in a process of its own."""
     desk = tmp_path_factory.mktemp("desk")
     assert command("new", "mine", cwd=desk).exit_code == 0
     run = cli("run", "mine", "--steps", "12", "--measure", "--seed", "1", cwd=desk)
@@ -24,7 +25,12 @@ def desk(tmp_path_factory):
     assert "Tracking" in run.stdout
     assert "12 (100 %)" in run.stdout
     assert "written to robsim-run: camera.jpg, traces.png, trace.npz" in run.stdout
-    return desk
+    return desk, run
+
+
+@pytest.fixture(scope="module")
+def desk(first_run):
+    return first_run[0]
 
 
 @pytest.fixture
@@ -34,6 +40,7 @@ def mine(desk, tmp_path):
     return tmp_path / "mine"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_untouched_folder_and_none_give_the_same_trace(desk):
     run = command(
         "run", "--steps", "12", "--measure", "--seed", "1", "--out", "plain", "--json", cwd=desk
@@ -65,6 +72,7 @@ def test_a_syntax_error_names_file_and_line_and_leaves_the_last_results_alone(mi
     assert {file: file.read_bytes() for file in (mine.parent / "robsim-run").iterdir()} == before
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_exception_names_the_line_and_the_steps_before_are_kept(mine):
     (mine / "control.py").write_text(
         "def control(step):\n    return 1 / (4 - step.k), 0.0\n", encoding="utf-8"
@@ -78,6 +86,7 @@ def test_an_exception_names_the_line_and_the_steps_before_are_kept(mine):
     assert len(robsim.Trace.load(mine.parent / "robsim-run" / "cut-short.npz")) == 4
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_wrong_return_and_a_hanging_callback(mine):
     (mine / "control.py").write_text("def control(step):\n    return 'left'\n")
     run = command("run", "mine", "--steps", "5", cwd=mine.parent)
@@ -171,6 +180,7 @@ def test_a_run_with_estimates_writes_their_figures(tmp_path):
     assert "Batch estimate from truth" in run.stdout
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
     pytest.importorskip("cv2")
     run = command(
@@ -193,6 +203,7 @@ def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
     assert len(list(recording)) == 8
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_why_some_frames_are_without_a_detection(tmp_path):
     frames = tmp_path / "frames"
     frames.mkdir()
@@ -209,15 +220,22 @@ def test_why_some_frames_are_without_a_detection(tmp_path):
     ) in run.stderr
 
 
-def test_bgr_frames_are_told(tmp_path):
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.filterwarnings("always")
+def test_bgr_frames_are_told(tmp_path, monkeypatch, capsys):
     frames = tmp_path / "frames"
     frames.mkdir()
     image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
     robsim.imaging.save_image(frames / "0.png", np.ascontiguousarray(image[..., ::-1]))
-    run = cli("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
-    assert "warning: the robot lab is seen only if red and blue are exchanged" in run.stderr
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", "robsim track frames --area 1200x1200 --no-video".split())
+    with pytest.raises(SystemExit, match="0"):
+        main()
+    said = capsys.readouterr().err
+    assert "warning: the robot lab is seen only if red and blue are exchanged" in said
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_more_than_four_points_say_how_well_they_fit(tmp_path):
     frames = tmp_path / "frames"
     frames.mkdir()
@@ -234,6 +252,7 @@ def test_more_than_four_points_say_how_well_they_fit(tmp_path):
     assert "1 (100 %)" in run.stdout
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
     sim = robsim.Simulation(resolution=(400, 400), seed=1)
     (tmp_path / "frames").mkdir()
@@ -251,6 +270,7 @@ def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
     assert trace.seen.all()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_without_opencv_images_are_tracked_all_the_same(tmp_path, monkeypatch):
     frame = robsim.Simulation(resolution=(400, 400), seed=1).frame
     (tmp_path / "frames").mkdir()
@@ -265,6 +285,7 @@ def test_without_opencv_images_are_tracked_all_the_same(tmp_path, monkeypatch):
     assert len(robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")) == 1
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_figures_of_another_run_do_not_stay(tmp_path):
     (tmp_path / "robsim-run").mkdir()
     (tmp_path / "robsim-run" / "parameters.png").write_text("old")
@@ -274,6 +295,7 @@ def test_figures_of_another_run_do_not_stay(tmp_path):
     assert names == {"camera.jpg", "traces.png", "trace.npz", "mine.txt"}
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_controller_that_needs_a_point(tmp_path):
     arguments = ("--control", "go-to-point:700,600", "--start", "600,600,0", "--seed", "0")
     command("run", "--steps", "60", *arguments, cwd=tmp_path)
@@ -285,6 +307,7 @@ def test_a_controller_that_needs_a_point(tmp_path):
     assert scenario.seed == 0
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_path_and_a_start_in_degrees(tmp_path):
     path = ("--control", "follow-path:300,400 300,500", "--start", "300,300,450")
     command("run", "--steps", "2", *path, cwd=tmp_path)
@@ -292,6 +315,7 @@ def test_a_path_and_a_start_in_degrees(tmp_path):
     np.testing.assert_allclose(trace.pose_true[0], (300, 300, np.pi / 2))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_second_run_says_that_it_replaces_the_first(tmp_path):
     remark = "the earlier run in robsim-run is replaced; --out gives another folder"
     assert remark not in command("run", "--steps", "2", cwd=tmp_path).stderr
@@ -299,32 +323,22 @@ def test_a_second_run_says_that_it_replaces_the_first(tmp_path):
     assert len(robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")) == 3
 
 
-def test_a_log_has_no_progress_bar(desk):
-    run = cli("run", "--steps", "3", "--out", "logged", cwd=desk)
+def test_a_log_has_no_progress_bar(first_run):
+    _, run = first_run
     assert "it/s" not in run.stderr
     assert "\r" not in run.stderr
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
 def test_a_disk_that_is_full_is_told_by_the_name_of_the_file(tmp_path):
-    def run(*arguments, kilobytes):
-        program = f"import resource as r; r.setrlimit(r.RLIMIT_FSIZE, ({kilobytes} * 1024,) * 2); "
-        program += "from robsim.cli import main; main()"
-        return subprocess.run(
-            [sys.executable, "-c", program, *arguments],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-        )
+    def said(*arguments, kilobytes):
+        with full_disk(kilobytes * 1024):
+            return command(*arguments, cwd=tmp_path).stderr
 
     data = {"robsim-run/trace.npz": 0, "robsim-run/camera.jpg": 8}
     for file, kilobytes in data.items():
-        assert (
-            f"error: {file}: File too large"
-            in run("run", "--steps", "5", kilobytes=kilobytes).stderr
-        )
-    assert "error: frame.png: File" in run("colors", "frame", kilobytes=8).stderr
-    assert "error: robot-lab.png: File" in run("robots", "show", "lab", kilobytes=8).stderr
+        assert f"error: {file}: File too large" in said("run", "--steps", "5", kilobytes=kilobytes)
+    assert "error: frame.png: File" in said("colors", "frame", kilobytes=8)
+    assert "error: robot-lab.png: File" in said("robots", "show", "lab", kilobytes=8)
     assert not list(tmp_path.rglob(".*"))
 
 
@@ -338,19 +352,22 @@ def test_a_command_that_is_stopped_says_so(monkeypatch):
     assert run.exit_code == 130
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_callback_that_ends_the_program_keeps_the_steps(mine):
     (mine / "control.py").write_text(
         "def control(step):\n    if step.k == 3:\n        exit()\n    return 0, 0\n"
     )
-    cli("run", "mine", "--steps", "9", cwd=mine.parent)
+    command("run", "mine", "--steps", "9", cwd=mine.parent)
     assert len(robsim.Trace.load(mine.parent / "robsim-run" / "cut-short.npz")) == 3
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_was_not_asked_for_is_not_in_json(tmp_path):
     run = command("run", "--steps", "2", "--out", "out", "--json", cwd=tmp_path)
     assert json.loads(run.stdout) == {}
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_unknown_numbers_are_null_in_json(tmp_path):
     frame = robsim.Simulation(resolution=(400, 400), seed=1).frame
     robsim.imaging.save_image(tmp_path / "frame0.png", frame.image)

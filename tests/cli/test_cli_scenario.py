@@ -8,6 +8,7 @@ from commands import command
 
 
 @pytest.mark.long
+@pytest.mark.usefixtures("undrawn")
 def test_a_scenario_is_run_and_options_change_it(tmp_path):
     scenario = robsim.Scenario(
         measure=True,

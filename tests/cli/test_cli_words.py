@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from disks import full_disk
 from robsim.cli import app, errors
 
 pytestmark = pytest.mark.long
@@ -98,12 +99,14 @@ def test_a_folder_with_a_space_is_quoted():
     assert "robsim run 'my folder'" in CliRunner().invoke(app, ["new", "my folder"]).stdout
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_no_steps_replace_no_earlier_run():
     CliRunner().invoke(app, ["run", "--steps", "2"])
     result = CliRunner().invoke(app, ["run", "--steps", "0"])
     assert result.stderr == "no steps, no results\n"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_json_tells_on_stderr_why_it_is_empty():
     result = CliRunner().invoke(app, ["run", "--steps", "2", "--json"])
     assert result.stdout == "{}\n"
@@ -111,7 +114,7 @@ def test_json_tells_on_stderr_why_it_is_empty():
 
 
 def test_a_narrow_terminal_cuts_no_table():
-    text = shell("robots", "list", COLUMNS="40").stdout
+    text = CliRunner(env={"COLUMNS": "40"}).invoke(app, ["robots", "list"]).stdout
     assert "…" not in text
     for word in ("lab", "robot2", "sheep", "faces right", "markers apart", "54.4 px", "shipped"):
         assert word in text
@@ -137,7 +140,6 @@ def test_an_output_that_cannot_be_written():
     assert result.stderr.startswith("error: the output cannot be written: No space left on device")
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="a limit of POSIX")
 @pytest.mark.parametrize(
     ("command", "file"),
     [
@@ -146,17 +148,11 @@ def test_an_output_that_cannot_be_written():
         (("robots", "add", "mine", "lab"), "data/robots/mine"),
     ],
 )
-def test_a_full_disk_names_the_file_and_keeps_no_part(command, file, tmp_path):
-    limit = "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
-    limit += "resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100)); "
-    result = subprocess.run(
-        [sys.executable, "-c", f"{limit}from robsim.cli import main; main()", *command],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"ROBSIM_DATA": "data"},
-        check=False,
-    )
-    assert result.returncode == 2
+def test_a_full_disk_names_the_file_and_keeps_no_part(command, file, tmp_path, monkeypatch):
+    monkeypatch.setenv("ROBSIM_DATA", "data")
+    with full_disk(100):
+        result = CliRunner().invoke(app, command)
+    assert result.exit_code == 2
     assert result.stderr == f"error: {file}: File too large\n"
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
