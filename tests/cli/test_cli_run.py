@@ -228,7 +228,7 @@ def test_bgr_frames_are_told(tmp_path, monkeypatch, capsys):
     image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
     robsim.imaging.save_image(frames / "0.png", np.ascontiguousarray(image[..., ::-1]))
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", "robsim track frames --area 1200x1200 --no-video".split())
+    monkeypatch.setattr(sys, "argv", ["robsim", "track", "frames", "--area", "1200x1200"])
     with pytest.raises(SystemExit, match="0"):
         main()
     said = capsys.readouterr().err
