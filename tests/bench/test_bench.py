@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from commands import cli
+from commands import command
 from robsim.bench import BenchResult, Case, run_bench
 from robsim.bench import _vision as vision
 from robsim.bench._cases import timed
@@ -15,12 +15,13 @@ pytest.importorskip("cv2")
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("small_bench")
 def test_the_command_prints_numbers_for_scripts(tmp_path):
-    run = cli("bench", "--rounds", "1", "--json", cwd=tmp_path)
-    assert run.returncode == 0, run.stderr
+    run = command("bench", "--rounds", "1", "--json", cwd=tmp_path)
+    assert run.exit_code == 0, run.stderr
     numbers = json.loads(run.stdout)
     assert numbers["cpu_path"] in ("baseline", "avx2")
-    assert numbers["cases"]["detect_gaussian_1200"]["opencv_ratio"] > 0
+    assert numbers["cases"]["detect_gaussian_480"]["opencv_ratio"] > 0
 
 
 @pytest.mark.long

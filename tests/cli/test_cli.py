@@ -65,9 +65,10 @@ def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 def test_the_demo_prints_the_table_and_keeps_progress_out_of_a_log(tmp_path):
-    run = cli("demo", "--out", str(tmp_path), "--steps", "120")
-    assert run.returncode == 0
+    run = command("demo", "--out", str(tmp_path), "--steps", "120")
+    assert run.exit_code == 0
     assert "120/120" not in run.stderr
     for word in ("true", "online", "batch", "off by", "std. error", "not biased"):
         assert word in run.stdout

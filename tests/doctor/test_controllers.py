@@ -10,7 +10,7 @@ import pytest
 
 import robsim
 from robsim.doctor import check_controller
-from robsim.doctor._callbacks import controllers, steering
+from robsim.doctor._callbacks import controllers, scenes, steering
 from robsim.doctor._callbacks.scenes import driven
 
 
@@ -156,7 +156,15 @@ RIGHT = {
 }
 
 
+@pytest.fixture
+def small_frames(monkeypatch):
+    """Frames of a ninth of the pixels, which the pose is measured in nearly as well."""
+    small = functools.partial(scenes.scripted, resolution=(400, 400))
+    monkeypatch.setattr(scenes, "scripted", small)
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("small_frames")
 @pytest.mark.parametrize("name", RIGHT)
 def test_right_controllers_are_well(name):
     check_controller(RIGHT[name]).raise_for_problems()
@@ -173,6 +181,7 @@ WRONG = {
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("small_frames")
 @pytest.mark.parametrize("name", WRONG)
 def test_wrong_steering_is_told(name):
     make, kind, words = WRONG[name]

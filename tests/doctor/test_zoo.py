@@ -128,5 +128,8 @@ def test_a_gradient_method_is_slow_and_not_ill():
 
 @whole_zoo
 def test_the_verdicts_do_not_hang_on_the_seed():
-    """Other noise, other voltages: no false alarm, and the same faults."""
-    assert not [row for row in doctor.rows(range(1, 2)) if not row.holds]
+    """Other noise, other voltages: no false alarm, and the same faults.
+
+    With all of them, and more seeds: ``./run statistics --only doctor``.
+    """
+    assert not [row for row in doctor.rows(range(1, 2), every=3) if not row.holds]

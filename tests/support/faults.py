@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 import traceback
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,7 @@ def square(left, top, side):
     return [(left, top), (left + side, top), (left + side, top + side), (left, top + side)]
 
 
+@cache
 def robot(i):
     return robots.RobotDefinition(
         name="mine",
@@ -273,12 +275,12 @@ def kill_at_random(name, folder, faults):
     old_files = visible(folder)
     write(folder, 1)
     old_files += visible(folder)
-    for k in range(20):
+    for k in range(10):
         child = os.fork()
         if child == 0:
             for i in range(10**6):
                 write(folder, i % 2)
-        time.sleep(0.002 * (1 + k))
+        time.sleep(0.002 * (1 + 2 * k))
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
         if name != "removed robot":

@@ -50,9 +50,9 @@ def test_the_robot_is_found_in_noise_of_40_percent(noise, camera):
 @pytest.mark.slow
 @pytest.mark.parametrize("noise", [robsim.UniformNoise(40), robsim.GaussianNoise(40)])
 @pytest.mark.parametrize("camera", ASKED)
-@pytest.mark.parametrize("seed", [11, 12])
-def test_the_robot_is_found_in_1000_frames_of_40_percent(noise, camera, seed):
-    check_the_default_measurement(noise, camera, steps=1000, seed=seed)
+def test_the_robot_is_found_in_1000_frames_of_40_percent(noise, camera):
+    # Of 1000 frames, a share of 0.5 % is known to 0.2 %.
+    check_the_default_measurement(noise, camera, steps=1000, seed=11)
 
 
 @pytest.mark.long
