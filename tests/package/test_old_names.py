@@ -51,10 +51,16 @@ OLD = {
     r"stretch(es)?": "segment",
     r"[Pp]atient": "EstimatorUnderTest",
 }
+OTHERS = {old for old in OLD if old.startswith(("--", r"\b", "("))}  # with ends of their own
 PATTERNS = {
-    re.compile(old if old.startswith(("--", r"\b", "(")) else rf"(?<!\w)(?:{old})(?!\w)"): new
+    re.compile(old if old in OTHERS else rf"(?<!\w)(?:{old})(?!\w)"): new
     for old, new in OLD.items()
 }
+# Any of them, in a quarter of the time.
+ANY = (
+    re.compile(rf"(?<!\w)(?:{'|'.join(old for old in OLD if old not in OTHERS)})(?!\w)"),
+    re.compile("|".join(old for old in OLD if old in OTHERS)),
+)
 
 
 def documents():
@@ -69,6 +75,8 @@ def documents():
 def old_names():
     for file in documents():
         text = file.read_text(encoding="utf-8")
+        if not any(pattern.search(text) for pattern in ANY):
+            continue
         for pattern, new in PATTERNS.items():
             for match in pattern.finditer(text):
                 line = text.count("\n", 0, match.start()) + 1
@@ -84,7 +92,8 @@ def test_no_old_name_is_left():
 def test_an_old_name_would_be_found():
     texts = {"Locator": "from robsim import Locator", "camera": "Simulation(camera=(480, 480))"}
     for text in texts.values():
-        assert any(pattern.search(text) for pattern in PATTERNS)
+        for patterns in (PATTERNS, ANY):
+            assert any(pattern.search(text) for pattern in patterns)
 
 
 if __name__ == "__main__":

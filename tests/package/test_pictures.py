@@ -40,6 +40,11 @@ def figures(script):
     return script.figures()
 
 
+@pytest.fixture(scope="module")
+def pictures(figures, script):
+    return {name: script.picture(figure) for name, figure in figures.items()}
+
+
 def numbers(texts):
     return [float(number) for text in texts for number in NUMBER.findall(text)]
 
@@ -87,8 +92,8 @@ def test_the_picture_says_what_the_code_draws(name, figures, script, contents):
 
 
 @pytest.mark.parametrize("name", ["demo.jpg", "traces.png"])
-def test_the_picture_looks_as_the_code_draws_it(name, figures, script):
-    drawn = script.picture(figures[name])
+def test_the_picture_looks_as_the_code_draws_it(name, pictures):
+    drawn = pictures[name]
     with Image.open(FOLDER / name) as stored:
         assert abs(stored.width / drawn.width - 1) < 0.03, REMEDY.format(name)
         assert abs(stored.height / drawn.height - 1) < 0.03, REMEDY.format(name)
@@ -106,8 +111,8 @@ def test_a_line_or_a_colour_that_is_missing_is_noticed(script):
     assert script.marks(matplotlib.figure.Figure(figsize=(2, 2))) == []
 
 
-def test_another_picture_is_noticed(figures, script):
-    other = script.picture(figures["traces.png"])
+def test_another_picture_is_noticed(pictures):
+    other = pictures["traces.png"]
     with Image.open(FOLDER / "traces.png") as stored:
         flipped = stored.convert("RGB").transpose(Image.Transpose.FLIP_LEFT_RIGHT)
         assert difference(flipped, other) > 3 * MOST_DIFFERENCE
