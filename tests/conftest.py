@@ -46,6 +46,12 @@ def user_folder(tmp_path, monkeypatch):
 
 
 @pytest.fixture
+def undrawn(monkeypatch):
+    """The figures of a run are empty files: to draw them takes longer than all else."""
+    monkeypatch.setattr("robsim.cli.results.save_figure", lambda file, figure: file.touch())
+
+
+@pytest.fixture
 def small_bench(monkeypatch):
     """Let ``robsim bench`` measure with small images, in a sixth of the time."""
     from robsim.bench import run_bench

@@ -266,6 +266,7 @@ def test_a_controller_by_its_name():
 
 
 @pytest.mark.long
+@pytest.mark.usefixtures("undrawn")
 def test_on_the_command_line_it_takes_the_place_of_the_folders(tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/control.py").write_text("def control(step):\n    return 0.0, 0.0\n")
