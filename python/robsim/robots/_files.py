@@ -105,7 +105,7 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     with naming(folder):
         folder.mkdir(parents=True, exist_ok=True)
     content = io.BytesIO()
-    Image.fromarray(robot.image).save(content, format="PNG")
+    Image.fromarray(robot.image).save(content, format="PNG", compress_level=1)
     image, old = _image_names(folder, content.getvalue())
     if image != old:
         write_whole(folder / image, content.getvalue())
