@@ -139,6 +139,33 @@ def test_headings_are_drawn_once_in_a_scene_and_the_same_in_each():
         np.testing.assert_array_equal(other, first)
 
 
+@pytest.mark.parametrize("rows", [1, 255, 256, 300])
+def test_batch_least_squares(rows, rng):
+    # Of the columns one is zero, and one is determined by others.
+    phi = rng.normal(size=(rows, 6))
+    phi[:, 2] = 0
+    phi[:, 5] = phi[:, 0] - phi[:, 1]
+    y = rng.normal(size=rows)
+    first, *others = on_each_path(lambda: _core.least_squares(phi, y))
+    for other in others:
+        for name in ("theta", "standard_errors", "standard_errors_unscaled", "residual_rms"):
+            np.testing.assert_array_equal(getattr(other, name), getattr(first, name))
+
+
+@pytest.mark.parametrize("window", range(3, 17, 2))
+def test_every_window(window, rng):
+    image = rng.integers(0, 256, (40, 150, 3), dtype=np.uint8)
+    colors = [
+        robsim.ColorClass("bluish", u=(128, 255)),
+        robsim.ColorClass("neither", u=(0, 127), v=(0, 127)),
+    ]
+    first, *others = on_each_path(lambda: robsim.vision.classify(image, colors, smoothing=window))
+    assert all(mask.any() and not mask.all() for mask in first.values())
+    for other in others:
+        for name, mask in first.items():
+            np.testing.assert_array_equal(other[name], mask)
+
+
 def test_a_run_in_noise():
     def run():
         sim = robsim.Simulation(

@@ -145,6 +145,14 @@ def test_the_frames_come_late_and_say_when_they_were_taken():
         late.render_step(1)
 
 
+def test_before_the_first_frame_there_is_none():
+    late = Simulation(camera_delay=1, resolution=(120, 120))
+    with pytest.raises(RuntimeError, match="there is no frame yet: run a step"):
+        late.frame  # noqa: B018
+    late.run(2)
+    assert late.frame.index == 0
+
+
 def test_noise_and_dropout_change_between_steps_and_the_past_is_drawn_as_it_was():
     sim = Simulation(seed=4, resolution=(250, 250), measure=True)
     images = []

@@ -229,6 +229,14 @@ def test_frames_in_another_order_are_refused_and_the_steps_before_are_kept(run):
     np.testing.assert_array_equal(sim.trace.t, [0.5, 1.0])
 
 
+def test_a_frame_before_the_guessed_time_of_a_step_without_one_is_refused(run):
+    first, last = timed(run[0], (0.5, 0.6))
+    sim = robsim.Experiment([first, None, last])
+    with pytest.raises(ValueError, match=r"one before of t = 0\.7\d* s, for want of its own: give"):
+        sim.run()
+    np.testing.assert_allclose(sim.trace.t, [0.5, 0.7])
+
+
 def test_frames_that_come_only_once_cannot_be_reset(run):
     sim = robsim.Experiment(iter(run[0][:3]))
     sim.reset()
@@ -304,6 +312,9 @@ def test_frames_of_another_size_are_refused_and_the_run_goes_on_behind_them(run)
         sim.run()
     trace = sim.run()
     np.testing.assert_array_equal(trace.pose_measured[2], run[1].pose_measured[3])
+    lower = robsim.Frame(frames[0].image[:599])
+    with pytest.raises(ValueError, match="that of step 1 is 600 x 599 px, those before 600 x 600"):
+        robsim.Experiment([frames[0], lower]).run()
     sim = robsim.Experiment([small, small])
     with pytest.warns(UserWarning, match="have 50 x 40 px and no plane map, but the area") as told:
         assert not sim.run().seen.any()

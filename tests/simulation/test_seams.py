@@ -300,6 +300,16 @@ def test_the_newest_frame_can_be_written_into_memory_of_others(tmp_path):
     assert len(set(frames)) == 6
 
 
+def test_memory_of_another_size_than_the_frames_is_refused():
+    sim = simulation()
+    sim.run(1)
+    for size in ((300, 299), (299, 300)):
+        out = np.full((*size, 3), 7, np.uint8)
+        with pytest.raises(ValueError, match=r"out must have the size of the frames, 300 x 300 px"):
+            sim.render_step(0, out=out)
+        assert (out == 7).all()
+
+
 @pytest.mark.long
 def test_another_process_sees_a_frame_in_shared_memory():
     memory = SharedMemory(create=True, size=300 * 300 * 3)

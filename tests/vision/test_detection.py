@@ -93,11 +93,31 @@ def test_everything_at_another_scale_is_told():
     small = [("red", 95, 110, 11), ("blue", 95, 90, 11)]
     assert "another size of the work area" in detect(blobs_of(*small), KNOWN).explanation
     assert "another size of the work area" not in detect(blobs_of(*small), LAYOUT).explanation
+    half = [("red", 95, 110, 11), ("blue", 90, 80, 21)]
+    assert detect(blobs_of(*half), KNOWN).explanation.endswith("40.0 px: is it another robot?")
 
 
 def test_areas_too_small_are_told_as_dark():
     faint = [("red", 94, 104, 13), ("blue", 94, 64, 13)]
     assert "darker" in detect(blobs_of(*faint), KNOWN).explanation
+
+
+def test_an_area_too_small_and_one_too_large_are_told_as_another_robot():
+    unequal = [("red", 80, 90, 41), ("blue", 94, 64, 13)]
+    assert detect(blobs_of(*unequal), KNOWN).explanation.endswith("px^2: is it another robot?")
+
+
+@pytest.mark.parametrize(
+    ("squares", "areas"),
+    [
+        ([BLUE, ("red", 80, 90, 41)], "red 1681 of 441 px^2, blue 441 of 1681 px^2"),
+        ([RED, ("blue", 80, 50, 41)], "red 441 of 1681 px^2, blue 1681 of 441 px^2"),
+    ],
+)
+def test_markers_of_unknown_area_are_to_be_as_large_as_each_other(squares, areas):
+    detection = detect(blobs_of(*squares), LAYOUT)
+    assert detection.reason == "areas"
+    assert areas in detection.explanation
 
 
 def test_exchanged_colours_are_told_where_the_areas_differ():

@@ -84,6 +84,17 @@ def test_what_is_looked_for_comes_from_the_robot():
     assert options_of(robsim.Simulation(markers=bare, measure=True)) == (12, 64, 1)
 
 
+@pytest.mark.parametrize("size", [(1, 40), (40, 1), (1, 1)])
+def test_images_of_one_row_or_column(size):
+    # Too small for the markers, whose window then depends on the noise between neighbours.
+    image = np.zeros((*size, 3), np.uint8)
+    image[..., 0] = 255
+    markers = robsim.vision.MarkerLayout.from_positions((0, 2), (0, -2), red_area=4, blue_area=4)
+    found = robsim.find_blobs(image, robsim.load_colors(), markers=markers)
+    assert [blob.area for blob in found["red"]] == [image.shape[0] * image.shape[1]]
+    assert found["blue"] == []
+
+
 def test_find_blobs_takes_them_from_a_locator_too():
     sim = robsim.Simulation(robot="lab", resolution=(480, 480), noise=robsim.GaussianNoise(40))
     markers = robsim.load_robot("lab").marker_layout()

@@ -42,6 +42,14 @@ def test_a_mirrored_path_is_the_path_of_a_mirrored_robot():
     np.testing.assert_allclose(free[:, 1], bounced[:, 1])
 
 
+@pytest.mark.parametrize("start", [(1195.0, 600.0, np.pi), (600.0, 4.0, np.pi / 2)])
+def test_a_robot_that_starts_beyond_a_wall_comes_in_without_a_bounce(start):
+    trace = driven(start)
+    free = driven(start, boundary="unlimited")
+    np.testing.assert_array_equal(trace.pose_true, free.pose_true)
+    assert not trace.bounced.any()
+
+
 def test_into_a_corner():
     trace = driven((1130.0, 1130.0, np.pi / 4), steps=60)
     assert trace.bounced.any()
