@@ -59,7 +59,7 @@ TEST(Refusals, MarkersThatNoRobotHas) {
     return refusal([&] { check_marker_layout(markers); });
   };
   EXPECT_EQ(refused(nan, 1), "nothing");
-  EXPECT_EQ(refused(0, 1), "marker area must be positive and finite, or NaN, got 0.000000");
+  EXPECT_EQ(refused(0, 1), "marker area must be positive and finite, or NaN, got 0");
   EXPECT_EQ(refused(infinity, 1), "marker area must be positive and finite, or NaN, got inf");
   EXPECT_EQ(refused(100, 0), "maximum_blobs must be at least 1, got 0");
 }
