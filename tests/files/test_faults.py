@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import sanitizers
+
 SUPPORT = Path(__file__).parents[1] / "support"
 COMPILER = shutil.which("cc") or shutil.which("gcc")
 
@@ -29,7 +31,7 @@ def tried(tmp_path_factory):
     def run(kind, *writers):
         environment = {**os.environ, "LD_PRELOAD": str(library), "OPENBLAS_NUM_THREADS": "1"}
         environment["PYTHONPATH"] = os.pathsep.join(sys.path)
-        if "libasan" in os.environ.get("LD_PRELOAD", ""):
+        if sanitizers.ADDRESS:
             pytest.skip("the sanitizer must be loaded first")
         program = [sys.executable, "-W", "error", str(SUPPORT / "faults.py"), str(folder), kind]
         done = subprocess.run(

@@ -1,7 +1,6 @@
 """Forks, signals and the end of Python while a run is under way in some thread."""
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -11,6 +10,7 @@ import traceback
 import pytest
 
 import robsim
+import sanitizers
 from threads import running
 
 pytestmark = [
@@ -44,7 +44,7 @@ def told(look):
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 @pytest.mark.skipif(
-    re.search("lib[at]san", os.environ.get("LD_PRELOAD", "")) is not None,
+    sanitizers.ADDRESS or sanitizers.THREAD,
     reason="the sanitizers take no new threads in a process forked beside others",
 )
 def test_a_forked_process_is_told_that_the_run_is_not_its_own():
@@ -108,6 +108,7 @@ while not sim.n_steps:
 
 
 @pytest.mark.long
+@pytest.mark.skipif(sanitizers.ADDRESS, reason="it takes a thread that Python ends for a fault")
 @pytest.mark.parametrize("options", ["", "control=lambda step: (0, 0)", "time_limit=9"])
 def test_the_end_of_python_during_a_run(options):
     assert python(DAEMON.format(options=options)) == (0, "", "")
