@@ -79,6 +79,8 @@ TEST(Refusals, PointsWithoutTheirPositions) {
   const std::vector<Point> four = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   EXPECT_EQ(refusal([&] { PlaneMap::from_points({four.begin(), four.end() - 1}, four); }),
             "pixels and positions must have as many points, at least four, got 3 and 4");
+  EXPECT_EQ(refusal([&] { PlaneMap::from_points({{0, 0}}, {{0, 0}}); }),
+            "pixels and positions must have as many points, at least four, got 1 and 1");
 }
 
 TEST(Refusals, InputsThatAreNotFinite) {

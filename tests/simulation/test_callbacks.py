@@ -171,8 +171,10 @@ def test_an_estimator_object_that_returns_nonsense():
     assert len(sim.trace) == 2
 
 
-def test_filters_of_the_wrong_size_are_refused_at_the_start():
-    sim = robsim.Simulation(init_parameter_estimator=lambda model: robsim.RecursiveLeastSquares(4))
+@pytest.mark.parametrize(("n_parameters", "n_filters"), [(5, 1), (4, 3)])
+def test_filters_of_the_wrong_size_are_refused_at_the_start(n_parameters, n_filters):
+    filters = robsim.RecursiveLeastSquares(n_parameters, n_filters=n_filters)
+    sim = robsim.Simulation(init_parameter_estimator=lambda model: filters)
     with pytest.raises(ValueError, match="n_filters=3 and n_parameters=5"):
         sim.run(1)
 

@@ -42,6 +42,15 @@ def test_a_singular_covariance_disturbs_only_where_it_says():
     np.testing.assert_allclose(errors[:, 1:], 0, atol=1e-9)
 
 
+@pytest.mark.parametrize("motor", [0, 1])
+def test_the_noise_of_one_motor_alone_turns_the_robot(motor):
+    sim = Simulation(seed=1, process_noise=WheelNoise(np.eye(2)[motor]), **SMALL)
+    trace = sim.run(20)
+    # error of the heading = biP times what was added to u_i
+    disturbance = prediction_errors(trace, sim.model)[:, 2] / sim.model.theta[2, 2 + motor]
+    assert 0.5 < disturbance.std() < 2
+
+
 @pytest.mark.long
 def test_wheel_noise_moves_the_pose_as_its_covariance_says(rng):
     noise = WheelNoise((0.05, 0.1))

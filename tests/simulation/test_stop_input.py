@@ -526,6 +526,29 @@ def test_another_thread_can_stop_a_run_that_waits_for_a_frame():
     stalled.check_that_nothing_is_lost()
 
 
+def test_a_stage_waits_for_its_frame_and_after_the_last_one_the_robot_is_stopped():
+    stalled = Stalled(frame_timeout=SOON)
+    for _ in range(3):
+        stalled.sim.step()
+
+    def bring():
+        waits(stalled.is_waiting)
+        time.sleep(0.1)  # longer than it waits at a time
+        stalled.arrivals.put(frame(3))
+        stalled.arrivals.put(None)
+
+    thread = in_a_thread(bring)
+    stages = [stalled.sim.step_stage()]
+    thread.join()
+    while stalled.sim.stage != "world":
+        stages.append(stalled.sim.step_stage())
+    assert stages == ["world", "control"]
+    assert stalled.robot.sent == [*map(input_of, range(4))]
+    with pytest.raises(EOFError, match="there are no more frames"):
+        stalled.sim.step_stage()
+    assert stalled.robot.sent == [*map(input_of, range(4)), STOP]
+
+
 def test_another_thread_can_stop_a_stage_that_waits_for_a_frame():
     stalled = Stalled(frame_timeout=SOON)
     for _ in range(3):
