@@ -34,7 +34,7 @@ def rows(seeds: range) -> list[Row]:
 def _run(control, seed: int) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     sim = robsim.Simulation(
-        control=control, start="random", measure=True, resolution=(400, 400), seed=seed
+        robot="lab", control=control, start="random", measure=True, resolution=(400, 400), seed=seed
     )
     trace = sim.run(_STEPS)
     return trace.u, trace.pose_true + rng.normal(size=(_STEPS, 3)) * _SIGMA

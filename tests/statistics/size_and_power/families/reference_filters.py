@@ -38,6 +38,7 @@ def _report(seed: int, process: float, measured: float):
     traces = []
     for run in range(_RUNS):
         sim = robsim.Simulation(
+            robot="lab",
             measure=True,
             boundary="unlimited",
             control=robsim.DriveAround(),
