@@ -205,6 +205,24 @@ def test_a_copy_of_a_step_has_all_but_the_estimator():
     assert sim.last_step != step
 
 
+def test_a_copy_of_a_step_whose_frame_was_not_kept_says_so():
+    steps = []
+
+    def control(step):
+        steps.append(step)
+        return 0.5, 0.4
+
+    robsim.Simulation(resolution=(120, 120), control=control).run(2)
+    for other in copies(steps[0]):
+        assert other == steps[0]
+        with pytest.raises(RuntimeError, match="the frame of step 0 was not kept"):
+            _ = other.frame
+    robsim.Experiment([None], control=control).run()
+    for other in copies(steps[-1]):
+        assert other == steps[-1]
+        assert other.frame is None
+
+
 def test_a_step_made_by_hand_tests_a_callback():
     step = Step(k=3, measurement=(600, 500, 0.1))
     assert (step.t, step.dt, step.frame, step.blobs) == (pytest.approx(0.6), 0.2, None, {})

@@ -345,6 +345,12 @@ def test_what_is_no_frame_is_refused_with_its_step(frames, step):
         sim.run()
 
 
+def test_stages_that_are_off_are_left_out_to_the_end_of_a_step():
+    sim = robsim.Experiment([robsim.Observation(measurement=(k, 2, 3)) for k in range(2)])
+    assert [sim.step_stage() for _ in range(4)] == ["world", "measure", "world", "measure"]
+    assert sim.n_steps == 2
+
+
 def test_frames_that_are_read_once_cannot_be_reset_after_a_part_of_a_step(run):
     sim = robsim.Experiment(iter(run[0][:3]))
     assert sim.step_stage() == "world"

@@ -549,6 +549,13 @@ def test_a_stage_waits_for_its_frame_and_after_the_last_one_the_robot_is_stopped
     assert stalled.robot.sent == [*map(input_of, range(4)), STOP]
 
 
+def test_a_callback_that_stops_its_stage_stops_the_robot_behind_it():
+    robot = Robot()
+    sim = experiment(robot, control=lambda step: sim.stop() and input_of(step.k))
+    assert [sim.step_stage(), sim.step_stage()] == ["world", "control"]
+    assert robot.sent == [input_of(0), STOP]
+
+
 def test_another_thread_can_stop_a_stage_that_waits_for_a_frame():
     stalled = Stalled(frame_timeout=SOON)
     for _ in range(3):
