@@ -11,6 +11,8 @@ from robsim.doctor import check_folder
 from robsim.doctor._callbacks import folder as folders
 from robsim.simulation._slots import SLOTS
 
+pytestmark = pytest.mark.long
+
 NEVER_SEEN = """
     def measure(step):
         return robsim.lokate(step.blobs)

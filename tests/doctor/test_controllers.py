@@ -13,6 +13,8 @@ from robsim.doctor import check_controller
 from robsim.doctor._callbacks import controllers, scenes, steering
 from robsim.doctor._callbacks.scenes import driven
 
+pytestmark = pytest.mark.long
+
 
 def plain(angle):
     return angle

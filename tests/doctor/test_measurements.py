@@ -14,6 +14,8 @@ from robsim.doctor import (
 )
 from robsim.doctor._callbacks.pose_mistakes import mistakes
 
+pytestmark = pytest.mark.long
+
 
 def located(step):
     return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
