@@ -66,17 +66,26 @@ py::array_t<double> map_points(py::handle value, const std::string& name, const 
   return result;
 }
 
-Frame frame_with(Image image, std::optional<double> t, std::int64_t index,
-                 const PlaneMap& plane_map) {
-  if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
-  if (index < 0) throw py::value_error("index must be at least 0");
-  return {std::move(image), t, index, plane_map};
+using Seconds = std::optional<double>;
+
+void check_time(const Seconds& time, const char* name) {
+  if (time && !std::isfinite(*time))
+    throw py::value_error(std::string(name) + " must be finite (s)");
 }
 
-Frame make_frame(const PixelArray& image, bool copy, std::optional<double> t, std::int64_t index,
-                 const PlaneMap& plane_map) {
+Frame frame_with(Image image, const Seconds& t, const Seconds& t_arrival, const Seconds& epoch,
+                 std::int64_t index, const PlaneMap& plane_map) {
+  check_time(t, "t");
+  check_time(t_arrival, "t_arrival");
+  check_time(epoch, "epoch");
+  if (index < 0) throw py::value_error("index must be at least 0");
+  return {std::move(image), t, t_arrival, epoch, index, plane_map};
+}
+
+Frame make_frame(const PixelArray& image, bool copy, const Seconds& t, const Seconds& t_arrival,
+                 const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map) {
   return frame_with(copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t,
-                    index, plane_map);
+                    t_arrival, epoch, index, plane_map);
 }
 
 void bind_plane_map(py::module_& module) {
@@ -215,7 +224,11 @@ copy : bool
     alive and always shows what is in its memory now: who overwrites it, changes the frame, and
     what it equals and its hash with it.
 t : float, optional
-    Time (s). None: it has no time of its own.
+    Time (s): that of the exposure, if the camera knows it. None: it has no time of its own.
+t_arrival : float, optional
+    When it reached this computer, by the clock of `t` (s).
+epoch : float, optional
+    ``time.monotonic()`` when `t` was 0 (s).
 index : int
     Number of the frame.
 plane_map : PlaneMap, optional
@@ -230,15 +243,18 @@ A frame in shared memory, which then stays open as long as the frame (under a me
 )");
   frame
       .def(py::init(&make_frame), py::arg("image"), py::kw_only(),
-           py::arg("copy").noconvert() = true, py::arg("t") = py::none(), py::arg("index") = 0,
+           py::arg("copy").noconvert() = true, py::arg("t") = py::none(),
+           py::arg("t_arrival") = py::none(), py::arg("epoch") = py::none(), py::arg("index") = 0,
            py::arg("plane_map") = PlaneMap())
       .def_static(
           "from_bgr",
-          [](const PixelArray& image, std::optional<double> t, std::int64_t index,
-             const PlaneMap& plane_map) {
-            return frame_with(copy_of_bgr(image_view(image, "image")), t, index, plane_map);
+          [](const PixelArray& image, const Seconds& t, const Seconds& t_arrival,
+             const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map) {
+            return frame_with(copy_of_bgr(image_view(image, "image")), t, t_arrival, epoch, index,
+                              plane_map);
           },
-          py::arg("image"), py::kw_only(), py::arg("t") = py::none(), py::arg("index") = 0,
+          py::arg("image"), py::kw_only(), py::arg("t") = py::none(),
+          py::arg("t_arrival") = py::none(), py::arg("epoch") = py::none(), py::arg("index") = 0,
           py::arg("plane_map") = PlaneMap(), R"(
 Return the frame of an image in OpenCV's order, BGR: a copy with the channels in the order RGB.
 
@@ -246,7 +262,7 @@ Parameters
 ----------
 image : array (H, W, 3) of uint8
     BGR pixels, as from ``cv2.imread`` and ``cv2.VideoCapture``.
-t, index, plane_map
+t, t_arrival, epoch, index, plane_map
     As for `Frame`.
 
 Examples
@@ -259,6 +275,10 @@ Examples
           "array (H, W, 3) of uint8: RGB, read-only; unless it was made with ``copy=False``,\n"
           "C-contiguous and never overwritten while you hold it.")
       .def_readonly("t", &Frame::t, "float or None: time (s).")
+      .def_readonly("t_arrival", &Frame::t_arrival,
+                    "float or None: when it reached this computer, by the clock of `t` (s).")
+      .def_readonly("epoch", &Frame::epoch,
+                    "float or None: ``time.monotonic()`` when `t` was 0 (s).")
       .def_readonly("index", &Frame::index, "int: number of the frame.")
       .def_readonly("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area.")
       .def(
@@ -287,12 +307,13 @@ Examples
         return "<Frame " + std::to_string(self.index) + ": " + std::to_string(self.image.width()) +
                " x " + std::to_string(self.image.height()) + " px" + time + ">";
       });
-  const auto make = [](const py::array& image, std::optional<double> t, std::int64_t index,
-                       const PlaneMap& plane_map) {
-    return make_frame(PixelArray(image), true, t, index, plane_map);
+  const auto make = [](const py::array& image, const Seconds& t, const Seconds& t_arrival,
+                       const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map) {
+    return make_frame(PixelArray(image), true, t, t_arrival, epoch, index, plane_map);
   };
   const Fields fields(make, Field("image", [](const Frame& f) { return image_array(f.image); }),
-                      Field("t", &Frame::t), Field("index", &Frame::index),
+                      Field("t", &Frame::t), Field("t_arrival", &Frame::t_arrival),
+                      Field("epoch", &Frame::epoch), Field("index", &Frame::index),
                       Field("plane_map", &Frame::plane_map));
   define_equality(frame, fields);
   define_hash(frame, fields);

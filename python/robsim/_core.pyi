@@ -126,7 +126,11 @@ class Frame:
         alive and always shows what is in its memory now: who overwrites it, changes the frame, and
         what it equals and its hash with it.
     t : float, optional
-        Time (s). None: it has no time of its own.
+        Time (s): that of the exposure, if the camera knows it. None: it has no time of its own.
+    t_arrival : float, optional
+        When it reached this computer, by the clock of `t` (s).
+    epoch : float, optional
+        ``time.monotonic()`` when `t` was 0 (s).
     index : int
         Number of the frame.
     plane_map : PlaneMap, optional
@@ -140,7 +144,7 @@ class Frame:
     >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
     """
     @staticmethod
-    def from_bgr(image: numpy.typing.NDArray[numpy.uint8], *, t: float | None = None, index: int = 0, plane_map: PlaneMap = ...) -> Frame:
+    def from_bgr(image: numpy.typing.NDArray[numpy.uint8], *, t: float | None = None, t_arrival: float | None = None, epoch: float | None = None, index: int = 0, plane_map: PlaneMap = ...) -> Frame:
         """
         Return the frame of an image in OpenCV's order, BGR: a copy with the channels in the order RGB.
         
@@ -148,7 +152,7 @@ class Frame:
         ----------
         image : array (H, W, 3) of uint8
             BGR pixels, as from ``cv2.imread`` and ``cv2.VideoCapture``.
-        t, index, plane_map
+        t, t_arrival, epoch, index, plane_map
             As for `Frame`.
         
         Examples
@@ -166,7 +170,7 @@ class Frame:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, image: numpy.typing.NDArray[numpy.uint8], *, copy: bool = True, t: float | None = None, index: int = 0, plane_map: PlaneMap = ...) -> None:
+    def __init__(self, image: numpy.typing.NDArray[numpy.uint8], *, copy: bool = True, t: float | None = None, t_arrival: float | None = None, epoch: float | None = None, index: int = 0, plane_map: PlaneMap = ...) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -177,6 +181,11 @@ class Frame:
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
         """
         Return the image as a PNG file and how wide it is shown: a frame shows itself in a notebook.
+        """
+    @property
+    def epoch(self) -> float | None:
+        """
+        float or None: ``time.monotonic()`` when `t` was 0 (s).
         """
     @property
     def image(self) -> numpy.typing.NDArray[numpy.uint8]:
@@ -198,6 +207,11 @@ class Frame:
     def t(self) -> float | None:
         """
         float or None: time (s).
+        """
+    @property
+    def t_arrival(self) -> float | None:
+        """
+        float or None: when it reached this computer, by the clock of `t` (s).
         """
 class RobotParameters:
     """

@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[2]
 CPP = {
     "simd": set(),
     "text": set(),
+    "timing": set(),
     "elementary": set(),
     "geometry": set(),
     "random": {"elementary"},
@@ -26,13 +27,15 @@ CPP = {
     "vision/color": {"text", "imaging"},
     "vision/pixels": {"simd", "imaging", "vision/color"},
     "vision": {"text", "elementary", "geometry", "imaging", "vision/color", "vision/pixels"},
+    "capture": {"text", "timing", "imaging"},
+    "motors": {"text", "timing", "model"},
     "simulation/seam": {"imaging", "model", "vision"},
-    "simulation/world": {"text", "random", "model", "world", "world/noise", "simulation/seam"},
+    "simulation/world": {"text", "timing", "motors", "random", "model", "world", "world/noise", "simulation/seam"},
     "simulation/robot": {
         *("text", "random", "estimation", "imaging", "model", "vision"),
         "simulation/seam",
     },
-    "simulation": {"simulation/seam", "simulation/robot"},
+    "simulation": {"timing", "simulation/seam", "simulation/robot"},
 }
 
 # The storeys of the Python package, from the ground up. A room imports from the storeys below its

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "robsim/imaging/image.hpp"
+
+namespace robsim {
+
+/// What can be wrong with a camera. After `time_out` the next frame may still come; `end` is that
+/// of a file, and no fault.
+enum class CaptureFault {
+  no_back_end,
+  no_permission,
+  no_camera,
+  busy,
+  time_out,
+  unplugged,
+  end,
+  failed
+};
+
+class CaptureError : public std::runtime_error {
+ public:
+  CaptureError(CaptureFault fault, const std::string& text)
+      : std::runtime_error(text), fault_(fault) {}
+
+  CaptureFault fault() const { return fault_; }
+
+ private:
+  CaptureFault fault_;
+};
+
+/// What a camera delivers.
+struct Captured {
+  Image image;
+  double arrived = 0;                 // monotonic, s
+  std::optional<double> device_time;  // s, of the device's own clock
+  std::optional<double> exposed;      // monotonic, s, where the device knows it
+  bool is_complete = true;            // false: torn or short, for nobody to see
+};
+
+/// A camera of any kind. The thread of a grabber calls it, one call at a time; `interrupt` comes
+/// from others.
+class CaptureDevice {
+ public:
+  virtual ~CaptureDevice() = default;
+
+  /// Makes it ready to deliver; again after `close`, too. Throws CaptureError.
+  virtual void open() = 0;
+
+  /// The next frame in an image of the pool; nothing after 0.1 s or so without one: the grabber
+  /// asks again. Throws CaptureError.
+  virtual std::optional<Captured> next(ImagePool& pool) = 0;
+
+  /// Gives everything back. May follow a failed `open`, and `close`.
+  virtual void close() noexcept = 0;
+
+  /// Ends a call under way early, if it can.
+  virtual void interrupt() noexcept {}
+};
+
+}  // namespace robsim
