@@ -1,0 +1,54 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace robsim {
+
+/// A thread that no signal comes to: Ctrl-C must wake the interpreter's own.
+std::thread start_thread(std::function<void()> work);
+
+/// Number of this process.
+long long process_id();
+
+/// What has a thread, and so belongs to one process. In a forked one its thread is not there, and
+/// its locks may be held for ever: there it is never touched, nor destroyed.
+template <typename T>
+class OfProcess {
+ public:
+  /// `what` begins the refusal: "the watchdog".
+  template <typename... A>
+  explicit OfProcess(std::string what, A&&... arguments)
+      : what_(std::move(what)), value_(std::make_unique<T>(std::forward<A>(arguments)...)) {}
+  ~OfProcess() {
+    if (!is_here()) static_cast<void>(value_.release());
+  }
+  OfProcess(const OfProcess&) = delete;
+  OfProcess& operator=(const OfProcess&) = delete;
+
+  bool is_here() const { return process_ == process_id(); }
+
+  /// Throws std::runtime_error in a forked process.
+  T* operator->() const {
+    if (!is_here()) {
+      throw std::runtime_error(what_ +
+                               " was opened in another process, from which this one was forked: "
+                               "open one of its own");
+    }
+    return value_.get();
+  }
+
+  /// Without that check.
+  T& unchecked() const { return *value_; }
+
+ private:
+  std::string what_;
+  std::unique_ptr<T> value_;
+  long long process_ = process_id();
+};
+
+}  // namespace robsim
