@@ -116,8 +116,8 @@ def test_the_robot_of_the_experiment_arrives_and_is_stopped():
     score = names["robsim"].score_path(names["trace"], [(600, 300)])
     assert score.final_distance < 10
     assert names["trace"].u.any()
-    assert [tuple(u) for u in names["voltages"][-1:]] == [(0, 0)]
-    assert len(names["voltages"]) == 102  # at first, 100 steps, the stop
+    assert [tuple(u) for u in names["voltages"][-2:]] == [(0, 0), (0, 0)]
+    assert len(names["voltages"]) == 103  # at first, 100 steps, the stop twice
 
 
 def test_the_first_block_is_five_lines_and_ends_with_a_picture():

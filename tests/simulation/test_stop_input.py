@@ -45,7 +45,7 @@ def input_of(k):
 
 
 class Robot:
-    """Remembers what it was sent; the calls numbered in `failing` raise."""
+    """Remembers what it was sent, the same twice as one; the calls numbered in `failing` raise."""
 
     def __init__(self, failing=(), error=None):
         self.sent = []
@@ -57,7 +57,8 @@ class Robot:
         call, self.calls = self.calls, self.calls + 1
         if call in self.failing:
             raise self.error
-        self.sent.append(tuple(u))
+        if self.sent[-1:] != [tuple(u)]:
+            self.sent.append(tuple(u))
 
     @property
     def drives(self):
@@ -132,7 +133,7 @@ def test_an_input_is_sent_the_moment_that_it_is_decided(frame_timeout):
     expected = []
     for k in range(4):
         expected += [("asked for", k), ("decided", k), ("sent", *input_of(k))]
-    assert events == [*expected, ("sent", *STOP)]
+    assert events == [*expected, ("sent", *STOP), ("sent", *STOP)]
     np.testing.assert_array_equal(trace.u, [input_of(k) for k in range(4)])
     assert not trace.interrupted.any()
 
@@ -278,7 +279,7 @@ def test_a_robot_that_cannot_be_stopped_either_is_told():
         "in send at step 3",
         "the robot could not be stopped: OSError: the cable is loose",
     ]
-    assert robot.calls == 5
+    assert robot.calls == 8
     robot.error = OSError("still loose")
     with pytest.raises(OSError, match="still loose") as raised, sim:
         pass
@@ -290,7 +291,7 @@ def test_a_robot_that_cannot_be_stopped_either_is_told():
 
 
 def test_a_stop_that_fails_at_the_end_of_a_run_is_an_error():
-    robot = Robot(failing=[6])
+    robot = Robot(failing=range(6, 10))
     sim = experiment(robot)
     with pytest.raises(OSError, match="the cable") as raised:
         sim.run()
@@ -298,6 +299,16 @@ def test_a_stop_that_fails_at_the_end_of_a_run_is_an_error():
     assert len(sim.trace) == 6
     with sim:  # tries again
         pass
+    assert robot.sent[-1] == STOP
+
+
+def test_the_stop_input_is_sent_twice_and_again_where_it_fails():
+    heard = []
+    experiment(lambda u: heard.append(tuple(u)), 2).run()
+    assert heard == [input_of(0), input_of(1), STOP, STOP]
+    robot = Robot(failing=[6, 8])
+    experiment(robot).run()
+    assert robot.calls == 10
     assert robot.sent[-1] == STOP
 
 

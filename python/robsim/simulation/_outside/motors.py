@@ -11,6 +11,10 @@ from robsim._base.checks import Floats, as_float_array
 from robsim._base.text import quoted
 
 
+_STOPS = 2  # how often the stop input is sent
+_ATTEMPTS = 4
+
+
 class Motors:
     """Sends inputs, and the stop input when a run is over.
 
@@ -49,21 +53,29 @@ class Motors:
     def stop(self) -> Floats | None:
         """Send the stop input, unless nothing was sent since the last one; return what was sent.
 
-        It raises nothing: what goes wrong is kept in `error`. A Ctrl-C does not keep it from being
-        sent.
+        It is sent twice, as a line may lose it, and tried again where it fails. It raises nothing:
+        if the robot could not be stopped, `error` says why. A Ctrl-C does not keep it from being
+        sent, and is kept there, too.
         """
         if not self._has_moved or self._stop_input is None:
             return None
-        for _ in range(3):
+        failure: BaseException | None = None
+        n_sent = 0
+        for _ in range(_ATTEMPTS):
             try:
                 self._send(np.array(self._stop_input))
-                self._has_moved = False
-                return self._stop_input
-            except BaseException as error:
+                n_sent += 1
+            except KeyboardInterrupt as error:
                 self.error = error
-                if not isinstance(error, KeyboardInterrupt):
-                    break
-        return None
+            except BaseException as error:
+                failure = error
+            if n_sent == _STOPS:
+                break
+        if n_sent == 0:
+            self.error = failure
+            return None
+        self._has_moved = False
+        return self._stop_input
 
 
 def stop_input_value(stop_input: Sequence[float] | None) -> Floats | None:
