@@ -101,6 +101,10 @@ std::vector<TraceGroup> make_schema() {
       flag("interrupted",
            "The robot was stopped after the step before: this one does not follow from its input "
            "(N,)."),
+      group("t_arrival", {}, {{"t_arrival", "s"}},
+            "When the frame reached this computer (N,), by the clock of `t` (s)."),
+      group("t_sent", {}, {{"t_sent", "s"}},
+            "When the input went out (N,), by the clock of `t` (s)."),
   };
 }
 

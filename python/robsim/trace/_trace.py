@@ -151,6 +151,8 @@ class Trace:
     last_u = Column()
     hidden = Flag()
     interrupted = Flag()
+    t_arrival = Column()
+    t_sent = Column()
 
     def _numbers(self, group: TraceGroup) -> Floats:
         """Return the numbers of a group, or what stands for them where it was not recorded."""
