@@ -3,6 +3,8 @@
 
 #include <new>
 
+#include "robsim/simulation/world/external_world.hpp"
+
 namespace py = pybind11;
 
 void bind_simd(py::module_& module);
@@ -30,11 +32,13 @@ const char* const in_sub_interpreter =
 
 bool is_main_interpreter() { return PyInterpreterState_Get() == PyInterpreterState_Main(); }
 
-// The default would say "std::bad_alloc".
-void tell_of_memory() {
+// What the default would say less well: "std::bad_alloc", RuntimeError.
+void translate_errors() {
   py::register_local_exception_translator([](std::exception_ptr error) {
     try {
       std::rethrow_exception(error);
+    } catch (const robsim::FrameTimeout& timeout) {
+      PyErr_SetString(PyExc_TimeoutError, timeout.what());
     } catch (const std::bad_alloc&) {
       PyErr_SetString(PyExc_MemoryError,
                       "there is not enough memory: fewer steps, a smaller area or a smaller "
@@ -48,7 +52,7 @@ void tell_of_memory() {
 PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters::not_supported()) {
   if (!is_main_interpreter()) throw py::import_error(in_sub_interpreter);
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
-  tell_of_memory();
+  translate_errors();
   bind_simd(module);
   bind_elementary(module);
   bind_geometry(module);

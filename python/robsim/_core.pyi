@@ -1539,7 +1539,7 @@ class ExternalWorld(World):
     """
     The world half outside. Users take robsim.Experiment.
     """
-    def __init__(self, *, take: typing.Any, send: typing.Any, stop: typing.Any) -> None:
+    def __init__(self, *, take: typing.Any, send: typing.Any, stop: typing.Any, stop_late: typing.Any, frame_timeout: float) -> None:
         ...
 class Unicycle:
     """
@@ -1705,6 +1705,10 @@ class Loop:
         """
     def set_controller_seed(self, seed: int) -> None:
         ...
+    def set_observer(self, observer: typing.Any) -> None:
+        """
+        Call observer(step, t_arrival, t_sent, interrupted) after each step; None = nobody.
+        """
     def set_slot(self, slot: str, value: typing.Any) -> None:
         """
         Put a callable or a native component into a slot; None = the default.

@@ -45,7 +45,10 @@ def test_every_native_function_has_a_signature_and_its_types_in_the_doc(name, fu
 @pytest.mark.parametrize(
     ("function", "signature"),
     [
-        (Frame, "(image, *, copy=True, t=None, t_arrival=None, epoch=None, index=0, plane_map=Ellipsis)"),
+        (
+            Frame,
+            "(image, *, copy=True, t=None, t_arrival=None, epoch=None, index=0, plane_map=Ellipsis)",
+        ),
         (Spin, "(voltage=0.05)"),
         (RobotModel.predict, "(self, pose_1, pose_2, u, *, unwrapped=False)"),
         (RobotModel().predict, "(pose_1, pose_2, u, *, unwrapped=False)"),

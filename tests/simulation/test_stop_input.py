@@ -1,9 +1,12 @@
 """Whatever ends the run of an experiment, the last thing that is sent stops the robot."""
 
 import _thread
+import gc
 import math
 import queue
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -683,3 +686,89 @@ def test_the_end_of_a_with_block_waits_for_the_run_of_another_thread():
     assert not robot.drives
     thread.join(SOON)
     frames.put(None)
+
+
+class Busy:
+    """Frames that say when they came, and a controller that takes too long once."""
+
+    def __init__(self, dawdle, frame_timeout=0.4):
+        self.robot = Robot()
+        self.stopped_while_busy = threading.Event()
+        self.dawdle = dawdle
+        self.epoch = time.monotonic()
+        self.sim = experiment(
+            self.heard,
+            self.frames(),
+            control=Once(lambda: dawdle(self), RESULTS["control"]),
+            frame_timeout=frame_timeout,
+        )
+
+    def frames(self):
+        for k in range(20):
+            t = time.monotonic() - self.epoch
+            yield robsim.Frame(IMAGE, t=t, epoch=self.epoch, index=k, plane_map=MAP)
+
+    def heard(self, u):
+        self.robot(u)
+        if not self.robot.drives:
+            self.stopped_while_busy.set()
+
+
+def test_a_watchdog_stops_the_robot_while_a_callback_takes_too_long():
+    busy = Busy(lambda busy: busy.stopped_while_busy.wait(SOON))
+    with pytest.raises(TimeoutError, match=r"frame_timeout = 0\.4 s of the arrival of that of s"):
+        busy.sim.run()
+    assert busy.stopped_while_busy.is_set()
+    # The input of a callback that was late is not sent.
+    assert busy.robot.sent == [*map(input_of, range(3)), STOP]
+    # The next run takes a new frame: that of the step that was broken off is out of date.
+    busy.stopped_while_busy.clear()
+    trace = busy.sim.run(2)
+    assert busy.robot.sent[4:] == [input_of(4), input_of(5), STOP]
+    assert np.isnan(trace.u[3]).all()
+    np.testing.assert_array_equal(np.flatnonzero(trace.interrupted), [4])
+
+
+def test_a_watchdog_stops_the_robot_after_a_step():
+    busy = Busy(lambda busy: None)
+    busy.sim.step()
+    assert busy.robot.sent == [input_of(0)]
+    assert busy.stopped_while_busy.wait(SOON)
+    busy.sim.step()
+    assert busy.robot.sent == [input_of(0), STOP, input_of(1)]
+    np.testing.assert_array_equal(busy.sim.trace.interrupted, [False, True])
+
+
+def test_the_trace_says_when_a_frame_arrived_and_when_its_input_went_out():
+    busy = Busy(lambda busy: None, frame_timeout=SOON)
+    trace = busy.sim.run(5)
+    assert (trace.t <= trace.t_arrival).all()
+    assert (trace.t_arrival <= trace.t_sent).all()
+    assert (trace.t_sent[:-1] <= trace.t[1:]).all()
+    assert trace.t_sent[-1] <= time.monotonic() - busy.epoch
+
+
+def test_an_experiment_that_is_dropped_stops_its_robot():
+    busy = Busy(lambda busy: None, frame_timeout=SOON)
+    busy.sim.step()
+    assert busy.robot.drives
+    busy.sim = None
+    gc.collect()
+    assert not busy.robot.drives
+
+
+END = """
+import numpy as np, robsim
+frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8)) for k in range(3)]
+send = lambda u: print(*u, flush=True)
+experiment = robsim.Experiment(frames, send=send, control=lambda step: (1, 2), area=(64, 64),
+                               measure=None, frame_timeout=60)
+experiment.step()
+"""
+
+
+@pytest.mark.long
+def test_the_end_of_python_stops_the_robot():
+    run = subprocess.run([sys.executable, "-c", END], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines() == ["1.0 2.0", "0.0 0.0", "0.0 0.0"]
+    assert run.stderr == ""

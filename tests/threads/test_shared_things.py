@@ -72,7 +72,7 @@ def test_a_refused_run_stops_the_robot():
     experiment.step()  # and the robot drives
     with running(sim), pytest.raises(RuntimeError, match="need an estimator each"):
         experiment.run(2)
-    assert sent == [(0.5, 0.5), (0, 0)]
+    assert (sent[0], *{*sent[1:]}) == ((0.5, 0.5), (0, 0))
 
 
 @pytest.mark.parametrize(

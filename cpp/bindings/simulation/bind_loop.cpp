@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "python/callbacks.hpp"
+#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "robsim/simulation/loop.hpp"
@@ -16,15 +17,10 @@ using namespace robsim::bindings;
 
 namespace {
 
-bool is_finalizing() {
-#if PY_VERSION_HEX >= 0x030D0000
-  return Py_IsFinalizing() != 0;
-#else
-  return _Py_IsFinalizing() != 0;
-#endif
+// Not while Python ends: it would not be had back.
+void* release_interpreter() {
+  return PyGILState_Check() && !is_finalizing() ? PyEval_SaveThread() : nullptr;
 }
-
-void* release_interpreter() { return PyGILState_Check() ? PyEval_SaveThread() : nullptr; }
 
 void acquire_interpreter(void* state) {
   // A daemon thread that comes back while Python ends would be torn out of this run.
@@ -51,6 +47,22 @@ std::unique_ptr<SlottedLoop> make_loop(const std::shared_ptr<World>& world,
                                 {{"truth", IdentifyFrom::truth},
                                  {"measurement", IdentifyFrom::measurement},
                                  {"estimate", IdentifyFrom::estimate}}));
+}
+
+// Does not keep the callable alive, as Callback. What it raises is written, and ends no run.
+Loop::Observer observer_of(const py::object& observer) {
+  if (observer.is_none()) return {};
+  return [call = py::handle(observer)](const Loop::Outcome& outcome) {
+    try {
+      call(outcome.step, outcome.t_arrival, outcome.t_sent, outcome.interrupted);
+    } catch (py::error_already_set& error) {
+      if (error.matches(PyExc_KeyboardInterrupt)) {
+        PyErr_SetInterrupt();  // put off: the run sees to it
+      } else {
+        error.discard_as_unraisable("the observer of the steps");
+      }
+    }
+  };
 }
 
 const char* name_of(Stage stage) {
@@ -141,6 +153,14 @@ void bind_loop(py::module_& module) {
       .def_property_readonly(
           "smoothing", [](SlottedLoop& self) { return blob_options_of(self).smoothing; },
           "int: window of the newest frame (px); 1 = off.")
+      .def(
+          "set_observer",
+          [](SlottedLoop& self, const py::object& observer) {
+            self.set_observer(observer_of(observer));
+            self.values["observer"] = observer;
+          },
+          py::arg("observer"),
+          "Call observer(step, t_arrival, t_sent, interrupted) after each step; None = nobody.")
       .def("start", &SlottedLoop::start, "Do what comes once, if that has not been done yet.")
       .def(
           "run",

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "python/callbacks.hpp"
+#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
@@ -263,15 +264,32 @@ void bind_simulated_world(py::module_& module) {
 // Frames from an iterable of Python's, inputs to a callable.
 class PythonSource : public ExternalWorld, public SlotValues {
  public:
-  PythonSource(const py::object& take, const py::object& send, const py::object& stop)
+  PythonSource(const py::object& take, const py::object& send, const py::object& stop,
+               const py::object& stop_late, double frame_timeout)
       : ExternalWorld(source(take, send, stop)) {
-    values = {{"take", take}, {"send", send}, {"stop", stop}};
+    values = {{"take", take}, {"send", send}, {"stop", stop}, {"stop_late", stop_late}};
+    if (!stop_late.is_none()) watch(frame_timeout, [this] { call_stop_late(); });
   }
+  ~PythonSource() override { close(); }
 
  private:
   static ExternalSource source(const py::object& take, const py::object& send,
                                const py::object& stop);
+  void call_stop_late() noexcept;
 };
+
+// In the watchdog's thread. The garbage collector may have cleared the values meanwhile.
+void PythonSource::call_stop_late() noexcept {
+  if (is_finalizing()) return;
+  const py::gil_scoped_acquire interpreter;
+  const auto found = values.find("stop_late");
+  if (found == values.end()) return;
+  try {
+    py::object(found->second)();
+  } catch (py::error_already_set& error) {
+    error.discard_as_unraisable("stop_late");
+  }
+}
 
 Arrival arrival_of(const py::object& taken, Arrived& arrived, std::int64_t k) {
   if (py::isinstance<Arrival>(taken)) return taken.cast<Arrival>();
@@ -333,8 +351,10 @@ void bind_external_world(py::module_& module) {
       public_in(module, "robsim._core"), "ExternalWorld",
       "The world half outside. Users take robsim.Experiment.",
       py::custom_type_setup(&collect_garbage<PythonSource>))
-      .def(py::init<const py::object&, const py::object&, const py::object&>(), py::kw_only(),
-           py::arg("take"), py::arg("send"), py::arg("stop"));
+      .def(py::init<const py::object&, const py::object&, const py::object&, const py::object&,
+                    double>(),
+           py::kw_only(), py::arg("take"), py::arg("send"), py::arg("stop"), py::arg("stop_late"),
+           py::arg("frame_timeout"));
 }
 
 }  // namespace

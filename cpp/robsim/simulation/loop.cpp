@@ -68,6 +68,11 @@ Stages& Loop::stages() {
   return robot_.stages();
 }
 
+void Loop::set_observer(Observer observer) {
+  guard_->check_idle("the observer");
+  observer_ = std::move(observer);
+}
+
 void Loop::start() {
   if (has_started()) return;
   const RunGuard::Run run(*guard_);
@@ -103,6 +108,7 @@ bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
   const RunGuard::Run run(*guard_);
   prepare();
   recorder_.prepare(*world_, robot_, steps);
+  resume();
   bool is_at_end = false;
   try {
     const auto estimator = robot_.hold_estimator();
@@ -116,8 +122,8 @@ bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
 }
 
 bool Loop::turns(std::int64_t steps, const Pulse& pulse) {
-  std::optional<NativeWork> native;
-  if (!is_interpreted()) native.emplace();
+  std::unique_ptr<NativeWork> native;
+  if (!is_interpreted()) native = std::make_unique<NativeWork>();
   Metronome metronome;
   for (std::int64_t done = 0; done < steps;) {
     if (stage_ == Stage::world && guard_->is_stopped()) break;
@@ -128,7 +134,7 @@ bool Loop::turns(std::int64_t steps, const Pulse& pulse) {
     native.reset();
     pulse(done);
     metronome.beat();
-    if (!is_interpreted()) native.emplace();
+    if (!is_interpreted()) native = std::make_unique<NativeWork>();
   }
   return false;
 }
@@ -137,6 +143,7 @@ std::optional<Stage> Loop::step_stage(const Pulse& pulse) {
   const RunGuard::Run run(*guard_);
   prepare();
   recorder_.prepare(*world_, robot_, 1);
+  if (world_->was_stopped()) stop_robot();
   Stage done = Stage::world;
   try {
     const auto estimator = robot_.hold_estimator();
@@ -214,13 +221,31 @@ void Loop::estimate_parameters() {
 }
 
 void Loop::end_step() {
-  const Step& step = *robot_.step();
+  Step& step = *robot_.step();
+  std::optional<double> t_sent;
   if (step.u) {
-    world_->send(step.k, *step.u);
-    robot_.set_last_input(*step.u);
+    const Sent sent = world_->send(step.k, *step.u);
+    t_sent = sent.t;
+    step.u = sent.u;
+    robot_.set_last_input(sent.u);
   }
-  samples_.add(step, world_->truth());
-  recorder_.record(*world_, robot_, observation_.last_u, follows_stop_);
+  keep_step(t_sent);
+}
+
+void Loop::keep_step(const std::optional<double>& t_sent) {
+  const StepPointer& step = robot_.step();
+  samples_.add(*step, world_->truth());
+  recorder_.record(*world_, robot_, observation_, t_sent, follows_stop_);
+  if (observer_) observer_({step, observation_.t_arrival, t_sent, follows_stop_});
+}
+
+void Loop::resume() {
+  if (world_->was_stopped()) stop_robot();
+  if (!world_->is_live() || stage_ == Stage::world) return;
+  // What was broken off is out of date: it is kept as far as it came, and its input is not sent.
+  robot_.step()->u.reset();
+  keep_step({});
+  stage_.store(Stage::world, std::memory_order_release);
 }
 
 bool Loop::is_on(Stage stage) const {

@@ -22,6 +22,14 @@ class Loop {
   /// Called every 50 ms or so, while no native work is under way. May throw, which ends the run.
   using Pulse = std::function<void(std::int64_t done)>;
 
+  /// What became of a step, for who keeps a record of his own. Must not throw.
+  struct Outcome {
+    const StepPointer& step;
+    std::optional<double> t_arrival, t_sent;  // s, by the clock of the frames
+    bool interrupted;                         // the robot was stopped since the step before
+  };
+  using Observer = std::function<void(const Outcome&)>;
+
   Loop(std::shared_ptr<World> world, const RobotOptions& robot, IdentifyFrom identify_from);
 
   RobotSoftware& robot() { return robot_; }
@@ -30,6 +38,9 @@ class Loop {
 
   /// The slots, to be filled between two runs. Throws std::runtime_error during a run.
   Stages& stages();
+
+  /// Says who is told of each step when it is over. Throws std::runtime_error during a run.
+  void set_observer(Observer observer);
 
   /// Does what comes once, at the start, if that has not been done yet.
   void start();
@@ -65,12 +76,14 @@ class Loop {
  private:
   void prepare();
   void stop_robot();
+  void resume();
   bool turns(std::int64_t steps, const Pulse& pulse);
   Arrival turn();
   Arrival do_stage();
   Arrival begin_step();
   void estimate_parameters();
   void end_step();
+  void keep_step(const std::optional<double>& t_sent);
   bool is_on(Stage stage) const;
   bool is_interpreted() const { return world_->is_interpreted() || robot_.is_interpreted(); }
 
@@ -80,6 +93,7 @@ class Loop {
   RobotSoftware robot_;
   SampleHistory samples_;
   Recorder recorder_;
+  Observer observer_;
   bool is_interrupted_ = false;  // the robot was stopped since the newest step began
   Observation observation_;      // of the newest step
   bool follows_stop_ = false;    // the newest step began after that

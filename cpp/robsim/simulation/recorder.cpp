@@ -58,12 +58,15 @@ void Recorder::write_input(Trace::Column& column, const Input& u) {
 }
 
 void Recorder::record(const World& world, const RobotSoftware& robot,
-                      const std::optional<Input>& received, bool interrupted) {
+                      const Observation& observation, const std::optional<double>& t_sent,
+                      bool interrupted) {
   const Step& step = *robot.step();
   if (const Truth* truth = world.truth()) record_truth(*truth);
   if (columns_.t) *trace_.writable(*columns_.t) = step.t;
+  if (observation.t_arrival) *trace_.writable(trace_.column("t_arrival")) = *observation.t_arrival;
+  if (t_sent) *trace_.writable(trace_.column("t_sent")) = *t_sent;
   if (step.u) write_input(*columns_.u, *step.u);
-  if (received) write_input(trace_.column("last_u"), *received);
+  if (observation.last_u) write_input(trace_.column("last_u"), *observation.last_u);
   if (interrupted) *trace_.writable(trace_.column("interrupted")) = 1;
   record_parameters(robot);
   if (step.measurement && !columns_.measured) prepare_measurement(robot);

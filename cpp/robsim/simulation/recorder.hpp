@@ -17,10 +17,10 @@ class Recorder {
   /// Makes room for so many rows more, and the columns of what is to come.
   void prepare(const World& world, const RobotSoftware& robot, std::int64_t steps);
 
-  /// Writes the newest step. `received`: the input that the robot got since the one before, if the
-  /// world knew better. `interrupted`: it was stopped in between.
-  void record(const World& world, const RobotSoftware& robot, const std::optional<Input>& received,
-              bool interrupted);
+  /// Writes the newest step, with what came over the seam at it. `t_sent`: when its input went out,
+  /// if that is known (s). `interrupted`: the robot was stopped since the step before.
+  void record(const World& world, const RobotSoftware& robot, const Observation& observation,
+              const std::optional<double>& t_sent, bool interrupted);
 
   /// Forgets everything.
   void reset();

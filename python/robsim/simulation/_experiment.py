@@ -48,7 +48,10 @@ from robsim.simulation._slots import RobotCallbacks
 from robsim.trace import Trace
 from robsim.trace._columns import POSES, RECORDED
 
-_FRAME_TIMEOUT = 1.0  # s, where a robot drives
+# Where a robot drives.
+_FRAME_TIMEOUT = 1.0  # s, if the frames have no rate
+_FRAME_INTERVALS = 3  # if they have
+_LEAST_FRAME_TIMEOUT = 0.1  # s; no interpreter is punctual
 
 #: The robot is located, and nothing else is done.
 _DEFAULTS: RobotCallbacks = {"measure": True}
@@ -62,7 +65,8 @@ class Experiment(Runner):
     controller returns an input, which is sent at once.
 
     Whatever ends a run stops the robot: its last step, the end of the frames, an exception, Ctrl-C,
-    `stop`, a frame that does not come, and the end of a ``with`` block; `step` leaves it driving.
+    `stop`, a frame that does not come, and the end of a ``with`` block. After `step` it drives
+    until the next one, at most for `frame_timeout`.
 
     Parameters
     ----------
@@ -77,9 +81,12 @@ class Experiment(Runner):
     stop_input : sequence of 2 floats, or None
         What stops the robot (V). None = nothing is sent at the end of a run.
     frame_timeout : float, optional
-        Maximum wait for a frame (s), ten times as long for the first one; after it the robot is
-        stopped and the run ends with a TimeoutError. The frames are then read in a thread of their
-        own. Default: 1 s if `send` is given, otherwise no limit (inf).
+        How long after the arrival of a frame the next one must have been taken (s), ten times as
+        long for the first one; otherwise the robot is stopped and the run ends with a TimeoutError.
+        That covers a late frame, a callback that takes too long, and one that holds the
+        interpreter, if `send` needs none: a watchdog in a thread of its own stops the robot, after
+        `step`, too. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s if they
+        have none; without `send` no limit (inf).
     robot : str, path or RobotDefinition, optional
         Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
         with ``robsim robots use``, initially ``"lab"``.
@@ -137,17 +144,20 @@ class Experiment(Runner):
     ) -> None:
         self._check_names(callbacks)
         definition = as_robot(robot)
-        timeout = timeout_value(frame_timeout, math.inf if send is None else _FRAME_TIMEOUT)
+        timeout = timeout_value(frame_timeout, _default_timeout(frames, send))
         self._source = FrameSource(frames, timeout, area=area, is_polled=send is not None)
         self._model = model_value(model)
         self._next_look = 1  # at the frames, by the number of steps
         stops = stop_input_value(stop_input)
         self._motors = None if send is None else Motors(send, stops)
+        stops_late = stops is not None and not math.isinf(timeout)
         super().__init__(
             _core.ExternalWorld(
                 take=self._source.take,
                 send=self._motors and self._motors.send,
                 stop=self._motors and self._motors.stop,
+                stop_late=self._motors and self._motors.stop_late if stops_late else None,
+                frame_timeout=timeout,
             ),
             robot=definition,
             area=self._source.area,
@@ -320,6 +330,14 @@ class Experiment(Runner):
 
     def _theta_true(self) -> ArrayLike:
         return np.full((3, 5), np.nan)
+
+
+def _default_timeout(frames: object, send: object) -> float:
+    """Return the option ``frame_timeout`` if it is not given (s)."""
+    if send is None:
+        return math.inf
+    dt = getattr(frames, "dt", None)
+    return _FRAME_TIMEOUT if dt is None else max(_FRAME_INTERVALS * dt, _LEAST_FRAME_TIMEOUT)
 
 
 Experiment.__doc__ = inspect.cleandoc(Experiment.__doc__ or "").replace(

@@ -17,7 +17,8 @@ struct Sample {
 
 /// What the world half hands over at a step. Its frame is made when somebody looks: see Camera.
 struct Observation {
-  double t = 0;  // s
+  double t = 0;                     // s
+  std::optional<double> t_arrival;  // s, by the same clock: when its frame reached this computer
   bool has_frame = true;
 
   // What was found out elsewhere: the input that the robot really got since the last step, where it
@@ -28,6 +29,7 @@ struct Observation {
 
   /// Empties it for the next step: making a new one takes longer.
   void clear() {
+    t_arrival.reset();
     has_frame = true;
     last_u.reset();
     measurement.reset();

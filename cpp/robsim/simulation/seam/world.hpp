@@ -19,6 +19,12 @@ struct Truth {
   double uniform_noise = 0;   // %
 };
 
+/// What became of an input.
+struct Sent {
+  Input u;                  // as it was sent
+  std::optional<double> t;  // s, by the clock of the frames: when it was
+};
+
 /// What comes when the world half is asked for the next step.
 enum class Arrival { step, nothing_yet, end };
 
@@ -39,11 +45,17 @@ class World : public Camera {
   virtual Arrival next(std::int64_t k, Observation& observation) = 0;
 
   /// Takes the input of step k, the moment that it is decided.
-  virtual void send(std::int64_t k, const Input& u) = 0;
+  virtual Sent send(std::int64_t k, const Input& u) = 0;
 
   /// Stops the robot, if somebody has to, and returns the input that did: at the end of a run,
   /// whatever ended it, and at a reset.
   virtual std::optional<Input> stop() noexcept { return std::nullopt; }
+
+  /// True if the robot was stopped already, without a call of `stop`.
+  virtual bool was_stopped() const { return false; }
+
+  /// True if its frames do not wait for anybody: a step that was broken off cannot go on later.
+  virtual bool is_live() const { return false; }
 
   /// The truth of the newest step, null if nobody knows it.
   virtual const Truth* truth() const { return nullptr; }

@@ -1,10 +1,11 @@
 #include "robsim/simulation/world/external_world.hpp"
 
-#include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "robsim/simulation/seam/native_work.hpp"
 #include "robsim/text/to_text.hpp"
+#include "robsim/timing/monotonic.hpp"
 
 namespace robsim {
 
@@ -23,10 +24,21 @@ std::optional<double> own_time(const Arrived& arrived) {
 
 }  // namespace
 
+void ExternalWorld::watch(double frame_timeout, std::function<void()> stop_robot) {
+  frame_timeout_ = frame_timeout;
+  watchdog_ = std::make_unique<Watchdog>(std::move(stop_robot));
+}
+
+void ExternalWorld::close() noexcept {
+  const NativeWork native;  // it may be waiting for the interpreter
+  watchdog_.reset();
+}
+
 void ExternalWorld::start(const RobotModel& model) {
   dt_ = model.dt();
   last_t_ = 0;
   has_times_ = false;
+  epoch_.reset();
   width_ = height_ = 0;
 }
 
@@ -36,15 +48,28 @@ Arrival ExternalWorld::next(std::int64_t k, Observation& observation) {
   Arrived arrived;
   const Arrival arrival = source_.take(k, arrived);
   if (arrival != Arrival::step) return arrival;
+  const bool is_fresh = arrived.frame || arrived.known.measurement;
   if (arrived.frame) check_size(k, arrived.frame->image);
   arrived.known.t = time_of(k, arrived);
   arrived.known.has_frame = arrived.frame.has_value();
   is_guessed_ = !own_time(arrived);
   has_times_ = has_times_ || !is_guessed_;
   last_t_ = arrived.known.t;
+  note_arrival(arrived, is_fresh);
   frame_ = std::move(arrived.frame);
   observation = std::move(arrived.known);
   return Arrival::step;
+}
+
+void ExternalWorld::note_arrival(Arrived& arrived, bool is_fresh) {
+  const double now = monotonic_now();
+  if (arrived.frame) epoch_ = arrived.frame->epoch;
+  if (arrived.frame && epoch_) {
+    arrived.known.t_arrival = arrived.frame->t_arrival.value_or(now - *epoch_);
+  }
+  if (!is_fresh) return;
+  last_arrival_ = arrived.known.t_arrival ? *arrived.known.t_arrival + *epoch_ : now;
+  if (is_armed_) watchdog_->feed(last_arrival_);
 }
 
 double ExternalWorld::time_of(std::int64_t k, const Arrived& arrived) const {
@@ -74,11 +99,33 @@ void ExternalWorld::check_size(std::int64_t k, const Image& image) {
                               ", those before " + size_text(width_, height_));
 }
 
-void ExternalWorld::send(std::int64_t k, const Input& u) {
-  if (source_.send) source_.send(k, u);
+Sent ExternalWorld::send(std::int64_t k, const Input& u) {
+  if (!source_.send) return {u, std::nullopt};
+  check_watchdog(k);
+  if (watchdog_ && !is_armed_) {
+    watchdog_->arm(frame_timeout_);
+    watchdog_->feed(last_arrival_);
+    is_armed_ = true;
+  }
+  source_.send(k, u);
+  check_watchdog(k);  // nobody knows which came last: the end of the run stops it again
+  return {u, epoch_ ? std::optional(monotonic_now() - *epoch_) : std::nullopt};
+}
+
+void ExternalWorld::check_watchdog(std::int64_t k) const {
+  if (!is_armed_ || !watchdog_->has_expired()) return;
+  throw FrameTimeout("the robot was stopped, as no fresh frame was taken within frame_timeout = " +
+                     to_text(frame_timeout_) + " s of the arrival of that of step " +
+                     std::to_string(k) +
+                     ": the callbacks took too long, or give a longer frame_timeout");
 }
 
 std::optional<Input> ExternalWorld::stop() noexcept {
+  if (is_armed_) {
+    const NativeWork native;  // it may be waiting for the interpreter
+    watchdog_->disarm();
+    is_armed_ = false;
+  }
   return source_.stop ? source_.stop() : std::nullopt;
 }
 

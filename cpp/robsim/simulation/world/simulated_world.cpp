@@ -107,7 +107,10 @@ void SimulatedWorld::capture(std::int64_t k) {
   if (capture.noise != noise_) capture.noise = noise_;  // counting references costs time
 }
 
-void SimulatedWorld::send(std::int64_t k, const Input& u) { at_step(sent_, k) = u; }
+Sent SimulatedWorld::send(std::int64_t k, const Input& u) {
+  at_step(sent_, k) = u;
+  return {u, std::nullopt};
+}
 
 void SimulatedWorld::move_robot(std::int64_t k) {
   Pose now = next_pose(k);

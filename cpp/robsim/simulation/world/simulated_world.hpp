@@ -107,7 +107,7 @@ class SimulatedWorld : public World {
   void start(const RobotModel& model) override;
   void reset() override;
   Arrival next(std::int64_t k, Observation& observation) override;
-  void send(std::int64_t k, const Input& u) override;
+  Sent send(std::int64_t k, const Input& u) override;
   const Truth* truth() const override { return &truth_; }
   bool has_moving_view() const override { return options_.area.boundary == Boundary::unlimited; }
   bool is_interpreted() const override { return slots_.evaluate_model.is_interpreted; }

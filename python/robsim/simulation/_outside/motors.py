@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+import atexit
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
+from weakref import WeakSet
 
 import numpy as np
 
 from robsim._base.checks import Floats, as_float_array
 from robsim._base.text import quoted
 
-
 _STOPS = 2  # how often the stop input is sent
 _ATTEMPTS = 4
+
+
+_all_motors: WeakSet[Motors] = WeakSet()
+
+
+@atexit.register
+def _stop_all() -> None:
+    """Stop what drives when Python ends, such as after `step`."""
+    for motors in [*_all_motors]:
+        motors.stop()
 
 
 class Motors:
@@ -31,14 +43,19 @@ class Motors:
         If `send` is not callable.
     """
 
+    _has_moved = False
+
     def __init__(self, send: Callable[[Floats], Any], stop_input: Floats | None) -> None:
         if not callable(send):
             raise TypeError(f"send must be callable, got {quoted(send)}")
         self._send = send
         self._stop_input = stop_input
-        self._has_moved = False
+        _all_motors.add(self)
         #: What went wrong when the robot was stopped.
         self.error: BaseException | None = None
+
+    def __del__(self) -> None:
+        self.stop()
 
     @property
     def has_moved(self) -> bool:
@@ -49,6 +66,15 @@ class Motors:
         """Send an input."""
         self._has_moved = True  # even if it fails: nobody knows what has arrived
         self._send(u)
+
+    def stop_late(self) -> None:
+        """Send the stop input from another thread, in the middle of a run.
+
+        The end of the run sends it again.
+        """
+        for _ in range(_STOPS):
+            with suppress(BaseException):  # the end of the run tells what is wrong
+                self._send(np.array(self._stop_input))
 
     def stop(self) -> Floats | None:
         """Send the stop input, unless nothing was sent since the last one; return what was sent.
