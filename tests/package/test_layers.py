@@ -53,7 +53,7 @@ PYTHON = {
     "core": {"_core"},
     "base": {"_base"},
     "records": {"imaging", "trace"},
-    "subjects": {"vision", "control", "identification", "evaluation", "reference"},
+    "subjects": {"vision", "control", "identification", "evaluation", "reference", "sessions"},
     "robots": {"robots"},
     "loop": {"simulation"},
     "views": {"plotting", "doctor", "bench", "digests"},

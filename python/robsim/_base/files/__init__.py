@@ -2,6 +2,7 @@
 
 from robsim._base.files.copies import copy_files
 from robsim._base.files.reading import (
+    MOST_TOML,
     as_folder,
     as_path,
     content_of,
@@ -12,6 +13,7 @@ from robsim._base.files.reading import (
 from robsim._base.files.writing import PartialFile, naming, open_whole, sync_folder, write_whole
 
 __all__ = [
+    "MOST_TOML",
     "PartialFile",
     "as_folder",
     "as_path",

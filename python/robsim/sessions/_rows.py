@@ -1,0 +1,204 @@
+"""The time base of a session: a line of text for each step, readable by any spreadsheet."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim._base.text import as_cell, cut, one_line, quoted
+from robsim._core import PlaneMap
+
+#: Limits of the file and of a line (bytes).
+MOST_BYTES = 2**31
+_MOST_LINE = 4096
+_MOST_STEP = 2**62
+_LONGEST_TIME = 1e11  # s
+
+_NAN = math.nan
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Row:
+    """What a step of a recorded run was, but for its picture.
+
+    NaN and None = not known.
+
+    Parameters
+    ----------
+    k : int
+        Number of the step.
+    t : float
+        Time of the step (s).
+    t_arrival : float
+        When the frame reached this computer (s).
+    t_sent : float
+        When the input went out (s).
+    u : array_like (2,)
+        Input that was sent (V).
+    last_u : array_like (2,)
+        Input that the robot got since the step before (V), where that is not `u` of that step.
+    pose_measured : array_like (3,)
+        x, y (work-area px), heading (rad).
+    interrupted : bool
+        The robot was stopped after the step before.
+    reason : str
+        Why the robot was not detected.
+    """
+
+    k: int
+    t: float
+    t_arrival: float = _NAN
+    t_sent: float = _NAN
+    u: Any = (_NAN, _NAN)
+    last_u: Any = (_NAN, _NAN)
+    pose_measured: Any = (_NAN, _NAN, _NAN)
+    interrupted: bool = False
+    reason: str = ""
+    # Of the picture, by the writer: its number in the video, or why it is not in there; the
+    # frame's own number, and its plane map where it is another than that of the set-up.
+    video_frame: int | None = None
+    left_out: str = ""
+    frame_index: int | None = None
+    plane_map: PlaneMap | None = field(default=None, compare=False)
+
+
+# Columns of the arrays; the other fields are a column each.
+_ARRAYS = {
+    "u": ("u1", "u2"),
+    "last_u": ("last_u1", "last_u2"),
+    "pose_measured": ("x_measured", "y_measured", "heading_measured"),
+}
+_FIELDS = tuple(entry.name for entry in fields(Row))
+_COLUMNS = tuple(column for name in _FIELDS for column in _ARRAYS.get(name, (name,)))
+
+HEADER = (",".join(_COLUMNS) + "\n").encode()
+
+
+def line_of(row: Row) -> bytes:
+    """Return a row as its line in the file."""
+    cells: list[str] = []
+    for name in _FIELDS:
+        value = getattr(row, name)
+        cells += map(_cell, value) if name in _ARRAYS else [_cell(value)]
+    return (",".join(cells) + "\n").encode()
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        text = one_line(value)[:200]
+        return '"' + as_cell(text).replace('"', '""') + '"' if text else ""
+    if isinstance(value, PlaneMap):
+        return " ".join(map(repr, value.matrix.ravel().tolist()))
+    if isinstance(value, bool):
+        return str(int(value))
+    if value is None or value != value:
+        return ""
+    return repr(value.item() if isinstance(value, np.generic) else value)
+
+
+def read_rows(file: Path) -> tuple[list[Row], bool]:
+    """Return the rows of a time base, and whether its last line is torn.
+
+    Raises
+    ------
+    ValueError
+        If it is damaged elsewhere; the message names file and line.
+    """
+    with file.open("rb") as stream:
+        content = stream.read(MOST_BYTES + 1)
+    if len(content) > MOST_BYTES:
+        raise ValueError(f"{one_line(file)} must have at most {MOST_BYTES >> 20} MB")
+    lines = content.split(b"\n")
+    last = lines.pop()
+    if not lines or lines[0] + b"\n" != HEADER:
+        if not lines and HEADER.startswith(last):
+            return [], bool(last)
+        raise ValueError(f"{one_line(file)} is not the time base of a session, or damaged")
+    rows: list[Row] = []
+    for number, line in enumerate(lines[1:], 2):
+        try:
+            row = _row_of(line)
+            if rows and row.k != rows[-1].k + 1:
+                raise ValueError(f"step {row.k} follows step {rows[-1].k}")
+        except (ValueError, OverflowError, csv.Error) as error:
+            raise ValueError(f"{one_line(file)}, line {number}: {cut(error)}") from error
+        rows.append(row)
+    return rows, bool(last)
+
+
+def _row_of(line: bytes) -> Row:
+    if len(line) > _MOST_LINE:
+        raise ValueError(f"a line must have at most {_MOST_LINE} bytes")
+    (cells,) = csv.reader([line.decode()], strict=True) if line else [[]]
+    if len(cells) != len(_COLUMNS):
+        raise ValueError(f"there must be {len(_COLUMNS)} columns, got {len(cells)}")
+    texts = dict(zip(_COLUMNS, cells, strict=True))
+    values: dict[str, Any] = {name: texts[name] for name in ("reason", "left_out")}
+    for name in ("t", "t_arrival", "t_sent"):
+        values[name] = _time(name, texts[name])
+    for name, columns in _ARRAYS.items():
+        values[name] = tuple(_float(column, texts[column]) for column in columns)
+    for name in ("video_frame", "frame_index"):
+        values[name] = _int(name, texts[name]) if texts[name] else None
+    if texts["interrupted"] not in ("0", "1"):
+        raise ValueError(f"interrupted must be 0 or 1, got {quoted(texts['interrupted'])}")
+    if texts["plane_map"]:
+        values["plane_map"] = _plane_map(texts["plane_map"])
+    if math.isnan(values["t"]):
+        raise ValueError("a step must have a time t")
+    interrupted = texts["interrupted"] == "1"
+    return Row(k=_int("k", texts["k"]), interrupted=interrupted, **values)
+
+
+def _float(name: str, text: str) -> float:
+    if not text:
+        return _NAN
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.inf
+    if not math.isfinite(value):
+        raise ValueError(f"{name} must be a finite number or empty, got {quoted(text)}")
+    return value
+
+
+def _time(name: str, text: str) -> float:
+    value = _float(name, text)
+    if abs(value) > _LONGEST_TIME:
+        raise ValueError(f"{name} must be at most {_LONGEST_TIME:g} s, got {quoted(text)}")
+    return value
+
+
+def _int(name: str, text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 20 and int(text) < _MOST_STEP):
+        raise ValueError(f"{name} must be a whole number of at least 0, got {quoted(text)}")
+    return int(text)
+
+
+def _plane_map(text: str) -> PlaneMap:
+    numbers = [_float("plane_map", part) for part in text.split(" ")]
+    if len(numbers) != 9:
+        raise ValueError(f"plane_map must be 9 numbers, got {len(numbers)}")
+    return PlaneMap(np.reshape(numbers, (3, 3)))
+
+
+def columns_of(rows: Iterable[Row], *names: str) -> dict[str, Floats]:
+    """Return fields of rows as arrays (N,) or (N, width)."""
+    rows = list(rows)
+    shapes = {name: (len(rows), len(_ARRAYS[name])) if name in _ARRAYS else -1 for name in names}
+    return {
+        name: np.array([getattr(row, name) for row in rows], dtype=np.float64).reshape(shape)
+        for name, shape in shapes.items()
+    }
+
+
+def with_frame(row: Row, number: int | None, left_out: str) -> Row:
+    """Return a row with the number of its picture in the video, or why there is none."""
+    return replace(row, video_frame=number, left_out=left_out)

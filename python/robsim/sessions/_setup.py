@@ -1,0 +1,217 @@
+"""The set-up of a session: what a run was made with, as a TOML file."""
+
+from __future__ import annotations
+
+import datetime
+import math
+import platform
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomlkit
+
+from robsim._base.checks import as_float_array, check_float, check_size
+from robsim._base.files import MOST_TOML, parse_toml, read_toml
+from robsim._base.text import one_line, quoted
+from robsim._core import ColorClass, MarkerLayout, PlaneMap, RobotModel
+
+FORMAT = 1
+_KINDS = (str, bool, int, float, list, dict, datetime.datetime)
+_PACKAGES = ("robsim", "numpy", "pillow", "opencv-python-headless", "opencv-python")
+_LARGEST_INT = 2**63  # of TOML
+_MARKER_KEYS = ("red_area", "blue_area", "distance_tolerance", "area_tolerance", "maximum_blobs")
+
+
+def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str:
+    """Return the file of a set-up, with format, date and versions.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a value cannot be written, or all together are too much for `read_setup`.
+    """
+    now = datetime.datetime.now(datetime.UTC)
+    table = {
+        "format": FORMAT,
+        "started": now.replace(microsecond=now.microsecond // 1000 * 1000),
+        "pictures": kind,
+        "fps": fps,
+        **setup,
+        "versions": {"python": platform.python_version(), **_versions()},
+    }
+    text = tomlkit.dumps(_as_toml("setup", table))
+    if len(text.encode()) > MOST_TOML:
+        raise ValueError(f"setup must have at most {MOST_TOML >> 20} MB as a file")
+    parse_toml(text)
+    return text
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _as_toml(name: str, value: Any) -> Any:
+    """Return a value as TOML has it; what is None is left out of its table."""
+    if isinstance(value, Mapping):
+        items = {str(key): _as_toml(f"{name}.{key}", item) for key, item in value.items()}
+        # Plain values stand before the tables, or they would be a part of the last one.
+        tables = {key: item for key, item in items.items() if isinstance(item, dict)}
+        plain = {key: item for key, item in items.items() if key not in tables}
+        return {key: item for key, item in (plain | tables).items() if item is not None}
+    if isinstance(value, PlaneMap):
+        return value.matrix.tolist()
+    if isinstance(value, RobotModel):
+        return {"dt": value.dt, "theta": value.theta.tolist()}
+    if isinstance(value, ColorClass):
+        return {"name": value.name, **{c: list(getattr(value, c)) for c in "yuv"}}
+    if isinstance(value, MarkerLayout):
+        table = {"red": value.red.tolist(), "blue": value.blue.tolist()}
+        return table | {key: getattr(value, key) for key in _MARKER_KEYS}
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_as_toml(name, item) for item in value]
+    if isinstance(value, int) and not -_LARGEST_INT <= value < _LARGEST_INT:
+        return str(value)
+    if isinstance(value, str) and "\n" in value:
+        return _lines(value)
+    if value is None or isinstance(value, _KINDS):
+        return value
+    raise TypeError(f"{name} must be numbers, texts, lists and tables, got {quoted(value)}")
+
+
+def _lines(text: str) -> Any:
+    """Return a text of lines so that it can be read in the file, if TOML can hold it so."""
+    is_safe = "'''" not in text and all(c in "\n\t" or c.isprintable() for c in text)
+    if is_safe and not text.endswith("'"):
+        for start in ("", "\n"):  # some versions of tomlkit add a line break, which TOML ignores
+            item = tomlkit.string(start + text, literal=True, multiline=True)
+            if parse_toml(f"text = {item.as_string()}") == {"text": text}:
+                return item
+    return text
+
+
+class Setup:
+    """What a run was made with, read from its file.
+
+    Parameters
+    ----------
+    file : Path
+        The file ``setup.toml`` of a session.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is damaged; the message names file and key.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self.table = read_toml(file)
+        try:
+            if self.table.get("format") != FORMAT:
+                raise ValueError(f"format must be {FORMAT}, got {quoted(self.table.get('format'))}")
+            self.area = self._read("area", _size)
+            self.dt = self._read("dt", _dt)
+            self.plane_map = self._read("plane_map", _plane_map)
+            self.stop_input = self._read("stop_input", _input)
+            self.colors = self._read("colors", _colors)
+            self.markers = self._read("markers", _markers)
+            self.model = self._read("model", _model)
+            self.robot = self._read("robot", _text) or ""
+            self.started = self._read("started", _date)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{one_line(file)}: {error}") from error
+
+    def _read(self, key: str, read: Any) -> Any:
+        value = self.table.get(key)
+        return None if value is None else read(key, value)
+
+
+def _size(name: str, value: Any) -> tuple[int, int]:
+    return check_size(name, value)
+
+
+def _dt(name: str, value: Any) -> float:
+    return check_float(name, value, "s", exclusive_minimum=0, maximum=1e6)
+
+
+def _numbers(name: str, value: Any, shape: tuple[int, ...]) -> Any:
+    array = as_float_array(name, value)
+    if array.shape != shape or not np.isfinite(array).all():
+        size = " x ".join(map(str, shape))
+        raise ValueError(f"{name} must be {size} finite numbers, got {quoted(value)}")
+    return array
+
+
+def _plane_map(name: str, value: Any) -> PlaneMap:
+    return PlaneMap(_numbers(name, value, (3, 3)))
+
+
+def _input(name: str, value: Any) -> tuple[float, float]:
+    left, right = _numbers(name, value, (2,)).tolist()
+    return left, right
+
+
+def _text(name: str, value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a text, got {quoted(value)}")
+    return value
+
+
+def _date(name: str, value: Any) -> datetime.datetime:
+    if not isinstance(value, datetime.datetime) or value.tzinfo is None:
+        raise TypeError(f"{name} must be a time with its zone, got {quoted(value)}")
+    return value
+
+
+def _table(name: str, value: Any, *needed: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise TypeError(f"{name} must be a table, got {quoted(value)}")
+    for key in needed:
+        if key not in value:
+            raise ValueError(f"{name} must have {key}")
+    return value
+
+
+def _colors(name: str, value: Any) -> list[ColorClass]:
+    if not isinstance(value, list) or len(value) > 1000:
+        raise TypeError(f"{name} must be a list of tables, got {quoted(value)}")
+    colors = []
+    for table in value:
+        _table(name, table, "name", "y", "u", "v")
+        try:
+            ranges = {channel: tuple(table[channel]) for channel in "yuv"}
+            colors.append(ColorClass(table["name"], **ranges))
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{name}: {one_line(error)}") from error
+    return colors
+
+
+def _markers(name: str, value: Any) -> MarkerLayout:
+    table = _table(name, value, "red", "blue")
+    red, blue = (_numbers(f"{name}.{key}", table[key], (2,)) for key in ("red", "blue"))
+    options = {key: table[key] for key in _MARKER_KEYS if key in table}
+    for key in ("red_area", "blue_area"):
+        if isinstance(options.get(key), float) and math.isnan(options[key]):
+            del options[key]
+    try:
+        return MarkerLayout.from_positions(red, blue, **options)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name}: {one_line(error)}") from error
+
+
+def _model(name: str, value: Any) -> RobotModel:
+    table = _table(name, value, "dt", "theta")
+    theta = _numbers(f"{name}.theta", table["theta"], (3, 5))
+    return RobotModel.from_theta(theta, dt=_dt(f"{name}.dt", table["dt"]))

@@ -1,0 +1,80 @@
+"""Runs that are killed at random moments while they are recorded.
+
+A program of its own: ``python killed_sessions.py FOLDER SEED COUNT``. It prints how many were
+killed, or raises an AssertionError if one of them lost more than its last second.
+"""
+
+import os
+import signal
+import sys
+import time
+import traceback
+from pathlib import Path
+
+import numpy as np
+
+import sessions
+from robsim.sessions import Session
+
+AT_ONCE = 5
+LOST_AT_MOST = 1.0  # s
+
+
+def run_on(folder, log, lossless):
+    """Record steps until the end of the process; note each before it is added."""
+    writer = sessions.SessionWriter(folder, setup=sessions.SETUP, lossless=lossless)
+    for k in range(10**6):
+        os.write(log, f"{k} {time.monotonic()!r}\n".encode())
+        sessions.add(writer, k)
+        time.sleep(0.005)
+
+
+def start(folder, lossless):
+    log = os.open(f"{folder}.log", os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    child = os.fork()
+    if child == 0:
+        try:
+            run_on(folder, log, lossless)
+        except BaseException:
+            traceback.print_exc()
+        os._exit(1)
+    os.close(log)
+    return child
+
+
+def check(folder, killed):
+    """Compare what can be read with what the child noted before it was killed."""
+    noted = [line.split() for line in Path(f"{folder}.log").read_text().splitlines()]
+    must = sum(float(moment) < killed - LOST_AT_MOST for _, moment in noted)
+    session = Session(folder)
+    assert must <= session.count <= len(noted), (folder, must, session.count, len(noted))
+    assert not session.is_complete
+    pictures = sessions.check_agreement(session)
+    left_out = sum(bool(row.left_out) for row in session._rows)
+    assert pictures + left_out == session.count, (folder, pictures, left_out, session.count)
+    return must
+
+
+def main(parent, seed, count):
+    rng = np.random.default_rng(int(seed))
+    sessions.driven()
+    must = 0
+    for first in range(0, int(count), AT_ONCE):
+        numbers = range(first, min(first + AT_ONCE, int(count)))
+        folders = [Path(parent, f"run {number}") for number in numbers]
+        children = [start(folder, i % 2 == 1) for i, folder in enumerate(folders)]
+        begin, killed = time.monotonic(), {}
+        moments = sorted(zip(rng.uniform(0.5, 2.0, len(children)), children, folders, strict=True))
+        for moment, child, folder in moments:
+            time.sleep(max(0.0, begin + moment - time.monotonic()))
+            killed[folder] = time.monotonic()
+            os.kill(child, signal.SIGKILL)
+            _, status = os.waitpid(child, 0)
+            assert os.WIFSIGNALED(status)
+        must += sum(check(folder, moment) for folder, moment in killed.items())
+    print(f"{count} killed, {must} steps had to be there")
+    assert must > 0, "no run was long enough to tell"
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

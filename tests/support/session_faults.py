@@ -1,0 +1,100 @@
+"""A recorder whose calls to the system fail in turn, or whose process is killed there.
+
+A program of its own, started with faults.c preloaded: ``python session_faults.py FOLDER errors`` or
+``kills``. It prints what was tried, or raises an AssertionError.
+"""
+
+import errno
+import os
+import sys
+import tempfile
+import traceback
+import warnings
+from pathlib import Path
+
+import faults
+import sessions
+from robsim.sessions import Session
+
+STEPS = 3
+
+
+def record(folder):
+    """Record a short session; return what the writer says of it at the end."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sessions.record(folder, STEPS).close()
+    return " ".join(str(warning.message) for warning in caught)
+
+
+def check(folder, call, *, is_told):
+    """What was written must be read, and be the steps that were recorded."""
+    try:
+        session = Session(folder)
+    except FileNotFoundError:  # before there was a set-up
+        assert not (folder / "setup.toml").exists()
+        return
+    pictures = sessions.check_agreement(session)
+    if not is_told:
+        assert session.is_complete, (call, session.problems)
+    if session.is_complete:
+        assert session.count == pictures == STEPS, (call, session.count, pictures)
+
+
+def fail_each(parent, error):
+    """Let each call fail once; return how many there were."""
+    broken, number = faults.Faults(), 0
+    while True:
+        number += 1
+        folder, before = parent / f"{error} {number}", faults.open_files()
+        broken.arm(folder, number, error)
+        told = ""
+        try:
+            told = record(folder)
+        except OSError as caught:  # before the first step only
+            told = str(caught)
+            assert not (folder / "frames.mkv").exists()
+        call = broken.disarm()
+        assert faults.open_files() == before, (call, number)
+        check(folder, call, is_told=bool(told))
+        if not call:
+            assert not told
+            return number - 1
+        # A disk without hard links gets its names in another way.
+        assert told or call in (*faults.HARMLESS, "link"), (call, number)
+
+
+def kill_each(parent):
+    """Kill a child at each call in turn; return how many there were."""
+    broken, number = faults.Faults(), 0
+    while True:
+        number += 1
+        folder = parent / f"killed {number}"
+        child = os.fork()
+        if child == 0:
+            try:
+                broken.arm(folder, number, 0)
+                os._exit(1 if record(folder) else 0)
+            except BaseException:
+                traceback.print_exc()
+            os._exit(1)
+        status = os.waitpid(child, 0)[1]
+        check(folder, number, is_told=os.WIFSIGNALED(status))
+        if not os.WIFSIGNALED(status):
+            assert status == 0, number
+            return number - 1
+
+
+def main(parent, kind):
+    folder = Path(tempfile.mkdtemp(dir=parent))
+    sessions.driven()
+    if kind == "kills":
+        count = kill_each(folder)
+    else:
+        count = sum(fail_each(folder, error) for error in (errno.ENOSPC, errno.EIO))
+    assert count > 2 * STEPS
+    print(f"{kind}: {count}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,79 @@
+"""Sessions for the tests: frames whose number and pose can be read out of the picture."""
+
+from functools import cache
+
+import numpy as np
+
+import robsim
+from robsim.sessions._rows import Row
+from robsim.sessions._writer import SessionWriter
+
+AREA = (300, 300)
+SETUP = {"area": AREA, "dt": 0.2, "robot": "lab", "stop_input": (0.0, 0.0)}
+_BITS, _SIDE = 16, 16  # of the number, px of a square: those of JPEG
+
+
+@cache
+def driven(steps=20):
+    """Frames and poses of a robot that drives around."""
+    drive = robsim.DriveAround()
+    simulation = robsim.Simulation(seed=4, area=AREA, control=drive, measure=True)
+    frames = [simulation.step().frame.image.copy() for _ in range(steps)]
+    poses = robsim.Experiment(list(map(robsim.Frame, frames)), area=AREA).run().pose_measured
+    assert np.isfinite(poses).all()
+    return frames, poses
+
+
+def numbered(k):
+    """The frame of step k, with the number as black and white squares at its top, and its pose."""
+    frames, poses = driven()
+    pixels = frames[k % len(frames)].copy()
+    for bit in range(_BITS):
+        square = slice(_SIDE * bit, _SIDE * (bit + 1))
+        pixels[:_SIDE, square] = 255 * (k >> bit & 1)
+    return robsim.Frame(pixels, t=row_time(k), index=k), poses[k % len(poses)]
+
+
+def number_of(frame):
+    """The number that is drawn on a frame."""
+    middle = _SIDE // 2
+    row = frame.image[middle, middle : _SIDE * _BITS : _SIDE, 0]
+    return int(sum(1 << bit for bit, level in enumerate(row) if level > 127))
+
+
+def row_time(k):
+    return 100 + 0.2 * k
+
+
+def add(writer, k):
+    """Record step k."""
+    frame, pose = numbered(k)
+    u = (k / 7, -k / 7)
+    writer.add(Row(k=k, t=row_time(k), u=u, pose_measured=tuple(pose.tolist())), frame)
+
+
+def record(folder, steps, *, waits=True, **options):
+    """Record a session of so many steps; return its writer, which is still open."""
+    writer = SessionWriter(folder, setup=SETUP, waits=waits, **options)
+    for k in range(steps):
+        add(writer, k)
+    return writer
+
+
+def check_agreement(session):
+    """Rows, trace and pictures must tell of the same steps; return how many have a picture."""
+    trace, pictures = session.trace, 0
+    assert len(trace) == session.count
+    np.testing.assert_array_equal(trace.k, np.arange(session.count))
+    for k, observation in enumerate(session):
+        assert observation.t == trace.t[k] == row_time(k)
+        np.testing.assert_array_equal(trace.u[k], (k / 7, -k / 7))
+        if observation.frame is not None:
+            pictures += 1
+            assert number_of(observation.frame) == observation.frame.index == k
+    with_frames = [o for o in session if o.frame is not None]
+    if with_frames:
+        numbers = [o.frame.index for o in with_frames]
+        seen = robsim.Experiment(with_frames, area=AREA).run().pose_measured
+        np.testing.assert_allclose(seen, trace.pose_measured[numbers], atol=0.5)
+    return pictures
