@@ -1387,7 +1387,7 @@ class WorldState:
     pose_1, pose_2 : array (3,)
         The poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
     last_u : array (2,)
-        What the motors got since step k-1 (V).
+        What acted on the motors since step k-1, on average (V).
     model : RobotModel, optional
         The model that this world follows. Default: that of the default robot.
     k : int
@@ -1422,7 +1422,7 @@ class WorldState:
     @property
     def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): what the motors got since step k-1 (V): with noise and delay, if there are any.
+        array (2,): what acted on the motors since step k-1, on average (V): with noise and delay, if there are any.
         """
     @property
     def model(self) -> RobotModel:
@@ -1452,7 +1452,7 @@ class SimulatedWorld(World):
     """
     The simulated world half. Users take robsim.Simulation.
     """
-    def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str, robot_radius: float, camera_delay: int, motor_delay: int) -> None:
+    def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str, robot_radius: float, camera_delay: int, motor_delay: float) -> None:
         ...
     def draw(self, k: int, pose: numpy.typing.ArrayLike, view: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
         """

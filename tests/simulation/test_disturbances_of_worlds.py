@@ -126,6 +126,43 @@ def test_the_motors_get_their_inputs_late():
     assert np.abs(late.pose_true[4:] - prompt[4:]).max() > 1
 
 
+def acting(u, k, delay):
+    """Return the mean of what acts from step k to k + 1, each input from `delay` steps on."""
+    total = np.zeros(2)
+    for step, given in enumerate(u):
+        # the input of a step acts from step + delay to step + delay + 1
+        overlap = min(k + 1, step + delay + 1) - max(k, step + delay)
+        total = total + max(overlap, 0.0) * given
+    return total
+
+
+@pytest.mark.parametrize("delay", [0, 1, 3, 0.25, 2.4, 29.5, 700.125])
+def test_the_motors_get_the_mean_of_the_inputs_that_act_in_a_step(delay):
+    got = []
+
+    def evaluate_model(world):
+        got.append(world.last_u)
+        return world.model.predict(world.pose_1, world.pose_2, world.last_u)
+
+    options = {"control": robsim.DriveAround(), "seed": 1, "motor_delay": delay}
+    trace = Simulation(evaluate_model=evaluate_model, **options).run(40)
+    expected = [acting(trace.u, k, delay) for k in range(39)]
+    np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12)
+    assert Simulation(**options).run(40).pose_true.tobytes() == trace.pose_true.tobytes()
+
+
+@pytest.mark.parametrize("delay", [2, 2.0, np.float64(2), np.int8(2)])
+def test_a_delay_of_whole_steps_is_one_however_it_is_written(delay):
+    scenario = robsim.Scenario(motor_delay=delay, robot="lab")
+    assert repr(scenario) == "Scenario(robot='lab', motor_delay=2)"
+    assert type(robsim.Scenario(motor_delay=delay + 0.5).motor_delay) is float
+
+
+def test_a_part_of_a_step_is_no_delay_of_frames():
+    with pytest.raises(TypeError, match=r"a frame shows a step; put the fraction into motor_delay"):
+        Simulation(camera_delay=1.5)
+
+
 @pytest.mark.long
 def test_the_frames_come_late_and_say_when_they_were_taken():
     options = {"control": robsim.DriveAround(), "measure": True, "headings": None, "seed": 2}

@@ -171,7 +171,7 @@ WRONG_OPTIONS = {
 }
 NO_BACKGROUNDS = (5, IMAGE.tolist(), b"x", IMAGE.astype(float), IMAGE[..., 0], IMAGE[:0])
 NO_BOOL = (1, 0, "yes", lambda step: None)
-NO_DELAY = (-1, 1001, 1.5, "1", None, True, NAN)
+NO_DELAY = (-1, 1001, "1", None, True, NAN, 1j)
 
 
 class Lazy(Spin):
@@ -189,7 +189,7 @@ class OwnNoise(robsim.GaussianNoise):
     options(Scenario, {"dropout": (0.2, True, robsim.Dropout)}),
     options(Scenario, {"process_noise": (1, np.eye(3), robsim.GaussianNoise(1), robsim.PoseNoise)}),
     options(Scenario, {"mismatch": (0.1, True, robsim.ParameterMismatch)}),
-    options(Scenario, {"camera_delay motor_delay": NO_DELAY}),
+    options(Scenario, {"camera_delay motor_delay": NO_DELAY, "camera_delay": (1.5, 1.0)}),
     options(Scenario, {"smoothing": (0, 2, 17, 1.5, True, "3")}),
     options(Scenario, {"model": (1, robsim.RobotModel().theta, robsim.RobotModel, "lab")}),
     options(Scenario, {"evaluate_model": (True, 1, robsim.Unicycle, lambda world: (0, 0, 0))}),

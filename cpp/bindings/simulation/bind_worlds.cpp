@@ -74,7 +74,7 @@ void SlottedWorld::set_evaluate_model(const py::object& value) {
 
 std::shared_ptr<SlottedWorld> make_world(std::pair<int, int> area, std::pair<int, int> resolution,
                                          const std::string& boundary, double robot_radius,
-                                         int camera_delay, int motor_delay) {
+                                         int camera_delay, double motor_delay) {
   WorldOptions options;
   options.area = {
       area.first, area.second,
@@ -160,7 +160,7 @@ Parameters
 pose_1, pose_2 : array (3,)
     The poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
 last_u : array (2,)
-    What the motors got since step k-1 (V).
+    What acted on the motors since step k-1, on average (V).
 model : RobotModel, optional
     The model that this world follows. Default: that of the default robot.
 k : int
@@ -183,7 +183,8 @@ t, dt : float, optional
           "array (3,): the pose of step k-2.")
       .def_property_readonly(
           "last_u", [](const WorldState& self) { return to_array(self.last_u); },
-          "array (2,): what the motors got since step k-1 (V): with noise and delay, if there are "
+          "array (2,): what acted on the motors since step k-1, on average (V): with noise and "
+          "delay, if there are "
           "any.")
       .def_property_readonly(
           "model", [](const WorldState& self) { return self.model; },

@@ -34,6 +34,7 @@ from robsim.robots._lookup import as_robot
 from robsim.simulation._world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation._world.dropout import Dropout
 from robsim.simulation._world.scene import Floor, as_floor
+from robsim.trace._input_delay import MAXIMUM_DELAY, check_delay
 from robsim.vision._color_files import as_colors
 
 #: What some of the options take.
@@ -55,7 +56,6 @@ KINDS: dict[str, tuple[type, ...]] = {
     "control": (Spin, DriveAround, Replay),
 }
 
-MAXIMUM_DELAY = 1000  # steps
 UNLIMITED = 2**62 - 1  # steps
 
 _OF_RUN = "it is an argument of run"
@@ -217,9 +217,20 @@ def headings_value(headings: int | None) -> int | None:
     return None if headings is None else check_int("headings", headings, minimum=1, maximum=360)
 
 
-def delay_value(name: str, delay: int) -> int:
-    """Return a delay in steps."""
-    return check_int(name, delay, minimum=0, maximum=MAXIMUM_DELAY)
+def camera_delay_value(delay: int) -> int:
+    """Return the option ``camera_delay`` in steps."""
+    if isinstance(delay, (float, np.floating)) and not float(delay).is_integer():
+        raise TypeError(
+            f"camera_delay must be an int, got {quoted(delay)}: a frame shows a step; put the "
+            "fraction into motor_delay, since frames say when they were taken"
+        )
+    return check_int("camera_delay", delay, minimum=0, maximum=MAXIMUM_DELAY)
+
+
+def motor_delay_value(delay: float) -> float:
+    """Return the option ``motor_delay`` in steps, a whole number as an int."""
+    value = check_delay("motor_delay", delay)
+    return int(value) if value.is_integer() else value
 
 
 def model_value(model: RobotModel | RobotParameters | None) -> RobotModel | RobotParameters | None:

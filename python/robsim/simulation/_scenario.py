@@ -80,8 +80,12 @@ class Scenario:
         Random disturbance of the robot's motion in every step.
     mismatch : ParameterMismatch or None
         How far the parameters of the world differ from those of `model`.
-    camera_delay, motor_delay : int
-        How many steps late a frame reaches the robot's software, and an input the motors, 0..1000.
+    camera_delay : int
+        How many steps late a frame reaches the robot's software, 0..1000. The robot moves on
+        meanwhile, and the software does not know when the frame was taken but from the frame.
+    motor_delay : float
+        How many steps late an input reaches the motors, 0..1000. With a fraction the robot gets
+        in each step the mean of the two inputs that act in it; see Notes.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
     start : array (3,) or "random", optional
@@ -118,6 +122,18 @@ class Scenario:
     TypeError, ValueError
         If an argument has the wrong type or shape, or is out of range; the message names it.
 
+    Notes
+    -----
+    With ``motor_delay = n + f``, n whole and 0 <= f < 1, what acts from step k to step k + 1 is
+    (1 - f) u(k - n) + f u(k - n - 1), the mean over that time; before step 0 inputs are 0. For a
+    constant input, and for what depends on the mean input alone, this is exact; that an input in
+    the second part of a step has less time to move the robot is neglected.
+
+    The latency of a live loop, from the exposure of a frame until the input that was computed from
+    it acts, is one delay: as live frames are numbered and timed by their exposure, all of it,
+    camera, vision, transmission, motors, is a `motor_delay`. `Trace.timing` measures it,
+    `robsim.reference` compensates it, and `robsim.batch_estimate` takes it as ``input_delay``.
+
     Examples
     --------
     >>> scenario = robsim.Scenario(measure=True, noise=robsim.GaussianNoise(10), seed=1)
@@ -142,7 +158,7 @@ class Scenario:
     process_noise: PoseNoise | WheelNoise | None = None
     mismatch: ParameterMismatch | None = None
     camera_delay: int = 0
-    motor_delay: int = 0
+    motor_delay: float = 0
     background: options.Background = None
     start: ArrayLike | None = None
     seed: Seed = None
@@ -181,8 +197,8 @@ class Scenario:
             "area": area,
             "resolution": resolution,
             "headings": options.headings_value(self.headings),
-            "camera_delay": options.delay_value("camera_delay", self.camera_delay),
-            "motor_delay": options.delay_value("motor_delay", self.motor_delay),
+            "camera_delay": options.camera_delay_value(self.camera_delay),
+            "motor_delay": options.motor_delay_value(self.motor_delay),
             "background": options.background_value(self.background),
             "start": options.start_value(self.start, area if is_bounded else None),
             "seed": seed_value(self.seed),

@@ -218,7 +218,7 @@ _PLAIN: dict[str, tuple[Any, ...]] = {
     "boundary": ("a text", str),
     "headings": ('a whole number, or "continuous"', int),
     "camera_delay": _WHOLE_NUMBER,
-    "motor_delay": _WHOLE_NUMBER,
+    "motor_delay": ("a number", int, float),
     "start": ('[x, y, heading] in px, px and rad, or "random"', list, str),
     "seed": ("a whole number, or a table [seed]", int),
     "smoothing": _WHOLE_NUMBER,

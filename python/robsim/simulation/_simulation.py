@@ -108,7 +108,7 @@ class Simulation(WorldSlots, Runner):
         process_noise: PoseNoise | WheelNoise | None = _SAME,
         mismatch: ParameterMismatch | None = _SAME,
         camera_delay: int = _SAME,
-        motor_delay: int = _SAME,
+        motor_delay: float = _SAME,
         background: options.Background = _SAME,
         start: ArrayLike | str | None = _SAME,
         seed: Seed = _SAME,

@@ -72,7 +72,7 @@ void SimulatedWorld::start(const RobotModel& model) {
   truth_ = {};
   truth_.pose = last_pose_ = options_.start;
   pan_ = {};
-  sent_.assign(static_cast<std::size_t>(options_.motor_delay) + 1, {});
+  sent_.assign(static_cast<std::size_t>(std::ceil(options_.motor_delay)) + 1, {});
   captures_.assign(static_cast<std::size_t>(options_.camera_delay) + 1, {});
   capture(0);
 }
@@ -126,15 +126,25 @@ void SimulatedWorld::move_robot(std::int64_t k) {
 }
 
 Pose SimulatedWorld::next_pose(std::int64_t k) const {
-  const std::int64_t arrived = k - 1 - options_.motor_delay;
-  const Input u =
-      options_.disturbance.disturbed(arrived < 0 ? Input{} : at_step(sent_, arrived), k);
+  const Input u = options_.disturbance.disturbed(acting_input(k - 1), k);
   const double dt = model_->dt();
   const Pose pose = slots_.evaluate_model
                         ? slots_.evaluate_model.call({k, static_cast<double>(k) * dt, dt,
                                                       truth_.pose, last_pose_, u, *model_})
                         : model_->predict(truth_.pose, last_pose_, u);
   return options_.disturbance.disturbed(pose, k);
+}
+
+// The mean of the inputs that act from step k to step k + 1.
+Input SimulatedWorld::acting_input(std::int64_t k) const {
+  const auto sent = [&](std::int64_t step) { return step < 0 ? Input{} : at_step(sent_, step); };
+  const double n = std::floor(options_.motor_delay), f = options_.motor_delay - n;
+  const std::int64_t newest = k - static_cast<std::int64_t>(n);
+  const Input u = sent(newest);
+  if (f == 0) return u;
+  // u_acting(k) = (1 - f) u(k - n) + f u(k - n - 1), with the delay n + f
+  const Input before = sent(newest - 1);
+  return {(1 - f) * u.u1 + f * before.u1, (1 - f) * u.u2 + f * before.u2};
 }
 
 Pan SimulatedWorld::followed_view() const {

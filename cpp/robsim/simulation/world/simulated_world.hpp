@@ -22,7 +22,7 @@ struct WorldState {
   double dt = 0;  // s
   Pose pose_1;    // of step k-1
   Pose pose_2;    // of step k-2
-  Input last_u;   // of step k-1, as the motors got it
+  Input last_u;   // that acted from step k-1 to step k
   RobotModel model;
 };
 
@@ -46,8 +46,8 @@ struct WorldOptions {
   std::uint64_t noise_seed = 0;
   Dropout dropout;
   Disturbance disturbance;
-  int camera_delay = 0;  // steps
-  int motor_delay = 0;   // steps
+  int camera_delay = 0;    // steps
+  double motor_delay = 0;  // steps
 };
 
 /// The slots of the world half.
@@ -117,6 +117,7 @@ class SimulatedWorld : public World {
   void move_robot(std::int64_t k);
   void capture(std::int64_t k);
   Pose next_pose(std::int64_t k) const;
+  Input acting_input(std::int64_t k) const;
   Pan followed_view() const;
   Renderer& renderer();
   std::int64_t pixel_count() const { return std::int64_t{options_.width} * options_.height; }
