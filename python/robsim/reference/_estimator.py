@@ -10,8 +10,7 @@ import numpy as np
 
 from robsim._base.checks import Floats
 from robsim._base.text import quoted
-from robsim._core import Estimate, Step, check_mean_interval
-from robsim.reference._motion import RobotMotion
+from robsim._core import Estimate, Step
 from robsim.reference._noise import check_vector3
 
 
@@ -96,7 +95,6 @@ class StateEstimator(ABC):
         self.mean, self.P = self.prior.mean, self.prior.P
         self._has_seen = False
         self._last_step = -1
-        self._time, self._n_steps = 0.0, 0
 
     def __call__(self, step: Step) -> Estimate:
         """Return the pose of a step, its covariance, and the velocity as further state."""
@@ -106,22 +104,22 @@ class StateEstimator(ABC):
             )
         if step.k == 0 or step.k != self._last_step + 1:
             self.reset()
+        u = self._input_since(step)
         # No prediction before the robot is seen: with an unknown heading an input says nothing.
         if self._has_seen:
-            self.predict(step.last_u, step.dt)
+            self.predict(u, step.dt)
         if step.measurement is not None:
             self.update(step.measurement.pose)
             self._has_seen = True
         self._last_step = step.k
+        return self._estimate()
+
+    def _estimate(self) -> Estimate:
         return Estimate(self.mean[:3], self.P[:3, :3], self.mean[3:])
 
-    def _steps_in(self, dt: float, motion: RobotMotion) -> int:
-        """Return the number of model steps in a time (s); ValueError if it is none of the model."""
-        n_steps = motion.steps_in(dt)
-        self._time += dt
-        self._n_steps += n_steps
-        check_mean_interval(self._time, self._n_steps, motion.T)
-        return n_steps
+    def _input_since(self, step: Step) -> Floats:
+        """Return the input that acted since the step before; called once a step."""
+        return np.asarray(step.last_u)
 
     @abstractmethod
     def predict(self, u: Floats, dt: float) -> None:

@@ -10,11 +10,11 @@ from robsim._base.checks import Floats
 from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
-from robsim.reference._motion import RobotMotion
+from robsim.reference._model_filter import ModelFilter
 from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, check_process_sigma
 
 
-class ExtendedKalmanFilter(KalmanFilter):
+class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
     """A Kalman filter on the robot model, linearised at each estimate.
 
     Parameters
@@ -34,6 +34,9 @@ class ExtendedKalmanFilter(KalmanFilter):
         Standard deviations of a measured pose (px, px, rad). The default is that of a simulation
         with 36 drawn headings in a frame of 1200 px; with ``headings=None`` it is about
         (0.04, 0.04, 0.0016), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
+    input_delay : float
+        How late the inputs act, in steps of the model, 0..1000: the `motor_delay` of a simulated
+        world, the ``trace.timing().input_delay`` of a live one. `ahead` then compensates it.
     prior : Prior, optional
         What is known before the robot is first seen.
 
@@ -72,19 +75,29 @@ class ExtendedKalmanFilter(KalmanFilter):
         *,
         process_sigma: Sequence[float] = PROCESS_SIGMA,
         measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
+        input_delay: float = 0.0,
         prior: Prior | None = None,
     ) -> None:
-        self.motion = RobotMotion(model)
         self.Q = np.diag(check_process_sigma(process_sigma) ** 2)
-        super().__init__(measurement_sigma=measurement_sigma, prior=prior)
+        super().__init__(
+            model, input_delay=input_delay, measurement_sigma=measurement_sigma, prior=prior
+        )
 
     def predict(self, u: Floats, dt: float) -> None:
-        """Predict the state dt (s) ahead, one or more steps of the model, with the input u (V)."""
+        """Predict the state dt (s) ahead, one or more steps of the model.
+
+        Parameters
+        ----------
+        u : array (2,) or (n, 2)
+            The input that acts (V), or that of each step of the model.
+        dt : float
+            The time (s).
+        """
         G = self.motion.G
-        for _ in range(self._steps_in(dt, self.motion)):
+        for acting in self._inputs(u, dt):
             # F = df/dx at the estimate
-            F = self.motion.jacobian(self.mean, u)
+            F = self.motion.jacobian(self.mean, acting)
             # x = f(x, u),  P = F P F' + G Q G'
             self._set_prediction(
-                self.motion.move(self.mean, u), F @ self.P @ F.T + G @ self.Q @ G.T
+                self.motion.move(self.mean, acting), F @ self.P @ F.T + G @ self.Q @ G.T
             )

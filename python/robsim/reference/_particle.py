@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
 
 from robsim._base.checks import Floats, check_int
 from robsim._base.seeds import Seed, seed_sequence
 from robsim._core import RobotModel, wrap_angle
-from robsim.reference._estimator import Prior, StateEstimator
+from robsim.reference._estimator import Prior
 from robsim.reference._kalman import innovation_of, kalman_update
-from robsim.reference._motion import RobotMotion
+from robsim.reference._model_filter import ModelFilter
 from robsim.reference._noise import (
     MEASUREMENT_SIGMA,
     PROCESS_SIGMA,
@@ -24,7 +26,7 @@ from robsim.reference._noise import (
 MINIMUM_SAMPLE_SIZE = 200
 
 
-class ParticleFilter(StateEstimator):
+class ParticleFilter(ModelFilter):
     """A set of states, moved by the robot model and weighted by the measurements.
 
     Where few particles are near the measurement, as at the start and at a wall, they are replaced
@@ -32,7 +34,7 @@ class ParticleFilter(StateEstimator):
 
     Parameters
     ----------
-    model, process_sigma, measurement_sigma, prior
+    model, process_sigma, measurement_sigma, input_delay, prior
         As for `ExtendedKalmanFilter`. The process noise keeps the particles apart.
     n_particles : int
         Number of particles, at least 1000.
@@ -77,22 +79,28 @@ class ParticleFilter(StateEstimator):
         measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
         n_particles: int = 2000,
         seed: Seed = 0,
+        input_delay: float = 0.0,
         prior: Prior | None = None,
     ) -> None:
-        self.motion = RobotMotion(model)
         self.process_sigma = check_process_sigma(process_sigma)
         self.measurement_sigma = check_vector3(
             "measurement_sigma", measurement_sigma, exclusive_minimum=0
         )
         self.n_particles = check_int("n_particles", n_particles, minimum=1000, maximum=10**7)
         self._seed = seed_sequence(seed)
-        super().__init__(prior)
+        super().__init__(model, input_delay=input_delay, prior=prior)
 
     def reset(self) -> None:
         """Return to the prior."""
         super().reset()
         self._rng = np.random.default_rng(self._seed)
         self._draw(self.mean, self.P)
+
+    def _copy(self) -> Self:
+        other = super()._copy()
+        # Looking ahead must not change what is drawn afterwards.
+        other._rng = copy.deepcopy(self._rng)
+        return other
 
     @property
     def effective_sample_size(self) -> float:
@@ -101,13 +109,13 @@ class ParticleFilter(StateEstimator):
         return float(1 / np.sum(self.weights**2))
 
     def predict(self, u: Floats, dt: float) -> None:
-        """Predict the state dt (s) ahead, one or more steps of the model, with the input u (V)."""
+        """Predict the state dt (s) ahead, as `ExtendedKalmanFilter.predict`."""
         if self.effective_sample_size < self.n_particles / 2:
             self.resample()
-        for _ in range(self._steps_in(dt, self.motion)):
+        for acting in self._inputs(u, dt):
             # x_i = f(x_i, u) + G w_i
             w = self.process_sigma * self._rng.standard_normal((self.n_particles, 3))
-            self.particles = self.motion.move(self.particles, u) + w @ self.motion.G.T
+            self.particles = self.motion.move(self.particles, acting) + w @ self.motion.G.T
         self._summarise()
 
     def update(self, z: Floats) -> None:

@@ -10,11 +10,11 @@ from robsim._base.checks import Floats, check_float
 from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
-from robsim.reference._motion import RobotMotion
+from robsim.reference._model_filter import ModelFilter
 from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, check_process_sigma, root
 
 
-class UnscentedKalmanFilter(KalmanFilter):
+class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
     """A Kalman filter that propagates sigma points through the robot model, without a Jacobian.
 
     The sigma points have the mean and the covariance of the estimate; the propagated ones have
@@ -23,7 +23,7 @@ class UnscentedKalmanFilter(KalmanFilter):
 
     Parameters
     ----------
-    model, process_sigma, measurement_sigma, prior
+    model, process_sigma, measurement_sigma, input_delay, prior
         As for `ExtendedKalmanFilter`.
     kappa : float
         Spread of the sigma points: sqrt(6 + kappa) standard deviations. At least 0, so that no
@@ -59,12 +59,14 @@ class UnscentedKalmanFilter(KalmanFilter):
         process_sigma: Sequence[float] = PROCESS_SIGMA,
         measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
         kappa: float = 0.0,
+        input_delay: float = 0.0,
         prior: Prior | None = None,
     ) -> None:
-        self.motion = RobotMotion(model)
         self.Q = np.diag(check_process_sigma(process_sigma) ** 2)
         self.kappa = check_float("kappa", kappa, minimum=0)
-        super().__init__(measurement_sigma=measurement_sigma, prior=prior)
+        super().__init__(
+            model, input_delay=input_delay, measurement_sigma=measurement_sigma, prior=prior
+        )
 
     def sigma_points(self) -> tuple[Floats, Floats]:
         """Return the sigma points, (13, 6), and their weights, (13,)."""
@@ -78,12 +80,12 @@ class UnscentedKalmanFilter(KalmanFilter):
         return points, weights
 
     def predict(self, u: Floats, dt: float) -> None:
-        """Predict the state dt (s) ahead, one or more steps of the model, with the input u (V)."""
+        """Predict the state dt (s) ahead, as `ExtendedKalmanFilter.predict`."""
         G = self.motion.G
-        for _ in range(self._steps_in(dt, self.motion)):
+        for acting in self._inputs(u, dt):
             points, weights = self.sigma_points()
             # The headings of the sigma points are unwrapped: their plain mean is correct.
-            points = self.motion.move(points, u)
+            points = self.motion.move(points, acting)
             # x = sum W_i x_i,  P = sum W_i (x_i - x)(x_i - x)' + G Q G'
             mean = weights @ points
             deviation = points - mean
