@@ -1213,6 +1213,8 @@ class Observation:
         Where the robot was seen, if somebody else has measured it: ``measure=True`` leaves it as it is.
     sample : Sample, optional
         The sample for the parameter estimator, if somebody else has made it.
+    interrupted : bool
+        The robot was stopped since the last step: no sample spans that.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1220,7 +1222,7 @@ class Observation:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, frame: Frame | None = None, *, t: float | None = None, last_u: numpy.typing.ArrayLike | None = None, measurement: Measurement | numpy.typing.ArrayLike | None = None, sample: Sample | None = None) -> None:
+    def __init__(self, frame: Frame | None = None, *, t: float | None = None, last_u: numpy.typing.ArrayLike | None = None, measurement: Measurement | numpy.typing.ArrayLike | None = None, sample: Sample | None = None, interrupted: bool = False) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -1232,6 +1234,11 @@ class Observation:
     def frame(self) -> Frame | None:
         """
         Frame or None: what the camera sees.
+        """
+    @property
+    def interrupted(self) -> bool:
+        """
+        bool: the robot was stopped since the last step.
         """
     @property
     def last_u(self) -> numpy.typing.NDArray[numpy.float64] | None:

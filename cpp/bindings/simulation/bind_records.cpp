@@ -18,7 +18,7 @@ namespace {
 Arrived make_observation(const std::optional<Frame>& frame, const std::optional<double>& t,
                          const std::optional<ArrayLike>& last_u,
                          const std::optional<MeasurementLike>& measurement,
-                         const std::optional<Sample>& sample) {
+                         const std::optional<Sample>& sample, bool interrupted) {
   Arrived arrived;
   arrived.frame = frame;
   if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
@@ -26,6 +26,7 @@ Arrived make_observation(const std::optional<Frame>& frame, const std::optional<
   if (last_u) arrived.known.last_u = input_from(*last_u, "last_u");
   if (measurement) arrived.known.measurement = measurement_from(*measurement, "measurement");
   arrived.known.sample = sample;
+  arrived.known.interrupted = interrupted;
   return arrived;
 }
 
@@ -95,11 +96,12 @@ void define_observation_value(Class<Arrived>& cls) {
   const auto make = [](const std::optional<Frame>& frame, const std::optional<double>& t,
                        const std::optional<Pair>& last_u,
                        const std::optional<Measurement>& measurement,
-                       const std::optional<Sample>& sample) {
+                       const std::optional<Sample>& sample, bool interrupted) {
     Arrived arrived{frame, t, {}};
     if (last_u) arrived.known.last_u = input_of(*last_u);
     arrived.known.measurement = measurement;
     arrived.known.sample = sample;
+    arrived.known.interrupted = interrupted;
     return arrived;
   };
   const auto last_u = [](const Arrived& self) {
@@ -109,7 +111,8 @@ void define_observation_value(Class<Arrived>& cls) {
   const Fields fields(
       make, Field("frame", &Arrived::frame), Field("t", &Arrived::t), Field("last_u", last_u),
       Field("measurement", [](const Arrived& self) { return self.known.measurement; }),
-      Field("sample", [](const Arrived& self) { return self.known.sample; }));
+      Field("sample", [](const Arrived& self) { return self.known.sample; }),
+      Field("interrupted", [](const Arrived& self) { return self.known.interrupted; }));
   define_equality(cls, fields);
   define_hash(cls, fields);
   define_pickle(cls, fields);
@@ -197,11 +200,14 @@ measurement : Measurement or array (3,), optional
     Where the robot was seen, if somebody else has measured it: ``measure=True`` leaves it as it is.
 sample : Sample, optional
     The sample for the parameter estimator, if somebody else has made it.
+interrupted : bool
+    The robot was stopped since the last step: no sample spans that.
 )");
   observation
       .def(py::init(&make_observation), py::arg("frame") = py::none(), py::kw_only(),
            py::arg("t") = py::none(), py::arg("last_u") = py::none(),
-           py::arg("measurement") = py::none(), py::arg("sample") = py::none())
+           py::arg("measurement") = py::none(), py::arg("sample") = py::none(),
+           py::arg("interrupted") = false)
       .def_readonly("frame", &Arrived::frame, "Frame or None: what the camera sees.")
       .def_readonly("t", &Arrived::t, "float or None: time of the step (s).")
       .def_property_readonly(
@@ -217,6 +223,9 @@ sample : Sample, optional
       .def_property_readonly(
           "sample", [](const Arrived& self) { return self.known.sample; },
           "Sample or None: the sample for the parameter estimator.")
+      .def_property_readonly(
+          "interrupted", [](const Arrived& self) { return self.known.interrupted; },
+          "bool: the robot was stopped since the last step.")
       .def("__repr__", [](const Arrived& self) {
         return std::string("<Observation ") + (self.frame ? "with" : "without") + " a frame>";
       });

@@ -206,7 +206,7 @@ Arrival Loop::begin_step() {
   if (arrival != Arrival::step) return arrival;
   const double t = observation_.t, dt = robot_.model().dt();
   const double gap = k > 0 ? t - robot_.step()->t : dt;
-  follows_stop_ = std::exchange(is_interrupted_, false);
+  follows_stop_ = std::exchange(is_interrupted_, false) || observation_.interrupted;
   robot_.begin_step(k, interval(gap, t, dt, follows_stop_), observation_, camera_);
   samples_.begin(*robot_.step(), robot_.model(), observation_.last_u, follows_stop_);
   return Arrival::step;

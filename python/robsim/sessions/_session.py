@@ -177,7 +177,9 @@ class Session:
                 index=row.frame_index or 0,
                 plane_map=row.plane_map or self.plane_map,
             )
-        return Observation(frame, t=row.t, last_u=self._last_u(row, before))
+        return Observation(
+            frame, t=row.t, last_u=self._last_u(row, before), interrupted=row.interrupted
+        )
 
     def _last_u(self, row: Row, before: Row | None) -> Any:
         """Return the input that the robot got since the step before; None = not known."""

@@ -181,6 +181,15 @@ class SessionWriter:
             warn_user(f"{one_line(self.folder)}: {trouble}")
 
 
+def check_is_free(folder: str | PathLike[str]) -> None:
+    """Raise FileExistsError if a folder has a session already."""
+    if any(os.path.lexists(as_folder(folder) / name) for name in (SETUP, ROWS, VIDEO, END, TRACE)):
+        raise FileExistsError(
+            f"{one_line(folder)} has a recorded session already, which is not overwritten: give "
+            "another name"
+        )
+
+
 def _plane_map_of(setup: Mapping[str, Any]) -> PlaneMap:
     given = setup.get("plane_map")
     return given if isinstance(given, PlaneMap) else PlaneMap(np.eye(3) if given is None else given)
@@ -190,12 +199,7 @@ def _claim(folder: Path, setup: bytes) -> None:
     """Write the set-up into a folder that has no session yet; two at once do not both succeed."""
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"{one_line(folder)} is a file, not a folder: give another name")
-    used = FileExistsError(
-        f"{one_line(folder)} has a recorded session already, which is not overwritten: give "
-        "another name"
-    )
-    if any(os.path.lexists(folder / name) for name in (SETUP, ROWS, VIDEO, END, TRACE)):
-        raise used
+    check_is_free(folder)
     folder.mkdir(parents=True, exist_ok=True)
     part = PartialFile(folder / SETUP)
     try:
@@ -203,7 +207,8 @@ def _claim(folder: Path, setup: bytes) -> None:
             matroska.write_all(part.descriptor, setup)
         part.commit(overwrite=False)
     except FileExistsError:
-        raise used from None
+        check_is_free(folder)
+        raise
     finally:
         part.discard()
 

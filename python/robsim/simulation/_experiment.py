@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.checks import Floats, check_choice
+from robsim._base.checks import Floats, check_bool, check_choice
 from robsim._base.seeds import Seed, seed_sequence
+from robsim._base.text import quoted
 from robsim._base.warn import warn_user
 from robsim._core import (
     ColorClass,
@@ -42,6 +43,7 @@ from robsim.simulation._options import (
 from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.mirrored import mirrored_remark
 from robsim.simulation._outside.motors import Motors, stop_input_value
+from robsim.simulation._outside.recording import Recording
 from robsim.simulation._runner import Runner
 from robsim.simulation._scenario import OPTIONS
 from robsim.simulation._slots import RobotCallbacks
@@ -95,6 +97,12 @@ class Experiment(Runner):
         1200 x 1200.
     seed : int, SeedSequence, Generator or None
         Seed of the random numbers of controllers and of `rng`. None = unpredictable.
+    record : path, optional
+        Folder of a session, in which frames, times, inputs and set-up are recorded step by step:
+        see `robsim.sessions.Session`. It must not have one yet; it is complete when the ``with``
+        block ends, and readable whenever the program does. Needs OpenCV.
+    lossless : bool
+        Whether the frames are recorded without loss.
     colors, markers, smoothing, time_limit
         As in `Simulation`.
     identify_from : str
@@ -140,16 +148,22 @@ class Experiment(Runner):
         identify_from: str = "measurement",
         model: RobotModel | RobotParameters | None = None,
         time_limit: float | None = None,
+        record: str | PathLike[str] | None = None,
+        lossless: bool = False,
         **callbacks: Unpack[RobotCallbacks],
     ) -> None:
         self._check_names(callbacks)
         definition = as_robot(robot)
+        self._recording = (
+            None if record is None else Recording(record, lossless=check_bool("lossless", lossless))
+        )
         timeout = timeout_value(frame_timeout, _default_timeout(frames, send))
         self._source = FrameSource(frames, timeout, area=area, is_polled=send is not None)
         self._model = model_value(model)
         self._next_look = 1  # at the frames, by the number of steps
         stops = stop_input_value(stop_input)
         self._motors = None if send is None else Motors(send, stops)
+        self._sent = {"stop_input": stops, "send": None if send is None else quoted(send)}
         stops_late = stops is not None and not math.isinf(timeout)
         super().__init__(
             _core.ExternalWorld(
@@ -170,6 +184,8 @@ class Experiment(Runner):
             time_limit=time_limit,
         )
         self._fill_slots(_DEFAULTS | callbacks)
+        if self._recording is not None:
+            self._core.set_observer(self._recording.add)
 
     def __enter__(self) -> Self:
         return self
@@ -183,7 +199,11 @@ class Experiment(Runner):
         if self.stop():  # a run in another thread: it stops the robot itself
             while self.is_running:
                 time.sleep(0.01)
-        self._stop_robot(error)
+        try:
+            self._stop_robot(error)
+        finally:
+            if self._recording is not None:
+                self._recording.close(self.trace)
 
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Run some steps, or all; a run continues where the last one ended.
@@ -251,6 +271,8 @@ class Experiment(Runner):
     def _prepare(self) -> None:
         try:
             super()._prepare()
+            if self._recording is not None and not self.is_running:
+                self._recording.begin(self, self.model, **self._source.described(), **self._sent)
         except BaseException as error:
             if not self.is_running:  # step may have left the robot driving
                 self._stop_robot(error)
@@ -285,6 +307,10 @@ class Experiment(Runner):
             If `frames` can be read only once, and some have been read.
         """
         self._stop_robot(None)
+        if self._recording is not None and self._recording.has_begun:
+            raise RuntimeError(
+                "a session that is recorded cannot begin again: make a new Experiment"
+            )
         if self._source.is_spent:
             raise RuntimeError(
                 "the frames can be read only once: give a list or a Recording to be able to reset"

@@ -26,6 +26,7 @@ struct Observation {
   std::optional<Input> last_u;
   std::optional<Measurement> measurement;
   std::optional<Sample> sample;
+  bool interrupted = false;  // the robot was stopped since the last step
 
   /// Empties it for the next step: making a new one takes longer.
   void clear() {
@@ -34,6 +35,7 @@ struct Observation {
     last_u.reset();
     measurement.reset();
     sample.reset();
+    interrupted = false;
   }
 };
 

@@ -69,9 +69,12 @@ class FrameSource:
         self.area = check_size("area", Scenario.area if given is None else given)
         self.dt: float | None = getattr(frames, "dt", None)
         self._frames = frames
+        # A camera gives its newest frame, or None after a while without one.
+        self._poll: Callable[[float], Frame | None] | None = getattr(frames, "_poll", None)
         self._iterator = iter(frames)
         self._timeout = timeout
-        self._is_polled = is_polled or not math.isinf(timeout)
+        self._is_polled = self._poll is None and (is_polled or not math.isinf(timeout))
+        self._since: float | None = None  # when the camera was first asked for a frame
         self._reader: _Reader | None = None
         self._reading = threading.Lock()
         self._has_begun = False
@@ -84,6 +87,14 @@ class FrameSource:
     def is_spent(self) -> bool:
         """Whether the frames can be read only once, and some have been."""
         return self._has_begun and self._iterator is self._frames
+
+    def described(self) -> dict[str, Any]:
+        """Return what the set-up of a session says of the frames."""
+        return {
+            "is_live": self._poll is not None,
+            "frames": quoted(self._frames),
+            "plane_map": getattr(self._frames, "plane_map", None),
+        }
 
     def restart(self) -> None:
         """Start again with the first frame."""
@@ -110,11 +121,14 @@ class FrameSource:
         """Return the frame of step k; `Arrival.END` after the last one."""
         self._has_begun = True
         try:
-            if self._reader is None:
+            # A camera may have to warm up, and the robot stands as yet.
+            timeout = self._timeout * (10 if k == 0 else 1)
+            if self._poll is not None:
+                taken = self._polled(self._poll, timeout)
+            elif self._reader is None:
                 taken = next(self._iterator, Arrival.END)
             else:
-                # A camera may have to warm up, and the robot stands as yet.
-                taken = self._reader.take(self._timeout * (10 if k == 0 else 1))
+                taken = self._reader.take(timeout)
         except BaseException:
             if self._reader is None or not self._reader.is_waiting:
                 self._failed_at = k
@@ -131,6 +145,21 @@ class FrameSource:
         if not self._is_seen:
             self._look_at(taken)
         return taken
+
+    def _polled(self, poll: Callable[[float], Frame | None], timeout: float) -> Frame | Arrival:
+        if self._since is None:
+            self._since = time.monotonic()
+        try:
+            frame = poll(min(timeout, _POLL))
+        except EOFError:
+            return Arrival.END
+        if frame is not None:
+            self._since = None
+            return frame
+        if time.monotonic() - self._since < timeout:
+            return Arrival.NOTHING_YET
+        self._since = None
+        raise _too_late(timeout)
 
     def _look_at(self, taken: Any) -> None:
         """Warn if the first frame cannot be of the work area as it is."""
@@ -182,6 +211,10 @@ def _described(frames: object) -> str:
     return quoted(frames)
 
 
+def _too_late(timeout: float) -> TimeoutError:
+    return TimeoutError(f"no frame came within frame_timeout = {timeout:g} s")
+
+
 class _Reader:
     """Reads an iterator in a thread of its own, an item only when it is asked for one."""
 
@@ -223,7 +256,7 @@ class _Reader:
         except queue.Empty:
             if time.monotonic() - self._since < timeout:
                 return Arrival.NOTHING_YET
-            raise TimeoutError(f"no frame came within frame_timeout = {timeout:g} s") from None
+            raise _too_late(timeout) from None
         self._since = None
         if error is not None:
             raise error
