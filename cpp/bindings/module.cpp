@@ -23,6 +23,7 @@ void bind_worlds(py::module_& module);
 void bind_controllers(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_loop(py::module_& module);
+void bind_motors(py::module_& module);
 
 namespace {
 
@@ -69,6 +70,7 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   bind_worlds(module);
   bind_controllers(module);
   bind_loop(module);
+  bind_motors(module);
   pybind11::delattr(module, "__module__");  // the bindings set it
 }
 

@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'LeastSquaresFit', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'Observation', 'PlaneMap', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'least_squares', 'locate', 'log', 'model_steps', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'trace_schema', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'HaltedError', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'trace_schema', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -1781,6 +1781,357 @@ class Loop:
         """
         str: the stage that runs, or comes next.
         """
+class LineError(OSError):
+    """
+    A line to a robot cannot be opened, read or written to.
+    """
+class HaltedError(RuntimeError):
+    """
+    An input was refused, since the robot was halted.
+    """
+class MotorEvent:
+    """
+    What went over a line to a robot, or what the robot did by itself.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    @property
+    def kind(self) -> str:
+        """
+        str: "input", a new one; "repeat", the same again; "stop"; "failure", a line that could not be written; "timeout", the robot stopped by itself.
+        """
+    @property
+    def t(self) -> float:
+        """
+        float: when (s, clock of time.monotonic).
+        """
+    @property
+    def u(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): the input (V), 0 for a stop.
+        """
+class LineCounts:
+    """
+    How many lines a robot has heard.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    @property
+    def damaged(self) -> int:
+        """
+        int: lines that were damaged, too long, or none of the protocol.
+        """
+    @property
+    def foreign(self) -> int:
+        """
+        int: lines of another sender than the one that it heard.
+        """
+    @property
+    def old(self) -> int:
+        """
+        int: lines that a newer one had overtaken.
+        """
+    @property
+    def valid(self) -> int:
+        """
+        int: lines that it acted upon.
+        """
+class Limits:
+    """
+    What the motors of a robot are asked for at most.
+    
+    Both motors are scaled by one factor, so that the robot drives the same curve more slowly: if each
+    were cut off by itself, a curve would become another one. The change from one input to the next is
+    scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes at once.
+    
+    Parameters
+    ----------
+    voltage : float, optional
+        Largest size of the input of a motor (V). Default: no limit.
+    slew_rate : float, optional
+        Largest change of the input of a motor in a second (V/s). Default: no limit.
+    
+    Raises
+    ------
+    ValueError
+        If one is not above 0.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, *, voltage: float | None = None, slew_rate: float | None = None) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    def applied(self, u: numpy.typing.ArrayLike, before: numpy.typing.ArrayLike, dt: float) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the input within the limits.
+        
+        Parameters
+        ----------
+        u : array (2,)
+            The input that is wanted (V).
+        before : array (2,)
+            The one that the motors have (V).
+        dt : float
+            How long they have had it (s).
+        
+        Returns
+        -------
+        array (2,)
+            The input (V).
+        """
+    @property
+    def slew_rate(self) -> float | None:
+        """
+        float or None: largest change of the input of a motor in a second (V/s).
+        """
+    @property
+    def voltage(self) -> float | None:
+        """
+        float or None: largest size of the input of a motor (V).
+        """
+class Line:
+    """
+    One end of a line to a robot.
+    """
+    @staticmethod
+    def of_descriptor(descriptor: int, name: str) -> Line:
+        ...
+    @staticmethod
+    def udp_to(host: str, port: int) -> Line:
+        ...
+class MotorLink:
+    """
+    The sender's end of a line to a robot. Users take robsim.motors.UdpMotors or SerialMotors.
+    """
+    def __call__(self, u: numpy.typing.ArrayLike) -> float:
+        """
+        Send an input, and return when it went out.
+        
+        The interpreter goes on meanwhile. The link repeats it until the next one comes.
+        
+        Parameters
+        ----------
+        u : array (2,)
+            Voltages of the left and the right motor (V), sent to 0.1 mV.
+        
+        Returns
+        -------
+        float
+            When it was written to the line (s, clock of time.monotonic).
+        
+        Raises
+        ------
+        LineError
+            If the line cannot be written to within 50 ms, or went wrong since the last input; the robot is
+            then told to stop, again and again for 2 s.
+        HaltedError
+            If the robot was halted: by a frame that did not come in time, for one.
+        ValueError
+            If an input is beyond 1000 V.
+        """
+    def __init__(self, line: Line, *, ttl: float, hold: float) -> None:
+        ...
+    def close(self) -> None:
+        """
+        Stop the robot and close the line; the second time it does nothing.
+        
+        Raises
+        ------
+        LineError
+            If the line went wrong since the last input: the robot may not have been told to stop.
+        """
+    def halt(self) -> None:
+        """
+        Stop the robot, and refuse inputs until `resume` is called; raises nothing.
+        """
+    def resume(self) -> None:
+        """
+        Take inputs again after `halt`.
+        """
+    def stop(self) -> float:
+        """
+        Stop the robot: tell it at once, and again for 2 s, five times in the first 0.1 s.
+        
+        Returns
+        -------
+        float
+            When it was told (s, clock of time.monotonic).
+        
+        Raises
+        ------
+        LineError
+            If the line cannot be written to; it is tried again.
+        """
+    @property
+    def events(self) -> list[MotorEvent]:
+        """
+        list of MotorEvent: what was sent; the newest 100 000.
+        """
+    @property
+    def hold(self) -> float:
+        """
+        float: the link stops the robot when no input is sent for so long (s).
+        """
+    @property
+    def is_closed(self) -> bool:
+        """
+        bool: True after `close`.
+        """
+    @property
+    def is_halted(self) -> bool:
+        """
+        bool: True if it refuses inputs.
+        """
+    @property
+    def name(self) -> str:
+        """
+        str: what the line is called in errors.
+        """
+    @property
+    def round_trip_times(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (N,): from a line to its answer (s), the newest 1000; empty if the robot does not answer.
+        """
+    @property
+    def ttl(self) -> float:
+        """
+        float: the robot stops by itself when it hears nothing for so long (s).
+        """
+class Watchdog:
+    """
+    Halts the robot of a link when no fresh frame comes. Users take robsim.Experiment.
+    """
+    def __init__(self, link: MotorLink) -> None:
+        ...
+    def arm(self, timeout: float) -> None:
+        ...
+    def disarm(self) -> None:
+        ...
+    def feed(self, arrived: float) -> None:
+        ...
+    @property
+    def has_expired(self) -> bool:
+        ...
+class ReceivedInput:
+    """
+    What a robot has received.
+    """
+    def mean(self, start: float, end: float) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the mean of what the robot acted upon between two times.
+        
+        Parameters
+        ----------
+        start, end : float
+            The times (s, clock of time.monotonic).
+        
+        Returns
+        -------
+        array (2,)
+            The input (V); 0 while it stood. If both times are one, that at this time.
+        """
+class MotorReceiver(ReceivedInput):
+    """
+    The robot's end of a line: reads inputs as PROTOCOL.md demands of a robot, in a thread of its own.
+    
+    It stands in for a robot, in rehearsals and tests. It stops by itself when it hears nothing valid
+    for the time to live that the sender gave.
+    
+    Parameters
+    ----------
+    port : int
+        Port that it listens at for UDP; 0 = any that is free, see `port`.
+    host : str
+        Address that it listens at.
+    descriptor : int, optional
+        A file descriptor to read in place of UDP, such as an end of a pseudo-terminal. It is copied,
+        and made non-blocking.
+    actuation_delay : float
+        What it hears, it acts upon so much later (s).
+    answers : bool
+        Whether it answers each valid line, so that the sender knows the round trip time.
+    
+    Raises
+    ------
+    LineError
+        If the port is taken, or there is no such address.
+    """
+    def __enter__(self) -> typing.Any:
+        ...
+    def __exit__(self, *args) -> None:
+        ...
+    def __init__(self, port: int = 0, *, host: str = '127.0.0.1', descriptor: int | None = None, actuation_delay: float = 0.0, answers: bool = True) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def close(self) -> None:
+        """
+        Hear no more: it stops when the time to live is over.
+        """
+    @property
+    def actuation_delay(self) -> float:
+        """
+        float: what it hears, it acts upon so much later (s).
+        """
+    @property
+    def counts(self) -> LineCounts:
+        """
+        LineCounts: how many lines it heard.
+        """
+    @property
+    def events(self) -> list[MotorEvent]:
+        """
+        list of MotorEvent: what it heard, and when it stopped by itself; the newest 100 000.
+        """
+    @property
+    def input(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): what it acts upon now (V).
+        """
+    @property
+    def is_closed(self) -> bool:
+        """
+        bool: True after `close`.
+        """
+    @property
+    def name(self) -> str:
+        """
+        str: what the line is called.
+        """
+    @property
+    def port(self) -> int:
+        """
+        int: the port that it listens at; 0 for a descriptor.
+        """
 def atan2(y: float, x: float) -> float:
     """
     Return the angle of the point (x, y) from the x axis (rad), in [-pi, pi].
@@ -1991,6 +2342,10 @@ def model_steps(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], d
     """
     Return the number of steps of a model with this dt (s) in each time (s); see RobotModel.steps_in.
     """
+def parse_line(line: bytes) -> typing.Any:
+    """
+    Return what a line says, without its line break; None if damaged.
+    """
 def path_sensitivities(theta: numpy.typing.ArrayLike, path: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
     """
     Return the derivatives of a simulated path.
@@ -2077,6 +2432,10 @@ def sin(x: numpy.typing.ArrayLike) -> typing.Any:
 def small_markers_remark(markers: MarkerLayout, frame: Frame) -> str | None:
     """
     What is to be said of markers too small in the frame; None of others.
+    """
+def to_line(kind: str, number: int, u: numpy.typing.ArrayLike, time_to_live: int) -> bytes:
+    """
+    Return a line of the protocol to a robot.
     """
 def trace_schema() -> list[TraceGroup]:
     """

@@ -85,6 +85,12 @@ int opened_socket(const addrinfo& address, const std::string& name) {
   return descriptor;
 }
 
+bool is_hung_up(int descriptor) {
+  pollfd end{descriptor, POLLIN, 0};
+  poll(&end, 1, 0);
+  return end.revents & (POLLHUP | POLLERR | POLLNVAL);
+}
+
 int port_of(int descriptor) {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
@@ -218,6 +224,8 @@ std::optional<Line::Piece> Line::read() {
                                           reinterpret_cast<sockaddr*>(&address), &size)
                                : ::read(descriptor_, bytes, sizeof(bytes));
   if (n < 0 && is_for_later(errno)) return std::nullopt;
+  // A terminal may say 0 where nothing has come.
+  if (n == 0 && !is_socket_ && !is_hung_up(descriptor_)) return std::nullopt;
   is_deaf_ = !is_socket_ && n <= 0;  // otherwise each wait would end at once
   if (n < 0) fail("is cut", errno);
   if (is_deaf_) throw LineError(name_ + " is closed at its other end");

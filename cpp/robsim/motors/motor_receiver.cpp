@@ -19,7 +19,7 @@ namespace robsim {
 
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double at_no_time = std::numeric_limits<double>::infinity();
 constexpr double pause = 0.01;  // s, before it looks again whether the other end is back
 constexpr std::size_t most_pieces = 100'000;
 
@@ -29,15 +29,15 @@ double checked_delay(double delay) {
                               to_text(delay));
 }
 
-// An input and the times between which it was received.
-struct Held {
-  double from, until;
-  Input u;
-};
-
 }  // namespace
 
 struct MotorReceiver::State {
+  // An input and the times between which it was received.
+  struct Held {
+    double from, until;
+    Input u;
+  };
+
   State(Line opened, bool answers);
   ~State();
 
@@ -59,10 +59,10 @@ struct MotorReceiver::State {
   Line line;
   LineReader reader;
   bool is_closing = false;
-  std::uint16_t number = 0;     // of the newest line
-  std::string source;           // that it came from
-  double heard_until = 0;       // as long as that sender is taken to be there
-  double drives_until = never;  // never: it stands
+  std::uint16_t number = 0;          // of the newest line
+  std::string source;                // that it came from
+  double heard_until = 0;            // as long as that sender is taken to be there
+  double drives_until = at_no_time;  // at_no_time: it stands
   std::deque<Held> held;
   EventLog log;
   LineCounts counts;
@@ -83,7 +83,7 @@ MotorReceiver::State::~State() {
 
 void MotorReceiver::State::run() {
   std::unique_lock lock(mutex);
-  double look_again = never;
+  double look_again = at_no_time;
   while (!is_closing) {
     const double next = std::min(drives_until, look_again);
     lock.unlock();
@@ -91,7 +91,7 @@ void MotorReceiver::State::run() {
     lock.lock();
     note_timeout();
     if (monotonic_now() >= look_again) line.read_again();
-    look_again = never;
+    look_again = at_no_time;
     try {
       listen();
     } catch (const LineError&) {
@@ -134,7 +134,7 @@ void MotorReceiver::State::obey(const Command& command, const std::string& sende
   heard_until = now + command.time_to_live / 1000.0;
   const bool is_stop = command.kind == Command::Kind::stop;
   hold(command.u, now, is_stop ? now : heard_until);
-  drives_until = is_stop ? never : heard_until;
+  drives_until = is_stop ? at_no_time : heard_until;
   log.add({now, command.u, is_stop ? MotorEvent::Kind::stop : MotorEvent::Kind::input});
   answer(command);
 }
@@ -155,7 +155,7 @@ void MotorReceiver::State::hold(const Input& u, double now, double until) {
 void MotorReceiver::State::note_timeout() {
   if (monotonic_now() < drives_until) return;
   log.add({drives_until, {}, MotorEvent::Kind::timeout});
-  drives_until = never;
+  drives_until = at_no_time;
 }
 
 void MotorReceiver::State::answer(const Command& command) {

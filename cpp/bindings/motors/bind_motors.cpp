@@ -1,0 +1,440 @@
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
+#include "python/values.hpp"
+#include "robsim/motors/limits.hpp"
+#include "robsim/motors/motor_link.hpp"
+#include "robsim/motors/motor_receiver.hpp"
+#include "robsim/motors/protocol.hpp"
+#include "robsim/motors/watchdog.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+using Voltages = std::array<double, 2>;
+
+// Its end waits for its thread: the interpreter goes on meanwhile.
+template <typename T, typename... A>
+std::shared_ptr<T> make_native(A&&... arguments) {
+  return std::shared_ptr<T>(new T(std::forward<A>(arguments)...), [](const T* value) {
+    if (!PyGILState_Check()) {
+      delete value;
+      return;
+    }
+    const py::gil_scoped_release others;
+    delete value;
+  });
+}
+
+// Without the interpreter's lock.
+template <typename F>
+auto natively(const F& call) {
+  const py::gil_scoped_release others;
+  return call();
+}
+
+template <typename Error>
+void bind_error(py::module_& module, const char* name, py::handle base, const char* doc) {
+  const auto error = py::register_local_exception<Error>(module, name, base);
+  error.attr("__module__") = "robsim.motors";
+  error.attr("__doc__") = doc;
+}
+
+const char* text_of(MotorEvent::Kind kind) {
+  switch (kind) {
+    case MotorEvent::Kind::input:
+      return "input";
+    case MotorEvent::Kind::repeat:
+      return "repeat";
+    case MotorEvent::Kind::stop:
+      return "stop";
+    case MotorEvent::Kind::failure:
+      return "failure";
+    case MotorEvent::Kind::timeout:
+      return "timeout";
+  }
+  return "";
+}
+
+MotorEvent::Kind kind_from(const std::string& kind) {
+  return choice_from<MotorEvent::Kind>("kind", kind,
+                                       {{"input", MotorEvent::Kind::input},
+                                        {"repeat", MotorEvent::Kind::repeat},
+                                        {"stop", MotorEvent::Kind::stop},
+                                        {"failure", MotorEvent::Kind::failure},
+                                        {"timeout", MotorEvent::Kind::timeout}});
+}
+
+void bind_event(py::module_& module) {
+  Class<MotorEvent> event(public_in(module, "robsim.motors"), "MotorEvent",
+                          "What went over a line to a robot, or what the robot did by itself.");
+  event.def_readonly("t", &MotorEvent::t, "float: when (s, clock of time.monotonic).")
+      .def_property_readonly(
+          "u", [](const MotorEvent& self) { return to_array(self.u); },
+          "array (2,): the input (V), 0 for a stop.")
+      .def_property_readonly(
+          "kind", [](const MotorEvent& self) { return std::string(text_of(self.kind)); },
+          "str: \"input\", a new one; \"repeat\", the same again; \"stop\"; \"failure\", a line "
+          "that could not be written; \"timeout\", the robot stopped by itself.");
+  define_value(
+      event,
+      Fields(
+          [](double t, const Voltages& u, const std::string& kind) {
+            return MotorEvent{t, {u[0], u[1]}, kind_from(kind)};
+          },
+          Field("t", &MotorEvent::t),
+          Field("u", [](const MotorEvent& self) { return Voltages{self.u.u1, self.u.u2}; }),
+          Field("kind", [](const MotorEvent& self) { return std::string(text_of(self.kind)); })));
+}
+
+void bind_counts(py::module_& module) {
+  Class<LineCounts> counts(public_in(module, "robsim.motors"), "LineCounts",
+                           "How many lines a robot has heard.");
+  counts.def_readonly("valid", &LineCounts::valid, "int: lines that it acted upon.")
+      .def_readonly("damaged", &LineCounts::damaged,
+                    "int: lines that were damaged, too long, or none of the protocol.")
+      .def_readonly("old", &LineCounts::old, "int: lines that a newer one had overtaken.")
+      .def_readonly("foreign", &LineCounts::foreign,
+                    "int: lines of another sender than the one that it heard.");
+  define_value(counts,
+               Fields([](std::int64_t valid, std::int64_t damaged, std::int64_t old,
+                         std::int64_t foreign) { return LineCounts{valid, damaged, old, foreign}; },
+                      Field("valid", &LineCounts::valid), Field("damaged", &LineCounts::damaged),
+                      Field("old", &LineCounts::old), Field("foreign", &LineCounts::foreign)));
+}
+
+Limits make_limits(std::optional<double> voltage, std::optional<double> slew_rate) {
+  Limits limits;
+  limits.voltage = voltage.value_or(limits.voltage);
+  limits.slew_rate = slew_rate.value_or(limits.slew_rate);
+  limits.check();
+  return limits;
+}
+
+std::optional<double> given(double limit) {
+  return std::isinf(limit) ? std::nullopt : std::optional(limit);
+}
+
+void bind_limits(py::module_& module) {
+  Class<Limits> limits(public_in(module, "robsim.motors"), "Limits", R"(
+What the motors of a robot are asked for at most.
+
+Both motors are scaled by one factor, so that the robot drives the same curve more slowly: if each
+were cut off by itself, a curve would become another one. The change from one input to the next is
+scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes at once.
+
+Parameters
+----------
+voltage : float, optional
+    Largest size of the input of a motor (V). Default: no limit.
+slew_rate : float, optional
+    Largest change of the input of a motor in a second (V/s). Default: no limit.
+
+Raises
+------
+ValueError
+    If one is not above 0.
+)");
+  limits
+      .def(py::init(&make_limits), py::kw_only(), py::arg("voltage") = py::none(),
+           py::arg("slew_rate") = py::none())
+      .def_property_readonly(
+          "voltage", [](const Limits& self) { return given(self.voltage); },
+          "float or None: largest size of the input of a motor (V).")
+      .def_property_readonly(
+          "slew_rate", [](const Limits& self) { return given(self.slew_rate); },
+          "float or None: largest change of the input of a motor in a second (V/s).")
+      .def(
+          "applied",
+          [](const Limits& self, const ArrayLike& u, const ArrayLike& before, double dt) {
+            if (!(dt >= 0)) throw py::value_error("dt must be at least 0 s");
+            return to_array(self.applied(input_from(u, "u"), input_from(before, "before"), dt));
+          },
+          py::arg("u"), py::arg("before"), py::arg("dt"), R"(
+Return the input within the limits.
+
+Parameters
+----------
+u : array (2,)
+    The input that is wanted (V).
+before : array (2,)
+    The one that the motors have (V).
+dt : float
+    How long they have had it (s).
+
+Returns
+-------
+array (2,)
+    The input (V).
+)");
+  define_value(
+      limits,
+      Fields(&make_limits, Field("voltage", [](const Limits& self) { return given(self.voltage); }),
+             Field("slew_rate", [](const Limits& self) { return given(self.slew_rate); })));
+}
+
+void bind_line(py::module_& module) {
+  Class<Line, std::shared_ptr<Line>>(public_in(module, "robsim._core"), "Line",
+                                     "One end of a line to a robot.")
+      .def_static(
+          "udp_to",
+          [](const std::string& host, int port) {
+            return natively([&] { return std::make_shared<Line>(Line::udp_to(host, port)); });
+          },
+          py::arg("host"), py::arg("port"))
+      .def_static(
+          "of_descriptor",
+          [](int descriptor, const std::string& name) {
+            return std::make_shared<Line>(Line::of_descriptor(descriptor, name));
+          },
+          py::arg("descriptor"), py::arg("name"));
+}
+
+void bind_link(py::module_& module) {
+  Class<MotorLink, std::shared_ptr<MotorLink>> link(
+      public_in(module, "robsim._core"), "MotorLink",
+      "The sender's end of a line to a robot. Users take robsim.motors.UdpMotors or SerialMotors.");
+  link.def(py::init([](Line& line, double ttl, double hold) {
+             return make_native<MotorLink>(std::move(line), ttl, hold);
+           }),
+           py::arg("line"), py::kw_only(), py::arg("ttl"), py::arg("hold"))
+      .def(
+          "__call__",
+          [](MotorLink& self, const ArrayLike& u) {
+            const Input input = input_from(u, "u");
+            return natively([&] { return self.send(input); });
+          },
+          py::arg("u"), R"(
+Send an input, and return when it went out.
+
+The interpreter goes on meanwhile. The link repeats it until the next one comes.
+
+Parameters
+----------
+u : array (2,)
+    Voltages of the left and the right motor (V), sent to 0.1 mV.
+
+Returns
+-------
+float
+    When it was written to the line (s, clock of time.monotonic).
+
+Raises
+------
+robsim.motors.LineError
+    If the line cannot be written to within 50 ms, or went wrong since the last input; the robot is
+    then told to stop, again and again for 2 s.
+robsim.motors.HaltedError
+    If the robot was halted: by a frame that did not come in time, for one.
+ValueError
+    If an input is beyond 1000 V.
+)")
+      .def(
+          "stop", [](MotorLink& self) { return natively([&] { return self.stop(); }); }, R"(
+Stop the robot: tell it at once, and again for 2 s, five times in the first 0.1 s.
+
+Returns
+-------
+float
+    When it was told (s, clock of time.monotonic).
+
+Raises
+------
+robsim.motors.LineError
+    If the line cannot be written to; it is tried again.
+)")
+      .def(
+          "halt", [](MotorLink& self) { natively([&] { self.halt(); }); },
+          "Stop the robot, and refuse inputs until `resume` is called; raises nothing.")
+      .def(
+          "resume", [](MotorLink& self) { natively([&] { self.resume(); }); },
+          "Take inputs again after `halt`.")
+      .def(
+          "close", [](MotorLink& self) { natively([&] { self.close(); }); }, R"(
+Stop the robot and close the line; the second time it does nothing.
+
+Raises
+------
+robsim.motors.LineError
+    If the line went wrong since the last input: the robot may not have been told to stop.
+)")
+      .def_property_readonly("name", &MotorLink::name, "str: what the line is called in errors.")
+      .def_property_readonly("ttl", &MotorLink::time_to_live,
+                             "float: the robot stops by itself when it hears nothing for so long "
+                             "(s).")
+      .def_property_readonly("hold", &MotorLink::hold,
+                             "float: the link stops the robot when no input is sent for so long "
+                             "(s).")
+      .def_property_readonly("is_halted", &MotorLink::is_halted, "bool: True if it refuses inputs.")
+      .def_property_readonly("is_closed", &MotorLink::is_closed, "bool: True after `close`.")
+      .def_property_readonly("events", &MotorLink::events,
+                             "list of MotorEvent: what was sent; the newest 100 000.")
+      .def_property_readonly(
+          "round_trip_times",
+          [](const MotorLink& self) {
+            const std::vector<double> times = self.round_trip_times();
+            return bindings::to_array(times.data(), {static_cast<py::ssize_t>(times.size())});
+          },
+          "array (N,): from a line to its answer (s), the newest 1000; empty if the robot does not "
+          "answer.");
+}
+
+Command::Kind command_kind_from(const std::string& kind) {
+  return choice_from<Command::Kind>(
+      "kind", kind,
+      {{"u", Command::Kind::input}, {"s", Command::Kind::stop}, {"a", Command::Kind::answer}});
+}
+
+void bind_protocol(py::module_& module) {
+  public_in(module, "robsim._core")
+      .def(
+          "to_line",
+          [](const std::string& kind, std::uint16_t number, const ArrayLike& u, int time_to_live) {
+            return py::bytes(
+                to_line({command_kind_from(kind), number, input_from(u, "u"), time_to_live}));
+          },
+          py::arg("kind"), py::arg("number"), py::arg("u"), py::arg("time_to_live"),
+          "Return a line of the protocol to a robot.");
+  public_in(module, "robsim._core")
+      .def(
+          "parse_line",
+          [](const py::bytes& line) -> py::object {
+            const auto command = parse_line(std::string_view(line));
+            if (!command) return py::none();
+            const char* const kinds[] = {"u", "s", "a"};
+            return py::make_tuple(kinds[static_cast<int>(command->kind)], command->number,
+                                  command->u.u1, command->u.u2, command->time_to_live);
+          },
+          py::arg("line"), "Return what a line says, without its line break; None if damaged.");
+}
+
+void bind_watchdog(py::module_& module) {
+  Class<Watchdog, std::shared_ptr<Watchdog>>(
+      public_in(module, "robsim._core"), "Watchdog",
+      "Halts the robot of a link when no fresh frame comes. Users take robsim.Experiment.")
+      .def(py::init([](const std::shared_ptr<MotorLink>& link) {
+             return make_native<Watchdog>([link] { link->halt(); });
+           }),
+           py::arg("link"))
+      .def("arm", &Watchdog::arm, py::arg("timeout"))
+      .def("feed", &Watchdog::feed, py::arg("arrived"))
+      .def("disarm", [](Watchdog& self) { natively([&] { self.disarm(); }); })
+      .def_property_readonly("has_expired", &Watchdog::has_expired);
+}
+
+std::shared_ptr<MotorReceiver> make_receiver(int port, const std::string& host,
+                                             std::optional<int> descriptor, double actuation_delay,
+                                             bool answers) {
+  if (port < 0 || port > 65535) {
+    throw py::value_error("port must lie within 0..65535, got " + std::to_string(port));
+  }
+  return natively([&] {
+    Line line = descriptor
+                    ? Line::of_descriptor(*descriptor, "descriptor " + std::to_string(*descriptor))
+                    : Line::udp_at(host, port);
+    return make_native<MotorReceiver>(std::move(line), actuation_delay, answers);
+  });
+}
+
+void bind_receiver(py::module_& module) {
+  Class<ReceivedInput, std::shared_ptr<ReceivedInput>>(
+      public_in(module, "robsim._core"), "ReceivedInput", "What a robot has received.")
+      .def(
+          "mean",
+          [](const ReceivedInput& self, double start, double end) {
+            return to_array(self.mean(start, end));
+          },
+          py::arg("start"), py::arg("end"), R"(
+Return the mean of what the robot acted upon between two times.
+
+Parameters
+----------
+start, end : float
+    The times (s, clock of time.monotonic).
+
+Returns
+-------
+array (2,)
+    The input (V); 0 while it stood. If both times are one, that at this time.
+)");
+
+  Class<MotorReceiver, ReceivedInput, std::shared_ptr<MotorReceiver>>(
+      public_in(module, "robsim.motors"), "MotorReceiver", R"(
+The robot's end of a line: reads inputs as PROTOCOL.md demands of a robot, in a thread of its own.
+
+It stands in for a robot, in rehearsals and tests. It stops by itself when it hears nothing valid
+for the time to live that the sender gave.
+
+Parameters
+----------
+port : int
+    Port that it listens at for UDP; 0 = any that is free, see `port`.
+host : str
+    Address that it listens at.
+descriptor : int, optional
+    A file descriptor to read in place of UDP, such as an end of a pseudo-terminal. It is copied,
+    and made non-blocking.
+actuation_delay : float
+    What it hears, it acts upon so much later (s).
+answers : bool
+    Whether it answers each valid line, so that the sender knows the round trip time.
+
+Raises
+------
+robsim.motors.LineError
+    If the port is taken, or there is no such address.
+)")
+      .def(py::init(&make_receiver), py::arg("port") = 0, py::kw_only(),
+           py::arg("host") = "127.0.0.1", py::arg("descriptor") = py::none(),
+           py::arg("actuation_delay") = 0.0, py::arg("answers") = true)
+      .def(
+          "close", [](MotorReceiver& self) { natively([&] { self.close(); }); },
+          "Hear no more: it stops when the time to live is over.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__",
+           [](MotorReceiver& self, const py::args&) { natively([&] { self.close(); }); })
+      .def_property_readonly("name", &MotorReceiver::name, "str: what the line is called.")
+      .def_property_readonly("port", &MotorReceiver::port,
+                             "int: the port that it listens at; 0 for a descriptor.")
+      .def_property_readonly("actuation_delay", &MotorReceiver::actuation_delay,
+                             "float: what it hears, it acts upon so much later (s).")
+      .def_property_readonly("is_closed", &MotorReceiver::is_closed, "bool: True after `close`.")
+      .def_property_readonly(
+          "input", [](const MotorReceiver& self) { return to_array(self.input()); },
+          "array (2,): what it acts upon now (V).")
+      .def_property_readonly("events", &MotorReceiver::events,
+                             "list of MotorEvent: what it heard, and when it stopped by itself; "
+                             "the newest 100 000.")
+      .def_property_readonly("counts", &MotorReceiver::counts,
+                             "LineCounts: how many lines it heard.")
+      .def("__repr__", [](const MotorReceiver& self) {
+        return "<MotorReceiver at " + self.name() + (self.is_closed() ? ", closed>" : ">");
+      });
+}
+
+}  // namespace
+
+void bind_motors(py::module_& module) {
+  bind_error<LineError>(module, "LineError", PyExc_OSError,
+                        "A line to a robot cannot be opened, read or written to.");
+  bind_error<HaltedError>(module, "HaltedError", PyExc_RuntimeError,
+                          "An input was refused, since the robot was halted.");
+  bind_event(module);
+  bind_counts(module);
+  bind_limits(module);
+  bind_line(module);
+  bind_link(module);
+  bind_protocol(module);
+  bind_watchdog(module);
+  bind_receiver(module);
+}
