@@ -211,6 +211,7 @@ EXAMPLES = {
     "title": lambda: "time",
     "tolerance": lambda: 0.1,
     "trace": trace,
+    "step": robsim.Step,
     "traces": trace,
     "truth": lambda: np.ones((40, 3)),
     "u": lambda: np.zeros(2),

@@ -213,5 +213,5 @@ def test_a_filter_without_inputs_has_no_delay_of_them():
 
 @pytest.mark.parametrize("delay", [-0.1, 1001, np.nan, np.inf])
 def test_wrong_delays(delay):
-    with pytest.raises(ValueError, match="^input_delay must lie within 0..1000 "):
+    with pytest.raises(ValueError, match=r"^input_delay must lie within 0\.\.1000 "):
         ExtendedKalmanFilter(input_delay=delay)

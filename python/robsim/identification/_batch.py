@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, check_choice
-from robsim._base.report import Column, Report, Table
+from robsim._base.report import Column, Quantity, Report, Table
+from robsim._base.text import quoted
 from robsim._core import least_squares
 from robsim.identification._fits import METHODS
+from robsim.identification._fits.delay_fit import LONGEST_DELAY, check_delay_or_fit
+from robsim.identification._fits.model_fit import delay_quantities
 from robsim.identification._identifiability import Identifiability, judge
 from robsim.identification._parameter_table import equation_noise, parameter_table
 from robsim.identification._regression import (
@@ -33,6 +36,8 @@ _METHODS = ("least_squares", *METHODS)
 class _Fit(TypedDict):
     """The fields of `BatchEstimate` that the method determines."""
 
+    input_delay: float
+    input_delay_error: float
     batch: Floats
     rank: NDArray[np.int64]
     condition: Floats
@@ -88,6 +93,8 @@ class BatchEstimate(Report):
     model_error : array (3,)
         Root mean square one-step prediction error of `theta_true` on the true path (px, px, rad).
         If it is not 0, the robot does not move as its model says: `theta_true` is not the truth.
+    input_delay, input_delay_error : float
+        How late the inputs act (steps), and the standard error if it was estimated, otherwise 0.
     """
 
     theta_true: Floats
@@ -108,6 +115,8 @@ class BatchEstimate(Report):
     method: str = "least_squares"
     converged: bool = True
     model_error: Floats = field(default_factory=lambda: np.zeros(3))
+    input_delay: float = 0.0
+    input_delay_error: float = 0.0
 
     @property
     def _samples(self) -> int:
@@ -149,6 +158,11 @@ class BatchEstimate(Report):
             freedom=float(freedom.min()),
             identify_from=self.identify_from,
         )
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The delay of the inputs, if there is one."""
+        return delay_quantities(self.input_delay, self.input_delay_error)
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -207,6 +221,7 @@ def batch_estimate(
     identify_from: str | None = None,
     select: str = "valid",
     method: str = "least_squares",
+    input_delay: float | str = 0.0,
 ) -> BatchEstimate:
     """Estimate the parameters of the robot model from a whole run.
 
@@ -227,6 +242,10 @@ def batch_estimate(
     method : str
         ``"least_squares"``, ``"instrumental_variables"`` or ``"output_error"``; see the functions
         of these names.
+    input_delay : float or str
+        How late the inputs act (steps of the model), 0..1000: the `motor_delay` of a simulated
+        world, the ``trace.timing().input_delay`` of a live one. ``"fit"``: it is estimated, too,
+        within 0..10 steps, by the method ``"output_error"``.
 
     Returns
     -------
@@ -243,7 +262,15 @@ def batch_estimate(
     """
     check_trace(trace)
     check_choice("method", method, _METHODS)
-    found = regression_of(trace, identify_from=identify_from, select=select)
+    delay = check_delay_or_fit(input_delay)
+    if delay is None and method != "output_error":
+        raise ValueError(f"input_delay='fit' is for method='output_error', got {quoted(method)}")
+    found = regression_of(
+        trace,
+        identify_from=identify_from,
+        select=select,
+        input_delay=LONGEST_DELAY if delay is None else delay,
+    )
     if len(found.k) < _MINIMUM_SAMPLES:
         trace.require(POSES[found.identify_from])
         where = "the longest of" if select == "longest" else "all"
@@ -255,9 +282,9 @@ def batch_estimate(
     trace.require("u")
     start, stop = int(found.k[0]) - 2, int(found.k[-1]) + 1
     fit = (
-        _least_squares(found)
-        if method == "least_squares"
-        else _fitted(trace, found, start, stop, select, method)
+        _least_squares(found, delay)
+        if method == "least_squares" and delay is not None
+        else _fitted(trace, found, start, stop, select, method, delay)
     )
     return BatchEstimate(
         theta_true=np.array(trace.info.theta_true),
@@ -270,12 +297,12 @@ def batch_estimate(
         left_out=found.left_out,
         select=select,
         method=method,
-        model_error=_model_error(trace),
+        model_error=_model_error(trace, fit["input_delay"]),
         **fit,
     )
 
 
-def _least_squares(found: Regression) -> _Fit:
+def _least_squares(found: Regression, input_delay: float) -> _Fit:
     fits = [least_squares(found.phi[:, axis], found.y[:, axis]) for axis in range(3)]
     return {
         "batch": np.array([fit.theta for fit in fits]),
@@ -285,17 +312,31 @@ def _least_squares(found: Regression) -> _Fit:
         "standard_errors": np.array([fit.standard_errors for fit in fits]),
         "standard_errors_unscaled": np.array([fit.standard_errors_unscaled for fit in fits]),
         "converged": True,
+        "input_delay": input_delay,
+        "input_delay_error": 0.0,
     }
 
 
 def _fitted(
-    trace: Trace, found: Regression, start: int, stop: int, select: str, method: str
+    trace: Trace,
+    found: Regression,
+    start: int,
+    stop: int,
+    select: str,
+    method: str,
+    delay: float | None,
 ) -> _Fit:
-    first = int(trace.k[0])
-    record = trace[start - first : stop - first]
-    poses = record.poses_from(found.identify_from)
-    breaks = interruptions(record, over_bounces=select == "all")
-    fit = METHODS[method](poses, inputs_of(record), breaks=breaks)
+    # The inputs from before the poses that are used act in them, when they are late.
+    before = start - int(trace.k[0])
+    record = trace[: stop - int(trace.k[0])]
+    poses, u = record.poses_from(found.identify_from).copy(), inputs_of(record)
+    poses[:before], u[:before] = np.nan, np.nan_to_num(u[:before])
+    breaks = interruptions(
+        record,
+        over_bounces=select == "all",
+        input_delay=LONGEST_DELAY if delay is None else delay,
+    )
+    fit = METHODS[method](poses, u, breaks=breaks, input_delay="fit" if delay is None else delay)
     sigma = np.maximum(fit.residual_rms, np.finfo(float).tiny)
     return {
         "batch": fit.theta,
@@ -305,12 +346,14 @@ def _fitted(
         "standard_errors": np.where(fit.determined, fit.standard_errors, np.nan),
         "standard_errors_unscaled": fit.standard_errors / sigma[:, np.newaxis],
         "converged": fit.converged,
+        "input_delay": fit.input_delay,
+        "input_delay_error": fit.input_delay_error,
     }
 
 
-def _model_error(trace: Trace) -> Floats:
+def _model_error(trace: Trace, input_delay: float) -> Floats:
     """Return the root mean square one-step prediction errors of the model, (3,)."""
-    found = regression_of(trace, identify_from="truth")
+    found = regression_of(trace, identify_from="truth", input_delay=input_delay)
     if not len(found.k):
         return np.zeros(3)
     residuals = found.y - np.sum(found.phi * np.array(trace.info.theta_true), axis=2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from robsim._base.checks import Floats, check_choice
 from robsim._core import check_mean_interval, model_steps, regression
 from robsim.trace import Trace
 from robsim.trace._columns import POSES
+from robsim.trace._input_delay import check_delay, delayed
 from robsim.trace._trace import Bools, check_trace, longest_run
 
 SELECTIONS = ("valid", "longest", "all")
@@ -42,7 +44,11 @@ class Regression:
 
 
 def regression_of(
-    trace: Trace, *, identify_from: str | None = None, select: str = "valid"
+    trace: Trace,
+    *,
+    identify_from: str | None = None,
+    select: str = "valid",
+    input_delay: float = 0.0,
 ) -> Regression:
     """Return the regression samples of a trace.
 
@@ -57,6 +63,9 @@ def regression_of(
         ``"valid"``: all except those that span a bounce, a step without a pose or lost frames.
         ``"longest"``: those of the longest segment without an interruption. ``"all"``: also those
         that span a bounce, which the model does not cover.
+    input_delay : float
+        How late the inputs act (steps of the model), 0..1000. Samples whose inputs are from before
+        the record, from lost frames or from before a stop are not valid.
 
     Returns
     -------
@@ -73,8 +82,9 @@ def regression_of(
     source = trace.info.identify_from if identify_from is None else identify_from
     check_choice("identify_from", source, tuple(POSES))
     check_choice("select", select, SELECTIONS)
+    delay = check_delay("input_delay", input_delay)
     poses = trace.poses_from(source)
-    follows = _follows(trace, poses, over_bounces=select == "all")
+    follows = _follows(poses, interruptions(trace, over_bounces=select == "all", input_delay=delay))
     if select == "longest":
         longest = longest_run(follows)
         follows = np.isin(np.arange(len(follows)), np.arange(longest.start, longest.stop))
@@ -83,7 +93,8 @@ def regression_of(
     phi, y = np.empty((0, 3, 5)), np.empty((0, 3))
     if is_whole.any():
         known = np.where(np.isfinite(poses).all(axis=1, keepdims=True), poses, 0.0)
-        phi, y = (rows[is_whole] for rows in regression(known, np.nan_to_num(inputs_of(trace))))
+        u = np.nan_to_num(inputs_of(trace, delay))
+        phi, y = (rows[is_whole] for rows in regression(known, u))
     return Regression(
         phi=phi,
         y=y,
@@ -93,16 +104,16 @@ def regression_of(
     )
 
 
-def inputs_of(trace: Trace) -> Floats:
-    """Return the inputs (N, 2) that the robot got, in V: where nobody knows better, those sent."""
+def inputs_of(trace: Trace, input_delay: float = 0.0) -> Floats:
+    """Return the inputs (N, 2) that acted, in V: where nobody knows better, those sent."""
     u = trace.u.copy()
     received = trace.last_u[1:]
     is_known = np.isfinite(received).all(axis=1)
     u[:-1][is_known] = received[is_known]
-    return u
+    return delayed(u, input_delay) if input_delay else u
 
 
-def interruptions(trace: Trace, *, over_bounces: bool = False) -> Bools:
+def interruptions(trace: Trace, *, over_bounces: bool = False, input_delay: float = 0.0) -> Bools:
     """Return for each step whether the model does not give it from the two before, (N,).
 
     It does not across a bounce, not across lost frames, whose inputs are not known, and not
@@ -114,6 +125,9 @@ def interruptions(trace: Trace, *, over_bounces: bool = False) -> Bools:
         The recorded run.
     over_bounces : bool
         Count a bounce as no interruption.
+    input_delay : float
+        How late the inputs act (steps): for so long after an interruption, and at the beginning of
+        a record that begins later than its run, what acts was given before, and is not known.
 
     Raises
     ------
@@ -127,13 +141,16 @@ def interruptions(trace: Trace, *, over_bounces: bool = False) -> Bools:
     check_mean_interval(intervals.sum(), steps.sum(), trace.info.dt)
     is_break[1:][~trace.interrupted[1:]] = steps > 1
     is_break |= trace.interrupted
+    if input_delay and len(trace):
+        is_break[0] |= trace.k[0] > 0
+        late = np.flatnonzero(is_break)[:, np.newaxis] + np.arange(1, math.ceil(input_delay) + 1)
+        is_break[late[late < len(trace)]] = True
     if not over_bounces:
         is_break |= trace.bounced
     return is_break
 
 
-def _follows(trace: Trace, poses: Floats, *, over_bounces: bool) -> Bools:
+def _follows(poses: Floats, breaks: Bools) -> Bools:
     """Return for each of the steps 1.. whether its pose follows from the previous one."""
     seen = np.asarray(np.isfinite(poses).all(axis=1))
-    breaks = interruptions(trace, over_bounces=over_bounces)
     return np.asarray(seen[1:] & seen[:-1] & ~breaks[1:])

@@ -14,6 +14,7 @@ from robsim.identification._fits.linear import solve
 from robsim.identification._fits.model_fit import ModelFit, with_undetermined
 from robsim.identification._fits.paths import HEADING, X, Y, recursion
 from robsim.identification._fits.segments import Segment, as_record, split
+from robsim.trace._input_delay import check_delay
 
 _ITERATIONS = 30
 # An axis has converged when no parameter changes by more than this fraction of its standard error.
@@ -26,7 +27,11 @@ _MINIMUM_SAMPLES = 8
 
 
 def instrumental_variables(
-    poses: ArrayLike, u: ArrayLike, *, breaks: ArrayLike | None = None
+    poses: ArrayLike,
+    u: ArrayLike,
+    *,
+    breaks: ArrayLike | None = None,
+    input_delay: float = 0.0,
 ) -> ModelFit:
     """Estimate the parameters of the robot model from measured poses, without bias.
 
@@ -45,6 +50,9 @@ def instrumental_variables(
         The inputs given at these steps (V).
     breaks : array (N,) of bool, optional
         Steps that do not follow from the previous one, such as bounces.
+    input_delay : float
+        How late the inputs act (steps), 0..1000; before the first they were 0. `output_error` can
+        also estimate it.
 
     Returns
     -------
@@ -62,7 +70,9 @@ def instrumental_variables(
     analysis, part I, Int. J. Control 29(1), 1979. The transient from the noise of a run's first two
     poses does not decay in the filter 1/A, which has a pole at 1; it is projected out.
     """
-    runs = split(as_record(poses, u, breaks), maximum_gap=0, minimum=_MINIMUM_POSES)
+    delay = check_delay("input_delay", input_delay)
+    record = as_record(poses, u, breaks).with_delay(delay)
+    runs = split(record, maximum_gap=0, minimum=_MINIMUM_POSES)
     n_samples = sum(len(run.u) - 4 for run in runs)
     if n_samples < _MINIMUM_SAMPLES:
         raise ValueError(
@@ -83,6 +93,7 @@ def instrumental_variables(
             fit.converged or not np.isfinite(row).any()
             for fit, row in zip(fits, theta, strict=True)
         ),
+        input_delay=delay,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
-from robsim._base.report import Column, Report, Table
+from robsim._base.report import Column, Quantity, Report, Table
 from robsim.identification._parameter_table import noise_remarks, parameter_table
 
 # A parameter is determined if its standard error is below this fraction of the axis's scale.
@@ -32,6 +32,8 @@ class ModelFit(Report):
         Number of iterations.
     converged : bool
         Whether the iteration converged; if not, theta is that of the last iteration.
+    input_delay, input_delay_error : float
+        How late the inputs act (steps), and the standard error; 0 if it was given.
     """
 
     theta: Floats
@@ -39,6 +41,8 @@ class ModelFit(Report):
     residual_rms: Floats
     iterations: int
     converged: bool
+    input_delay: float = 0.0
+    input_delay_error: float = 0.0
 
     @property
     def determined(self) -> NDArray[np.bool_]:
@@ -49,6 +53,11 @@ class ModelFit(Report):
     def title(self) -> str:
         """What was fitted."""
         return "Parameters fitted to measured poses"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The delay of the inputs, if there is one."""
+        return delay_quantities(self.input_delay, self.input_delay_error)
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -72,6 +81,15 @@ class ModelFit(Report):
         if not self.converged:
             remarks.append(f"not converged after {self.iterations} iterations: do not trust it")
         return (*remarks, *noise_remarks("measurement"))
+
+
+def delay_quantities(delay: float, error: float) -> tuple[Quantity, ...]:
+    """Return what a report says of a delay of the inputs (steps); nothing without one."""
+    quantities = (
+        Quantity("input_delay", "input delay", delay, "steps", ".4g"),
+        Quantity("input_delay_error", "its standard error", error, "steps", ".2g"),
+    )
+    return quantities if error else quantities[: bool(delay)]
 
 
 def with_undetermined(theta: Floats, standard_errors: Floats) -> tuple[Floats, Floats]:

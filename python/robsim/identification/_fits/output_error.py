@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
 from robsim._core import simulated_path
+from robsim.identification._fits.delay_fit import check_delay_or_fit, fit_delay
 from robsim.identification._fits.initial_estimate import initial_estimate
 from robsim.identification._fits.linearisation import Linearisation, Unknowns
 from robsim.identification._fits.model_fit import ModelFit, with_undetermined
@@ -27,7 +28,13 @@ _DAMPING_FACTOR = 100.0
 _MAXIMUM_DAMPING = 1e8
 
 
-def output_error(poses: ArrayLike, u: ArrayLike, *, breaks: ArrayLike | None = None) -> ModelFit:
+def output_error(
+    poses: ArrayLike,
+    u: ArrayLike,
+    *,
+    breaks: ArrayLike | None = None,
+    input_delay: float | str = 0.0,
+) -> ModelFit:
     """Fit the simulated path of the robot model to measured poses.
 
     The path depends on the inputs, the 15 parameters and the first two poses of each segment
@@ -42,6 +49,9 @@ def output_error(poses: ArrayLike, u: ArrayLike, *, breaks: ArrayLike | None = N
         The inputs given at these steps (V), also where the robot was not seen.
     breaks : array (N,) of bool, optional
         Steps that do not follow from the previous one, such as bounces.
+    input_delay : float or str
+        How late the inputs act (steps), 0..1000; before the first they were 0. ``"fit"``: it is
+        estimated, too, within 0..10 steps.
 
     Returns
     -------
@@ -60,8 +70,19 @@ def output_error(poses: ArrayLike, u: ArrayLike, *, breaks: ArrayLike | None = N
     the path is linear in the other unknowns. x, y and heading are weighted by the residuals of the
     last iteration. Source: Ljung, System Identification, 2nd edition 1999, 4.3 (output error
     models), 10.2.
+
+    An estimated delay is that of the maximum likelihood, for normal errors of the poses: of all
+    delays the one for which the parameters fit best. The standard errors of the parameters then
+    include what the uncertainty of the delay adds to them.
     """
+    delay = check_delay_or_fit(input_delay)
     record = as_record(poses, u, breaks)
+    return fit_delay(record, _fit) if delay is None else _fit(record, delay)
+
+
+def _fit(record: Record, delay: float) -> ModelFit:
+    """Return the fit for a known delay of the inputs (steps)."""
+    record = record.with_delay(delay)
     segments = split(record, minimum=_MINIMUM_POSES)
     start = _start(record, segments)
     fit, residuals, iterations, converged = _minimise(start, segments)
@@ -77,6 +98,7 @@ def output_error(poses: ArrayLike, u: ArrayLike, *, breaks: ArrayLike | None = N
         residual_rms=np.sqrt(np.square(residuals).mean(axis=0)),
         iterations=iterations,
         converged=converged,
+        input_delay=delay,
     )
 
 

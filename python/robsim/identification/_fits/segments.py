@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats
 from robsim._base.text import quoted
+from robsim.trace._input_delay import delayed
 
 HEADING = 2
 _MAXIMUM_VALUE = 1e9  # px, rad or V: beyond any real value
@@ -38,6 +39,10 @@ class Record:
     def seen(self) -> Bools:
         """The steps with a pose."""
         return np.asarray(np.isfinite(self.poses[:, 0]))
+
+    def with_delay(self, input_delay: float) -> Record:
+        """Return the record with the inputs that act, this many steps after they were given."""
+        return replace(self, u=delayed(self.u, input_delay)) if input_delay else self
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,169 @@
+"""Identification of a robot whose inputs act late: the bias without the delay, and none with it."""
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.identification import instrumental_variables, output_error, regression_of
+from robsim.trace import Trace
+
+pytestmark = pytest.mark.kernels
+
+TRUTH = robsim.RobotModel().theta
+NOISE = np.array([0.3, 0.3, 0.01])  # px, px, rad
+METHODS = ["least_squares", "instrumental_variables", "output_error"]
+each_method = pytest.mark.parametrize("method", METHODS)
+
+
+def late_run(seed=1, delay=2.4, steps=300, **options):
+    """A drive around whose inputs act late."""
+    u = np.random.default_rng(seed).uniform(-0.5, 1.5, (-(-steps // 5), 2))
+    return robsim.Simulation(
+        control=robsim.Replay(np.repeat(u, 5, axis=0)[:steps]),
+        motor_delay=delay,
+        seed=seed,
+        **({"boundary": "unlimited"} | options),
+    ).run(steps)
+
+
+def measured(trace, seed=7, sigma=NOISE):
+    return trace.pose_true + np.random.default_rng(seed).normal(size=(len(trace), 3)) * sigma
+
+
+def gain_errors(theta):
+    """Relative errors of b1 and b2, the largest of all axes."""
+    return np.nanmax(np.abs(theta / np.where(TRUTH, TRUTH, np.nan) - 1)[:, 2:4])
+
+
+@each_method
+@pytest.mark.parametrize("delay", [0, 1, 2.4, 40.5])
+def test_the_true_delay_gives_back_the_true_parameters(method, delay):
+    trace = late_run(delay=delay)
+    found = robsim.batch_estimate(trace, method=method, input_delay=delay)
+    np.testing.assert_allclose(found.batch, TRUTH, rtol=0, atol=1e-6)
+    assert found.is_model_exact
+    assert (found.input_delay, found.input_delay_error) == (delay, 0)
+    if delay:
+        without = robsim.batch_estimate(trace, method=method)
+        assert without.input_delay == 0
+        assert not without.is_model_exact
+        # on truth: 0.05 to 2 and more
+        assert gain_errors(without.batch) > 0.04
+
+
+@pytest.mark.parametrize("fit", [output_error, instrumental_variables])
+def test_noise_adds_no_bias_to_a_fit_that_knows_the_delay(fit):
+    trace = late_run()
+    z = measured(trace)
+    found, without = fit(z, trace.u, input_delay=2.4), fit(z, trace.u)
+    within = np.abs(found.theta - TRUTH) / found.standard_errors
+    assert within[found.determined].max() < 5
+    beyond = np.abs(without.theta - TRUTH) / without.standard_errors
+    assert beyond[without.determined].max() > 8
+
+
+@pytest.mark.parametrize("delay", [2.4, pytest.param(0.0, marks=pytest.mark.long)])
+def test_the_delay_is_estimated_and_the_parameters_with_it(delay):
+    trace = late_run(delay=delay)
+    found = output_error(measured(trace), trace.u, input_delay="fit")
+    assert found.converged
+    assert 0.001 < found.input_delay_error < 0.02
+    assert abs(found.input_delay - delay) < 4 * found.input_delay_error
+    assert (np.abs(found.theta - TRUTH) < 5 * found.standard_errors)[found.determined].all()
+    given = output_error(measured(trace), trace.u, input_delay=delay)
+    assert (found.standard_errors >= given.standard_errors * 0.9)[found.determined].all()
+    assert "input delay (steps)" in str(found)
+    assert "its standard error (steps)" in str(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("delay", [0.6, 3])
+def test_the_standard_error_of_the_delay_is_honest(delay):
+    errors = []
+    for seed in range(8):
+        trace = late_run(seed, delay, steps=200)
+        fit = output_error(measured(trace, seed), trace.u, input_delay="fit")
+        errors.append((fit.input_delay - delay) / fit.input_delay_error)
+    # chi-squared with 8 degrees of freedom: 0.1 % below 0.86, and above 26.1
+    assert 0.86 < np.square(errors).sum() < 26.1
+
+
+def test_a_batch_estimate_estimates_the_delay_from_measured_poses():
+    trace = late_run(delay=1.7, boundary="bounce", steps=250)
+    groups = {name: getattr(trace, name) for name in ("pose_true", "u", "bounced")}
+    seen = Trace(groups | {"pose_measured": measured(trace)}, trace.info)
+    found = robsim.batch_estimate(
+        seen, identify_from="measurement", method="output_error", input_delay="fit"
+    )
+    assert abs(found.input_delay - 1.7) < 4 * found.input_delay_error < 0.2
+    assert found.to_dict()["input_delay"] == found.input_delay
+    # without a delay the report says nothing of one
+    assert "delay" not in str(robsim.batch_estimate(late_run(delay=0)))
+
+
+@pytest.mark.long
+def test_a_delay_beyond_what_is_searched_is_no_result():
+    trace = late_run(delay=14, steps=150)
+    found = output_error(measured(trace), trace.u, input_delay="fit")
+    assert not found.converged
+    assert "do not trust it" in str(found)
+
+
+# --- where the inputs that act are not known
+
+
+def test_a_part_of_a_run_begins_where_its_inputs_are_known():
+    trace = late_run(delay=2.4)
+    part = trace[100:]
+    samples = regression_of(part, input_delay=2.4)
+    assert samples.k[0] == 100 + 3 + 2  # the inputs of 100.. act alone from step 103 on
+    for method in METHODS:
+        found = robsim.batch_estimate(part, method=method, input_delay=2.4)
+        np.testing.assert_allclose(found.batch, TRUTH, rtol=0, atol=1e-6)
+    # from the start of the run on all is known: before it the inputs were 0
+    assert regression_of(trace, input_delay=2.4).k[0] == 2
+
+
+@pytest.mark.parametrize("group", ["interrupted", "t"])
+def test_for_so_long_after_lost_frames_and_stops_no_sample_is_valid(group):
+    trace = late_run(delay=2.4, steps=60)
+    groups = {name: getattr(trace, name) for name in ("pose_true", "u", "bounced")}
+    if group == "interrupted":
+        values = np.arange(60) == 30
+    else:
+        values = np.arange(60) * 0.2 + 0.4 * (np.arange(60) >= 30)
+    broken = Trace(groups | {group: values}, trace.info)
+    prompt, late = regression_of(broken), regression_of(broken, input_delay=2.4)
+    assert sorted(set(trace.k[2:]) - set(prompt.k)) == [30, 31]
+    assert sorted(set(trace.k[2:]) - set(late.k)) == [30, 31, 32, 33, 34]
+    assert late.left_out == 5
+
+
+def test_after_a_bounce_the_inputs_are_known():
+    trace = late_run(delay=2.4, boundary="bounce", start=(1100, 600, 0.0), steps=400)
+    bounces = np.flatnonzero(trace.bounced)
+    assert len(bounces)
+    samples = regression_of(trace, input_delay=2.4)
+    assert bounces[0] + 2 in samples.k
+    found = robsim.batch_estimate(trace, input_delay=2.4)
+    np.testing.assert_allclose(found.batch, TRUTH, rtol=0, atol=1e-6)
+
+
+# --- wrong arguments
+
+
+@each_method
+@pytest.mark.parametrize("delay", [-1, 1001, np.nan])
+def test_a_delay_out_of_range(method, delay):
+    with pytest.raises(ValueError, match=r"^input_delay must lie within 0\.\.1000 \(steps\)"):
+        robsim.batch_estimate(late_run(steps=30), method=method, input_delay=delay)
+
+
+def test_words():
+    trace = late_run(steps=30)
+    with pytest.raises(ValueError, match=r"^input_delay must be a number \(steps\) or 'fit'"):
+        robsim.batch_estimate(trace, method="output_error", input_delay="fitted")
+    with pytest.raises(ValueError, match=r"'fit' is for method='output_error', got 'least_sq"):
+        robsim.batch_estimate(trace, input_delay="fit")
+    with pytest.raises(TypeError, match=r"^input_delay must be a number \(steps\), got None"):
+        output_error(trace.pose_true, trace.u, input_delay=None)
