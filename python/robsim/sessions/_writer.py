@@ -389,6 +389,7 @@ class _AppendedFile:
         self.descriptor = os.open(path, flags, 0o666)
         self.end = 0
         self._close = weakref.finalize(self, os.close, self.descriptor)
+        self._close.atexit = False  # the session is finished there, and needs it
 
     def append(self, piece: bytes) -> int:
         """Write a piece; return the new end of the file."""

@@ -1,0 +1,61 @@
+"""Whatever fails, and whenever the run is killed: what was written can be read, and agrees."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import sanitizers
+
+pytest.importorskip("cv2")
+
+SUPPORT = Path(__file__).parents[1] / "support"
+COMPILER = shutil.which("cc") or shutil.which("gcc")
+needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+
+pytestmark = pytest.mark.long
+
+
+def run_program(name, *arguments, **environment):
+    """Run a program of tests/support; return what it prints."""
+    variables = {**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment}
+    variables["PYTHONPATH"] = os.pathsep.join(sys.path)
+    program = [sys.executable, "-W", "error", str(SUPPORT / name), *map(str, arguments)]
+    done = subprocess.run(program, env=variables, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@needs_fork
+def test_a_killed_run_loses_at_most_its_last_second(tmp_path):
+    assert "3 killed" in run_program("killed_sessions.py", tmp_path, 1, 3)
+
+
+@pytest.mark.slow
+@needs_fork
+def test_many_killed_runs_lose_at_most_their_last_second(tmp_path, rng):
+    seed = int(rng.integers(2**31))
+    assert "50 killed" in run_program("killed_sessions.py", tmp_path, seed, 50)
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    """The library that lets calls to the system fail."""
+    if not (COMPILER and sys.platform == "linux"):
+        pytest.skip("needs a C compiler")
+    if sanitizers.ADDRESS:
+        pytest.skip("the sanitizer must be loaded first")
+    path = tmp_path_factory.mktemp("faults") / "faults.so"
+    source = str(SUPPORT / "faults.c")
+    command = [COMPILER, "-shared", "-fPIC", "-Wall", "-Werror", "-o", str(path), source, "-ldl"]
+    subprocess.run(command, check=True)
+    return str(path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["errors", "kills"])
+def test_a_fault_at_any_call_leaves_a_session_that_agrees(library, tmp_path, kind):
+    assert kind in run_program("session_faults.py", tmp_path, kind, LD_PRELOAD=library)

@@ -1,0 +1,349 @@
+import itertools
+import math
+import os
+import subprocess
+import sys
+import threading
+import weakref
+
+import numpy as np
+import pytest
+
+import robsim
+import sessions
+from robsim.sessions import Session
+from robsim.sessions._rows import Row
+from robsim.sessions._writer import SessionWriter
+from sessions import AREA, SETUP, check_agreement, numbered, record, row_time
+
+pytest.importorskip("cv2")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A complete session of 25 steps."""
+    folder = tmp_path_factory.mktemp("recorded") / "Fahrt über den Hof"
+    record(folder, 25).close()
+    return folder
+
+
+def rows_of(trace):
+    """The steps of a run, as it would record them."""
+    for k in range(len(trace)):
+        yield Row(
+            k=k,
+            t=trace.t[k].item(),
+            u=tuple(trace.u[k].tolist()),
+            pose_measured=tuple(trace.pose_measured[k].tolist()),
+        )
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """A simulated run, its trace, and the lossless session of its frames."""
+    model = robsim.RobotModel(robsim.RobotParameters(dt=0.1))
+    simulation = robsim.Simulation(
+        seed=3,
+        area=AREA,
+        control=robsim.FollowPath([(100, 100), (200, 120), (180, 200)]),
+        measure=True,
+        dropout=robsim.Dropout(0.2, 3),
+        estimate_parameters=True,
+        identify_from="measurement",
+        define_model=lambda: model,
+    )
+    frames = [simulation.step().frame for _ in range(30)]
+    folder = tmp_path_factory.mktemp("replay") / "run"
+    setup = SETUP | {"dt": 0.1}
+    writer = SessionWriter(folder, setup=setup, lossless=True, waits=True)
+    for row, frame in zip(rows_of(simulation.trace), frames, strict=True):
+        writer.add(row, frame)
+    writer.close(simulation.trace)
+    return simulation.trace, frames, Session(folder)
+
+
+class TestReplay:
+    def test_gives_the_frames_to_the_byte(self, run):
+        _, frames, session = run
+        for frame, observation in zip(frames, session, strict=True):
+            np.testing.assert_array_equal(observation.frame.image, frame.image)
+            assert observation.frame.t == frame.t
+            assert observation.frame.index == frame.index
+            assert observation.frame.plane_map == frame.plane_map
+
+    def test_gives_the_bytes_of_the_run(self, run):
+        trace, _, session = run
+        again = robsim.Experiment(
+            session,
+            control=robsim.FollowPath([(100, 100), (200, 120), (180, 200)]),
+            estimate_parameters=True,
+        ).run()
+        assert np.isnan(trace.pose_measured).any()
+        for name in ("t", "pose_measured", "pose_held", "u", "parameters"):
+            np.testing.assert_array_equal(getattr(again, name), getattr(trace, name), name)
+
+    def test_another_controller_does_not_change_what_the_robot_got(self, run):
+        trace, _, session = run
+        seen = []
+        again = robsim.Experiment(
+            session,
+            control=lambda step: (seen.append(step.last_u), (9.0, 9.0))[1],
+            estimate_parameters=True,
+        ).run()
+        np.testing.assert_array_equal(seen[1:], trace.u[:-1])
+        np.testing.assert_array_equal(again.parameters, trace.parameters)
+
+    def test_keeps_the_trace_of_the_run(self, run):
+        trace, _, session = run
+        np.testing.assert_array_equal(session.trace.u, trace.u)
+        np.testing.assert_array_equal(session.trace.pose_measured, trace.pose_measured)
+        assert robsim.Trace.load(session.folder / "trace.npz") == trace
+
+
+def test_a_session_agrees_with_itself(recorded):
+    session = Session(recorded)
+    assert session.is_complete
+    assert session.problems == ()
+    assert check_agreement(session) == session.count == len(session) == 25
+    assert (session.area, session.dt, session.size) == (AREA, 0.2, AREA)
+    assert check_agreement(session) == 25  # again
+
+
+def test_the_default_video_shifts_poses_by_less_than_a_tenth_of_a_pixel(recorded):
+    session = Session(recorded)
+    error = robsim.Experiment(session).run().pose_measured - session.trace.pose_measured
+    # The drawn number is not near the robot; the markers have 21 px.
+    assert np.sqrt(np.mean(error[:, :2] ** 2)) < 0.05
+    assert np.abs(error[:, :2]).max() < 0.25
+    assert np.abs(error).max() > 0  # it is not lossless
+
+
+def test_players_show_the_video(recorded):
+    recording = robsim.Recording(recorded / "frames.mkv")
+    assert recording.count == 25
+    assert recording.dt == pytest.approx(0.2)
+    assert [sessions.number_of(frame) for frame in recording] == list(range(25))
+
+
+def test_a_spreadsheet_reads_the_steps(recorded):
+    pandas = pytest.importorskip("pandas")
+    table = pandas.read_csv(recorded / "steps.csv")
+    trace = Session(recorded).trace
+    np.testing.assert_allclose(table[["u1", "u2"]], trace.u, rtol=1e-14)
+    np.testing.assert_allclose(table["t"], trace.t, rtol=1e-14)
+    np.testing.assert_array_equal(table["video_frame"], table["k"])
+
+
+def test_the_setup_comes_back(tmp_path):
+    robot = robsim.robots.load_robot("lab")
+    setup = {
+        "area": (640, 480),
+        "dt": 1 / 30,
+        "plane_map": robsim.imaging.PlaneMap.scaled((320, 240), (640, 480)),
+        "colors": list(robsim.load_colors()),
+        "markers": robot.marker_layout(),
+        "model": robsim.RobotModel(),
+        "robot": "lab",
+        "seed": 2**100,
+        "sources": {
+            "control.py": "def control(step):\n    return '''\\n''', 'ä'\n",
+            "b.py": "\n\nx",
+        },
+        "nothing": None,
+    }
+    SessionWriter(tmp_path / "s", setup=setup).close()
+    session = Session(tmp_path / "s")
+    for name in ("area", "dt", "plane_map", "colors", "markers", "model"):
+        assert getattr(session, name) == setup[name], name
+    assert session.setup["sources"] == setup["sources"]
+    assert session.setup["seed"] == str(2**100)
+    assert session.setup["started"].utcoffset().total_seconds() == 0
+    assert list(session) == []
+    assert session.size is None
+
+
+def test_a_frame_keeps_its_own_numbers(tmp_path):
+    scaled = robsim.imaging.PlaneMap.scaled((300, 300), (600, 600))
+    writer = SessionWriter(tmp_path, setup={"plane_map": scaled}, lossless=True)
+    image = numbered(3)[0].image
+    maps = [scaled, robsim.imaging.PlaneMap(), scaled]
+    for k, plane_map in enumerate(maps):
+        frame = robsim.Frame(image, t=k, t_arrival=k + 0.04, index=7 * k, plane_map=plane_map)
+        writer.add(Row(k=5 + k, t=k, t_arrival=k + 0.04, t_sent=k + 0.06), frame)
+    writer.add(Row(k=8, t=3.0, reason='=no "blue", no red'), None)
+    writer.close()
+    session = Session(tmp_path)
+    *seen, last = [observation.frame for observation in session]
+    assert last is None
+    assert [frame.plane_map for frame in seen] == maps
+    assert [frame.index for frame in seen] == [0, 7, 14]
+    assert [frame.t_arrival for frame in seen] == [0.04, 1.04, 2.04]
+    assert session.trace.k.tolist() == [5, 6, 7, 8]
+    np.testing.assert_array_equal(session.trace.t_sent, [0.06, 1.06, 2.06, math.nan])
+    assert session._rows[-1].reason == """'=no "blue", no red"""
+
+
+def test_after_a_stop_the_robot_got_the_stop_input(tmp_path):
+    writer = SessionWriter(tmp_path, setup={"stop_input": (0.5, 0.25)})
+    for k in range(3):
+        writer.add(Row(k=k, t=k, u=(1, 2), interrupted=k == 1), None)
+    writer.add(Row(k=3, t=3, last_u=(8, 9)), None)
+    writer.close()
+    session = Session(tmp_path)
+    assert session.trace.interrupted.tolist() == [False, True, False, False]
+    got = [o.last_u if o.last_u is None else o.last_u.tolist() for o in session]
+    assert got == [None, [0.5, 0.25], [1, 2], [8, 9]]
+
+
+def test_a_session_is_not_overwritten(recorded):
+    before = {file: file.read_bytes() for file in recorded.iterdir()}
+    with pytest.raises(FileExistsError, match="session already, which is not overwritten"):
+        record(recorded, 2)
+    assert {file: file.read_bytes() for file in recorded.iterdir()} == before
+
+
+def test_a_folder_that_cannot_be_written_to_is_told_at_once(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(NotADirectoryError, match="is a file, not a folder"):
+        record(tmp_path / "file", 0)
+    if os.name == "posix" and os.getuid():
+        tmp_path.chmod(0o500)
+        with pytest.raises(PermissionError):
+            record(tmp_path / "session", 0)
+        with pytest.raises(PermissionError):
+            record(tmp_path, 0)
+
+
+def test_without_opencv_it_is_told_at_once(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    with pytest.raises(ImportError, match="recording a session needs OpenCV: pip install"):
+        record(tmp_path / "session", 0)
+    assert not (tmp_path / "session").exists()
+
+
+class TestSlowWriter:
+    def test_leaves_out_frames_and_no_rows(self, tmp_path, monkeypatch):
+        writer = record(tmp_path, 1)
+        writer.flush()
+        writer._waits = False
+        encoder = writer._files._encoder
+        encode, may_go_on = encoder.encode, threading.Event()
+
+        def slow(frame):
+            may_go_on.wait()
+            return encode(frame)
+
+        monkeypatch.setattr(encoder, "encode", slow)
+        for k in range(1, 60):
+            sessions.add(writer, k)  # it does not wait
+        may_go_on.set()
+        with pytest.warns(UserWarning, match=r"\d+ of 60 frames were left out of the video; disk"):
+            writer.close()
+        session = Session(tmp_path)
+        assert session.count == writer.counts.steps == 60
+        pictures = check_agreement(session)
+        assert 1 < pictures <= 20
+        assert (writer.counts.frames, writer.counts.frames_left_out) == (pictures, 60 - pictures)
+        assert session.problems == (
+            f"{60 - pictures} frames were left out of the video: these steps have none",
+        )
+
+    def test_leaves_out_what_has_waited_for_too_long(self, tmp_path, monkeypatch):
+        monkeypatch.setattr("robsim.sessions._writer._LONGEST_WAIT", 0.0)
+        writer = record(tmp_path, 5, waits=False)
+        with pytest.warns(UserWarning, match="5 of 5 frames"):
+            writer.close()
+        assert check_agreement(Session(tmp_path)) == 0
+
+    def test_leaves_out_a_frame_of_another_size(self, tmp_path):
+        writer = record(tmp_path, 1)
+        writer.add(Row(k=1, t=101.0), robsim.Frame(np.zeros((20, 30, 3), np.uint8)))
+        with pytest.warns(UserWarning, match="1 of 2 frames"):
+            writer.close()
+        assert [o.frame is None for o in Session(tmp_path)] == [False, True]
+
+
+def test_a_session_can_be_read_while_it_is_written(tmp_path):
+    writer = record(tmp_path, 0)
+    for k in itertools.count():
+        sessions.add(writer, k)
+        session = Session(tmp_path)
+        assert check_agreement(session) == session.count <= k + 1
+        assert "still going on" in session.problems[0]
+        if k == 8:
+            break
+    writer.flush()
+    assert Session(tmp_path).count == 9
+    writer.close()
+    assert Session(tmp_path).is_complete
+
+
+@pytest.mark.threads
+def test_a_writer_that_is_forgotten_finishes_its_session(tmp_path):
+    threads = threading.active_count()
+    writer = record(tmp_path, 3)
+    gone = weakref.ref(writer)
+    del writer
+    assert gone() is None
+    assert Session(tmp_path).is_complete
+    assert threading.active_count() == threads
+
+
+@pytest.mark.long
+def test_the_end_of_the_program_finishes_a_session(tmp_path):
+    program = f"import sessions; kept = sessions.record({str(tmp_path / 's')!r}, 4)"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    subprocess.run([sys.executable, "-W", "error", "-c", program], env=environment, check=True)
+    assert Session(tmp_path / "s").is_complete
+    assert check_agreement(Session(tmp_path / "s")) == 4
+
+
+def test_what_comes_after_the_end_is_ignored(tmp_path):
+    writer = record(tmp_path, 2)
+    writer.close()
+    writer.close()
+    sessions.add(writer, 2)
+    writer.flush()
+    assert Session(tmp_path).count == 2
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_forked_process_writes_nothing(tmp_path):
+    writer = record(tmp_path, 2)
+    child = os.fork()
+    if child == 0:
+        sessions.add(writer, 2)
+        writer.flush()
+        writer.close()
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+    sessions.add(writer, 2)
+    writer.close()
+    assert check_agreement(Session(tmp_path)) == 3
+
+
+def test_a_full_disk_is_told_once_and_loses_no_row(tmp_path, monkeypatch):
+    resource = pytest.importorskip("resource")
+    monkeypatch.setattr("robsim.sessions._writer._AFTER_ERROR", 0.0)
+    writer = record(tmp_path, 10)
+    writer.flush()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    full = (tmp_path / "frames.mkv").stat().st_size + 2000
+    resource.setrlimit(resource.RLIMIT_FSIZE, (full, limits[1]))
+    try:
+        for k in range(10, 20):
+            sessions.add(writer, k)
+        writer.flush()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert isinstance(writer.error, OSError)
+    for k in range(20, 30):
+        sessions.add(writer, k)
+    with pytest.warns(UserWarning, match="10 of 30 frames were left out.*frames.mkv"):
+        writer.close()
+    session = Session(tmp_path)
+    assert session.count == 30
+    assert check_agreement(session) == 20
+    assert not session.is_complete
+    assert row_time(29) == session.trace.t[-1]
