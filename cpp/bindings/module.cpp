@@ -67,10 +67,10 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   bind_trace(module);
   bind_records(module);
   bind_steps(module);
+  bind_motors(module);
   bind_worlds(module);
   bind_controllers(module);
   bind_loop(module);
-  bind_motors(module);
   pybind11::delattr(module, "__module__");  // the bindings set it
 }
 

@@ -1385,402 +1385,6 @@ class Step:
         """
         array (2,): the input decided in this step, as sent to the motors (V). RuntimeError before that.
         """
-class WorldState:
-    """
-    What the callback `evaluate_model` gets. Made by hand, it tests a callback without a simulation.
-    
-    Parameters
-    ----------
-    pose_1, pose_2 : array (3,)
-        The poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
-    last_u : array (2,)
-        What acted on the motors since step k-1, on average (V).
-    model : RobotModel, optional
-        The model that this world follows. Default: that of the default robot.
-    k : int
-        Number of the step.
-    t, dt : float, optional
-        Time and sample time (s). Default: k dt, and the dt of the model.
-    """
-    def __eq__(self, arg0: typing.Any) -> bool:
-        ...
-    def __getstate__(self) -> typing.Any:
-        ...
-    def __hash__(self) -> int:
-        ...
-    def __init__(self, pose_1: numpy.typing.ArrayLike, pose_2: numpy.typing.ArrayLike, last_u: numpy.typing.ArrayLike, model: RobotModel | None = None, *, k: int = 1, t: float | None = None, dt: float | None = None) -> None:
-        ...
-    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: typing.Any) -> None:
-        ...
-    @property
-    def dt(self) -> float:
-        """
-        float: sample time (s).
-        """
-    @property
-    def k(self) -> int:
-        """
-        int: number of the step.
-        """
-    @property
-    def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (2,): what acted on the motors since step k-1, on average (V): with noise and delay, if there are any.
-        """
-    @property
-    def model(self) -> RobotModel:
-        """
-        RobotModel: the one that this world follows.
-        """
-    @property
-    def pose_1(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (3,): the pose of step k-1: x, y (work-area px), heading (rad).
-        """
-    @property
-    def pose_2(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (3,): the pose of step k-2.
-        """
-    @property
-    def t(self) -> float:
-        """
-        float: time (s).
-        """
-class World:
-    """
-    A world half, as the loop sees it.
-    """
-class SimulatedWorld(World):
-    """
-    The simulated world half. Users take robsim.Simulation.
-    """
-    def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str, robot_radius: float, camera_delay: int, motor_delay: float) -> None:
-        ...
-    def draw(self, k: int, pose: numpy.typing.ArrayLike, view: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
-        """
-        Return the frame of an earlier step, or write it to `out`.
-        """
-    def draw_newest(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
-        """
-        Return the newest frame, or write it to `out`.
-        """
-    def set_disturbance(self, pose_factor: numpy.typing.ArrayLike, input_sigma: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]) -> None:
-        ...
-    def set_dropout(self, probability: float, steps: int) -> None:
-        ...
-    def set_evaluate_model(self, value: typing.Any) -> None:
-        ...
-    def set_make_scene(self, make: typing.Any, makes_at_start: bool) -> None:
-        ...
-    def set_noise(self, noise: VisualNoise) -> None:
-        ...
-    def set_seeds(self, *, noise: int, dropout: int, disturbance: int) -> None:
-        ...
-    def set_start(self, start: numpy.typing.ArrayLike) -> None:
-        ...
-    def set_true_model(self, draw: typing.Any) -> None:
-        ...
-    @property
-    def model(self) -> RobotModel | None:
-        """
-        RobotModel or None: the one that the robot follows; None before the start.
-        """
-    @property
-    def scene(self) -> Scene:
-        """
-        Scene or None: what the camera looks at; None if nobody has looked yet.
-        """
-class Arrival:
-    """
-    What a source of frames may say in place of a frame.
-    
-    Members:
-    
-      NOTHING_YET
-    
-      END
-    """
-    END: typing.ClassVar[Arrival]
-    NOTHING_YET: typing.ClassVar[Arrival]
-    __members__: typing.ClassVar[dict[str, Arrival]]
-    @typing.overload
-    def __eq__(self, other: Arrival) -> bool:
-        ...
-    @typing.overload
-    def __eq__(self, other: typing.Any) -> bool:
-        ...
-    def __getstate__(self) -> int:
-        ...
-    def __hash__(self) -> int:
-        ...
-    def __index__(self) -> int:
-        ...
-    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    def __int__(self) -> int:
-        ...
-    @typing.overload
-    def __ne__(self, other: Arrival) -> bool:
-        ...
-    @typing.overload
-    def __ne__(self, other: typing.Any) -> bool:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    def __str__(self) -> str:
-        ...
-    @property
-    def name(self) -> str:
-        ...
-    @property
-    def value(self) -> int:
-        ...
-class ExternalWorld(World):
-    """
-    The world half outside. Users take robsim.Experiment.
-    """
-    def __init__(self, *, take: typing.Any, send: typing.Any, stop: typing.Any, stop_late: typing.Any, frame_timeout: float) -> None:
-        ...
-class Unicycle:
-    """
-    The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
-    
-    It has the constants of the `RobotModel` and moves as that along a straight line, and in its
-    heading; in a curve it drives where it is headed. It can be called like a callback:
-    ``pose = unicycle(world)``.
-    
-    Notes
-    -----
-    s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
-    x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
-    """
-    def __call__(self, world: WorldState) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Return the pose of a step: array (3,).
-        """
-    def __eq__(self, arg0: typing.Any) -> bool:
-        ...
-    def __getstate__(self) -> typing.Any:
-        ...
-    def __hash__(self) -> int:
-        ...
-    def __init__(self) -> None:
-        ...
-    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: typing.Any) -> None:
-        ...
-class Controller:
-    """
-    A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
-    """
-    def __call__(self, step: Step) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Return the input of a step: array (2,), V.
-        """
-class Spin(Controller):
-    """
-    Turns on the spot: (+voltage, -voltage).
-    
-    Parameters
-    ----------
-    voltage : float
-        Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
-    """
-    def __eq__(self, arg0: typing.Any) -> bool:
-        ...
-    def __getstate__(self) -> typing.Any:
-        ...
-    def __hash__(self) -> int:
-        ...
-    def __init__(self, voltage: float = 0.05) -> None:
-        ...
-    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: typing.Any) -> None:
-        ...
-    @property
-    def voltage(self) -> float:
-        """
-        float: voltage of the left motor (V).
-        """
-class DriveAround(Controller):
-    """
-    Drives around: for each motor a random voltage, held for some steps.
-    
-    Parameters
-    ----------
-    low, high : float
-        The voltages are uniform in [low, high) (V).
-    hold : int
-        Steps for which a voltage is held.
-    """
-    def __eq__(self, arg0: typing.Any) -> bool:
-        ...
-    def __getstate__(self) -> typing.Any:
-        ...
-    def __hash__(self) -> int:
-        ...
-    def __init__(self, *, low: float = -0.5, high: float = 1.5, hold: int = 10) -> None:
-        ...
-    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: typing.Any) -> None:
-        ...
-    @property
-    def high(self) -> float:
-        """
-        float: highest voltage (V).
-        """
-    @property
-    def hold(self) -> int:
-        """
-        int: steps a voltage is held for.
-        """
-    @property
-    def low(self) -> float:
-        """
-        float: lowest voltage (V).
-        """
-class Replay(Controller):
-    """
-    Gives recorded inputs once more: in step k that of row k.
-    
-    Parameters
-    ----------
-    u : array (N, 2)
-        The voltages of the left and the right motor (V), one row a step, such as ``trace.u``.
-    
-    Raises
-    ------
-    IndexError
-        When it is called for a step that has no row.
-    """
-    def __eq__(self, arg0: typing.Any) -> bool:
-        ...
-    def __getstate__(self) -> typing.Any:
-        ...
-    def __hash__(self) -> int:
-        ...
-    def __init__(self, u: numpy.typing.ArrayLike) -> None:
-        ...
-    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: typing.Any) -> None:
-        ...
-    @property
-    def u(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        array (N, 2): the voltages (V), read-only.
-        """
-class Loop:
-    """
-    The loop. Users take robsim.Simulation or robsim.Experiment.
-    """
-    def __init__(self, *, world: World, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: int | None, identify_from: str, controller_seed: int) -> None:
-        ...
-    def check_thread(self) -> None:
-        """
-        Raise RuntimeError while another thread runs the loop.
-        """
-    def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
-        """
-        Return the columns of the trace: name -> array (rows, width).
-        """
-    def reset(self) -> None:
-        """
-        Go back to the start.
-        """
-    def run(self, steps: int, progress: typing.Any = None, stops_robot: bool = True) -> bool:
-        """
-        Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has come to its end.
-        """
-    def set_controller_seed(self, seed: int) -> None:
-        ...
-    def set_observer(self, observer: typing.Any) -> None:
-        """
-        Call observer(step, t_arrival, t_sent, interrupted) after each step; None = nobody.
-        """
-    def set_slot(self, slot: str, value: typing.Any) -> None:
-        """
-        Put a callable or a native component into a slot; None = the default.
-        """
-    def start(self) -> None:
-        """
-        Do what comes once, if that has not been done yet.
-        """
-    def step_stage(self) -> str | None:
-        """
-        Do the next stage that is on and return its name; None = the world has come to its end.
-        """
-    def stop(self) -> bool:
-        """
-        End the run under way; False if there is none.
-        """
-    def stop_robot(self) -> None:
-        """
-        Send the stop input, if there is one.
-        """
-    @property
-    def estimator(self) -> typing.Any:
-        ...
-    @property
-    def has_started(self) -> bool:
-        ...
-    @property
-    def is_running(self) -> bool:
-        ...
-    @property
-    def last_step(self) -> Step:
-        ...
-    @property
-    def maximum_count(self) -> int:
-        """
-        int: of the blobs of a colour.
-        """
-    @property
-    def minimum_area(self) -> int:
-        """
-        int: of the blobs in the newest frame (px).
-        """
-    @property
-    def missed_detections(self) -> list[MissedDetections]:
-        """
-        list of MissedDetections: the most frequent reason first.
-        """
-    @property
-    def model(self) -> RobotModel:
-        ...
-    @property
-    def rows(self) -> int:
-        """
-        int: steps recorded by now.
-        """
-    @property
-    def smoothing(self) -> int:
-        """
-        int: window of the newest frame (px); 1 = off.
-        """
-    @property
-    def stage(self) -> str:
-        """
-        str: the stage that runs, or comes next.
-        """
 class LineError(OSError):
     """
     A line to a robot cannot be opened, read or written to.
@@ -2131,6 +1735,406 @@ class MotorReceiver(ReceivedInput):
     def port(self) -> int:
         """
         int: the port that it listens at; 0 for a descriptor.
+        """
+class WorldState:
+    """
+    What the callback `evaluate_model` gets. Made by hand, it tests a callback without a simulation.
+    
+    Parameters
+    ----------
+    pose_1, pose_2 : array (3,)
+        The poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
+    last_u : array (2,)
+        What acted on the motors since step k-1, on average (V).
+    model : RobotModel, optional
+        The model that this world follows. Default: that of the default robot.
+    k : int
+        Number of the step.
+    t, dt : float, optional
+        Time and sample time (s). Default: k dt, and the dt of the model.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, pose_1: numpy.typing.ArrayLike, pose_2: numpy.typing.ArrayLike, last_u: numpy.typing.ArrayLike, model: RobotModel | None = None, *, k: int = 1, t: float | None = None, dt: float | None = None) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    @property
+    def dt(self) -> float:
+        """
+        float: sample time (s).
+        """
+    @property
+    def k(self) -> int:
+        """
+        int: number of the step.
+        """
+    @property
+    def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (2,): what acted on the motors since step k-1, on average (V): with noise and delay, if there are any.
+        """
+    @property
+    def model(self) -> RobotModel:
+        """
+        RobotModel: the one that this world follows.
+        """
+    @property
+    def pose_1(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): the pose of step k-1: x, y (work-area px), heading (rad).
+        """
+    @property
+    def pose_2(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): the pose of step k-2.
+        """
+    @property
+    def t(self) -> float:
+        """
+        float: time (s).
+        """
+class World:
+    """
+    A world half, as the loop sees it.
+    """
+class SimulatedWorld(World):
+    """
+    The simulated world half. Users take robsim.Simulation.
+    """
+    def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str, robot_radius: float, camera_delay: int, motor_delay: float) -> None:
+        ...
+    def draw(self, k: int, pose: numpy.typing.ArrayLike, view: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
+        """
+        Return the frame of an earlier step, or write it to `out`.
+        """
+    def draw_newest(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
+        """
+        Return the newest frame, or write it to `out`.
+        """
+    def set_disturbance(self, pose_factor: numpy.typing.ArrayLike, input_sigma: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]) -> None:
+        ...
+    def set_dropout(self, probability: float, steps: int) -> None:
+        ...
+    def set_evaluate_model(self, value: typing.Any) -> None:
+        ...
+    def set_make_scene(self, make: typing.Any, makes_at_start: bool) -> None:
+        ...
+    def set_noise(self, noise: VisualNoise) -> None:
+        ...
+    def set_seeds(self, *, noise: int, dropout: int, disturbance: int) -> None:
+        ...
+    def set_start(self, start: numpy.typing.ArrayLike) -> None:
+        ...
+    def set_true_model(self, draw: typing.Any) -> None:
+        ...
+    @property
+    def model(self) -> RobotModel | None:
+        """
+        RobotModel or None: the one that the robot follows; None before the start.
+        """
+    @property
+    def scene(self) -> Scene:
+        """
+        Scene or None: what the camera looks at; None if nobody has looked yet.
+        """
+class Arrival:
+    """
+    What a source of frames may say in place of a frame.
+    
+    Members:
+    
+      NOTHING_YET
+    
+      END
+    """
+    END: typing.ClassVar[Arrival]
+    NOTHING_YET: typing.ClassVar[Arrival]
+    __members__: typing.ClassVar[dict[str, Arrival]]
+    @typing.overload
+    def __eq__(self, other: Arrival) -> bool:
+        ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> int:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __index__(self) -> int:
+        ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __int__(self) -> int:
+        ...
+    @typing.overload
+    def __ne__(self, other: Arrival) -> bool:
+        ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def value(self) -> int:
+        ...
+class ExternalWorld(World):
+    """
+    The world half outside. Users take robsim.Experiment.
+    """
+    def __init__(self, *, take: typing.Any, send: typing.Any, stop: typing.Any) -> None:
+        ...
+    def set_limits(self, limits: Limits) -> None:
+        ...
+    def set_watchdog(self, frame_timeout: float, stop_late: typing.Any) -> None:
+        ...
+class Unicycle:
+    """
+    The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
+    
+    It has the constants of the `RobotModel` and moves as that along a straight line, and in its
+    heading; in a curve it drives where it is headed. It can be called like a callback:
+    ``pose = unicycle(world)``.
+    
+    Notes
+    -----
+    s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
+    x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
+    """
+    def __call__(self, world: WorldState) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the pose of a step: array (3,).
+        """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+class Controller:
+    """
+    A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
+    """
+    def __call__(self, step: Step) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the input of a step: array (2,), V.
+        """
+class Spin(Controller):
+    """
+    Turns on the spot: (+voltage, -voltage).
+    
+    Parameters
+    ----------
+    voltage : float
+        Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, voltage: float = 0.05) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    @property
+    def voltage(self) -> float:
+        """
+        float: voltage of the left motor (V).
+        """
+class DriveAround(Controller):
+    """
+    Drives around: for each motor a random voltage, held for some steps.
+    
+    Parameters
+    ----------
+    low, high : float
+        The voltages are uniform in [low, high) (V).
+    hold : int
+        Steps for which a voltage is held.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, *, low: float = -0.5, high: float = 1.5, hold: int = 10) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    @property
+    def high(self) -> float:
+        """
+        float: highest voltage (V).
+        """
+    @property
+    def hold(self) -> int:
+        """
+        int: steps a voltage is held for.
+        """
+    @property
+    def low(self) -> float:
+        """
+        float: lowest voltage (V).
+        """
+class Replay(Controller):
+    """
+    Gives recorded inputs once more: in step k that of row k.
+    
+    Parameters
+    ----------
+    u : array (N, 2)
+        The voltages of the left and the right motor (V), one row a step, such as ``trace.u``.
+    
+    Raises
+    ------
+    IndexError
+        When it is called for a step that has no row.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, u: numpy.typing.ArrayLike) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    @property
+    def u(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (N, 2): the voltages (V), read-only.
+        """
+class Loop:
+    """
+    The loop. Users take robsim.Simulation or robsim.Experiment.
+    """
+    def __init__(self, *, world: World, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: int | None, identify_from: str, controller_seed: int) -> None:
+        ...
+    def check_thread(self) -> None:
+        """
+        Raise RuntimeError while another thread runs the loop.
+        """
+    def columns(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+        """
+        Return the columns of the trace: name -> array (rows, width).
+        """
+    def reset(self) -> None:
+        """
+        Go back to the start.
+        """
+    def run(self, steps: int, progress: typing.Any = None, stops_robot: bool = True) -> bool:
+        """
+        Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has come to its end.
+        """
+    def set_controller_seed(self, seed: int) -> None:
+        ...
+    def set_observer(self, observer: typing.Any) -> None:
+        """
+        Call observer(step, u, measurement, detection, t_arrival, t_sent, interrupted) after each step, with None for what there is not; observer None = nobody.
+        """
+    def set_slot(self, slot: str, value: typing.Any) -> None:
+        """
+        Put a callable or a native component into a slot; None = the default.
+        """
+    def start(self) -> None:
+        """
+        Do what comes once, if that has not been done yet.
+        """
+    def step_stage(self) -> str | None:
+        """
+        Do the next stage that is on and return its name; None = the world has come to its end.
+        """
+    def stop(self) -> bool:
+        """
+        End the run under way; False if there is none.
+        """
+    def stop_robot(self) -> None:
+        """
+        Send the stop input, if there is one.
+        """
+    @property
+    def estimator(self) -> typing.Any:
+        ...
+    @property
+    def has_started(self) -> bool:
+        ...
+    @property
+    def is_running(self) -> bool:
+        ...
+    @property
+    def last_step(self) -> Step:
+        ...
+    @property
+    def maximum_count(self) -> int:
+        """
+        int: of the blobs of a colour.
+        """
+    @property
+    def minimum_area(self) -> int:
+        """
+        int: of the blobs in the newest frame (px).
+        """
+    @property
+    def missed_detections(self) -> list[MissedDetections]:
+        """
+        list of MissedDetections: the most frequent reason first.
+        """
+    @property
+    def model(self) -> RobotModel:
+        ...
+    @property
+    def rows(self) -> int:
+        """
+        int: steps recorded by now.
+        """
+    @property
+    def smoothing(self) -> int:
+        """
+        int: window of the newest frame (px); 1 = off.
+        """
+    @property
+    def stage(self) -> str:
+        """
+        str: the stage that runs, or comes next.
         """
 def atan2(y: float, x: float) -> float:
     """

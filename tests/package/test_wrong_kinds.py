@@ -90,6 +90,7 @@ EXAMPLES = {
     "convergence_time.estimate": lambda: np.ones((9, 2)),
     "convergence_time.truth": lambda: np.ones(2),
     "cramer_rao_bound.phi": lambda: np.random.default_rng(1).normal(size=(9, 2)),
+    "Experiment.record": lambda: "session",
     "Estimate.covariance": lambda: np.eye(3),
     "FollowPath.waypoints": lambda: [(1, 2)],
     "instrumental_variables.u": lambda: trace().u,

@@ -236,6 +236,6 @@ def test_an_experiment_takes_the_robot_half_of_a_folder(tmp_path):
     experiment = robsim.Experiment.from_folder(tmp_path, frames=frames, send=sent.append)
     trace = experiment.run()
     assert trace.seen.all()
-    np.testing.assert_array_equal(sent, [(0.5, 0.25)] * 3 + [(0, 0)])
+    np.testing.assert_array_equal(sent, [(0.5, 0.25)] * 3 + [(0, 0)] * 2)
     with pytest.raises(ValueError, match=r"slots must be among .*, got 'evaluate_model'"):
         robsim.Experiment.from_folder(tmp_path, frames=frames, slots="evaluate_model")

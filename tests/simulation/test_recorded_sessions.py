@@ -16,7 +16,7 @@ def frames():
 
 
 def control(step):
-    x, y, heading = step.measurement.pose
+    x, _, heading = step.measurement.pose
     return x / 1000, heading
 
 
@@ -41,10 +41,10 @@ def test_what_is_recorded_runs_again_to_the_byte(frames, tmp_path):
 
 
 def test_a_session_says_what_it_was_made_with(frames, tmp_path):
-    with robsim.Experiment(frames, record=tmp_path, robot="robot1") as experiment:
+    with robsim.Experiment(frames, record=tmp_path, robot="robot2") as experiment:
         experiment.run(3)
     session = Session(tmp_path)
-    assert session.setup["robot"] == "robot1"
+    assert session.setup["robot"] == "robot2"
     assert session.setup["is_live"] is False
     assert (session.area, session.dt) == (experiment.area, experiment.model.dt)
     assert session.colors == [*experiment.colors]

@@ -54,7 +54,10 @@ Loop::Observer observer_of(const py::object& observer) {
   if (observer.is_none()) return {};
   return [call = py::handle(observer)](const Loop::Outcome& outcome) {
     try {
-      call(outcome.step, outcome.t_arrival, outcome.t_sent, outcome.interrupted);
+      const Step& step = *outcome.step;
+      const py::object u = step.u ? py::object(to_array(*step.u)) : py::none();
+      call(outcome.step, u, step.measurement, step.detection, outcome.t_arrival, outcome.t_sent,
+           outcome.interrupted);
     } catch (py::error_already_set& error) {
       if (error.matches(PyExc_KeyboardInterrupt)) {
         PyErr_SetInterrupt();  // put off: the run sees to it
@@ -160,7 +163,8 @@ void bind_loop(py::module_& module) {
             self.values["observer"] = observer;
           },
           py::arg("observer"),
-          "Call observer(step, t_arrival, t_sent, interrupted) after each step; None = nobody.")
+          "Call observer(step, u, measurement, detection, t_arrival, t_sent, interrupted) after "
+          "each step, with None for what there is not; observer None = nobody.")
       .def("start", &SlottedLoop::start, "Do what comes once, if that has not been done yet.")
       .def(
           "run",

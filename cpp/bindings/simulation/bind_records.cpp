@@ -207,7 +207,7 @@ interrupted : bool
       .def(py::init(&make_observation), py::arg("frame") = py::none(), py::kw_only(),
            py::arg("t") = py::none(), py::arg("last_u") = py::none(),
            py::arg("measurement") = py::none(), py::arg("sample") = py::none(),
-           py::arg("interrupted") = false)
+           py::arg("interrupted").noconvert() = false)
       .def_readonly("frame", &Arrived::frame, "Frame or None: what the camera sees.")
       .def_readonly("t", &Arrived::t, "float or None: time of the step (s).")
       .def_property_readonly(

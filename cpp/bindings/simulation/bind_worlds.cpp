@@ -9,6 +9,8 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/model/unicycle.hpp"
+#include "robsim/motors/motor_link.hpp"
+#include "robsim/simulation/seam/native_work.hpp"
 #include "robsim/simulation/world/external_world.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 #include "simulation/fields.hpp"
@@ -265,11 +267,19 @@ void bind_simulated_world(py::module_& module) {
 // Frames from an iterable of Python's, inputs to a callable.
 class PythonSource : public ExternalWorld, public SlotValues {
  public:
-  PythonSource(const py::object& take, const py::object& send, const py::object& stop,
-               const py::object& stop_late, double frame_timeout)
+  PythonSource(const py::object& take, const py::object& send, const py::object& stop)
       : ExternalWorld(source(take, send, stop)) {
-    values = {{"take", take}, {"send", send}, {"stop", stop}, {"stop_late", stop_late}};
-    if (!stop_late.is_none()) watch(frame_timeout, [this] { call_stop_late(); });
+    values = {{"take", take}, {"send", send}, {"stop", stop}};
+  }
+
+  // The watchdog calls `stop_late`, which needs the interpreter; it halts a link without it.
+  void set_watchdog(double frame_timeout, const py::object& stop_late) {
+    values["stop_late"] = stop_late;
+    if (py::isinstance<MotorLink>(stop_late)) {
+      watch(frame_timeout, [link = stop_late.cast<std::shared_ptr<MotorLink>>()] { link->halt(); });
+    } else {
+      watch(frame_timeout, [this] { call_stop_late(); });
+    }
   }
   ~PythonSource() override { close(); }
 
@@ -333,9 +343,15 @@ ExternalSource PythonSource::source(const py::object& take, const py::object& se
   source.take = [callback = Callback("frames", take, "frames")](std::int64_t k, Arrived& arrived) {
     return arrival_of(callback(k, py::int_(k)), arrived, k);
   };
-  if (!send.is_none()) {
+  if (py::isinstance<MotorLink>(send)) {
+    source.send = [link = send.cast<std::shared_ptr<MotorLink>>()](std::int64_t, const Input& u) {
+      const NativeWork native;
+      return std::optional(link->send(u));
+    };
+  } else if (!send.is_none()) {
     source.send = [callback = Callback("send", send, "send")](std::int64_t k, const Input& u) {
       callback(k, to_array(u));
+      return std::optional<double>();
     };
   }
   if (!stop.is_none()) source.stop = [stop = py::handle(stop)] { return stopped(stop); };
@@ -352,10 +368,11 @@ void bind_external_world(py::module_& module) {
       public_in(module, "robsim._core"), "ExternalWorld",
       "The world half outside. Users take robsim.Experiment.",
       py::custom_type_setup(&collect_garbage<PythonSource>))
-      .def(py::init<const py::object&, const py::object&, const py::object&, const py::object&,
-                    double>(),
-           py::kw_only(), py::arg("take"), py::arg("send"), py::arg("stop"), py::arg("stop_late"),
-           py::arg("frame_timeout"));
+      .def(py::init<const py::object&, const py::object&, const py::object&>(), py::kw_only(),
+           py::arg("take"), py::arg("send"), py::arg("stop"))
+      .def("set_watchdog", &PythonSource::set_watchdog, py::arg("frame_timeout"),
+           py::arg("stop_late"))
+      .def("set_limits", &PythonSource::set_limits, py::arg("limits"));
 }
 
 }  // namespace

@@ -68,12 +68,12 @@ class RecordedMotors:
 
     @property
     def inputs(self) -> Floats:
-        """array (N, 2): what came (V), stops as 0, 0."""
+        """Array (N, 2): what came (V), stops as 0, 0."""
         return np.array([sent[1:] for sent in self._sent]).reshape(-1, 2)
 
     @property
     def times(self) -> Floats:
-        """array (N,): when it came (s, clock of time.monotonic)."""
+        """Array (N,): when it came (s, clock of time.monotonic)."""
         return np.array([sent[0] for sent in self._sent], dtype=np.float64)
 
     @property

@@ -88,7 +88,9 @@ def _opened(port: str, baud_rate: int) -> Serial:
     try:
         return Serial(port, baud_rate, exclusive=True)
     except SerialException as error:
-        raise LineError(f"serial line {one_line(port)} cannot be opened: {_reason(error)}") from error
+        raise LineError(
+            f"serial line {one_line(port)} cannot be opened: {_reason(error)}"
+        ) from error
 
 
 def _reason(error: OSError) -> str:

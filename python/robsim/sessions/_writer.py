@@ -183,7 +183,7 @@ class SessionWriter:
 
 def check_is_free(folder: str | PathLike[str]) -> None:
     """Raise FileExistsError if a folder has a session already."""
-    if any(os.path.lexists(as_folder(folder) / name) for name in (SETUP, ROWS, VIDEO, END, TRACE)):
+    if any(os.path.lexists(Path(folder) / name) for name in (SETUP, ROWS, VIDEO, END, TRACE)):
         raise FileExistsError(
             f"{one_line(folder)} has a recorded session already, which is not overwritten: give "
             "another name"

@@ -9,19 +9,21 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from types import TracebackType
-from typing import Any, Self, Unpack
+from typing import TYPE_CHECKING, Any, Self, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._base.checks import Floats, check_bool, check_choice
+from robsim._base.files import as_path
 from robsim._base.seeds import Seed, seed_sequence
 from robsim._base.text import quoted
 from robsim._base.warn import warn_user
 from robsim._core import (
     ColorClass,
     Frame,
+    Limits,
     MarkerLayout,
     Observation,
     RobotModel,
@@ -34,6 +36,7 @@ from robsim.simulation._options import (
     NOT_OF_EXPERIMENT,
     UNLIMITED,
     colors_value,
+    limits_value,
     markers_value,
     model_value,
     smoothing_value,
@@ -43,12 +46,14 @@ from robsim.simulation._options import (
 from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.mirrored import mirrored_remark
 from robsim.simulation._outside.motors import Motors, stop_input_value
-from robsim.simulation._outside.recording import Recording
 from robsim.simulation._runner import Runner
 from robsim.simulation._scenario import OPTIONS
 from robsim.simulation._slots import RobotCallbacks
 from robsim.trace import Trace
 from robsim.trace._columns import POSES, RECORDED
+
+if TYPE_CHECKING:
+    from robsim.simulation._outside.recording import Recording
 
 # Where a robot drives.
 _FRAME_TIMEOUT = 1.0  # s, if the frames have no rate
@@ -79,7 +84,8 @@ class Experiment(Runner):
         model apart. Optional attributes ``area`` and ``dt`` of the iterable set the area and the
         dt of the default model.
     send : callable, optional
-        ``send(u)``: brings an input, array (2,) in V, to the robot.
+        ``send(u)``: brings an input, array (2,) in V, to the robot. Motors of `robsim.motors` need
+        no interpreter for that: they stop the robot even if a callback never gives it back.
     stop_input : sequence of 2 floats, or None
         What stops the robot (V). None = nothing is sent at the end of a run.
     frame_timeout : float, optional
@@ -89,6 +95,9 @@ class Experiment(Runner):
         interpreter, if `send` needs none: a watchdog in a thread of its own stops the robot, after
         `step`, too. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s if they
         have none; without `send` no limit (inf).
+    limits : robsim.motors.Limits, optional
+        What the inputs are held to before they are sent. ``step.u`` and the trace have them as
+        they were sent.
     robot : str, path or RobotDefinition, optional
         Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
         with ``robsim robots use``, initially ``"lab"``.
@@ -139,6 +148,7 @@ class Experiment(Runner):
         send: Callable[[Floats], Any] | None = None,
         stop_input: Sequence[float] | None = (0.0, 0.0),
         frame_timeout: float | None = None,
+        limits: Limits | None = None,
         robot: str | PathLike[str] | RobotDefinition | None = None,
         area: tuple[int, int] | None = None,
         seed: Seed = None,
@@ -154,9 +164,8 @@ class Experiment(Runner):
     ) -> None:
         self._check_names(callbacks)
         definition = as_robot(robot)
-        self._recording = (
-            None if record is None else Recording(record, lossless=check_bool("lossless", lossless))
-        )
+        check_bool("lossless", lossless)
+        self._recording = None if record is None else _recording_in(record, lossless=lossless)
         timeout = timeout_value(frame_timeout, _default_timeout(frames, send))
         self._source = FrameSource(frames, timeout, area=area, is_polled=send is not None)
         self._model = model_value(model)
@@ -164,15 +173,17 @@ class Experiment(Runner):
         stops = stop_input_value(stop_input)
         self._motors = None if send is None else Motors(send, stops)
         self._sent = {"stop_input": stops, "send": None if send is None else quoted(send)}
-        stops_late = stops is not None and not math.isinf(timeout)
+        world = _core.ExternalWorld(
+            take=self._source.take,
+            send=self._motors and (self._motors.native or self._motors.send),
+            stop=self._motors and self._motors.stop,
+        )
+        if self._motors is not None and stops is not None and not math.isinf(timeout):
+            world.set_watchdog(timeout, self._motors.native or self._motors.stop_late)
+        if limits is not None:
+            world.set_limits(limits_value(limits))
         super().__init__(
-            _core.ExternalWorld(
-                take=self._source.take,
-                send=self._motors and self._motors.send,
-                stop=self._motors and self._motors.stop,
-                stop_late=self._motors and self._motors.stop_late if stops_late else None,
-                frame_timeout=timeout,
-            ),
+            world,
             robot=definition,
             area=self._source.area,
             boundary="recorded",
@@ -262,6 +273,8 @@ class Experiment(Runner):
     def _guarded(self) -> Iterator[None]:
         try:
             with super()._guarded(), self._source.reading():
+                if self._motors is not None and not self.is_running:
+                    self._motors.begin()
                 yield
         except BaseException as error:
             self._tell_stop_error(error)
@@ -356,6 +369,13 @@ class Experiment(Runner):
 
     def _theta_true(self) -> ArrayLike:
         return np.full((3, 5), np.nan)
+
+
+def _recording_in(folder: str | PathLike[str], *, lossless: bool) -> Recording:
+    """Return what records a session; only who records loads it."""
+    from robsim.simulation._outside.recording import Recording
+
+    return Recording(as_path(folder, "record"), lossless=lossless)
 
 
 def _default_timeout(frames: object, send: object) -> float:

@@ -18,6 +18,7 @@ from robsim._base.values import FileVersion
 from robsim._core import (
     ColorClass,
     DriveAround,
+    Limits,
     MarkerLayout,
     Replay,
     RobotModel,
@@ -65,7 +66,9 @@ _OF_EXPERIMENT = "it is an option of robsim.Experiment, whose frames come from o
 #: What is no option of a simulated world, and where it belongs.
 NOT_OF_SIMULATION = {
     "frames": "frames from outside are for robsim.Experiment(frames, ...)",
-    **dict.fromkeys(("send", "stop_input", "frame_timeout"), _OF_EXPERIMENT),
+    **dict.fromkeys(
+        ("send", "stop_input", "frame_timeout", "limits", "record", "lossless"), _OF_EXPERIMENT
+    ),
     "true_model": "the world follows model=..., the robot's software believes define_model=...",
     **{"dt": _OF_MODEL, "steps": _OF_RUN, "progress": _OF_RUN},
 }
@@ -84,6 +87,15 @@ def step_count(steps: Any) -> int:
     if not 0 <= steps <= UNLIMITED:
         raise ValueError(f"steps must lie within 0..{UNLIMITED}, got {steps}")
     return int(steps)
+
+
+def limits_value(limits: Limits) -> Limits:
+    """Return the option ``limits``."""
+    if not isinstance(limits, Limits):
+        raise TypeError(
+            f"limits must be robsim.motors.Limits(voltage=..., slew_rate=...), got {quoted(limits)}"
+        )
+    return limits
 
 
 def timeout_value(timeout: float | None, default: float) -> float:

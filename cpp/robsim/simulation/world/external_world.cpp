@@ -107,9 +107,14 @@ Sent ExternalWorld::send(std::int64_t k, const Input& u) {
     watchdog_->feed(last_arrival_);
     is_armed_ = true;
   }
-  source_.send(k, u);
+  const double since = t_of_sent_ ? last_t_ - *t_of_sent_ : dt_;
+  const Input limited = limits_ ? limits_->applied(u, last_sent_, since) : u;
+  const std::optional<double> sent = source_.send(k, limited);
   check_watchdog(k);  // nobody knows which came last: the end of the run stops it again
-  return {u, epoch_ ? std::optional(monotonic_now() - *epoch_) : std::nullopt};
+  last_sent_ = limited;
+  t_of_sent_ = last_t_;
+  if (!epoch_) return {limited, std::nullopt};
+  return {limited, sent.value_or(monotonic_now()) - *epoch_};
 }
 
 void ExternalWorld::check_watchdog(std::int64_t k) const {
@@ -126,7 +131,12 @@ std::optional<Input> ExternalWorld::stop() noexcept {
     watchdog_->disarm();
     is_armed_ = false;
   }
-  return source_.stop ? source_.stop() : std::nullopt;
+  const std::optional<Input> stopped = source_.stop ? source_.stop() : std::nullopt;
+  if (stopped) {
+    last_sent_ = *stopped;
+    t_of_sent_.reset();
+  }
+  return stopped;
 }
 
 Frame ExternalWorld::frame() {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "robsim/motors/limits.hpp"
 #include "robsim/motors/watchdog.hpp"
 #include "robsim/simulation/seam/world.hpp"
 
@@ -20,8 +21,9 @@ struct Arrived {
 /// Where frames come from and inputs go to.
 struct ExternalSource {
   std::function<Arrival(std::int64_t k, Arrived& arrived)> take;
-  std::function<void(std::int64_t k, const Input& u)> send;  // empty: nobody wants the inputs
-  std::function<std::optional<Input>()> stop;                // see World::stop; must not throw
+  // Returns when it went out (monotonic, s), if it knows; empty: nobody wants the inputs.
+  std::function<std::optional<double>(std::int64_t k, const Input& u)> send;
+  std::function<std::optional<Input>()> stop;  // see World::stop; must not throw
 };
 
 /// No fresh frame came in time: the robot was stopped.
@@ -39,6 +41,9 @@ class ExternalWorld : public World {
   /// Has a watchdog stop the robot by `stop_robot`, in another thread, when no fresh frame is taken
   /// within so long (s) of the arrival of the one before; it must not throw.
   void watch(double frame_timeout, std::function<void()> stop_robot);
+
+  /// What the inputs are held to, before they are sent.
+  void set_limits(const Limits& limits) { limits_ = limits; }
 
   void start(const RobotModel& model) override;
   void reset() override;
@@ -66,13 +71,16 @@ class ExternalWorld : public World {
   std::unique_ptr<Watchdog> watchdog_;  // null: nobody watches
   double frame_timeout_ = 0;            // s
   bool is_armed_ = false;
-  double last_arrival_ = 0;      // monotonic, s
-  double dt_ = 0;                // s, of the model
-  bool is_guessed_ = false;      // the time of the last step was
-  double last_t_ = 0;            // s
-  bool has_times_ = false;       // the frames bring their times
-  std::optional<double> epoch_;  // s, monotonic: t = 0 of the newest frame that says so
-  int width_ = 0, height_ = 0;   // of the frames, px; 0 = none yet
+  std::optional<Limits> limits_;
+  Input last_sent_;
+  std::optional<double> t_of_sent_;  // s, of the step that sent it; nothing after a stop
+  double last_arrival_ = 0;          // monotonic, s
+  double dt_ = 0;                    // s, of the model
+  bool is_guessed_ = false;          // the time of the last step was
+  double last_t_ = 0;                // s
+  bool has_times_ = false;           // the frames bring their times
+  std::optional<double> epoch_;      // s, monotonic: t = 0 of the newest frame that says so
+  int width_ = 0, height_ = 0;       // of the frames, px; 0 = none yet
   std::optional<Frame> frame_;
 };
 

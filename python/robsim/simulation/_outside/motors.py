@@ -12,10 +12,10 @@ import numpy as np
 
 from robsim._base.checks import Floats, as_float_array
 from robsim._base.text import quoted
+from robsim._core import MotorLink
 
 _STOPS = 2  # how often the stop input is sent
 _ATTEMPTS = 4
-
 
 _all_motors: WeakSet[Motors] = WeakSet()
 
@@ -39,8 +39,9 @@ class Motors:
 
     Raises
     ------
-    TypeError
-        If `send` is not callable.
+    TypeError, ValueError
+        If `send` is not callable; if it is a link, which has a stop of its own, and another stop
+        input is given.
     """
 
     _has_moved = False
@@ -48,6 +49,12 @@ class Motors:
     def __init__(self, send: Callable[[Floats], Any], stop_input: Floats | None) -> None:
         if not callable(send):
             raise TypeError(f"send must be callable, got {quoted(send)}")
+        self._link = send if isinstance(send, MotorLink) else None
+        if self._link is not None and (stop_input is None or stop_input.any()):
+            raise ValueError(
+                f"stop_input must be (0, 0) for {quoted(send)}, which tells the robot to stop, got "
+                f"{quoted(stop_input)}"
+            )
         self._send = send
         self._stop_input = stop_input
         _all_motors.add(self)
@@ -58,9 +65,20 @@ class Motors:
         self.stop()
 
     @property
+    def native(self) -> MotorLink | None:
+        """The link that sends without the interpreter; None = it needs it."""
+        return self._link
+
+    @property
     def has_moved(self) -> bool:
         """Whether an input was sent since the last stop input."""
         return self._has_moved
+
+    def begin(self) -> None:
+        """Say that inputs may be sent from now on."""
+        self._has_moved = self._has_moved or self._link is not None
+        if self._link is not None and not self._link.is_closed:
+            self._link.resume()
 
     def send(self, u: Floats) -> None:
         """Send an input."""
@@ -89,8 +107,12 @@ class Motors:
         n_sent = 0
         for _ in range(_ATTEMPTS):
             try:
-                self._send(np.array(self._stop_input))
-                n_sent += 1
+                if self._link is not None:
+                    self._link.stop()  # which tells it again and again
+                    n_sent = _STOPS
+                else:
+                    self._send(np.array(self._stop_input))
+                    n_sent += 1
             except KeyboardInterrupt as error:
                 self.error = error
             except BaseException as error:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._core import RobotModel, Step
+from robsim._core import Detection, Measurement, RobotModel, Step
 from robsim.sessions._rows import Row
 from robsim.sessions._writer import SessionWriter, check_is_free
 from robsim.simulation._runner import Runner
@@ -63,6 +63,7 @@ class Recording:
         setup = {
             "robot": runner.robot.name,
             "area": runner.area,
+            "is_live": is_live,
             "dt": model.dt,
             "colors": runner.colors,
             "markers": runner.markers,
@@ -74,23 +75,29 @@ class Recording:
         )
 
     def add(
-        self, step: Step, t_arrival: float | None, t_sent: float | None, interrupted: bool
+        self,
+        step: Step,
+        u: Floats | None,
+        measured: Measurement | None,
+        detection: Detection | None,
+        t_arrival: float | None,
+        t_sent: float | None,
+        interrupted: bool,
     ) -> None:
         """Record a step."""
         assert self._writer is not None
         nobody_else_sent = np.array_equal(step.last_u, self._u_before)
-        self._u_before = np.zeros(2) if step.u is None else np.array(step.u)
-        measured, detection = step.measurement, step.detection
+        self._u_before = np.zeros(2) if u is None else u
         row = Row(
             k=step.k,
             t=step.t,
             t_arrival=math.nan if t_arrival is None else t_arrival,
             t_sent=math.nan if t_sent is None else t_sent,
-            u=(math.nan, math.nan) if step.u is None else step.u,
+            u=(math.nan, math.nan) if u is None else u,
             last_u=(math.nan, math.nan) if nobody_else_sent else step.last_u,
             pose_measured=(math.nan,) * 3 if measured is None else measured.pose,
             interrupted=interrupted,
-            reason="" if measured is not None or detection is None else detection.reason,
+            reason=(detection and detection.reason) or "",
         )
         self._writer.add(row, step.frame)
 

@@ -1,0 +1,126 @@
+"""An experiment with motors that need no interpreter: dead man, limits, errors of the line."""
+
+import ctypes
+import time
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.motors import Limits, LineError, MotorReceiver, RecordedMotors, UdpMotors
+
+IMAGE = np.zeros((64, 64, 3), np.uint8)
+DT = 0.02  # s
+SOON = 20  # s
+
+
+@pytest.fixture
+def robot():
+    with MotorReceiver() as receiver:
+        yield receiver
+
+
+@pytest.fixture
+def motors(robot):
+    with UdpMotors("127.0.0.1", robot.port) as link:
+        yield link
+
+
+def camera():
+    epoch = time.monotonic()
+    for k in range(1000):
+        time.sleep(DT)
+        yield robsim.Frame(IMAGE, t=time.monotonic() - epoch, epoch=epoch, index=k)
+
+
+def experiment(send, frames=None, **options):
+    given = {"control": lambda step: (0.5, 0.1), "measure": False, "area": (64, 64)} | options
+    frames = camera() if frames is None else frames
+    return robsim.Experiment(frames, send=send, identify_from="truth", **given)
+
+
+def heard(robot, *kinds):
+    return [event for event in robot.events if event.kind in kinds]
+
+
+def waits(condition):
+    end = time.monotonic() + SOON
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.005)
+
+
+def test_what_is_sent_arrives_and_the_end_stops_the_robot(robot, motors):
+    trace = experiment(motors).run(5)
+    waits(lambda: heard(robot, "stop"))
+    assert len(heard(robot, "input")) == 5
+    np.testing.assert_array_equal(robot.input, (0, 0))
+    # When it went out is when it was written to the line.
+    sent = [event.t for event in motors.events if event.kind == "input"]
+    np.testing.assert_allclose(np.diff(trace.t_sent), np.diff(sent), atol=1e-9)
+
+
+def test_a_callback_that_holds_the_interpreter_does_not_keep_the_robot_driving(robot, motors):
+    usleep = ctypes.PyDLL(None).usleep  # with the interpreter's lock
+
+    def control(step):
+        if step.k == 3:
+            usleep(1_200_000)
+            held.append(time.monotonic())
+        return 0.5, 0.1
+
+    held = []
+    sim = experiment(motors, control=control, frame_timeout=0.4)
+    with pytest.raises(TimeoutError, match=r"frame_timeout = 0\.4 s of the arrival of that"):
+        sim.run()
+    assert len(sim.trace) == 3
+    (stop, *_) = heard(robot, "stop")
+    assert stop.t < held[0]  # while nobody had the interpreter but the callback
+    waits(lambda: not robot.input.any())
+    # The next run is told anew that the motors may drive.
+    sim.control = lambda step: (0.2, 0.1)
+    sim.run(2)
+    assert heard(robot, "input")[-1].u == pytest.approx((0.2, 0.1))
+
+
+def test_a_cut_line_ends_the_run_and_says_so(robot):
+    def control(step):
+        if step.k == 3:
+            robot.close()
+        return 0.5, 0.1
+
+    with (
+        pytest.raises(LineError, match=r"UDP 127\.0\.0\.1:\d+ is cut"),
+        UdpMotors("127.0.0.1", robot.port) as motors,
+    ):
+        experiment(motors, control=control).run(200)
+
+
+def test_a_link_has_a_stop_of_its_own(motors):
+    for stop_input in (None, (0.1, 0)):
+        with pytest.raises(ValueError, match=r"stop_input must be \(0, 0\) for <UdpMotors"):
+            experiment(motors, stop_input=stop_input)
+
+
+def test_limits_hold_the_inputs_and_the_trace_has_what_was_sent():
+    frames = [robsim.Frame(IMAGE, t=0.2 * k) for k in range(6)]
+    wanted = [(3, 1), (3, 1), (-3, -1), (0, 0), (0.2, 0.1), (0.2, 0.1)]
+    seen = []
+
+    def control(step):
+        seen.append(tuple(step.last_u))
+        return wanted[step.k]
+
+    motors = RecordedMotors()
+    limits = Limits(voltage=1.5, slew_rate=5)
+    trace = experiment(motors, frames, control=control, limits=limits).run()
+    np.testing.assert_array_equal(trace.u, motors.inputs[:6])
+    before = (0, 0)
+    for u, got in zip(wanted, trace.u, strict=True):
+        np.testing.assert_allclose(got, limits.applied(u, before, 0.2))
+        before = got
+    assert abs(trace.u).max() <= 1.5
+    np.testing.assert_array_equal(trace.u[3], (0, 0))  # a stop is never slowed down
+    np.testing.assert_allclose(seen[1:], trace.u[:-1])
+    with pytest.raises(TypeError, match=r"limits must be robsim\.motors\.Limits\(voltage="):
+        experiment(motors, limits=3)
