@@ -5,6 +5,7 @@ from robsim.trace._columns import PARAMETER_NAMES
 from robsim.trace._not_recorded import NotRecordedError
 from robsim.trace._run_info import RunInfo
 from robsim.trace._summary import TraceSummary
+from robsim.trace._timing import TimingReport
 from robsim.trace._trace import Trace
 from robsim.trace._tracking import TrackingStatistics
 
@@ -12,6 +13,7 @@ __all__ = [
     "PARAMETER_NAMES",
     "NotRecordedError",
     "RunInfo",
+    "TimingReport",
     "Trace",
     "TraceSummary",
     "TrackingStatistics",

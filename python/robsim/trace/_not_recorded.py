@@ -19,6 +19,8 @@ _HOW = {
     "covariance": "run with estimate_state=...",
     "parameters": "run with estimate_parameters=True",
     "standard_errors_unscaled": "run with estimate_parameters=True",
+    "t_arrival": "only a live camera says when frames arrived: give one to robsim.Experiment",
+    "t_sent": "no input went out: give send=... to robsim.Experiment",
 }
 
 # Why a group that was recorded has no number.

@@ -22,6 +22,7 @@ from robsim.trace._not_recorded import how_recorded, not_recorded
 from robsim.trace._properties import Column, Flag
 from robsim.trace._run_info import RunInfo, is_same_run
 from robsim.trace._summary import TraceSummary, summary_of
+from robsim.trace._timing import TimingReport, timing_report
 from robsim.trace._tracking import FALSE_POSE_LIMITS, TrackingStatistics, tracking_statistics
 
 if TYPE_CHECKING:
@@ -256,6 +257,20 @@ class Trace:
     def tracking(self) -> TrackingStatistics:
         """Return how well the measurement followed the truth."""
         return tracking_statistics(self.error, self.seen, self.is_false)
+
+    def timing(self) -> TimingReport:
+        """Return how regular the frames came, and how late the inputs went out.
+
+        Raises
+        ------
+        NotRecordedError
+            If the trace has neither `t_arrival` nor `t_sent`, as that of a simulation.
+        """
+        if not (np.isfinite(self.t_arrival) | np.isfinite(self.t_sent)).any():
+            self.require("t_arrival", "t_sent")
+        return timing_report(
+            self.t, self.t_arrival, self.t_sent, interrupted=self.interrupted, dt=self.info.dt
+        )
 
     @property
     def units(self) -> dict[str, str]:
