@@ -22,6 +22,7 @@ def test_there_are_notebooks():
         "02_write_a_controller.ipynb",
         "03_identification.ipynb",
         "04_state_estimation.ipynb",
+        "05_latency.ipynb",
     ]
 
 

@@ -130,10 +130,10 @@ class ModelFilter(StateEstimator):
         Examples
         --------
         >>> sim = robsim.Simulation(measure=True, motor_delay=2.4, seed=1)
-        >>> filter = robsim.reference.ExtendedKalmanFilter(sim.model, input_delay=2.4)
+        >>> kalman_filter = robsim.reference.ExtendedKalmanFilter(sim.model, input_delay=2.4)
         >>> go = robsim.GoToPoint(900, 300)
-        >>> sim.estimate_state = filter
-        >>> sim.control = lambda step: go(filter.ahead(step))
+        >>> sim.estimate_state = kalman_filter
+        >>> sim.control = lambda step: go(kalman_filter.ahead(step))
         >>> trace = sim.run(200)
         """
         if not isinstance(step, Step):
