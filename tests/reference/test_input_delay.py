@@ -161,6 +161,61 @@ def test_a_new_run_forgets_what_was_sent():
     assert [filter_(step) for step in steps] == first
 
 
+class LateRobot:
+    """A robot of its own time, whose motors get each input late; it is asked for frames."""
+
+    def __init__(self, delay):
+        self.whole, self.part = int(delay), delay % 1
+        self.k, self.u, self.sent = 0, np.zeros(2), [np.zeros(2)] * 10
+        self.poses = [np.array((600, 600, 0.3))] * 2
+
+    def send(self, u):
+        self.u = np.array(u)
+
+    def move(self):
+        self.sent.append(self.u)
+        newest, before = self.sent[-1 - self.whole], self.sent[-2 - self.whole]
+        acting = (1 - self.part) * newest + self.part * before
+        self.poses = [robsim.RobotModel().predict(*self.poses, acting), self.poses[0]]
+        self.k += 1
+
+    def frames(self):
+        while True:
+            pixels = np.zeros((120, 120, 3), np.uint8)
+            yield robsim.Frame(pixels, t=0.2 * self.k)
+            self.move()
+
+
+@pytest.mark.parametrize("stopped", [0, 1, 7])
+def test_the_robot_is_stopped_in_between(stopped, rng):
+    robot, innovations = LateRobot(DELAY), []
+    filter_ = ExtendedKalmanFilter(
+        input_delay=DELAY, process_sigma=(0, 0, 0), measurement_sigma=(1e-3, 1e-3, 1e-5)
+    )
+
+    def estimate_state(step):
+        estimate = filter_(step)
+        innovations.append(np.abs(filter_.innovation).max())
+        return estimate
+
+    experiment = robsim.Experiment(
+        robot.frames(),
+        area=(120, 120),
+        send=robot.send,
+        measure=lambda step: robsim.Measurement(robot.poses[0]),
+        estimate_state=estimate_state,
+        control=lambda step: rng.uniform(-1, 1, 2),
+    )
+    experiment.run(15)
+    for _ in range(stopped):
+        robot.move()
+    trace = experiment.run(15)
+    np.testing.assert_array_equal(np.flatnonzero(trace.interrupted), [15])
+    # Nothing is unknown: each pose is where the filter expects it, also after the stop.
+    assert len(innovations) == 30
+    np.testing.assert_allclose(innovations[3:], 0, atol=1e-8)
+
+
 def drive(delay, compensated):
     """How far a robot with late motors strays from the line to its goal, and how it arrives."""
     sim = robsim.Simulation(

@@ -245,7 +245,8 @@ def batch_estimate(
     input_delay : float or str
         How late the inputs act (steps of the model), 0..1000: the `motor_delay` of a simulated
         world, the ``trace.timing().input_delay`` of a live one. ``"fit"``: it is estimated, too,
-        within 0..10 steps, by the method ``"output_error"``.
+        within 0..10 steps, by the method ``"output_error"``. It counts from ``trace.u``, or, where
+        the frames said what the motors got, from ``trace.last_u``.
 
     Returns
     -------

@@ -36,7 +36,8 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
         (0.04, 0.04, 0.0016), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
     input_delay : float
         How late the inputs act, in steps of the model, 0..1000: the `motor_delay` of a simulated
-        world, the ``trace.timing().input_delay`` of a live one. `ahead` then compensates it.
+        world, the ``trace.timing().input_delay`` of a live one. `ahead` then compensates it. It
+        counts from ``step.last_u``: if the frames say what the motors got, only what comes after.
     prior : Prior, optional
         What is known before the robot is first seen.
 
