@@ -4,7 +4,8 @@ No other part of robsim needs this package: a course in which the students write
 themselves can delete its folder.
 
 A filter is consistent if the noises it is given are those of the world. In a simulation with
-``process_noise=noise``, a `PoseNoise`, a filter gets ``process_sigma=noise.sigma``.
+``process_noise=noise``, a `PoseNoise`, a filter gets ``process_sigma=noise.sigma``; in one with
+``motor_delay=d`` it gets ``input_delay=d``.
 """
 
 from robsim._base.public import present as _present
