@@ -8,8 +8,10 @@ import ast
 import importlib
 import inspect
 import re
+import tempfile
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -231,11 +233,19 @@ ALSO = {
     "add_robot": lambda: {"overwrite": True},
 }
 
+
+def session():
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "setup.toml").write_text("format = 1")
+        return robsim.sessions.Session(folder)
+
+
 #: What methods are called on, where the class cannot be made of the examples alone.
 OBJECTS = {
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
     "Identifiability": lambda: robsim.identifiability(trace()),
     "Report": report,
+    "Session": session,
     "Simulation": run,
     "Trace": trace,
 }

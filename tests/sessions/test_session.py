@@ -183,6 +183,40 @@ def test_a_frame_keeps_its_own_numbers(tmp_path):
     assert session._rows[-1].reason == """'=no "blue", no red"""
 
 
+EXTREMES = [0.0, -0.0, 1e-320, -1e308, math.inf, -math.inf, math.nan, 1 / 3, np.float64(0.1)]
+
+
+def test_whatever_a_step_has_can_be_read_again(tmp_path, rng):
+    writer = SessionWriter(tmp_path, setup={}, waits=True)
+    rows = []
+    for k in range(200):
+        pick = [EXTREMES[i] for i in rng.choice(len(EXTREMES), 7)]
+        odd = str(rng.choice(["\n", '"', ",", "\ud800"]))
+        text = "".join(map(chr, rng.integers(1, 0x2FFF, 5))) + odd
+        row = Row(
+            k=np.int64(k),
+            t=[1e15, -1e15, np.float64(k)][k % 3],
+            t_arrival=EXTREMES[k % 3],
+            u=np.array(pick[:2]),
+            last_u=pick[2:4],
+            pose_measured=pick[4:7],
+            interrupted=np.bool_(k % 2),
+            reason=text,
+        )
+        rows.append(row)
+        index = int(rng.choice([0, 2**32, 2**63 - 1]))
+        frame = robsim.Frame(np.zeros((16, 16, 3), np.uint8), index=index)
+        writer.add(row, frame)
+    writer.close()
+    session = Session(tmp_path)
+    list(session)
+    for row, read in zip(rows, session._rows, strict=True):
+        for name in ("t", "u", "last_u", "pose_measured", "interrupted"):
+            value = np.asarray(getattr(row, name), dtype=float)
+            value = np.where(np.isfinite(value), value, np.nan)
+            np.testing.assert_array_equal(np.asarray(getattr(read, name), dtype=float), value)
+
+
 def test_after_a_stop_the_robot_got_the_stop_input(tmp_path):
     writer = SessionWriter(tmp_path, setup={"stop_input": (0.5, 0.25)})
     for k in range(3):

@@ -17,7 +17,7 @@ import sessions
 from robsim.imaging._opencv import load_opencv
 from robsim.sessions import Session
 
-AT_ONCE = 5
+AT_ONCE = 10
 LOST_AT_MOST = 1.0  # s
 
 

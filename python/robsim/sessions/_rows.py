@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -18,8 +19,8 @@ from robsim._core import PlaneMap
 #: Limits of the file and of a line (bytes).
 MOST_BYTES = 2**31
 _MOST_LINE = 4096
-_MOST_STEP = 2**62
-_LONGEST_TIME = 1e11  # s
+_MOST = 2**63  # of a whole number
+_LONGEST_TIME = 1e15  # s
 
 _NAN = math.nan
 
@@ -96,11 +97,13 @@ def _cell(value: Any) -> str:
         return '"' + as_cell(text).replace('"', '""') + '"' if text else ""
     if isinstance(value, PlaneMap):
         return " ".join(map(repr, value.matrix.ravel().tolist()))
+    if isinstance(value, np.generic):
+        value = value.item()
     if isinstance(value, bool):
         return str(int(value))
-    if value is None or value != value:
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
-    return repr(value.item() if isinstance(value, np.generic) else value)
+    return repr(value)
 
 
 def read_rows(file: Path) -> tuple[list[Row], bool]:
@@ -153,8 +156,7 @@ def _row_of(line: bytes) -> Row:
         values["plane_map"] = _plane_map(texts["plane_map"])
     if math.isnan(values["t"]):
         raise ValueError("a step must have a time t")
-    interrupted = texts["interrupted"] == "1"
-    return Row(k=_int("k", texts["k"]), interrupted=interrupted, **values)
+    return Row(k=_int("k", texts["k"]), interrupted=texts["interrupted"] == "1", **values)
 
 
 def _float(name: str, text: str) -> float:
@@ -177,7 +179,7 @@ def _time(name: str, text: str) -> float:
 
 
 def _int(name: str, text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 20 and int(text) < _MOST_STEP):
+    if not re.fullmatch("[0-9]{1,19}", text) or int(text) >= _MOST:
         raise ValueError(f"{name} must be a whole number of at least 0, got {quoted(text)}")
     return int(text)
 

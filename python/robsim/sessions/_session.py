@@ -21,7 +21,8 @@ from robsim.sessions._writer import END, ROWS, SETUP, VIDEO
 from robsim.trace import RunInfo, Trace
 from robsim.trace._columns import GROUPS
 
-_UNKNOWN_DT = 0.2  # s, of a trace of less than two steps
+_UNKNOWN_DT = 0.2  # s, of a trace whose times tell nothing
+_LONGEST_DT = 1e6  # s
 _ALWAYS = ("t", "u", "pose_measured", "interrupted")
 _WHERE_KNOWN = ("t_arrival", "t_sent", "last_u")
 
@@ -236,13 +237,9 @@ class Session:
         for name, values in columns_of(self._rows, *_WHERE_KNOWN).items():
             if name in GROUPS and np.isfinite(values).any():
                 groups[name] = values
-        dt = self.dt
-        if dt is None:
-            gaps = np.diff(groups["t"])
-            dt = float(np.median(gaps)) if len(gaps) and np.median(gaps) > 0 else _UNKNOWN_DT
         try:
             info = RunInfo(
-                dt=dt,
+                dt=_typical_gap(groups["t"]) if self.dt is None else self.dt,
                 theta_true=np.full((3, 5), np.nan),
                 identify_from="measurement",
                 area=self.area or self.size or (1200, 1200),
@@ -253,6 +250,11 @@ class Session:
             return Trace(groups, info, first_step=first)
         except (TypeError, ValueError) as error:
             raise ValueError(f"{one_line(self.folder)}: {cut(error)}") from error
+
+
+def _typical_gap(t: Floats) -> float:
+    gap = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
+    return gap if 0 < gap < _LONGEST_DT else _UNKNOWN_DT
 
 
 def _rows_of(folder: Path) -> tuple[list[Row], bool]:

@@ -57,7 +57,9 @@ class Counts:
 class SessionWriter:
     """Records a run in a folder, for `robsim.sessions.Session`; a thread of its own writes.
 
-    Whatever goes wrong with the disk, no call but the first raises.
+    Whatever goes wrong with the disk, no call but the first raises. A kill loses what was added in
+    the last second; while a callback holds the interpreter, nothing is written, and the step before
+    it can be lost, too.
 
     Parameters
     ----------
@@ -138,9 +140,10 @@ class SessionWriter:
         Parameters
         ----------
         row : Row
-            The step; the writer adds what concerns the picture.
+            The step, whose values must not change any more; the writer adds what concerns the
+            picture.
         frame : Frame or None
-            Its frame; it must not change any more.
+            Its frame, which must not change either.
         """
         if not self._finish.alive or self._process != os.getpid():
             return
