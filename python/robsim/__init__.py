@@ -1,7 +1,7 @@
 """Camera-based control of mobile robots, simulated: render, detect, measure, identify, show.
 
-What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `trace`,
-`vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
+What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `capture`,
+`trace`, `vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
 `plotting`, `doctor`, `bench`.
 """
 
@@ -11,6 +11,7 @@ from typing import Any as _Any
 
 from robsim._base.public import present as _present
 from robsim._core import wrap_angle
+from robsim.capture import Camera
 from robsim.control import DriveAround, FollowPath, GoToPoint, Replay, Spin, score_path
 from robsim.evaluation import pose_consistency, pose_errors
 from robsim.identification import RecursiveLeastSquares, batch_estimate, identifiability
@@ -54,6 +55,7 @@ if _TYPE_CHECKING:
     )
 
 __all__ = [
+    "Camera",
     "ColorClass",
     "DriveAround",
     "Dropout",
@@ -113,7 +115,16 @@ _LATE_NAMES = {
 }
 
 _ROOMS = (
-    *("control", "evaluation", "identification", "imaging", "robots", "simulation", "trace"),
+    *(
+        "capture",
+        "control",
+        "evaluation",
+        "identification",
+        "imaging",
+        "robots",
+        "simulation",
+        "trace",
+    ),
     *("vision", *_LATE_ROOMS),
 )
 

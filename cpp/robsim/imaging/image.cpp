@@ -47,27 +47,33 @@ WritableView Image::writable_view() {
   return {writable_, width_, height_, stride_};
 }
 
+void copy(const ImageView& from, const WritableView& to) {
+  for (int v = 0; v < from.height; ++v) {
+    std::memcpy(to.row(v), from.row(v), std::size_t{3} * static_cast<std::size_t>(from.width));
+  }
+}
+
 Image copy_of(const ImageView& view) {
   Image image(view.width, view.height);
-  const WritableView copy = image.writable_view();
-  for (int v = 0; v < view.height; ++v) {
-    std::memcpy(copy.row(v), view.row(v), std::size_t{3} * static_cast<std::size_t>(view.width));
-  }
+  copy(view, image.writable_view());
   return image;
 }
 
-Image copy_of_bgr(const ImageView& view) {
-  Image image(view.width, view.height);
-  const WritableView copy = image.writable_view();
-  for (int v = 0; v < view.height; ++v) {
-    const std::uint8_t* bgr = view.row(v);
-    std::uint8_t* rgb = copy.row(v);
-    for (int u = 0; u < view.width; ++u, bgr += 3, rgb += 3) {
+void copy_bgr(const ImageView& from, const WritableView& to) {
+  for (int v = 0; v < from.height; ++v) {
+    const std::uint8_t* bgr = from.row(v);
+    std::uint8_t* rgb = to.row(v);
+    for (int u = 0; u < from.width; ++u, bgr += 3, rgb += 3) {
       rgb[0] = bgr[2];
       rgb[1] = bgr[1];
       rgb[2] = bgr[0];
     }
   }
+}
+
+Image copy_of_bgr(const ImageView& view) {
+  Image image(view.width, view.height);
+  copy_bgr(view, image.writable_view());
   return image;
 }
 

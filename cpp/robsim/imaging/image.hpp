@@ -80,6 +80,12 @@ class Image {
   std::ptrdiff_t stride_ = 0;
 };
 
+/// Copies pixels to where there is room for them.
+void copy(const ImageView& from, const WritableView& to);
+
+/// The same from OpenCV's order: blue, green, red.
+void copy_bgr(const ImageView& from, const WritableView& to);
+
 Image copy_of(const ImageView& view);
 
 /// A copy of pixels in OpenCV's order: blue, green, red.

@@ -1,0 +1,161 @@
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "capture/python_camera.hpp"
+#include "python/public_names.hpp"
+#include "robsim/capture/grabber.hpp"
+#include "robsim/capture/whole_jpeg.hpp"
+#include "robsim/timing/monotonic.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+constexpr double look = 0.1;  // s, after which a Ctrl-C is noticed
+
+// A grabber whose end does not hold the interpreter, which its thread may need.
+class SharedGrabber : public Grabber {
+ public:
+  using Grabber::Grabber;
+  ~SharedGrabber() {
+    const py::gil_scoped_release work;
+    close();
+  }
+};
+
+void raise(const CaptureError& error) {
+  if (const auto* of_python = dynamic_cast<const PythonCaptureError*>(&error)) {
+    const py::object raised = of_python->raised();
+    PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
+    return;
+  }
+  const py::object raised = py::module_::import("robsim.capture._errors")
+                                .attr("error_of")(name_of(error.fault()), error.what());
+  PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
+}
+
+void tell_of_faults() {
+  py::register_local_exception_translator([](std::exception_ptr error) {
+    try {
+      std::rethrow_exception(error);
+    } catch (const CaptureError& fault) {
+      try {
+        raise(fault);
+      } catch (py::error_already_set& failed) {
+        failed.restore();
+      }
+    }
+  });
+}
+
+// Waits without the interpreter, and looks at signals in between.
+template <typename Result>
+Result wait(double timeout, const std::function<Result(double)>& wait_for) {
+  const double end = monotonic_now() + timeout;
+  while (true) {
+    const double left = std::max(0.0, end - monotonic_now());
+    const Result result = [&] {
+      const py::gil_scoped_release work;
+      return wait_for(std::min(left, look));
+    }();
+    if (PyErr_CheckSignals()) throw py::error_already_set();
+    if (result || left <= look) return result;
+  }
+}
+
+using Size = std::optional<std::pair<int, int>>;
+
+std::unique_ptr<SharedGrabber> make_grabber(const std::shared_ptr<CaptureDevice>& device, int every,
+                                            double frame_timeout, bool reopen,
+                                            std::optional<double> interval,
+                                            const std::optional<PlaneMap>& plane_map,
+                                            const Size& area, const Size& size) {
+  if (every < 1) throw py::value_error("every must be at least 1");
+  GrabberOptions options;
+  options.every = every;
+  options.frame_timeout = frame_timeout;
+  options.reopen = reopen;
+  options.interval = interval;
+  options.plane_map = plane_map;
+  options.area = area;
+  options.size = size;
+  return std::make_unique<SharedGrabber>(device, options);
+}
+
+using Count = std::int64_t;
+
+std::tuple<Count, Count, Count, Count, Count, Count> counts_of(const SharedGrabber& grabber) {
+  const CaptureCounts counts = grabber.counts();
+  return {counts.grabbed, counts.delivered, counts.dropped,
+          counts.torn,    counts.timeouts,  counts.reopened};
+}
+
+}  // namespace
+
+void bind_capture(py::module_& module) {
+  tell_of_faults();
+  Class<CaptureDevice, std::shared_ptr<CaptureDevice>>(
+      public_in(module, "robsim._core"), "CaptureDevice",
+      "A camera as a grabber sees it. Users take robsim.Camera.");
+  Class<PythonCamera, CaptureDevice, std::shared_ptr<PythonCamera>>(
+      public_in(module, "robsim._core"), "PythonCamera", R"(
+A camera in Python, called in the grabber's thread.
+
+Parameters
+----------
+camera : object
+    With ``open()`` and ``close()``, each of which may follow the other any number of times, and
+    ``read()``: None if no frame came within 0.1 s or so; or a pair (image, exposed), where image is
+    a uint8 array (H, W, 3), or None if it was torn, and exposed the time of its exposure
+    (``time.monotonic()``, s), or None if nobody knows it. They raise a CaptureError.
+bgr : bool
+    Whether the images are in OpenCV's order; otherwise they are RGB.
+)")
+      .def(py::init<py::object, bool>(), py::arg("camera"), py::kw_only(), py::arg("bgr") = false);
+  Class<SharedGrabber>(public_in(module, "robsim._core"), "Grabber",
+                       "The thread that reads a camera. Users take robsim.Camera.")
+      .def(py::init(&make_grabber), py::arg("device"), py::kw_only(), py::arg("every") = 1,
+           py::arg("frame_timeout") = 1.0, py::arg("reopen") = false,
+           py::arg("interval") = py::none(), py::arg("plane_map") = py::none(),
+           py::arg("area") = py::none(), py::arg("size") = py::none())
+      .def(
+          "wait_for_size",
+          [](const SharedGrabber& self, double timeout) {
+            return wait<Size>(timeout, [&](double s) { return self.wait_for_size(s); });
+          },
+          py::arg("timeout"), "Return (width, height) of the first frame; None if it did not come.")
+      .def(
+          "take",
+          [](SharedGrabber& self, double timeout) {
+            return wait<std::optional<Frame>>(timeout, [&](double s) { return self.take(s); });
+          },
+          py::arg("timeout"), "Return the newest frame, not taken yet; None if there is none.")
+      .def_property_readonly("counts", &counts_of,
+                             "tuple of int: grabbed, delivered, dropped, torn, timeouts, reopened.")
+      .def(
+          "close",
+          [](SharedGrabber& self, double patience) {
+            const py::gil_scoped_release work;
+            self.close(patience);
+          },
+          py::arg("patience") = 1.0,
+          "End the thread; leave it behind if it hangs for `patience` s.");
+  public_in(module, "robsim._core")
+      .def(
+          "is_whole_jpeg",
+          [](const py::bytes& data) {
+            const std::string_view view(data);
+            const py::gil_scoped_release work;
+            return is_whole_jpeg(reinterpret_cast<const std::uint8_t*>(view.data()), view.size());
+          },
+          py::arg("data"), "Return whether a JPEG image has all of its blocks, and its end.");
+}

@@ -1,0 +1,108 @@
+#include "capture/python_camera.hpp"
+
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "robsim/timing/monotonic.hpp"
+
+namespace robsim::bindings {
+
+namespace {
+
+constexpr std::array<std::pair<const char*, CaptureFault>, 8> faults{{
+    {"no_back_end", CaptureFault::no_back_end},
+    {"no_permission", CaptureFault::no_permission},
+    {"no_camera", CaptureFault::no_camera},
+    {"busy", CaptureFault::busy},
+    {"time_out", CaptureFault::time_out},
+    {"unplugged", CaptureFault::unplugged},
+    {"end", CaptureFault::end},
+    {"failed", CaptureFault::failed},
+}};
+
+// Throws the exception that Python has raised, as one that needs no interpreter.
+[[noreturn]] void pass_on(py::error_already_set& error) {
+  const py::object name = py::getattr(error.value(), "fault", py::none());
+  const CaptureFault fault =
+      py::isinstance<py::str>(name) ? fault_of(name.cast<std::string>()) : CaptureFault::failed;
+  throw PythonCaptureError(fault, error.what(), shared_object(error.value()));
+}
+
+std::optional<double> seconds_from(py::handle value) {
+  return value.is_none() ? std::optional<double>() : value.cast<double>();
+}
+
+}  // namespace
+
+SharedObject shared_object(py::object object) {
+  return {object.release().ptr(), [](PyObject* held) {
+            if (!Py_IsInitialized()) return;
+            const py::gil_scoped_acquire interpreter;
+            Py_DECREF(held);
+          }};
+}
+
+CaptureFault fault_of(const std::string& name) {
+  for (const auto& [key, fault] : faults) {
+    if (name == key) return fault;
+  }
+  return CaptureFault::failed;
+}
+
+const char* name_of(CaptureFault fault) {
+  for (const auto& [key, value] : faults) {
+    if (value == fault) return key;
+  }
+  return "failed";
+}
+
+py::object PythonCamera::call(const char* method) const {
+  return py::handle(camera_.get()).attr(method)();
+}
+
+void PythonCamera::open() {
+  const py::gil_scoped_acquire interpreter;
+  try {
+    call("open");
+  } catch (py::error_already_set& error) {
+    pass_on(error);
+  }
+}
+
+std::optional<Captured> PythonCamera::next(ImagePool& pool) {
+  const py::gil_scoped_acquire interpreter;
+  try {
+    const py::object read = call("read");
+    Captured captured;
+    captured.arrived = monotonic_now();
+    if (read.is_none()) return std::nullopt;
+    const auto [pixels, exposed] = read.cast<std::pair<py::object, py::object>>();
+    captured.exposed = seconds_from(exposed);
+    captured.is_complete = !pixels.is_none();
+    if (!captured.is_complete) return captured;
+    const ImageView view = image_view(pixels, "the image of read()");
+    const py::gil_scoped_release work;
+    captured.image = pool.take(view.width, view.height);
+    (bgr_ ? copy_bgr : copy)(view, captured.image.writable_view());
+    return captured;
+  } catch (py::error_already_set& error) {
+    pass_on(error);
+  } catch (const py::cast_error&) {
+    throw CaptureError(CaptureFault::failed,
+                       "read() must return None, or a pair (image, time of its exposure)");
+  } catch (const py::builtin_exception& error) {
+    throw CaptureError(CaptureFault::failed, error.what());
+  }
+}
+
+void PythonCamera::close() noexcept {
+  const py::gil_scoped_acquire interpreter;
+  try {
+    call("close");
+  } catch (py::error_already_set& error) {
+    error.discard_as_unraisable("close");
+  }
+}
+
+}  // namespace robsim::bindings

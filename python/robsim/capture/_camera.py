@@ -1,0 +1,255 @@
+"""The class `Camera`: the newest frame of a source that runs by itself."""
+
+from __future__ import annotations
+
+import atexit
+import weakref
+from collections.abc import Iterator
+from dataclasses import dataclass
+from os import PathLike
+from types import TracebackType
+from typing import Any, Self
+
+from robsim import _core
+from robsim._base.checks import check_bool, check_float, check_int, check_size
+from robsim._base.text import one_line, quoted
+from robsim._core import Frame, PlaneMap
+from robsim.capture._errors import EndOfStream, FrameTimeoutError
+from robsim.capture._sources import Source, source_of
+
+_LONGEST = 3600.0  # s, of a time-out
+_LAST_PATIENCE = 6.0  # s at the end of the interpreter, longer than a stalled stream is read
+
+
+@dataclass(frozen=True)
+class CameraCounts:
+    """What has become of the frames of a camera.
+
+    Attributes
+    ----------
+    grabbed : int
+        Complete frames that came.
+    delivered : int
+        Those that a reader took.
+    dropped : int
+        Those that a newer one replaced before a reader took them.
+    torn : int
+        Torn or short ones, which no reader gets.
+    timeouts : int
+        Waits of `frame_timeout` in which none came.
+    reopened : int
+        Times that the camera was opened again.
+    """
+
+    grabbed: int = 0
+    delivered: int = 0
+    dropped: int = 0
+    torn: int = 0
+    timeouts: int = 0
+    reopened: int = 0
+
+
+class Camera:
+    """A live camera, as an iterable of frames: the newest one each time, and none twice.
+
+    A native thread reads the camera all the time and keeps its newest frame, so that a slow reader
+    sees what is there now, and not what was seconds ago. What nobody reads in time is dropped, and
+    counted. A file is played at its own rate in the same way: `Recording` gives all of its
+    frames, each when it is asked for.
+
+    Parameters
+    ----------
+    source : int, str or path
+        Number of a camera (of ``/dev/video0``: 0); an address such as
+        ``"http://camera.local/video.mjpg"`` or ``"rtsp://camera.local/stream"``; a video file or a
+        folder of images; or an object of robsim that is a camera.
+    back_end : str, optional
+        What reads it. An address: ``"http"``, which reads MJPEG and tells torn images from whole
+        ones, or ``"ffmpeg"`` or ``"gstreamer"`` of OpenCV. A number: ``"v4l2"``, ``"msmf"``,
+        ``"dshow"``, ``"avfoundation"`` or ``"gstreamer"``. Default: HTTP for ``http://``, FFmpeg
+        for other addresses, and for a number that of the operating system.
+    plane_map : PlaneMap, optional
+        Map from frame pixels to the work area. Default: the frames show exactly the whole area,
+        seen vertically from above.
+    area : tuple of int, optional
+        Width and height of the work area (px). Default: the size of the frames.
+    size : tuple of int, optional
+        Width and height of the frames (px), asked of a camera by number. Frames of another size are
+        an error.
+    fps : float, optional
+        Frames per second, asked of a camera by number; of a folder, the rate at which it is played.
+        Default: that of the camera or file.
+    every : int
+        Only each n-th frame is handed over.
+    open_timeout : float
+        Maximum wait for the first frame (s).
+    frame_timeout : float
+        Maximum wait for each other frame (s).
+    reopen : bool
+        Whether a camera that is unplugged, or from which nothing has come for three
+        `frame_timeout`, is opened again, with pauses of 0.5 s to 5 s; meanwhile reading it ends
+        in FrameTimeoutError.
+
+    Attributes
+    ----------
+    source : object
+        As given.
+    size : tuple of int
+        Width and height of the frames (px).
+    area : tuple of int
+        Width and height of the work area (px).
+    dt : float or None
+        Time between two frames that are handed over (s); None = unknown.
+
+    Raises
+    ------
+    CaptureError
+        If it cannot be opened or read, of the kind that says why: NoBackEndError,
+        NoPermissionError, NoCameraError, CameraBusyError, FrameTimeoutError, UnpluggedError.
+    TypeError, ValueError
+        If an argument has the wrong type or is out of range.
+
+    Notes
+    -----
+    The times of the frames (s) start at the first one: ``t`` is that of the exposure, as far as the
+    camera lets it be known, ``t_arrival`` that of the arrival. A camera belongs to the process that
+    opened it.
+
+    Examples
+    --------
+    >>> with robsim.Camera("http://camera.local/video.mjpg") as camera:
+    ...     trace = robsim.Experiment(camera).run(300)
+    """
+
+    def __init__(
+        self,
+        source: int | str | PathLike[str] | Any,
+        *,
+        back_end: str | None = None,
+        plane_map: PlaneMap | None = None,
+        area: tuple[int, int] | None = None,
+        size: tuple[int, int] | None = None,
+        fps: float | None = None,
+        every: int = 1,
+        open_timeout: float = 5.0,
+        frame_timeout: float = 1.0,
+        reopen: bool = False,
+    ) -> None:
+        if not (plane_map is None or isinstance(plane_map, PlaneMap)):
+            raise TypeError(f"plane_map must be a PlaneMap or None, got {quoted(plane_map)}")
+        every = check_int("every", every, minimum=1, maximum=10_000)
+        self._frame_timeout = _seconds("frame_timeout", frame_timeout)
+        open_timeout = _seconds("open_timeout", open_timeout)
+        reopen = check_bool("reopen", reopen)
+        opened = source_of(
+            source,
+            back_end=back_end,
+            size=None if size is None else check_size("size", size),
+            fps=None
+            if fps is None
+            else check_float("fps", fps, "1/s", exclusive_minimum=0, maximum=1000),
+            open_timeout=open_timeout,
+        )
+        self.source = source
+        area = opened.area if area is None else check_size("area", area)
+        self._grabber = _core.Grabber(
+            opened.device,
+            every=every,
+            frame_timeout=self._frame_timeout,
+            reopen=reopen,
+            interval=opened.dt,
+            plane_map=opened.plane_map if plane_map is None else plane_map,
+            area=area,
+            size=size,
+        )
+        _open_cameras.add(self)
+        self.size = self._first_size(opened, open_timeout)
+        self.area = self.size if area is None else area
+        self.dt = None if opened.dt is None else opened.dt * every
+
+    def _first_size(self, opened: Source, timeout: float) -> tuple[int, int]:
+        try:
+            size = self._grabber.wait_for_size(timeout)
+            if size is None:
+                raise FrameTimeoutError(
+                    f"{opened.name} gave no frame within open_timeout = {timeout:g} s: does it "
+                    "send, and does the address say where?"
+                )
+        except BaseException:
+            self.close()
+            raise
+        return size
+
+    def read(self, timeout: float | None = None) -> Frame:
+        """Return the newest frame that nobody has read yet; wait for one if there is none.
+
+        Other Python threads run while it waits.
+
+        Parameters
+        ----------
+        timeout : float, optional
+            Maximum wait (s). Default: `frame_timeout`.
+
+        Raises
+        ------
+        FrameTimeoutError
+            If none comes in time. It can be tried again.
+        EndOfStream
+            If the file is over.
+        CaptureError
+            If the camera cannot be read any more.
+        ValueError
+            If it is closed.
+        """
+        limit = self._frame_timeout if timeout is None else _seconds("timeout", timeout)
+        frame = self._grabber.take(limit)
+        if frame is None:
+            raise FrameTimeoutError(
+                f"no frame came from {one_line(self.source)} within {limit:g} s: it can be tried "
+                "again"
+            )
+        return frame
+
+    def __iter__(self) -> Iterator[Frame]:
+        while True:
+            try:
+                yield self.read()
+            except EndOfStream:
+                return
+
+    @property
+    def counts(self) -> CameraCounts:
+        """CameraCounts: what has become of the frames so far."""
+        return CameraCounts(*self._grabber.counts)
+
+    def close(self) -> None:
+        """Give the camera back; a reader that waits gets a ValueError."""
+        self._grabber.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Camera {one_line(self.source)}: {self.size[0]} x {self.size[1]} px>"
+
+
+def _seconds(name: str, value: Any) -> float:
+    return check_float(name, value, "s", minimum=0, maximum=_LONGEST)
+
+
+_open_cameras: weakref.WeakSet[Camera] = weakref.WeakSet()
+
+
+@atexit.register
+def _close_all() -> None:
+    # A thread that still called Python after its end would crash.
+    for camera in list(_open_cameras):
+        camera._grabber.close(_LAST_PATIENCE)

@@ -1,0 +1,73 @@
+"""What can be wrong with a camera, by name."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+
+class CaptureError(OSError):
+    """A camera cannot be opened or read; the message says what to do.
+
+    Each kind has a class of its own, which builds on this one.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong, and what to do.
+    """
+
+    fault: ClassVar[str] = "failed"  # as the core names it
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message)
+
+
+class NoBackEndError(CaptureError):
+    """What the camera is read with is not installed."""
+
+    fault = "no_back_end"
+
+
+class NoPermissionError(CaptureError, PermissionError):
+    """The camera is there, and this user must not read it."""
+
+    fault = "no_permission"
+
+
+class NoCameraError(CaptureError):
+    """There is no such camera."""
+
+    fault = "no_camera"
+
+
+class CameraBusyError(CaptureError):
+    """Another program has the camera."""
+
+    fault = "busy"
+
+
+class FrameTimeoutError(CaptureError, TimeoutError):
+    """No frame came in time. The next one may still come: it can be tried again."""
+
+    fault = "time_out"
+
+
+class UnpluggedError(CaptureError):
+    """The camera was there, and is gone."""
+
+    fault = "unplugged"
+
+
+class EndOfStream(CaptureError, EOFError):
+    """The file is over: there are no more frames."""
+
+    fault = "end"
+
+
+_KINDS: tuple[type[CaptureError], ...] = (CaptureError, *CaptureError.__subclasses__())
+_BY_FAULT = {kind.fault: kind for kind in _KINDS}
+
+
+def error_of(fault: str, text: str) -> CaptureError:
+    """Return the error for a fault of the core."""
+    return _BY_FAULT[fault](text)

@@ -1,0 +1,127 @@
+"""Which cameras there are, what is missing, and why."""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from robsim._base.report import Report
+from robsim._base.text import cut, one_line
+from robsim.capture._opencv import back_end_of_system, back_ends, no_permission
+from robsim.imaging._opencv import load_opencv
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraReport(Report):
+    """The cameras of this computer.
+
+    Attributes
+    ----------
+    found : tuple of str
+        What there is: each with what to give `Camera`.
+    missing : tuple of str
+        What there is not, or cannot be used: why, and what to do.
+    """
+
+    found: tuple[str, ...]
+    missing: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """What the report is about."""
+        return "Cameras"
+
+    @property
+    def verdict(self) -> str:
+        """What there is, in a word or two."""
+        count = sum(line.startswith("camera ") for line in self.found)
+        return f"{count} found" if count else "none found"
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is found, then what is missing, a sentence each."""
+        return (*self.found, *self.missing)
+
+
+def find_cameras() -> CameraReport:
+    """Return which cameras there are, what is missing and why; none of them is opened.
+
+    Examples
+    --------
+    >>> robsim.capture.find_cameras().found
+    ('camera 0: /dev/video0 (UVC Camera): robsim.Camera(0)', ...)
+    """
+    found: list[str] = []
+    missing: list[str] = []
+    for is_there, sentence in (*_opencv(), *_video_nodes(), *_fire_wire(), *_always()):
+        (found if is_there else missing).append(sentence)
+    return CameraReport(found=tuple(found), missing=tuple(missing))
+
+
+def _opencv() -> Iterator[tuple[bool, str]]:
+    try:
+        cv2 = load_opencv("a camera by number or RTSP")
+    except ImportError as error:
+        yield False, str(error)
+        return
+    there = back_ends(cv2)
+    yield True, f"OpenCV {cut(cv2.__version__)} with {', '.join(there) or 'no back end'}"
+    if back_end_of_system() not in there:
+        yield (
+            False,
+            f"this OpenCV has no {back_end_of_system()}, which reads cameras by number: install "
+            "opencv-python-headless",
+        )
+    if "ffmpeg" not in there:
+        yield False, "this OpenCV has no ffmpeg, which reads RTSP: install opencv-python-headless"
+
+
+def _video_nodes() -> Iterator[tuple[bool, str]]:
+    if back_end_of_system() != "v4l2":
+        yield True, "cameras by number, which are not listed here: try robsim.Camera(0)"
+        return
+    nodes = [node for node in glob.glob("/dev/video*") if re.fullmatch(r"/dev/video\d+", node)]
+    nodes.sort(key=_number)
+    if not nodes:
+        yield (
+            False,
+            "no camera by number: there is no /dev/video*; plug one in (in a container or a "
+            "virtual machine it must be passed on)",
+        )
+    for node in nodes:
+        if os.access(node, os.R_OK | os.W_OK):
+            number = _number(node)
+            yield True, f"camera {number}: {node}{_name_of(node)}: robsim.Camera({number})"
+        else:
+            yield False, no_permission(node)
+
+
+def _number(node: str) -> int:
+    return int(node.removeprefix("/dev/video"))
+
+
+def _name_of(node: str) -> str:
+    try:
+        name = Path("/sys/class/video4linux", Path(node).name, "name").read_text(errors="replace")
+    except OSError:
+        return ""
+    return f" ({one_line(name.strip())})"
+
+
+def _fire_wire() -> Iterator[tuple[bool, str]]:
+    nodes = sorted(glob.glob("/dev/fw[0-9]*"))
+    if nodes:
+        yield (
+            False,
+            f"FireWire: {', '.join(nodes)} is there, but robsim reads no FireWire camera: give "
+            "robsim.Experiment the frames of a program that does",
+        )
+
+
+def _always() -> Iterator[tuple[bool, str]]:
+    yield True, 'MJPEG over HTTP: robsim.Camera("http://HOST:PORT/PATH")'
+    yield True, 'a file played at its own rate: robsim.Camera("run.mkv")'

@@ -1,0 +1,214 @@
+"""What an HTTP camera can do wrong, and what a reader gets then: words, and never a torn image."""
+
+import socket
+import threading
+
+import numpy as np
+import pytest
+
+import posed_frames
+import robsim
+from mjpeg_server import MjpegServer, jpeg
+from posed_frames import difference
+from robsim.capture import (
+    CaptureError,
+    FrameTimeoutError,
+    NoCameraError,
+    NoPermissionError,
+    UnpluggedError,
+)
+from robsim.capture._multipart import Parts
+
+pytestmark = pytest.mark.threads
+
+
+def images():
+    return [jpeg(frame.image) for frame in posed_frames.frames()]
+
+
+@pytest.fixture(params=["http", "ffmpeg"])
+def back_end(request):
+    if request.param == "ffmpeg":
+        pytest.importorskip("cv2")
+    return request.param
+
+
+def answer(text):
+    return f"HTTP/1.0 {text}\r\nContent-Length: 0\r\n\r\n".encode()
+
+
+@pytest.mark.parametrize(
+    ("said", "kind", "words"),
+    [
+        ("404 Not Found", NoCameraError, "answers 404 Not Found: is the path right"),
+        ("401 Unauthorized", NoPermissionError, "answers 401: give user and password"),
+        ("302 Found\r\nLocation: /other", NoCameraError, "answers 302 Found /other"),
+        ("200 OK\r\nContent-Type: text/html", CaptureError, "sends text/html and no MJPEG"),
+        ("200 OK\r\nContent-Type: multipart/x-mixed-replace", CaptureError, "no MJPEG stream"),
+    ],
+)
+def test_another_answer_is_told(said, kind, words):
+    with MjpegServer(answer=answer(said)) as server, pytest.raises(CaptureError) as error:
+        robsim.Camera(server.url)
+    assert type(error.value) is kind
+    assert words in str(error.value)
+
+
+def test_an_ffmpeg_stream_that_is_none(back_end):
+    with MjpegServer(answer=answer("404 Not Found")) as server, pytest.raises(NoCameraError):
+        robsim.Camera(server.url, back_end=back_end)
+
+
+def test_what_speaks_no_http():
+    with MjpegServer(answer=b"SSH-2.0-OpenSSH\r\n") as server:
+        with pytest.raises(NoCameraError, match="no answer of HTTP: is it a camera"):
+            robsim.Camera(server.url)
+
+
+def test_nobody_there(back_end):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))  # and never listens
+        url = f"http://127.0.0.1:{taken.getsockname()[1]}/"
+        with pytest.raises(NoCameraError, match="cannot be reached .*refused"):
+            robsim.Camera(url, back_end=back_end)
+
+
+def test_a_mute_server():
+    with MjpegServer(is_mute=True) as server, pytest.raises(FrameTimeoutError) as error:
+        robsim.Camera(server.url, open_timeout=0.2)
+    assert "within" in str(error.value)
+    assert "0.2 s: is it on" in str(error.value) or "open_timeout = 0.2 s" in str(error.value)
+
+
+def test_a_stall_is_a_time_out_and_the_stream_goes_on_after_it():
+    goes_on = threading.Event()
+
+    def parts():
+        yield from images()[:1]
+        yield goes_on.wait
+        yield from images()[1:2]
+        yield server.released.wait
+
+    with MjpegServer(parts) as server, robsim.Camera(server.url) as camera:
+        camera.read()
+        for _ in range(2):
+            with pytest.raises(TimeoutError, match="it can be tried again"):
+                camera.read(0.05)
+        goes_on.set()
+        assert difference(camera.read(10), 1)[0] > -1
+
+
+def test_the_end_of_the_stream_comes_after_its_last_image(back_end):
+    with MjpegServer(images) as server, robsim.Camera(server.url, back_end=back_end) as camera:
+        with pytest.raises(UnpluggedError) as error:
+            while True:
+                frame = camera.read(10)
+        assert frame.index == 3
+        with pytest.raises(UnpluggedError):
+            camera.read(10)
+    assert "http://127.0.0.1" in str(error.value)
+
+
+def test_it_is_opened_again_if_that_is_asked_for():
+    with MjpegServer(images) as server, robsim.Camera(server.url, reopen=True) as camera:
+        while camera.counts.reopened < 1 or camera.counts.grabbed < 5:
+            try:
+                camera.read(0.1)
+            except FrameTimeoutError:
+                pass
+    assert len(server.requests) >= 2
+
+
+def test_user_and_password():
+    with MjpegServer(images) as server:
+        url = server.url.replace("http://", "http://me:p%40ss@")
+        with robsim.Camera(url) as camera:
+            camera.read()
+    assert server.requests[0]["Authorization"] == "Basic bWU6cEBzcw=="
+
+
+def test_a_size_that_changes_is_an_error():
+    other = jpeg(np.zeros((64, 48, 3), np.uint8))
+    with MjpegServer([images()[0], other]) as server, robsim.Camera(server.url) as camera:
+        with pytest.raises(CaptureError, match="have 48 x 64 px in place of 300 x 240 px"):
+            while True:
+                camera.read(10)
+
+
+def test_another_size_than_asked_for():
+    with MjpegServer(images) as server:
+        with pytest.raises(CaptureError, match="have 300 x 240 px in place of 640 x 480 px"):
+            robsim.Camera(server.url, size=(640, 480))
+
+
+def halved(image):
+    return image[: len(image) // 2]
+
+
+TEARS = {
+    "cut, and the length says so": lambda image, other: (halved(image), len(image) // 2),
+    "cut, without a length": lambda image, other: (halved(image), None),
+    "cut, with an end marker": lambda image, other: (halved(image) + b"\xff\xd9", None),
+    "a piece is missing": lambda image, other: (image[:2000] + image[2600:], None),
+    "the next one in the middle of it": lambda image, other: (halved(image) + other, None),
+    "other bytes in it": lambda image, other: (image[:2500] + bytes(300) + image[2800:], None),
+    "garbage": lambda image, other: (b"hello" * 1000, 5000),
+    "nothing": lambda image, other: (b"", 0),
+}
+
+
+@pytest.mark.parametrize("tear", TEARS)
+def test_a_torn_image_reaches_nobody(tear, back_end):
+    whole = images()
+    acknowledged = threading.Semaphore(0)
+
+    def parts():
+        for k in range(8):
+            yield TEARS[tear](whole[k % 4], whole[(k + 1) % 4]) if k % 2 else whole[k % 4]
+            if k % 2 == 0 and k < 6 and back_end == "http":
+                yield lambda: acknowledged.acquire(timeout=10)
+
+    with MjpegServer(parts) as server, robsim.Camera(server.url, back_end=back_end) as camera:
+        with pytest.raises(UnpluggedError):
+            while True:
+                frame = camera.read(10)
+                assert min(np.abs(frame.image - i.astype(int)).max() for i in originals()) < 60
+                acknowledged.release()
+        counts = camera.counts
+    assert counts.torn >= 3
+    assert counts.grabbed == 4
+
+
+def originals():
+    return [frame.image for frame in posed_frames.frames()]
+
+
+def test_a_length_that_is_too_long_costs_that_image_and_no_more():
+    whole = images()
+    with MjpegServer([whole[0], (halved(whole[1]), len(whole[1])), whole[2]]) as server:
+        with robsim.Camera(server.url) as camera, pytest.raises(UnpluggedError):
+            while True:
+                frame = camera.read(10)
+    assert frame.index == 2
+    assert camera.counts.torn == 1
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_parts_are_the_same_however_they_come(seed):
+    rng = np.random.default_rng(seed)
+    bodies = [b"\xff\xd8" + rng.bytes(int(rng.integers(0, 300))) + b"\xff\xd9" for _ in range(6)]
+    stream = b""
+    for body in bodies:
+        length = f"Content-Length: {len(body)}\r\n" if rng.random() < 0.5 else ""
+        head = f"--frame\r\n{length}Content-Type: image/jpeg\r\n\r\n".encode()
+        stream += head + body + (b"\r\n" if rng.random() < 0.8 else b"")
+    parts = Parts(b"frame")
+    found = []
+    for start in range(0, len(stream), step := int(rng.integers(1, 90))):
+        parts.feed(stream[start : start + step])
+        while (part := parts.next()) is not None:
+            found.append(part)
+    # An end marker may stand in the middle of these bytes, which it cannot in an image.
+    assert [f.rstrip(b"\r\n") for f in found] == bodies or b"\xff\xd9" in b"".join(
+        body[2:-2] for body in bodies
+    )
