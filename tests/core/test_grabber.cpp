@@ -225,9 +225,9 @@ TEST(Grabber, ACloseWhileAReaderWaitsEndsItsWait) {
   Stepped camera;
   Grabber grabber(camera.device, {});
   std::thread closer([&] { grabber.close(); });
-  EXPECT_THROW(while (true) grabber.take(10), std::logic_error);
+  EXPECT_THROW(while (true) grabber.take(10), std::invalid_argument);
   closer.join();
-  EXPECT_THROW(grabber.take(0), std::logic_error);
+  EXPECT_THROW(grabber.take(0), std::invalid_argument);
   EXPECT_EQ(camera.device->n_closed, 1);
   grabber.close();
 }

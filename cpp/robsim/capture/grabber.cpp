@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 
 #ifndef _WIN32
@@ -91,7 +92,7 @@ struct Grabber::State {
 
   // What a reader is told who gets no frame.
   void check() const {
-    if (stops) throw std::logic_error("the camera is closed");
+    if (stops) throw std::invalid_argument("the camera is closed: open it anew");
     if (error) std::rethrow_exception(error);
   }
 

@@ -48,7 +48,7 @@ class Grabber {
   std::optional<std::pair<int, int>> wait_for_size(double timeout) const;
 
   /// The newest frame that nobody has taken yet; nothing if none comes within `timeout` s. Throws
-  /// the CaptureError that ended the camera, after the last frame; std::logic_error if it is
+  /// the CaptureError that ended the camera, after the last frame; std::invalid_argument if it is
   /// closed, and std::runtime_error in a forked process, which has no such thread.
   std::optional<Frame> take(double timeout);
 

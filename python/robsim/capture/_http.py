@@ -103,7 +103,7 @@ class HttpCamera:
 
     def _boundary(self, head: bytes) -> bytes:
         stream = io.BytesIO(head)
-        words = stream.readline().decode("latin-1").split(None, 2)
+        words = stream.readline().decode("latin-1").strip().split(None, 2)
         status = words[1] if len(words) > 1 else ""
         try:
             headers: Message = parse_headers(stream)
