@@ -381,3 +381,23 @@ def test_a_full_disk_is_told_once_and_loses_no_row(tmp_path, monkeypatch):
     assert check_agreement(session) == 20
     assert not session.is_complete
     assert row_time(29) == session.trace.t[-1]
+
+
+def test_a_disk_that_takes_its_time_to_sync_does_not_hold_up_the_rows(tmp_path, monkeypatch):
+    monkeypatch.setattr("robsim.sessions._writer._BETWEEN_SYNCS", 0.01)
+    syncing, may_go_on = threading.Event(), threading.Event()
+
+    def slow(file):
+        syncing.set()
+        may_go_on.wait()
+
+    monkeypatch.setattr("robsim.sessions._writer._AppendedFile.sync", slow)
+    writer = record(tmp_path, 2)
+    assert syncing.wait(60)
+    for k in range(2, 9):
+        sessions.add(writer, k)
+    writer.flush()
+    assert check_agreement(Session(tmp_path)) == 9
+    may_go_on.set()
+    writer.close()
+    assert Session(tmp_path).is_complete
