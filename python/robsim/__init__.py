@@ -1,8 +1,8 @@
 """Camera-based control of mobile robots, simulated: render, detect, measure, identify, show.
 
-What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `capture`,
-`trace`, `vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
-`plotting`, `doctor`, `bench`.
+What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `trace`,
+`vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
+`capture`, `motors`, `sessions`, `live`, `plotting`, `doctor`, `bench`.
 """
 
 import importlib as _importlib

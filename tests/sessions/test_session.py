@@ -312,7 +312,6 @@ def test_a_session_can_be_read_while_it_is_written(tmp_path):
     assert Session(tmp_path).is_complete
 
 
-@pytest.mark.threads
 def test_a_writer_that_is_forgotten_finishes_its_session(tmp_path):
     threads = threading.active_count()
     writer = record(tmp_path, 3)
