@@ -1,0 +1,89 @@
+#include "robsim/imaging/warp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+namespace robsim {
+
+namespace {
+
+constexpr std::uint16_t outside = 0xffff;
+constexpr std::uint8_t grey = 128;
+
+// Two neighbouring pixels as six bytes of a number, the left one in its lower ones.
+std::uint64_t two_pixels(const std::uint8_t* p) {
+  const auto low = std::uint32_t{p[0]} | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 |
+                   std::uint32_t{p[3]} << 24;
+  return low | std::uint64_t{std::uint32_t{p[4]} | std::uint32_t{p[5]} << 8} << 32;
+}
+
+// (1 - w) a + w b for each byte, rounded, w in 1/256: every second byte at a time, so that each has
+// 16 bits.
+std::uint64_t blended(std::uint64_t a, std::uint64_t b, std::uint64_t w) {
+  constexpr std::uint64_t even = 0x00ff00ff00ff00ff;
+  constexpr std::uint64_t half = 0x0080008000800080;
+  const std::uint64_t evens = (a & even) * (256 - w) + (b & even) * w + half;
+  const std::uint64_t odds = (a >> 8 & even) * (256 - w) + (b >> 8 & even) * w + half;
+  return (evens >> 8 & even) | (odds & ~even);
+}
+
+}  // namespace
+
+Warp::Warp(int width, int height, int source_width, int source_height,
+           const std::function<Point(const Point&)>& to_source)
+    : width_(width), height_(height), source_width_(source_width), source_height_(source_height) {
+  if (std::min(source_width, source_height) < 2 || std::max(source_width, source_height) > 65534) {
+    throw std::invalid_argument("the source must have a width and a height of 2..65534 px");
+  }
+  places_.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      places_.push_back(place_of(to_source({static_cast<double>(u), static_cast<double>(v)})));
+    }
+  }
+}
+
+Warp::Place Warp::place_of(const Point& point) const {
+  // A pixel reaches half a pixel beyond its centre.
+  if (!(point.x >= -0.5 && point.x <= source_width_ - 0.5 && point.y >= -0.5 &&
+        point.y <= source_height_ - 0.5)) {
+    return {outside, 0, 0, 0};
+  }
+  const auto split = [](double x, int size) {
+    const double inside = std::clamp(x, 0.0, size - 1.0);
+    const int whole = std::min(static_cast<int>(inside), size - 2);
+    return std::pair(static_cast<std::uint16_t>(whole),
+                     static_cast<std::uint16_t>(std::lround(256 * (inside - whole))));
+  };
+  const auto [u, right] = split(point.x, source_width_);
+  const auto [v, down] = split(point.y, source_height_);
+  return {u, v, right, down};
+}
+
+void Warp::apply(const ImageView& source, const WritableView& to) const {
+  if (source.width != source_width_ || source.height != source_height_ || to.width != width_ ||
+      to.height != height_) {
+    throw std::invalid_argument("the images must have the sizes that the warp was made for");
+  }
+  const Place* place = places_.data();
+  for (int v = 0; v < height_; ++v) {
+    std::uint8_t* pixel = to.row(v);
+    for (int u = 0; u < width_; ++u, ++place, pixel += 3) {
+      if (place->u == outside) {
+        std::memset(pixel, grey, 3);
+        continue;
+      }
+      const std::uint8_t* upper = source.row(place->v) + std::ptrdiff_t{3} * place->u;
+      const std::uint64_t pair =
+          blended(two_pixels(upper), two_pixels(upper + source.stride), place->down);
+      const std::uint64_t color = blended(pair, pair >> 24, place->right);
+      pixel[0] = static_cast<std::uint8_t>(color);
+      pixel[1] = static_cast<std::uint8_t>(color >> 8);
+      pixel[2] = static_cast<std::uint8_t>(color >> 16);
+    }
+  }
+}
+
+}  // namespace robsim

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "robsim/geometry/pose.hpp"
+#include "robsim/imaging/image.hpp"
+
+namespace robsim {
+
+/// Makes an image from another one, each pixel at a place of its own there: bilinear, to 1/256 px.
+/// What lies outside is grey.
+class Warp {
+ public:
+  /// `to_source` gives the place in the source, of source_width x source_height px, for a pixel of
+  /// an image of width x height px. It is asked once for each. Throws std::invalid_argument unless
+  /// the source has a width and a height of 2..65534 px.
+  Warp(int width, int height, int source_width, int source_height,
+       const std::function<Point(const Point&)>& to_source);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// Throws std::invalid_argument unless both images have their sizes.
+  void apply(const ImageView& source, const WritableView& to) const;
+
+ private:
+  // A place: the pixel to its upper left, and how far it is from there (1/256 px).
+  struct Place {
+    std::uint16_t u, v;
+    std::uint16_t right, down;
+  };
+
+  Place place_of(const Point& point) const;
+
+  int width_, height_;
+  int source_width_, source_height_;
+  std::vector<Place> places_;
+};
+
+}  // namespace robsim
