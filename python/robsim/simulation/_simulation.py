@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
-from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, Unpack
@@ -12,14 +10,13 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim import _core
 from robsim._base.checks import is_int
 from robsim._base.public import told_by_name
-from robsim._base.seeds import Seed, as_uniform, random_bits, seed_sequence, stream, stream_number
+from robsim._base.seeds import Seed, seed_sequence
 from robsim._base.text import quoted
 from robsim._core import Frame, RobotModel, RobotParameters
 from robsim.imaging._images import Pixels
-from robsim.imaging._noise import Noise, as_native_noise
+from robsim.imaging._noise import Noise
 from robsim.robots import RobotDefinition
 from robsim.simulation import _options as options
 from robsim.simulation import _slots as slots
@@ -30,10 +27,19 @@ from robsim.simulation._world.disturbances import (
     ParameterMismatch,
     PoseNoise,
     WheelNoise,
-    check_process_noise,
 )
-from robsim.simulation._world.dropout import Dropout, as_dropout
-from robsim.simulation._world.scene import draw_red_square, make_scene, scaled_floor
+from robsim.simulation._world.dropout import Dropout
+from robsim.simulation._world.scene import draw_red_square
+from robsim.simulation._world.world_of_scenario import (
+    apply_dropout,
+    apply_noise,
+    apply_process_noise,
+    check_bounces,
+    frame_size,
+    new_world,
+    seed_world,
+    set_scene,
+)
 from robsim.trace import Trace
 from robsim.trace._columns import SIMULATED
 
@@ -139,15 +145,8 @@ class Simulation(WorldSlots, Runner):
         base = Scenario(**data) if scenario is None else scenario.replace(**data)
         self._seed = seed_sequence(base.seed)
         self._scenario = base.replace(**dict.fromkeys(code)) if code else base
-        self.resolution = self._scenario.resolution or self._scenario.area
-        self._world = _core.SimulatedWorld(
-            area=self._scenario.area,
-            resolution=self.resolution,
-            boundary=self._scenario.boundary,
-            robot_radius=self._scenario._robot_definition.radius,
-            camera_delay=self._scenario.camera_delay,
-            motor_delay=self._scenario.motor_delay,
-        )
+        self.resolution = frame_size(self._scenario)
+        self._world = new_world(self._scenario)
         super().__init__(
             self._world,
             robot=self._scenario._robot_definition,
@@ -161,9 +160,9 @@ class Simulation(WorldSlots, Runner):
             time_limit=time_limit,
         )
         self._seed_core()
-        self._apply_noise()
-        self._apply_dropout()
-        self._apply_process_noise()
+        apply_noise(self._world, self._scenario)
+        apply_dropout(self._world, self._scenario)
+        apply_process_noise(self._world, self._scenario)
         stages = {name: given.get(name, self._not_default(name)) for name in _STAGES}
         self._fill_slots(given | stages)
 
@@ -193,7 +192,7 @@ class Simulation(WorldSlots, Runner):
     @noise.setter
     def noise(self, noise: Noise | None) -> None:
         self._change(noise=noise)
-        self._apply_noise()
+        apply_noise(self._world, self._scenario)
 
     @property
     def dropout(self) -> Dropout | None:
@@ -203,7 +202,7 @@ class Simulation(WorldSlots, Runner):
     @dropout.setter
     def dropout(self, dropout: Dropout | None) -> None:
         self._change(dropout=dropout)
-        self._apply_dropout()
+        apply_dropout(self._world, self._scenario)
 
     @property
     def process_noise(self) -> PoseNoise | WheelNoise | None:
@@ -213,7 +212,7 @@ class Simulation(WorldSlots, Runner):
     @process_noise.setter
     def process_noise(self, process_noise: PoseNoise | WheelNoise | None) -> None:
         self._change(process_noise=process_noise)
-        self._apply_process_noise()
+        apply_process_noise(self._world, self._scenario)
 
     def _change(self, **changes: Any) -> None:
         self._core.check_thread()
@@ -222,43 +221,9 @@ class Simulation(WorldSlots, Runner):
         if self._core.rows or self._core.is_running:
             self._changed = tuple(sorted({*self._changed, *changes}))
 
-    def _apply_noise(self) -> None:
-        self._world.set_noise(as_native_noise(self._scenario.noise))
-
-    def _apply_dropout(self) -> None:
-        dropout = as_dropout(self._scenario.dropout)
-        self._world.set_dropout(dropout.probability, dropout.steps)
-
-    def _apply_process_noise(self) -> None:
-        noise = check_process_noise(self._scenario.process_noise)
-        factor = noise.factor if isinstance(noise, PoseNoise) else np.zeros((3, 3))
-        sigma = noise.sigma if isinstance(noise, WheelNoise) else 0.0
-        self._world.set_disturbance(factor, np.broadcast_to(sigma, 2).tolist())
-
     def _seed_core(self) -> None:
         super()._seed_core()
-        self._world.set_seeds(
-            noise=stream_number(self._seed, "noise"),
-            dropout=stream_number(self._seed, "dropout"),
-            disturbance=stream_number(self._seed, "disturbance"),
-        )
-        self._world.set_start(self._start_pose())
-        self._world.set_true_model(partial(_true_model, self._scenario, self._seed))
-
-    def _start_pose(self) -> ArrayLike:
-        width, height = self.area
-        start = self._scenario.start
-        if start is None:
-            return (width / 2, height / 2, 0.0)
-        if not isinstance(start, str):
-            return start
-        margin = min(self.robot.radius, width / 2, height / 2)
-        lows, highs = (margin, margin, -np.pi), (width - 1 - margin, height - 1 - margin, np.pi)
-        bits = random_bits(stream(self._seed, "start"))
-        return [
-            low + (high - low) * as_uniform(next(bits))
-            for low, high in zip(lows, highs, strict=True)
-        ]
+        seed_world(self._world, self._scenario, self._seed)
 
     def _default(self, slot: str) -> Any:
         if slot == "control":
@@ -270,19 +235,14 @@ class Simulation(WorldSlots, Runner):
             self._world.set_evaluate_model(self._limited(value))
         elif slot == "adjust_background":
             adjust = self._limited(value) or draw_red_square
-            make = partial(_scene_of, self._scenario, adjust)
             # A callback of the user's is called at the start, whether somebody looks or not.
-            self._world.set_make_scene(make, makes_at_start=value is not None)
+            set_scene(self._world, self._scenario, adjust, makes_at_start=value is not None)
         else:
             super()._put(slot, value)
 
     def _check_stages(self) -> None:
         super()._check_stages()
-        if self.boundary == "bounce" and min(self.area) <= 2 * self.robot.radius + 1:
-            raise ValueError(
-                f"area must be wider than the robot, {2 * self.robot.radius:.0f} px, to bounce in "
-                f"it, got {self.area}"
-            )
+        check_bounces(self._scenario)
 
     @property
     def true_model(self) -> RobotModel:
@@ -399,31 +359,6 @@ def _is_data(name: str, values: dict[str, Any]) -> bool:
     if SLOTS[name].is_switch:
         return value is None or isinstance(value, bool)
     return value is None or type(value) in SLOTS[name].native
-
-
-def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.Scene:
-    """Return what the camera of a scenario looks at."""
-    return make_scene(
-        robot=scenario._robot_definition,
-        area=scenario.area,
-        resolution=scenario.resolution or scenario.area,
-        headings=scenario.headings or 0,
-        background=scaled_floor(scenario._floor, scenario.area),
-        adjust_background=adjust,
-    )
-
-
-def _true_model(scenario: Scenario, seed: np.random.SeedSequence, belief: RobotModel) -> RobotModel:
-    """Return the model of the world: that of the scenario, or what the robot half believes in."""
-    model = scenario._model or belief
-    if model.dt != belief.dt:
-        raise ValueError(
-            f"define_model must give a model with the dt of the world, {model.dt:g} s, got "
-            f"{belief.dt:g}"
-        )
-    if scenario.mismatch is None:
-        return model
-    return scenario.mismatch.draw(model, np.random.default_rng(stream(seed, "mismatch")))
 
 
 def _documentation(text: str) -> str:
