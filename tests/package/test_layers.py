@@ -45,6 +45,10 @@ CPP = {
         "simulation/seam",
     },
     "simulation": {"timing", "simulation/seam", "simulation/robot"},
+    "laboratory": {
+        *("timing", "elementary", "geometry", "random", "imaging", "model", "world"),
+        *("world/noise", "capture", "motors", "simulation/seam", "simulation/world"),
+    },
 }
 
 # The storeys of the Python package, from the ground up. A room imports from the storeys below its
