@@ -10,6 +10,8 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/frame.hpp"
+#include "robsim/imaging/lens.hpp"
+#include "robsim/imaging/warp.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -320,9 +322,45 @@ Examples
   define_pickle(frame, fields);
 }
 
+void bind_lens(py::module_& module) {
+  Class<Lens>(public_in(module, "robsim._core"), "Lens",
+              "A lens before frames of one size. Users take robsim.live.Lens.")
+      .def(py::init([](double k1, double k2, std::pair<int, int> size) {
+             return Lens(k1, k2, size.first, size.second);
+           }),
+           py::arg("k1"), py::arg("k2"), py::arg("size"))
+      .def(
+          "distorted",
+          [](const Lens& self, const ArrayLike& pixels) {
+            return map_points(pixels, "pixels", [&](const Point& p) { return self.distorted(p); });
+          },
+          py::arg("pixels"))
+      .def(
+          "ideal",
+          [](const Lens& self, const ArrayLike& pixels) {
+            return map_points(pixels, "pixels", [&](const Point& p) { return self.ideal(p); });
+          },
+          py::arg("pixels"));
+  Class<Warp, std::shared_ptr<Warp>>(public_in(module, "robsim._core"), "Warp",
+                                     "Makes an image from another, each pixel at its own place.")
+      .def(
+          "apply",
+          [](const Warp& self, const PixelArray& image) {
+            const ImageView from = image_view(image, "image");
+            Image warped(self.width(), self.height());
+            {
+              const py::gil_scoped_release native;
+              self.apply(from, warped.writable_view());
+            }
+            return image_array(warped);
+          },
+          py::arg("image"));
+}
+
 }  // namespace
 
 void bind_imaging(py::module_& module) {
   bind_plane_map(module);
+  bind_lens(module);
   bind_frame(module);
 }

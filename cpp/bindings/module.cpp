@@ -25,6 +25,7 @@ void bind_controllers(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_loop(py::module_& module);
 void bind_motors(py::module_& module);
+void bind_laboratory(py::module_& module);
 
 namespace {
 
@@ -73,6 +74,7 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   bind_worlds(module);
   bind_controllers(module);
   bind_loop(module);
+  bind_laboratory(module);
   pybind11::delattr(module, "__module__");  // the bindings set it
 }
 

@@ -107,7 +107,9 @@ __all__ = [
 ]
 
 # Loaded when asked for: `import robsim` needs no matplotlib, and is quick.
-_LATE_ROOMS = ("bench", "digests", "doctor", "motors", "plotting", "reference", "sessions")
+_LATE_ROOMS = (
+    *("bench", "digests", "doctor", "live", "motors", "plotting", "reference", "sessions"),
+)
 _LATE_NAMES = {
     name: "plotting" if name.startswith("pl") else "doctor"
     for name in __all__

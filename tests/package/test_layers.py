@@ -63,7 +63,7 @@ PYTHON = {
     },
     "robots": {"robots"},
     "loop": {"simulation"},
-    "views": {"plotting", "doctor", "bench", "digests"},
+    "views": {"plotting", "doctor", "bench", "digests", "live"},
     "face": {"__init__"},
     "command line": {"cli"},
     "program": {"__main__"},

@@ -37,7 +37,10 @@ def _check_numbers(name: str, numbers: Any) -> None:
 Seed = int | np.random.SeedSequence | np.random.Generator | SeedRecord | None
 
 #: The streams of a run, in the order of their spawn keys.
-STREAMS = ("controller", "noise", "start", "user", "dropout", "disturbance", "mismatch")
+STREAMS = (
+    *("controller", "noise", "start", "user", "dropout", "disturbance", "mismatch"),
+    "faults",
+)
 
 
 def seed_sequence(seed: Seed) -> np.random.SeedSequence:
