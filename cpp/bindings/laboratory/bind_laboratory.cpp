@@ -48,14 +48,14 @@ py::array_t<double> column(const Laboratory::Record& record, const Get& get) {
 
 using Numbers = std::array<double, 1>;
 
-py::dict laboratory_columns(const Laboratory& self) {
+py::typing::Dict<py::str, py::object> laboratory_columns(const Laboratory& self) {
   Laboratory::Record record;
   {
     const py::gil_scoped_release wait;
     record = self.record();
   }
   using Tick = Laboratory::Tick;
-  py::dict columns;
+  py::typing::Dict<py::str, py::object> columns;
   columns["first"] = record.first;
   columns["t"] = column<1>(record, [](const Tick& tick) { return Numbers{tick.time}; });
   columns["pose"] = column<3>(record, [](const Tick& tick) {

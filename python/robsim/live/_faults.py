@@ -14,8 +14,8 @@ from robsim._base.text import quoted
 class CameraFaults:
     """What goes wrong with a simulated camera.
 
-    What happens to the frame of a tick depends on the seed of the scenario and the tick alone. Times
-    count from the start of the world (s); it starts when the camera is first opened.
+    What happens to the frame of a tick depends on the seed of the scenario and the tick alone.
+    Times count from the start of the world (s); it starts when the camera is first opened.
 
     Parameters
     ----------

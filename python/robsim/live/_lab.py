@@ -118,9 +118,9 @@ class SimulatedLab:
         is_from_above = plane_map is None and self._lens == Lens()
         self._world = _new_world(self.scenario, self._seed, None if is_from_above else self._scale)
         self.receiver = MotorReceiver() if receiver is None else receiver
-        self._laboratory = _core.Laboratory(
-            self._world, self.scenario._model, self.receiver
-        )
+        model = self.scenario._model
+        assert model is not None  # of `_real_time`
+        self._laboratory = _core.Laboratory(self._world, model, self.receiver)
         self._warp = None if is_from_above else self._new_warp()
         self._end = weakref.finalize(self, _end, self._laboratory, self.receiver)
 

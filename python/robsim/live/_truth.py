@@ -75,7 +75,7 @@ class LabTruth:
             raise TypeError(f"frame must be a Frame, got {quoted(frame)}")
         if frame.t is None or frame.epoch is None:
             raise ValueError("frame must have t and epoch, as those of a live camera have")
-        row = (frame.epoch + frame.t - self.t[0]) / self.dt
+        row = float(frame.epoch + frame.t - self.t[0]) / self.dt
         nearest = round(row)
         if abs(row - nearest) > 0.01 or not 0 <= nearest < len(self):
             raise ValueError("frame must be of this lab, and not from after this truth was read")

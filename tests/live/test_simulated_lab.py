@@ -1,0 +1,378 @@
+"""The simulated lab: poses by its truth, never times by a clock."""
+
+import gc
+import os
+import threading
+import time
+import weakref
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.capture import CameraBusyError, CaptureError, FrameTimeoutError, UnpluggedError
+from robsim.live import CameraFaults, Lens, SimulatedLab
+from robsim.motors import MotorReceiver, UdpMotors
+
+SCENARIO = robsim.Scenario(
+    area=(1200, 900), resolution=(320, 240), headings=None, start=(400, 420, 0.4), seed=3
+)
+LARGE = SCENARIO.replace(resolution=(640, 480))
+CORNERS = [(0, 0), (1199, 0), (1199, 899), (0, 899)]
+OBLIQUE = robsim.imaging.PlaneMap.from_points(
+    [(102, 60), (541, 57), (630, 455), (12, 460)], CORNERS
+)
+DRIVE = (8.0, 5.0)
+
+
+def lab_of(scenario=SCENARIO, **options):
+    return SimulatedLab(scenario, **({"fps": 100} | options))
+
+
+def until(condition):
+    """Wait for what must come; a test that waits in vain ends by the time limit of all tests."""
+    while not condition():
+        time.sleep(0.002)
+
+
+def measured(frame, scenario=SCENARIO):
+    layout = scenario._marker_layout
+    blobs = robsim.find_blobs(frame, robsim.load_colors(), markers=layout)
+    return robsim.locate(blobs, layout, plane_map=frame.plane_map).pose
+
+
+def driven_frames(lab, count):
+    """Return frames of a robot that drives a curve."""
+    with robsim.Camera(lab) as camera:
+        return drive(lab, camera, count)
+
+
+def drive(lab, camera, count):
+    frames = []
+    with UdpMotors(lab.address) as motors:
+        while len(frames) < count:
+            frames.append(camera.read())
+            motors(DRIVE)
+    return frames
+
+
+def read_on(camera):
+    for _ in range(1000):
+        camera.read()
+
+
+def tick_of(lab, frame):
+    return lab.truth.tick_of(frame)
+
+
+def errors_of(lab, frames):
+    """Return how far the measured poses are off the true ones (px), and the last true one."""
+    truth = lab.truth
+    off = [measured(frame)[:2] - truth.pose_of(frame)[:2] for frame in frames]
+    return np.hypot(*np.transpose(off))
+
+
+def test_frames_are_those_of_the_true_poses():
+    with lab_of() as lab:
+        frames = driven_frames(lab, 25)
+        truth = lab.truth
+    renderer = robsim.simulation.Renderer(lab._world.scene)
+    assert np.ptp(truth.pose[:, 0]) > 1  # it has moved
+    for frame in frames:
+        tick = truth.tick_of(frame)
+        assert truth.shown[tick] == tick
+        assert np.array_equal(frame.image, renderer.render(truth.pose_of(frame)))
+        assert frame.t_arrival >= frame.t
+        assert frame.plane_map == lab.plane_map
+
+
+def test_the_robot_moves_as_its_model_says_by_the_inputs_that_it_received():
+    with lab_of() as lab:
+        driven_frames(lab, 25)
+        truth = lab.truth
+    assert (truth.last_u[0] == 0).all()
+    assert np.allclose(truth.last_u[20:25], DRIVE)
+    for k in range(2, len(truth)):
+        predicted = lab.true_model.predict(truth.pose[k - 1], truth.pose[k - 2], truth.last_u[k])
+        assert np.array_equal(truth.pose[k], predicted)
+    assert np.allclose(np.diff(truth.t), lab.dt, rtol=1e-6)
+
+
+def test_an_oblique_camera_is_as_exact_as_one_from_above():
+    for start in ((600, 450, 0.3), (250, 200, 2.0), (950, 700, -1.0)):
+        scenario = LARGE.replace(start=start)
+        with lab_of(scenario) as above, lab_of(scenario, plane_map=OBLIQUE) as oblique:
+            errors = [errors_of(lab, driven_frames(lab, 10)) for lab in (above, oblique)]
+        assert max(errors[0]) < 0.5, start
+        assert max(errors[1]) < 0.5, start
+
+
+def test_a_lens_moves_the_robot_by_what_it_predicts():
+    lens = Lens(-0.04, 0.005)
+    for start in ((250, 200, 2.0), (950, 700, -1.0)):
+        with lab_of(LARGE.replace(start=start), lens=lens) as lab:
+            frame = driven_frames(lab, 5)[-1]
+            pose = lab.truth.pose_of(frame)
+        shown = lens.distorted(lab.plane_map.to_pixel(pose[:2]), lab.size)
+        predicted = lab.plane_map.to_world(shown)
+        assert np.hypot(*(predicted - pose[:2])) > 4
+        # The markers lie on both sides of the centre, and the lens shrinks what is around.
+        assert np.hypot(*(measured(frame)[:2] - predicted)) < 0.7
+        corrected = lens.ideal(lab.plane_map.to_pixel(measured(frame)[:2]), lab.size)
+        assert np.hypot(*(lab.plane_map.to_world(corrected) - pose[:2])) < 0.7
+
+
+def test_a_lens_leads_back():
+    pixels = np.array([(0.0, 0.0), (639.0, 479.0), (320.0, 100.0)])
+    lens = Lens(0.1, -0.02)
+    assert np.allclose(lens.distorted(lens.ideal(pixels, (640, 480)), (640, 480)), pixels)
+    with pytest.raises(ValueError, match="k1 and k2 must keep the order"):
+        Lens(-0.3).ideal(pixels, (640, 480))
+
+
+def test_faults_are_counted_and_never_wrong():
+    faults = CameraFaults(dropped=0.2, repeated=0.2, torn=0.2, late=0.2, late_by=0.015)
+    with lab_of(faults=faults) as lab, robsim.Camera(lab) as camera:
+        frames = drive(lab, camera, 50)
+        truth, counts = lab.truth, camera.counts
+    renderer = robsim.simulation.Renderer(lab._world.scene)
+    shown = [truth.shown[truth.tick_of(frame)] for frame in frames]
+    repeats = 0
+    for frame, tick in zip(frames, shown, strict=True):
+        assert np.array_equal(frame.image, renderer.render(truth.pose[tick]))
+        repeats += tick < truth.tick_of(frame)
+    assert repeats > 0  # a repeated frame shows where the robot was, and nothing says so
+    assert counts.torn > 0
+    assert counts.delivered == 50
+    ticks = [truth.tick_of(frame) for frame in frames]
+    assert ticks == sorted(set(ticks))
+    assert ticks[-1] + 1 > 50 + counts.torn  # some were dropped
+
+
+@pytest.mark.parametrize(
+    ("seed", "dropped"), [(1, {2, 3, 7, 8, 11, 13, 17, 18}), (2, {3, 5, 6, 12})]
+)
+def test_the_seed_says_which_frames_are_dropped(seed, dropped):
+    scenario = SCENARIO.replace(seed=seed)
+    with lab_of(scenario, faults=CameraFaults(dropped=0.3)) as lab, robsim.Camera(lab) as camera:
+        while tick_of(lab, frame := camera.read()) < 20:
+            assert tick_of(lab, frame) not in dropped
+        assert not dropped & set(np.flatnonzero(lab.truth.shown >= 0))
+
+
+def test_a_stalled_camera_times_out_and_comes_back():
+    with lab_of() as lab, robsim.Camera(lab, frame_timeout=0.05) as camera:
+        before = tick_of(lab, camera.read())
+        lab.stall(0.4)
+        with pytest.raises(FrameTimeoutError):
+            read_on(camera)
+        frame = camera.read(60)
+        assert tick_of(lab, frame) > before + 30
+        assert camera.counts.timeouts > 0
+
+
+def test_the_world_goes_on_while_the_camera_is_unplugged():
+    with lab_of() as lab:
+        with robsim.Camera(lab) as camera:
+            before = tick_of(lab, camera.read())
+            lab.unplug()
+            with pytest.raises(UnpluggedError):
+                read_on(camera)
+        with pytest.raises(CaptureError, match="plug it in"):
+            robsim.Camera(lab)
+        until(lambda: len(lab.truth) > before + 30)
+        lab.plug_in()
+        with robsim.Camera(lab) as camera:
+            frame = camera.read()
+            assert tick_of(lab, frame) > before + 29
+            assert np.array_equal(
+                frame.image,
+                robsim.simulation.Renderer(lab._world.scene).render(lab.truth.pose_of(frame)),
+            )
+
+
+def test_a_camera_that_reopens_finds_it_again():
+    unplugged = CameraFaults(unplug=(0.05, 0.3))
+    with (
+        lab_of(faults=unplugged) as lab,
+        robsim.Camera(lab, reopen=True, frame_timeout=60) as camera,
+    ):
+        until(lambda: camera.counts.reopened)
+        while (tick := tick_of(lab, camera.read())) < 5:
+            pass
+        assert tick >= 35
+
+
+def test_delay_comes_between_exposure_and_arrival():
+    with lab_of(camera_delay=0.1) as lab, robsim.Camera(lab) as camera:
+        for _ in range(5):
+            frame = camera.read()
+            assert frame.t_arrival - frame.t >= 0.1 - 1e-9
+
+
+def test_noise_and_exposure_change_the_pixels_after_the_optics():
+    noisy = SCENARIO.replace(noise=robsim.GaussianNoise(5))
+    faults = CameraFaults(drift=0.5, drift_period=0.4)
+    with lab_of(noisy, faults=faults) as lab, robsim.Camera(lab) as camera:
+        frames = [camera.read() for _ in range(30)]
+        truth = lab.truth
+    clean = robsim.simulation.Renderer(lab._world.scene)
+    for frame in frames:
+        tick = truth.tick_of(frame)
+        factor = 1 + 0.5 * np.sin(2 * np.pi * tick * lab.dt / 0.4)
+        expected = np.minimum(factor * clean.render(truth.pose_of(frame)), 255.0)
+        rest = frame.image - expected
+        inside = (expected > 60) & (expected < 195)
+        if inside.sum() > 20_000:
+            assert abs(rest[inside].mean()) < 0.5
+            assert 12 < rest[inside].std() < 13.5
+
+
+def test_two_labs_at_once_have_robots_of_their_own():
+    with (
+        lab_of() as lab,
+        lab_of() as other,
+        robsim.Camera(lab) as camera,
+        robsim.Camera(other) as second,
+    ):
+        drive(lab, camera, 20)
+        second.read()
+        assert lab.address != other.address
+        assert (other.truth.last_u == 0).all()
+        assert np.allclose(lab.truth.last_u[15:20], DRIVE)
+
+
+def test_there_is_one_camera():
+    with lab_of() as lab, robsim.Camera(lab) as camera:
+        with pytest.raises(CameraBusyError):
+            robsim.Camera(lab)
+        camera.read()
+
+
+def test_an_experiment_drives_the_robot():
+    with lab_of() as lab, robsim.Camera(lab) as camera, UdpMotors(lab.address) as motors:
+        experiment = robsim.Experiment(
+            camera, send=motors, measure=True, control=lambda step: DRIVE, seed=1
+        )
+        trace = experiment.run(40)
+        truth = lab.truth
+    renderer = robsim.simulation.Renderer(lab._world.scene)
+    frames = [
+        robsim.Frame(renderer.render(pose), plane_map=lab.plane_map)
+        for pose in truth.pose[truth.shown >= 0]
+    ]
+    expected = {tuple(measured(frame)) for frame in frames}
+    assert {tuple(pose) for pose in trace.pose_measured} <= expected
+    assert np.ptp(trace.pose_measured[:, 0]) > 1
+
+
+def test_a_lab_ends_for_good():
+    lab = lab_of()
+    camera = robsim.Camera(lab)
+    lab.close()
+    with pytest.raises(CaptureError, match="closed"):
+        read_on(camera)
+    camera.close()
+    with pytest.raises(CaptureError, match="closed"):
+        robsim.Camera(lab)
+    assert lab.receiver.is_closed
+    assert len(lab.truth) == len(lab.truth) > 0
+    lab.close()
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/task"), reason="needs /proc")
+def test_no_thread_outlives_it():
+    def threads():
+        return set(os.listdir("/proc/self/task"))
+
+    before = threads()
+    lab = lab_of()
+    with robsim.Camera(lab):
+        assert len(threads() - before) >= 3
+    reference = weakref.ref(lab)
+    del lab
+    gc.collect()
+    assert reference() is None
+    until(lambda: threads() <= before)
+
+
+@pytest.mark.threads
+def test_reader_motors_and_commands_at_once():
+    faults = CameraFaults(dropped=0.1, repeated=0.1, torn=0.1, late=0.1, late_by=0.02)
+    is_over = threading.Event()
+    with lab_of(faults=faults) as lab, robsim.Camera(lab, frame_timeout=60) as camera:
+
+        def send():
+            with UdpMotors(lab.address) as motors:
+                while not is_over.wait(0.003):
+                    motors(DRIVE)
+
+        def command():
+            while not is_over.wait(0.02):
+                lab.stall(0.005)
+                assert len(lab.truth)
+                assert lab.skipped_frames >= 0
+
+        others = [threading.Thread(target=work) for work in (send, command)]
+        for thread in others:
+            thread.start()
+        frames = [camera.read() for _ in range(40)]
+        is_over.set()
+        for thread in others:
+            thread.join()
+        truth = lab.truth
+    ticks = [truth.tick_of(frame) for frame in frames]
+    assert ticks == sorted(set(ticks))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scenario": SCENARIO.replace(camera_delay=1)}, "give camera_delay in s"),
+        ({"scenario": SCENARIO.replace(motor_delay=1)}, "motor line has delays of its own"),
+        ({"scenario": SCENARIO.replace(boundary="unlimited")}, "boundary='bounce'"),
+        ({"scenario": SCENARIO.replace(model=robsim.RobotModel())}, "fps=5"),
+        ({"fps": 0}, "fps must lie within"),
+        ({"camera_delay": -1}, "camera_delay must"),
+        ({"lens": Lens(-0.5)}, "k1 and k2 must keep"),
+        (
+            {"plane_map": robsim.imaging.PlaneMap([[1, 0, 9000], [0, 1, 0], [0, 0, 1]])},
+            "plane_map must show some of the work area",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(options, message):
+    with pytest.raises(ValueError, match=message):
+        lab_of(**options)
+
+
+def test_a_model_with_the_lab_s_sample_time_is_taken():
+    model = robsim.RobotModel(robsim.RobotParameters(dt=0.01))
+    with lab_of(SCENARIO.replace(model=model)) as lab:
+        assert lab.true_model == model
+    with lab_of(SCENARIO.replace(model=robsim.RobotParameters(mass=0.5))) as lab:
+        assert lab.true_model == robsim.RobotModel(robsim.RobotParameters(mass=0.5, dt=0.01))
+
+
+def test_a_receiver_of_ones_own_is_used():
+    receiver = MotorReceiver(actuation_delay=0.03)
+    with lab_of(receiver=receiver) as lab:
+        assert lab.receiver is receiver
+        assert str(receiver.port) in lab.address
+    assert receiver.is_closed
+
+
+@pytest.mark.parametrize(
+    "faults",
+    [{"late": 1.1}, {"torn": -1}, {"stall": (1, -1)}, {"drift_period": 0}, {"late_by": np.nan}],
+)
+def test_impossible_faults_are_refused(faults):
+    with pytest.raises(ValueError, match=next(iter(faults))):
+        CameraFaults(**faults)
+
+
+def test_faults_of_wrong_types_are_refused():
+    with pytest.raises(TypeError, match=r"stall must be \(start, duration\) in s"):
+        CameraFaults(stall=3)
+    with pytest.raises(TypeError, match="torn"):
+        CameraFaults(torn="often")
