@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'HaltedError', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'trace_schema', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Lens', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'trace_schema', 'view_warp', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -110,6 +110,22 @@ class PlaneMap:
         """
         array (3, 3): the homography from pixels to the work area.
         """
+class Lens:
+    """
+    A lens before frames of one size. Users take robsim.live.Lens.
+    """
+    def __init__(self, k1: float, k2: float, size: tuple[int, int]) -> None:
+        ...
+    def distorted(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def ideal(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+class Warp:
+    """
+    Makes an image from another, each pixel at its own place.
+    """
+    def apply(self, image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.uint8]:
+        ...
 class Frame:
     """
     A camera image with its time: all that the robot half gets to know of the world.
@@ -212,6 +228,49 @@ class Frame:
     def t_arrival(self) -> float | None:
         """
         float or None: when it reached this computer, by the clock of `t` (s).
+        """
+class CaptureDevice:
+    """
+    A camera as a grabber sees it. Users take robsim.Camera.
+    """
+class PythonCamera(CaptureDevice):
+    """
+    A camera in Python, called in the grabber's thread.
+    
+    Parameters
+    ----------
+    camera : object
+        With ``open()`` and ``close()``, each of which may follow the other any number of times, and
+        ``read()``: None if no frame came within 0.1 s or so; or a pair (image, exposed), where image is
+        a uint8 array (H, W, 3), or None if it was torn, and exposed the time of its exposure
+        (``time.monotonic()``, s), or None if nobody knows it. They raise a CaptureError.
+    bgr : bool
+        Whether the images are in OpenCV's order; otherwise they are RGB.
+    """
+    def __init__(self, camera: typing.Any, *, bgr: bool = False) -> None:
+        ...
+class Grabber:
+    """
+    The thread that reads a camera. Users take robsim.Camera.
+    """
+    def __init__(self, device: CaptureDevice, *, every: int = 1, frame_timeout: float = 1.0, reopen: bool = False, interval: float | None = None, plane_map: PlaneMap | None = None, area: tuple[int, int] | None = None, size: tuple[int, int] | None = None) -> None:
+        ...
+    def close(self, patience: float = 1.0) -> None:
+        """
+        End the thread; leave it behind if it hangs for `patience` s.
+        """
+    def take(self, timeout: float) -> Frame | None:
+        """
+        Return the newest frame, not taken yet; None if there is none.
+        """
+    def wait_for_size(self, timeout: float) -> tuple[int, int] | None:
+        """
+        Return (width, height) of the first frame; None if it did not come.
+        """
+    @property
+    def counts(self) -> tuple[int, int, int, int, int, int]:
+        """
+        tuple of int: grabbed, delivered, dropped, torn, timeouts, reopened.
         """
 class RobotParameters:
     """
@@ -2136,6 +2195,41 @@ class Loop:
         """
         str: the stage that runs, or comes next.
         """
+class Laboratory:
+    """
+    The simulated world in real time. Users take robsim.live.SimulatedLab.
+    """
+    def __init__(self, world: World, model: RobotModel, input: ReceivedInput) -> None:
+        ...
+    def close(self) -> None:
+        ...
+    def columns(self) -> dict[str, typing.Any]:
+        ...
+    def plug_in(self) -> None:
+        ...
+    def stall(self, seconds: float) -> None:
+        ...
+    def start(self) -> None:
+        ...
+    def unplug(self) -> None:
+        ...
+    @property
+    def skipped(self) -> int:
+        """
+        int: frames that it was too late to draw.
+        """
+class CameraFaults:
+    """
+    What goes wrong with a simulated camera. Users take robsim.live.CameraFaults.
+    """
+    def __init__(self, *, late: float, lateness: float, dropped: float, repeated: float, torn: float, stall: tuple[float, float], unplugged: tuple[float, float], drift: float, drift_period: float, seed: int) -> None:
+        ...
+class LaboratoryCamera(CaptureDevice):
+    """
+    The camera of a laboratory, for a grabber. Users take robsim.live.SimulatedLab.
+    """
+    def __init__(self, laboratory: Laboratory, scene: Scene, *, warp: Warp | None, noise: VisualNoise, noise_seed: int, delay: float, faults: CameraFaults) -> None:
+        ...
 def atan2(y: float, x: float) -> float:
     """
     Return the angle of the point (x, y) from the x axis (rad), in [-pi, pi].
@@ -2296,6 +2390,10 @@ def hypot(x: float, y: float) -> float:
     """
     Return the length of the vector (x, y).
     """
+def is_whole_jpeg(data: bytes) -> bool:
+    """
+    Return whether a JPEG image has all of its blocks, and its end.
+    """
 def least_squares(phi: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike) -> LeastSquaresFit:
     """
     Return the theta that minimises the sum of squares of y - phi theta.
@@ -2449,6 +2547,10 @@ def trace_schema() -> list[TraceGroup]:
     -------
     list of TraceGroup
         The groups in the order of the documentation.
+    """
+def view_warp(scene: Scene, size: tuple[int, int], plane_map: PlaneMap, lens: tuple[float, float]) -> Warp:
+    """
+    Return the warp from a scene to the frames of a camera elsewhere.
     """
 def wrap_angle(angle: numpy.typing.ArrayLike) -> typing.Any:
     """
