@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import robsim
+from python_cameras import SteppedCamera
 
 pytestmark = pytest.mark.long
 
@@ -77,6 +78,12 @@ def image():
     return np.full((32, 32, 3), 90, np.uint8)
 
 
+def camera():
+    source = SteppedCamera([image()])
+    source.permits.release()
+    return source
+
+
 def report():
     return robsim.pose_errors(trace())
 
@@ -85,6 +92,7 @@ def report():
 EXAMPLES = {
     "Blob.centroid": lambda: (1.0, 2.0),
     "Blob.color": lambda: "red",
+    "Camera.source": camera,
     "check_estimator.make": lambda: lambda: run().estimate_state,
     "check_parameter_estimator.make": lambda: lambda: robsim.RecursiveLeastSquares(5, n_filters=3),
     "ColorClass.from_histograms.histograms": lambda: np.eye(3, 256, 200, int),

@@ -106,8 +106,11 @@ class Camera:
     CaptureError
         If it cannot be opened or read, of the kind that says why: NoBackEndError,
         NoPermissionError, NoCameraError, CameraBusyError, FrameTimeoutError, UnpluggedError.
+    FileNotFoundError
+        If there is no such file or folder.
     TypeError, ValueError
-        If an argument has the wrong type or is out of range.
+        If an argument has the wrong type or is out of range, a file is no video, or no rate is
+        given for a folder.
 
     Notes
     -----
@@ -141,6 +144,7 @@ class Camera:
         self._frame_timeout = _seconds("frame_timeout", frame_timeout)
         open_timeout = _seconds("open_timeout", open_timeout)
         reopen = check_bool("reopen", reopen)
+        area = None if area is None else check_size("area", area)
         opened = source_of(
             source,
             back_end=back_end,
@@ -151,7 +155,7 @@ class Camera:
             open_timeout=open_timeout,
         )
         self.source = source
-        area = opened.area if area is None else check_size("area", area)
+        area = area or opened.area
         self._grabber = _core.Grabber(
             opened.device,
             every=every,

@@ -89,8 +89,8 @@ def _video_nodes() -> Iterator[tuple[bool, str]]:
     if not nodes:
         yield (
             False,
-            "no camera by number: there is no /dev/video*; plug one in (in a container or a "
-            "virtual machine it must be passed on)",
+            "cameras by number: there is no /dev/video*; plug one in (to a container or a virtual "
+            "machine it must be passed on)",
         )
     for node in nodes:
         if os.access(node, os.R_OK | os.W_OK):

@@ -1,4 +1,4 @@
-"""The command ``robsim track``: tracks the robot in a video or a folder of images."""
+"""The commands ``robsim track`` and ``robsim cameras``: frames that are not drawn."""
 
 from __future__ import annotations
 
@@ -25,6 +25,27 @@ HELP = (
     "Writes the trace, the figures and an annotated video. For a camera that views the floor "
     "obliquely, give four or more points whose positions are known."
 )
+
+CAMERAS_EXAMPLE = "Example: robsim cameras"
+CAMERAS_HELP = (
+    "List the cameras of this computer, what is missing, and why.\n\n"
+    "Each with what to give robsim.Camera. None of them is opened."
+)
+
+
+def cameras(as_json: Json = False) -> None:
+    """List the cameras of this computer, what is missing, and why."""
+    from robsim.capture import find_cameras
+
+    with errors.report_errors():
+        report = find_cameras()
+    if as_json:
+        errors.show(report.to_json())
+        return
+    for sentence in report.found:
+        errors.say(f"found: {sentence}")
+    for sentence in report.missing:
+        errors.say(f"missing: {sentence}")
 
 
 def track(
