@@ -338,6 +338,9 @@ std::shared_ptr<MotorReceiver> make_receiver(int port, const std::string& host,
   if (port < 0 || port > 65535) {
     throw py::value_error("port must lie within 0..65535, got " + std::to_string(port));
   }
+  if (descriptor && *descriptor < 0) {
+    throw py::value_error("descriptor must be at least 0, got " + std::to_string(*descriptor));
+  }
   return natively([&] {
     Line line = descriptor
                     ? Line::of_descriptor(*descriptor, "descriptor " + std::to_string(*descriptor))
@@ -396,13 +399,17 @@ robsim.motors.LineError
 )")
       .def(py::init(&make_receiver), py::arg("port") = 0, py::kw_only(),
            py::arg("host") = "127.0.0.1", py::arg("descriptor") = py::none(),
-           py::arg("actuation_delay") = 0.0, py::arg("answers") = true)
+           py::arg("actuation_delay") = 0.0, py::arg("answers").noconvert() = true)
       .def(
           "close", [](MotorReceiver& self) { natively([&] { self.close(); }); },
           "Hear no more: it stops when the time to live is over.")
       .def("__enter__", [](const py::object& self) { return self; })
-      .def("__exit__",
-           [](MotorReceiver& self, const py::args&) { natively([&] { self.close(); }); })
+      .def(
+          "__exit__",
+          [](MotorReceiver& self, const py::object&, const py::object&, const py::object&) {
+            natively([&] { self.close(); });
+          },
+          py::arg("kind"), py::arg("error"), py::arg("traceback"))
       .def_property_readonly("name", &MotorReceiver::name, "str: what the line is called.")
       .def_property_readonly("port", &MotorReceiver::port,
                              "int: the port that it listens at; 0 for a descriptor.")

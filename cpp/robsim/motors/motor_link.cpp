@@ -25,9 +25,9 @@ constexpr double quick_interval = 0.02;  // s, between them
 constexpr double stop_time = 2;          // s, for which it is told to stop
 constexpr std::size_t most_round_trips = 1000;
 
-double checked_time_to_live(double time) {
+double checked_ttl(double time) {
   if (time >= 0.03 && time <= 60) return time;
-  throw std::invalid_argument("time_to_live must lie within 0.03..60 s, got " + to_text(time));
+  throw std::invalid_argument("ttl must lie within 0.03..60 s, got " + to_text(time));
 }
 
 double checked_hold(double time) {
@@ -232,7 +232,7 @@ MotorLink::MotorLink(Line line, double time_to_live, double hold)
     : name_(line.name()),
       time_to_live_(time_to_live),
       hold_(hold),
-      state_("the line " + line.name(), std::move(line), checked_time_to_live(time_to_live),
+      state_("the line " + line.name(), std::move(line), checked_ttl(time_to_live),
              checked_hold(hold)) {}
 
 MotorLink::~MotorLink() {

@@ -1,0 +1,258 @@
+"""The rules of PROTOCOL.md, one by one, against the robot's end of a line."""
+
+import os
+import pickle
+import socket
+import time
+
+import numpy as np
+import pytest
+
+from motor_lines import Sender, drive_line, line, stop_line, wait_for
+from robsim.motors import LineError, MotorReceiver
+
+pytestmark = pytest.mark.threads
+
+
+@pytest.fixture
+def robot():
+    with MotorReceiver() as robot:
+        yield robot
+
+
+@pytest.fixture
+def sender(robot):
+    with Sender(robot.port) as sender:
+        yield sender
+
+
+def counts(robot):
+    counts = robot.counts
+    return counts.valid, counts.damaged, counts.old, counts.foreign
+
+
+def heard(robot):
+    return sum(counts(robot))
+
+
+def say(robot, sender, *texts):
+    """Send, and wait until all has been heard."""
+    before = heard(robot)
+    sender.send(*texts)
+    wait_for(lambda: heard(robot) >= before + len(texts))
+
+
+def test_it_stands_and_hears_nobody_at_first(robot, sender):
+    assert robot.input.tolist() == [0, 0]
+    say(robot, sender, drive_line(40000, 0.5, -0.25))
+    assert robot.input.tolist() == [0.5, -0.25]
+    assert sender.answer() == line("a 40000")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        drive_line(2)[:-3] + b"00\n",
+        drive_line(2).replace(b"1.0", b"3.0"),
+        drive_line(2).replace(b" *", b"  *"),
+        line("u 2 1.0000 2.0000"),
+        line("u 2 1.0 2.0 300"),
+        line("u 2 +1.0000 2.0000 300"),
+        line("u 2 nan 2.0000 300"),
+        line("u 65536 1.0000 2.0000 300"),
+        line("u 2 1.0000 2.0000 0"),
+        line("u 2 1.0000 2.0000 60001"),
+        line("u  2 1.0000 2.0000 300"),
+        line("u 0000000000000000002 1.0000 2.0000 300"),
+        line("S 2 300"),
+        line("a 2"),
+        b"\0" * 30 + b"\n",
+        b"\xff\xfe\n",
+        b"x" * 1500 + b"\n",
+    ],
+    ids=range(17),
+)
+def test_what_is_no_line_changes_nothing(robot, sender, text):
+    say(robot, sender, drive_line(1, 0.5, 0.5), text)
+    assert robot.input.tolist() == [0.5, 0.5]
+    assert counts(robot) == (1, 1, 0, 0)
+    assert len(robot.events) == 1
+
+
+def test_blank_lines_and_carriage_returns_mean_nothing(robot, sender):
+    say(robot, sender, b"\n\n" + drive_line(1)[:-1] + b"\r\n\n")
+    assert counts(robot) == (1, 0, 0, 0)
+
+
+def test_a_datagram_holds_whole_lines(robot, sender):
+    text = drive_line(1)
+    sender.send(text[:10], text[10:])
+    say(robot, sender, drive_line(2))
+    assert robot.counts.valid == 1
+    sender.send(drive_line(3) + drive_line(4, 3.0))
+    wait_for(lambda: robot.counts.valid == 3)
+    assert robot.input[0] == 3
+
+
+@pytest.mark.parametrize(
+    ("last", "number", "is_obeyed"),
+    [
+        (10, 11, True),
+        (10, 10, False),
+        (10, 9, False),
+        (10, 10 + 32767, True),
+        (10, 10 + 32768, False),
+        (65535, 0, True),
+        (65535, 32766, True),
+        (65535, 32767, False),
+        (0, 65535, False),
+        (40000, 40000 + 32767 - 65536, True),
+    ],
+)
+def test_only_newer_lines_are_obeyed(robot, sender, last, number, is_obeyed):
+    say(robot, sender, drive_line(last, 1.0), drive_line(number, 2.0))
+    assert robot.input[0] == (2 if is_obeyed else 1)
+    assert robot.counts.old == (not is_obeyed)
+
+
+def test_an_older_input_does_not_start_a_stopped_robot(robot, sender):
+    say(robot, sender, drive_line(10), stop_line(12), drive_line(11))
+    assert robot.input.tolist() == [0, 0]
+    assert [event.kind for event in robot.events] == ["input", "stop"]
+
+
+def test_it_stops_by_itself_when_the_time_to_live_is_over(robot, sender):
+    say(robot, sender, drive_line(10, ttl=30))
+    wait_for(lambda: robot.events[-1].kind == "timeout")
+    begin, end = robot.events
+    assert end.t == pytest.approx(begin.t + 0.03, abs=1e-9)
+    assert robot.mean(begin.t, end.t).tolist() == [1, 2]
+    assert robot.mean(begin.t, begin.t + 0.06) == pytest.approx([0.5, 1])
+    assert robot.input.tolist() == [0, 0]
+
+
+def test_what_it_ignores_does_not_count_as_heard(robot, sender):
+    say(robot, sender, drive_line(10, ttl=50))
+    end = time.monotonic() + 0.1
+    while time.monotonic() < end:
+        sender.send(drive_line(10, ttl=50), b"damaged\n")
+        time.sleep(0.01)
+    wait_for(lambda: any(event.kind == "timeout" for event in robot.events))
+
+
+def test_a_sender_that_starts_anew_is_obeyed_when_the_old_one_is_not_heard(robot, sender):
+    say(robot, sender, drive_line(5000, ttl=40))
+    wait_for(lambda: robot.events[-1].kind == "timeout")
+    with Sender(robot.port) as other:
+        say(robot, other, drive_line(0, 3.0))
+        assert robot.input[0] == 3
+        assert other.answer() == line("a 0")
+
+
+def test_other_senders_are_ignored_as_long_as_it_hears_one(robot, sender):
+    with Sender(robot.port) as other:
+        say(robot, sender, drive_line(1))
+        say(robot, other, drive_line(2, 3.0))
+        assert robot.input[0] == 1
+        assert counts(robot) == (1, 0, 0, 1)
+
+
+def test_a_stop_counts_as_heard(robot, sender):
+    say(robot, sender, drive_line(10), stop_line(11, 30))
+    time.sleep(0.05)
+    say(robot, sender, drive_line(3, 4.0))
+    assert robot.input[0] == 4
+
+
+def test_means_are_exact(robot, sender, rng):
+    inputs = rng.uniform(-9, 9, (20, 2)).round(4)
+    for k, u in enumerate(inputs):
+        say(robot, sender, drive_line(k, *u))
+    say(robot, sender, stop_line(20))
+    times = np.array([event.t for event in robot.events])
+    for _ in range(100):
+        start, end = np.sort(rng.uniform(times[0] - 0.01, times[-1] + 0.01, 2))
+        overlap = np.minimum(times[1:], end) - np.maximum(times[:-1], start)
+        expected = np.maximum(overlap, 0) @ inputs / (end - start)
+        assert robot.mean(start, end) == pytest.approx(expected, abs=1e-6)
+    assert robot.mean(times[3], times[3]).tolist() == inputs[3].tolist()
+    assert robot.mean(0, times[0]).tolist() == [0, 0]
+
+
+def test_it_acts_later_by_the_delay():
+    with MotorReceiver(actuation_delay=500, answers=False) as robot, Sender(robot.port) as sender:
+        say(robot, sender, drive_line(1, 1.0, 2.0))
+        start = robot.events[0].t
+        assert robot.input.tolist() == [0, 0]
+        assert robot.mean(start + 499, start + 501) == pytest.approx([0.5, 1])
+        sender.socket.settimeout(0.05)
+        with pytest.raises(TimeoutError):
+            sender.answer()
+
+
+def test_a_stream_comes_in_any_pieces(rng):
+    ours, its = socket.socketpair()
+    with ours, its, MotorReceiver(descriptor=its.fileno()) as robot:
+        text = b"".join(
+            [
+                b"left over*1234\n",
+                drive_line(1),
+                b"x" * 100 + drive_line(2),  # too long: one line
+                drive_line(3)[:20] + b"\n",
+                drive_line(4, 7.0),
+            ]
+        )
+        cuts = np.sort(rng.integers(0, len(text), 12)).tolist()
+        for start, end in zip([0, *cuts], [*cuts, len(text)], strict=True):
+            ours.sendall(text[start:end])
+        wait_for(lambda: robot.counts.valid == 2)
+        assert counts(robot) == (2, 3, 0, 0)
+        assert robot.input[0] == 7
+
+
+def test_random_bytes_do_it_no_harm(robot, sender, rng):
+    for _ in range(300):
+        sender.send(rng.bytes(rng.integers(1, 200)))
+    say(robot, sender, drive_line(1, 5.0))
+    wait_for(lambda: robot.input[0] == 5)
+    assert robot.counts.valid == 1
+
+
+def test_it_refuses_what_is_no_line_in_words(robot):
+    with pytest.raises(LineError, match="another program listens there"):
+        MotorReceiver(robot.port)
+    with pytest.raises(LineError, match="there is no such host"):
+        MotorReceiver(host="999.1.2.3")
+    with pytest.raises(LineError, match="no open file descriptor"):
+        MotorReceiver(descriptor=9999)
+    with pytest.raises(ValueError, match=r"port must lie within 0\.\.65535, got 65536"):
+        MotorReceiver(65536)
+    with pytest.raises(ValueError, match="actuation_delay must be finite and at least 0 s, got -1"):
+        MotorReceiver(actuation_delay=-1)
+
+
+def test_closing_frees_the_port():
+    robot = MotorReceiver()
+    robot.close()
+    robot.close()
+    assert robot.is_closed
+    assert repr(robot) == f"<MotorReceiver at UDP 127.0.0.1:{robot.port}, closed>"
+    with MotorReceiver(robot.port):
+        pass
+
+
+def test_events_and_counts_are_values(robot, sender):
+    say(robot, sender, drive_line(1, 0.5, -0.25))
+    event = robot.events[0]
+    assert pickle.loads(pickle.dumps(event)) == event
+    assert event.u.tolist() == [0.5, -0.25]
+    assert "kind='input'" in repr(event)
+    assert repr(robot.counts) == "LineCounts(valid=1, damaged=0, old=0, foreign=0)"
+
+
+def test_the_descriptor_stays_the_callers():
+    a, b = os.openpty()
+    MotorReceiver(descriptor=a).close()
+    os.write(a, b"x")  # still open
+    os.close(a)
+    os.close(b)
