@@ -99,7 +99,7 @@ def _nanoseconds(origin: int, t: float) -> int:
 def _messages(session: Session, origin: int) -> Iterator[tuple[str, float, dict[str, Any]]]:
     """Give the messages in the order of their steps: topic, time (s), content."""
     pictures = session._pictures
-    with nullcontext(0) if pictures is None else pictures.open() as descriptor:
+    with nullcontext(0) if pictures is None else pictures.opened() as descriptor:
         for row in session._rows:
             if pictures is not None and session._has_picture(row):
                 assert row.video_frame is not None

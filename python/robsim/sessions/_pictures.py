@@ -41,7 +41,7 @@ class Pictures:
 
     def __init__(self, file: Path) -> None:
         self._file = file
-        with self.open() as descriptor:
+        with self.opened() as descriptor:
             self._places, self.torn = find_pictures(file, descriptor)
             self.size = (0, 0)
             if self._places:
@@ -52,7 +52,7 @@ class Pictures:
         return len(self._places)
 
     @contextmanager
-    def open(self) -> Iterator[int]:
+    def opened(self) -> Iterator[int]:
         """Give a descriptor for `read` and `encoded`."""
         descriptor = os.open(self._file, os.O_RDONLY | getattr(os, "O_BINARY", 0))
         try:

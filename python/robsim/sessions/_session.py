@@ -123,7 +123,7 @@ class Session:
                 yield self._observation(row, before, None)
                 before = row
             return
-        with self._pictures.open() as descriptor:
+        with self._pictures.opened() as descriptor:
             for row in self._rows:
                 pixels = None
                 if self._has_picture(row):
