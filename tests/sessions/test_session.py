@@ -164,7 +164,7 @@ def test_the_setup_comes_back(tmp_path):
 
 def test_a_frame_keeps_its_own_numbers(tmp_path):
     scaled = robsim.imaging.PlaneMap.scaled((300, 300), (600, 600))
-    writer = SessionWriter(tmp_path, setup={"plane_map": scaled}, lossless=True)
+    writer = SessionWriter(tmp_path, setup={"plane_map": scaled}, lossless=True, waits=True)
     image = numbered(3)[0].image
     maps = [scaled, robsim.imaging.PlaneMap(), scaled]
     for k, plane_map in enumerate(maps):

@@ -30,8 +30,12 @@ def run_on(folder, log, lossless):
         time.sleep(0.02)
 
 
+def log_of(folder):
+    return Path(f"{folder}.log")
+
+
 def start(folder, lossless):
-    log = os.open(f"{folder}.log", os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    log = os.open(log_of(folder), os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     child = os.fork()
     if child == 0:
         try:
@@ -45,11 +49,11 @@ def start(folder, lossless):
 
 def check(folder, killed):
     """Compare what can be read with what the child noted before it was killed."""
-    noted = [line.split() for line in Path(f"{folder}.log").read_text().splitlines()]
-    must = sum(float(moment) < killed - LOST_AT_MOST for _, moment in noted)
-    if not (folder / "setup.toml").exists():  # it was killed before the first step
-        assert not noted, folder
-        return 0
+    lines = log_of(folder).read_text().splitlines()
+    noted = np.array([float(line.split()[1]) for line in lines])
+    # A machine that is busy elsewhere lets the child stand still, its threads too.
+    stood_still = np.diff([*noted, killed]).max()
+    must = int(np.sum(noted < killed - LOST_AT_MOST - stood_still))
     session = Session(folder)
     assert must <= session.count <= len(noted), (folder, must, session.count, len(noted))
     assert not session.is_complete
@@ -68,6 +72,8 @@ def main(parent, seed, count):
         numbers = range(first, min(first + AT_ONCE, int(count)))
         folders = [Path(parent, f"run {number}") for number in numbers]
         children = [start(folder, i % 2 == 1) for i, folder in enumerate(folders)]
+        while not all(log_of(folder).stat().st_size for folder in folders):
+            time.sleep(0.01)
         begin, killed = time.monotonic(), {}
         moments = sorted(zip(rng.uniform(0.3, 1.8, len(children)), children, folders, strict=True))
         for moment, child, folder in moments:
@@ -78,7 +84,7 @@ def main(parent, seed, count):
             assert os.WIFSIGNALED(status)
         must += sum(check(folder, moment) for folder, moment in killed.items())
     print(f"{count} killed, {must} steps had to be there")
-    assert must > 0, "no run was long enough to tell"
+    assert must > 0 or int(count) < AT_ONCE, "no run was long enough to tell"
 
 
 if __name__ == "__main__":
