@@ -98,6 +98,8 @@ class Camera:
         Width and height of the frames (px).
     area : tuple of int
         Width and height of the work area (px).
+    plane_map : PlaneMap
+        Map from frame pixels to the work area.
     dt : float or None
         Time between two frames that are handed over (s); None = unknown.
 
@@ -169,6 +171,8 @@ class Camera:
         _open_cameras.add(self)
         self.size = self._first_size(opened, open_timeout)
         self.area = self.size if area is None else area
+        given = opened.plane_map if plane_map is None else plane_map
+        self.plane_map = given or PlaneMap.scaled(resolution=self.size, area=self.area)
         self.dt = None if opened.dt is None else opened.dt * every
 
     def _first_size(self, opened: Source, timeout: float) -> tuple[int, int]:
@@ -206,7 +210,7 @@ class Camera:
             If it is closed.
         """
         limit = self._frame_timeout if timeout is None else _seconds("timeout", timeout)
-        frame = self._grabber.take(limit)
+        frame = self._poll(limit)
         if frame is None:
             raise FrameTimeoutError(
                 f"no frame came from {one_line(self.source)} within {limit:g} s: it can be tried "
@@ -220,6 +224,10 @@ class Camera:
                 yield self.read()
             except EndOfStream:
                 return
+
+    def _poll(self, timeout: float) -> Frame | None:
+        """Return the newest frame as `read`, or None if none comes within `timeout` (s)."""
+        return self._grabber.take(timeout)
 
     @property
     def counts(self) -> CameraCounts:

@@ -281,6 +281,13 @@ class Experiment(Runner):
             raise
         self._tell_stop_error(None)
 
+    def _run_guarded(self, steps: int, progress: bool | str, total: int | None) -> bool:
+        try:
+            return super()._run_guarded(steps, progress, total)
+        finally:
+            if self._recording is not None:
+                self._recording.flush()
+
     def _prepare(self) -> None:
         try:
             super()._prepare()

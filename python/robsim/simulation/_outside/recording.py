@@ -101,6 +101,11 @@ class Recording:
         )
         self._writer.add(row, step.frame)
 
+    def flush(self) -> None:
+        """Wait until all that was added is written."""
+        if self._writer is not None:
+            self._writer.flush()
+
     def close(self, trace: Trace) -> None:
         """Complete the session."""
         self._is_over = True
