@@ -226,11 +226,12 @@ def test_a_forked_process_is_refused_in_words(robot, motors):
                 use()
             except RuntimeError as error:
                 told.append("was opened in another process" in str(error))
+        told.append("closed" in repr(motors) and "closed" in repr(robot))
         motors.halt()
         watchdog.disarm()
         del watchdog, use
         gc.collect()
-        os._exit(0 if told == [True] * 5 else 1)
+        os._exit(0 if told == [True] * 6 else 1)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
     watchdog.disarm()
     motors((3, 3))

@@ -264,13 +264,15 @@ void MotorLink::resume() {
 void MotorLink::close() { state_->close(); }
 
 bool MotorLink::is_halted() const {
-  const State& state = *state_.operator->();
+  if (!state_.is_here()) return false;
+  const State& state = state_.unchecked();
   const std::lock_guard lock(state.mutex);
   return state.is_halted;
 }
 
 bool MotorLink::is_closed() const {
-  const State& state = *state_.operator->();
+  if (!state_.is_here()) return true;
+  const State& state = state_.unchecked();
   const std::lock_guard lock(state.mutex);
   return state.is_closing;
 }

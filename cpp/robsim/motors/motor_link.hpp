@@ -49,7 +49,7 @@ class MotorLink {
   double time_to_live() const { return time_to_live_; }
   double hold() const { return hold_; }
   bool is_halted() const;
-  bool is_closed() const;
+  bool is_closed() const;  // true in a forked process
 
   /// What was sent.
   std::vector<MotorEvent> events() const;

@@ -226,7 +226,8 @@ void MotorReceiver::close() {
 }
 
 bool MotorReceiver::is_closed() const {
-  const State& state = *state_.operator->();
+  if (!state_.is_here()) return true;
+  const State& state = state_.unchecked();
   const std::lock_guard lock(state.mutex);
   return state.is_closing;
 }

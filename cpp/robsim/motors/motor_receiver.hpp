@@ -44,7 +44,7 @@ class MotorReceiver : public ReceivedInput {
   const std::string& name() const { return name_; }
   int port() const { return port_; }
   double actuation_delay() const { return actuation_delay_; }
-  bool is_closed() const;
+  bool is_closed() const;  // true in a forked process
 
  private:
   struct State;
