@@ -24,6 +24,6 @@ def decoded(data: bytes) -> Any:
         with Image.open(io.BytesIO(data), formats=("JPEG",)) as image:
             if image.width * image.height > _MOST_PIXELS:
                 return None
-            return np.asarray(image.convert("RGB"))
+            return np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
     except (OSError, ValueError, SyntaxError):
         return None
