@@ -250,7 +250,10 @@ TEST(Laboratory, EndsTheWaitForAFrame) {
   camera.open();
   std::atomic<bool> is_over{false};
   std::thread interrupter([&] {
-    while (!is_over) camera.interrupt();
+    while (!is_over) {
+      camera.interrupt();
+      sleep_until(monotonic_now() + dt);
+    }
   });
   ImagePool pool;
   EXPECT_FALSE(camera.next(pool));
@@ -263,10 +266,10 @@ TEST(Laboratory, EndsTheWaitForAFrame) {
 }
 
 TEST(Laboratory, SaysWhatEndedTheWorld) {
-  struct Endless : ReceivedInput {
-    Input mean(double, double) const override { return {1e300, 1e300}; }
+  struct Broken : ReceivedInput {
+    Input mean(double, double) const override { return {NAN, NAN}; }
   };
-  const auto laboratory = make_laboratory(std::make_shared<Endless>());
+  const auto laboratory = make_laboratory(std::make_shared<Broken>());
   LaboratoryCamera camera = make_camera(laboratory);
   camera.open();
   ImagePool pool;

@@ -2,14 +2,17 @@
 
 import gc
 import os
+import sys
 import threading
 import time
+import traceback
 import weakref
 
 import numpy as np
 import pytest
 
 import robsim
+import sanitizers
 from robsim.capture import CameraBusyError, CaptureError, FrameTimeoutError, UnpluggedError
 from robsim.live import CameraFaults, Lens, SimulatedLab
 from robsim.motors import MotorReceiver, UdpMotors
@@ -294,6 +297,36 @@ def test_no_thread_outlives_it():
     gc.collect()
     assert reference() is None
     until(lambda: threads() <= before)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+@pytest.mark.skipif(
+    sanitizers.ADDRESS or sanitizers.THREAD,
+    reason="the sanitizers take no new threads in a process forked beside others",
+)
+def test_a_forked_process_is_told_that_the_lab_is_another_s():
+    def look():
+        for use in (lambda: lab.truth, lab.unplug, lambda: lab.stall(1), lab._open_device):
+            with pytest.raises(RuntimeError, match="made in another process"):
+                use()
+        lab.close()
+        with lab_of() as own, robsim.Camera(own) as camera:
+            camera.read()
+
+    with lab_of() as lab, robsim.Camera(lab) as camera:
+        child = os.fork()
+        if child == 0:
+            code = 1
+            try:
+                look()
+                code = 0
+            except BaseException:
+                traceback.print_exc(file=sys.__stderr__)
+            finally:
+                os._exit(code)
+        assert os.waitpid(child, 0)[1] == 0
+        camera.read()
 
 
 @pytest.mark.threads

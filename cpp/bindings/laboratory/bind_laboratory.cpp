@@ -149,6 +149,8 @@ void bind_laboratory(py::module_& module) {
              check_here(self);
              return laboratory_columns(self);
            })
+      .def_property_readonly("is_elsewhere", &Laboratory::is_elsewhere,
+                             "bool: True in a process forked from its own, where it is of no use.")
       .def_property_readonly("skipped", &Laboratory::skipped,
                              "int: frames that it was too late to draw.");
 

@@ -226,6 +226,8 @@ class SimulatedLab:
 
 
 def _end(laboratory: _core.Laboratory, receiver: MotorReceiver) -> None:
+    if laboratory.is_elsewhere:  # both belong to the parent
+        return
     laboratory.close()
     receiver.close()
 
