@@ -70,6 +70,11 @@ def run():
     return sim
 
 
+@cache
+def lab():
+    return robsim.live.SimulatedLab(robsim.Scenario(area=(300, 300), seed=1))
+
+
 def trace():
     return run().trace
 
@@ -90,6 +95,8 @@ def report():
 
 #: An example of an argument that has to be given, by name; by callable and name where they differ.
 EXAMPLES = {
+    "Lens.distorted.size": lambda: (64, 48),
+    "Lens.ideal.size": lambda: (64, 48),
     "Blob.centroid": lambda: (1.0, 2.0),
     "Blob.color": lambda: "red",
     "Camera.source": camera,
@@ -216,6 +223,7 @@ EXAMPLES = {
     "shadow_left": lambda: 20,
     "sigma": lambda: 0.1,
     "simulation": run,
+    "seconds": lambda: 0.1,
     "size": lambda: 80.0,
     "source": lambda: "lab",
     "sprite": lambda: robsim.load_robot("lab").image,
@@ -261,6 +269,8 @@ OBJECTS = {
     "Session": session,
     "Simulation": run,
     "Trace": trace,
+    "SimulatedLab": lab,
+    "LabTruth": lambda: lab().truth,
 }
 
 
