@@ -2214,6 +2214,11 @@ class Laboratory:
     def unplug(self) -> None:
         ...
     @property
+    def is_elsewhere(self) -> bool:
+        """
+        bool: True in a process forked from its own, where it is of no use.
+        """
+    @property
     def skipped(self) -> int:
         """
         int: frames that it was too late to draw.

@@ -30,7 +30,10 @@ CPP = {
     "capture": {"text", "timing", "imaging"},
     "motors": {"text", "timing", "model"},
     "simulation/seam": {"imaging", "model", "vision"},
-    "simulation/world": {"text", "timing", "motors", "random", "model", "world", "world/noise", "simulation/seam"},
+    "simulation/world": {
+        *("text", "timing", "motors", "random", "model", "world", "world/noise"),
+        "simulation/seam",
+    },
     "simulation/robot": {
         *("text", "random", "estimation", "imaging", "model", "vision"),
         "simulation/seam",

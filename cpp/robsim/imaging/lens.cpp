@@ -10,6 +10,9 @@ namespace {
 
 constexpr double far_away = 10;  // in halves of the diagonal: no frame shows more
 
+// Not std::hypot, whose last digit differs between C libraries.
+double length(double x, double y) { return std::sqrt(x * x + y * y); }
+
 // The smallest r > 0 at which the distorted radius stops growing:
 // d/dr (r + k1 r^3 + k2 r^5) = 1 + 3 k1 q + 5 k2 q^2 = 0, q = r^2
 double turning_radius(double k1, double k2) {
@@ -30,7 +33,7 @@ Lens::Lens(double k1, double k2, int width, int height)
     : k1_(k1),
       k2_(k2),
       centre_{(width - 1) / 2.0, (height - 1) / 2.0},
-      unit_(std::hypot(width, height) / 2),
+      unit_(length(width, height) / 2),
       largest_(turning_radius(k1, k2)) {
   if (!std::isfinite(k1) || !std::isfinite(k2)) {
     throw std::invalid_argument("k1 and k2 must be finite");
@@ -47,12 +50,12 @@ Point Lens::moved(const Point& pixel, double factor) const {
 }
 
 Point Lens::distorted(const Point& ideal) const {
-  const double r = std::hypot(ideal.x - centre_.x, ideal.y - centre_.y) / unit_;
+  const double r = length(ideal.x - centre_.x, ideal.y - centre_.y) / unit_;
   return r == 0 ? ideal : moved(ideal, distorted_radius(r) / r);
 }
 
 Point Lens::ideal(const Point& distorted) const {
-  const double wanted = std::hypot(distorted.x - centre_.x, distorted.y - centre_.y) / unit_;
+  const double wanted = length(distorted.x - centre_.x, distorted.y - centre_.y) / unit_;
   if (wanted == 0) return distorted;
   double low = 0;
   double high = largest_;

@@ -292,7 +292,8 @@ class Experiment(Runner):
         try:
             super()._prepare()
             if self._recording is not None and not self.is_running:
-                self._recording.begin(self, self.model, **self._source.described(), **self._sent)
+                setup = self._source.described() | self._sent
+                self._recording.begin(self, self.model, setup, is_live=self._source.is_live)
         except BaseException as error:
             if not self.is_running:  # step may have left the robot driving
                 self._stop_robot(error)

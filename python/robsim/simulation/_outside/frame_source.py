@@ -88,10 +88,14 @@ class FrameSource:
         """Whether the frames can be read only once, and some have been."""
         return self._has_begun and self._iterator is self._frames
 
+    @property
+    def is_live(self) -> bool:
+        """Whether the frames come by themselves, and do not wait to be asked for."""
+        return self._poll is not None
+
     def described(self) -> dict[str, Any]:
         """Return what the set-up of a session says of the frames."""
         return {
-            "is_live": self._poll is not None,
             "frames": quoted(self._frames),
             "plane_map": getattr(self._frames, "plane_map", None),
         }
@@ -123,6 +127,7 @@ class FrameSource:
         try:
             # A camera may have to warm up, and the robot stands as yet.
             timeout = self._timeout * (10 if k == 0 else 1)
+            taken: Frame | Observation | Arrival | None
             if self._poll is not None:
                 taken = self._polled(self._poll, timeout)
             elif self._reader is None:

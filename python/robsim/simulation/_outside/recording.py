@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from os import PathLike
 from typing import Any
 
@@ -45,7 +46,9 @@ class Recording:
         """Whether there is something in the folder."""
         return self._writer is not None
 
-    def begin(self, runner: Runner, model: RobotModel, *, is_live: bool, **more: Any) -> None:
+    def begin(
+        self, runner: Runner, model: RobotModel, more: Mapping[str, Any], *, is_live: bool
+    ) -> None:
         """Write the set-up, unless that is done already.
 
         Raises
