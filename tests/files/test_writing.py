@@ -289,6 +289,7 @@ ALLOWED = {
     "sessions/_rows.py": "opens to read",
     "sessions/_writer.py": "appends to new files, so that a killed run is there",
     "simulation/_scenario_file.py": "opens an image in memory",
+    "capture/_jpeg.py": "opens an image in memory",
     "robots/_files.py": "packs in memory",
     "plotting/_style.py": "packs in memory",
     "cli/results.py": "packs in memory",

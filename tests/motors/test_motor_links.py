@@ -485,6 +485,6 @@ def test_an_experiment_drives_a_robot_at_the_end_of_a_line(robot, motors):
         experiment.control = lambda step: (1 + step.k, 1)
         experiment.run()
     sent = [event.u[0] for event in motors.events if event.kind == "input"]
-    assert sent == [1, 2, 3, 4, 5, 0]
+    assert sent == [1, 2, 3, 4, 5]
     wait_for(lambda: robot.input[0] == 0)
     assert re.match(r"<UdpMotors '127\.0\.0\.1:\d+', ttl=0\.06>", repr(motors))

@@ -30,17 +30,6 @@ Arrived make_observation(const std::optional<Frame>& frame, const std::optional<
   return arrived;
 }
 
-// But for rounding.
-void check_symmetric(const Doubles& P) {
-  constexpr double tolerance = 1e-3;  // relative
-  for (const auto& [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
-    const double upper = P.at(i, j), lower = P.at(j, i);
-    if (std::abs(upper - lower) <= tolerance * std::sqrt(P.at(i, i) * P.at(j, j))) continue;
-    throw py::value_error("covariance must be symmetric, got " + describe(py::float_(upper)) +
-                          " above the diagonal for " + describe(py::float_(lower)) + " below it");
-  }
-}
-
 Estimate make_estimate(const ArrayLike& pose, const ArrayLike& covariance,
                        const std::optional<ArrayLike>& state) {
   Estimate estimate;
@@ -53,7 +42,6 @@ Estimate make_estimate(const ArrayLike& pose, const ArrayLike& covariance,
                             describe(py::float_(P.at(i, i))));
     }
   }
-  check_symmetric(P);
   std::copy_n(P.data(), 9, estimate.covariance.data());
   if (state) {
     const Doubles more = doubles_from(*state, "state", Shape{-1}, "an array of shape (n,)");
