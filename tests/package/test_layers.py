@@ -15,6 +15,7 @@ CPP = {
     "simd": set(),
     "text": set(),
     "timing": set(),
+    "threads": set(),
     "elementary": set(),
     "geometry": set(),
     "random": {"elementary"},
@@ -27,8 +28,8 @@ CPP = {
     "vision/color": {"text", "imaging"},
     "vision/pixels": {"simd", "imaging", "vision/color"},
     "vision": {"text", "elementary", "geometry", "imaging", "vision/color", "vision/pixels"},
-    "capture": {"text", "timing", "imaging"},
-    "motors": {"text", "timing", "model"},
+    "capture": {"text", "timing", "threads", "imaging"},
+    "motors": {"text", "timing", "threads", "model"},
     "simulation/seam": {"imaging", "model", "vision"},
     "simulation/world": {
         *("text", "timing", "motors", "random", "model", "world", "world/noise"),
@@ -40,7 +41,7 @@ CPP = {
     },
     "simulation": {"timing", "simulation/seam", "simulation/robot"},
     "laboratory": {
-        *("timing", "elementary", "geometry", "random", "imaging", "model", "world"),
+        *("timing", "threads", "elementary", "geometry", "random", "imaging", "model", "world"),
         *("world/noise", "capture", "motors", "simulation/seam", "simulation/world"),
     },
 }

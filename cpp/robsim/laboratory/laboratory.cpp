@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robsim/motors/native_thread.hpp"
+#include "robsim/threads/native_thread.hpp"
 #include "robsim/timing/monotonic.hpp"
 
 namespace robsim {

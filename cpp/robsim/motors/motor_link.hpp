@@ -6,7 +6,7 @@
 
 #include "robsim/motors/event_log.hpp"
 #include "robsim/motors/line.hpp"
-#include "robsim/motors/native_thread.hpp"
+#include "robsim/threads/native_thread.hpp"
 
 namespace robsim {
 

@@ -6,8 +6,8 @@
 
 #include "robsim/motors/event_log.hpp"
 #include "robsim/motors/line.hpp"
-#include "robsim/motors/native_thread.hpp"
 #include "robsim/motors/received_input.hpp"
+#include "robsim/threads/native_thread.hpp"
 
 namespace robsim {
 

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "robsim/motors/native_thread.hpp"
+#include "robsim/threads/native_thread.hpp"
 
 namespace robsim {
 

@@ -1,4 +1,4 @@
-#include "robsim/motors/native_thread.hpp"
+#include "robsim/threads/native_thread.hpp"
 
 #ifdef _WIN32
 #include <process.h>
