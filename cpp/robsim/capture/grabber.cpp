@@ -8,11 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#ifndef _WIN32
-#include <unistd.h>
-#endif
-
 #include "robsim/capture/frame_clock.hpp"
+#include "robsim/threads/native_thread.hpp"
 #include "robsim/timing/monotonic.hpp"
 
 namespace robsim {
@@ -25,14 +22,6 @@ constexpr double longest_wait = 1e6;    // s; a condition variable overflows at 
 
 using Lock = std::unique_lock<std::mutex>;
 using Seconds = std::chrono::duration<double>;
-
-int this_process() {
-#ifdef _WIN32
-  return 0;
-#else
-  return getpid();
-#endif
-}
 
 std::string size_text(const std::pair<int, int>& size) {
   return std::to_string(size.first) + " x " + std::to_string(size.second) + " px";
@@ -53,7 +42,7 @@ struct Grabber::State {
 
   const std::shared_ptr<CaptureDevice> device;
   const GrabberOptions options;
-  const int process = this_process();
+  const long long process = process_id();
 
   mutable std::mutex mutex;
   mutable std::condition_variable changed;
@@ -234,12 +223,12 @@ void Grabber::grab(const std::shared_ptr<State>& state) {
 
 Grabber::Grabber(std::shared_ptr<CaptureDevice> device, const GrabberOptions& options)
     : state_(std::make_shared<State>(std::move(device), options)),
-      thread_(std::make_unique<std::thread>([state = state_] { grab(state); })) {}
+      thread_(std::make_unique<std::thread>(start_thread([state = state_] { grab(state); }))) {}
 
 Grabber::~Grabber() { close(); }
 
 void Grabber::check_process() const {
-  if (state_->process == this_process()) return;
+  if (state_->process == process_id()) return;
   throw std::runtime_error(
       "the camera was opened in another process: after a fork, open it in the process that reads "
       "it");
@@ -278,7 +267,7 @@ bool Grabber::is_closed() const {
 }
 
 void Grabber::close(double patience) noexcept {
-  if (state_->process != this_process()) {
+  if (state_->process != process_id()) {
     // The thread is not here, and whoever had the mutex neither: nothing of it can be touched.
     if (thread_.release()) static_cast<void>(new std::shared_ptr<State>(state_));
     return;
