@@ -9,6 +9,8 @@ import pytest
 import robsim
 from robsim.motors import Limits, LineError, MotorReceiver, RecordedMotors, UdpMotors
 
+pytestmark = pytest.mark.threads
+
 IMAGE = np.zeros((64, 64, 3), np.uint8)
 DT = 0.02  # s
 SOON = 20  # s

@@ -714,6 +714,7 @@ class Busy:
             self.stopped_while_busy.set()
 
 
+@pytest.mark.threads
 def test_a_watchdog_stops_the_robot_while_a_callback_takes_too_long():
     busy = Busy(lambda busy: busy.stopped_while_busy.wait(SOON))
     with pytest.raises(TimeoutError, match=r"frame_timeout = 0\.4 s of the arrival of that of s"):
@@ -729,6 +730,7 @@ def test_a_watchdog_stops_the_robot_while_a_callback_takes_too_long():
     np.testing.assert_array_equal(np.flatnonzero(trace.interrupted), [4])
 
 
+@pytest.mark.threads
 def test_a_watchdog_stops_the_robot_after_a_step():
     busy = Busy(lambda busy: None)
     busy.sim.step()
@@ -748,6 +750,7 @@ def test_the_trace_says_when_a_frame_arrived_and_when_its_input_went_out():
     assert trace.t_sent[-1] <= time.monotonic() - busy.epoch
 
 
+@pytest.mark.threads
 def test_an_experiment_that_is_dropped_stops_its_robot():
     busy = Busy(lambda busy: None, frame_timeout=SOON)
     busy.sim.step()
