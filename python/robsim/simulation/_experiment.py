@@ -173,17 +173,8 @@ class Experiment(Runner):
         stops = stop_input_value(stop_input)
         self._motors = None if send is None else Motors(send, stops)
         self._sent = {"stop_input": stops, "send": None if send is None else quoted(send)}
-        world = _core.ExternalWorld(
-            take=self._source.take,
-            send=self._motors and (self._motors.native or self._motors.send),
-            stop=self._motors and self._motors.stop,
-        )
-        if self._motors is not None and stops is not None and not math.isinf(timeout):
-            world.set_watchdog(timeout, self._motors.native or self._motors.stop_late)
-        if limits is not None:
-            world.set_limits(limits_value(limits))
         super().__init__(
-            world,
+            self._new_world(math.inf if stops is None else timeout, limits),
             robot=definition,
             area=self._source.area,
             boundary="recorded",
@@ -197,6 +188,20 @@ class Experiment(Runner):
         self._fill_slots(_DEFAULTS | callbacks)
         if self._recording is not None:
             self._core.set_observer(self._recording.add)
+
+    def _new_world(self, timeout: float, limits: Limits | None) -> _core.World:
+        """Return the world half: where the frames come from, and the inputs go to."""
+        motors = self._motors
+        world = _core.ExternalWorld(
+            take=self._source.take,
+            send=motors and (motors.native or motors.send),
+            stop=motors and motors.stop,
+        )
+        if motors is not None and not math.isinf(timeout):
+            world.set_watchdog(timeout, motors.native or motors.stop_late)
+        if limits is not None:
+            world.set_limits(limits_value(limits))
+        return world
 
     def __enter__(self) -> Self:
         return self
@@ -237,11 +242,12 @@ class Experiment(Runner):
             Any exception of a callback, of `frames` or of `send`, with a note that names it and the
             step, and the attribute ``callback``, a `robsim.simulation.FailedCallback`. The steps
             before it are kept in `trace`. The next run repeats the stage that failed, in the same
-            step; what comes before it in the step is not done again.
+            step; what comes before it in the step is not done again. With a live camera, the next
+            run begins with a new frame: the step is kept as far as it came, without an input.
         EOFError
             If `steps` is given and there are no more frames.
         TimeoutError
-            If a frame does not come within `frame_timeout`.
+            If a frame does not come, or is not answered, within `frame_timeout`.
         RuntimeError
             If it is already running.
 
