@@ -203,6 +203,7 @@ class TestTheEnd:
             camera.close()
         assert told
 
+    @pytest.mark.long
     def test_a_camera_that_hangs_is_left_behind(self):
         endless = EndlessCamera(numbered(1)[0])
         before = grabber_threads()

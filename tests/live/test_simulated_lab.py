@@ -101,6 +101,7 @@ def test_the_robot_moves_as_its_model_says_by_the_inputs_that_it_received():
     assert np.allclose(np.diff(truth.t), lab.dt, rtol=1e-6)
 
 
+@pytest.mark.long
 def test_an_oblique_camera_is_as_exact_as_one_from_above():
     for start in ((600, 450, 0.3), (250, 200, 2.0), (950, 700, -1.0)):
         scenario = LARGE.replace(start=start)
@@ -110,6 +111,7 @@ def test_an_oblique_camera_is_as_exact_as_one_from_above():
         assert max(errors[1]) < 0.5, start
 
 
+@pytest.mark.long
 def test_a_lens_moves_the_robot_by_what_it_predicts():
     lens = Lens(-0.04, 0.005)
     for start in ((250, 200, 2.0), (950, 700, -1.0)):
@@ -133,6 +135,7 @@ def test_a_lens_leads_back():
         Lens(-0.3).ideal(pixels, (640, 480))
 
 
+@pytest.mark.long
 def test_faults_are_counted_and_never_wrong():
     faults = CameraFaults(dropped=0.2, repeated=0.2, torn=0.2, late=0.2, late_by=0.015)
     with lab_of(faults=faults) as lab, robsim.Camera(lab) as camera:
@@ -163,6 +166,7 @@ def test_the_seed_says_which_frames_are_dropped(seed, dropped):
         assert not dropped & set(np.flatnonzero(lab.truth.shown >= 0))
 
 
+@pytest.mark.long
 def test_a_stalled_camera_times_out_and_comes_back():
     with lab_of() as lab, robsim.Camera(lab, frame_timeout=0.05) as camera:
         before = tick_of(lab, camera.read())
@@ -194,6 +198,7 @@ def test_the_world_goes_on_while_the_camera_is_unplugged():
             )
 
 
+@pytest.mark.long
 def test_a_camera_that_reopens_finds_it_again():
     unplugged = CameraFaults(unplug=(0.05, 0.3))
     with (
@@ -213,6 +218,7 @@ def test_delay_comes_between_exposure_and_arrival():
             assert frame.t_arrival - frame.t >= 0.1 - 1e-9
 
 
+@pytest.mark.long
 def test_noise_and_exposure_change_the_pixels_after_the_optics():
     noisy = SCENARIO.replace(noise=robsim.GaussianNoise(5))
     faults = CameraFaults(drift=0.5, drift_period=0.4)
@@ -252,6 +258,7 @@ def test_there_is_one_camera():
         camera.read()
 
 
+@pytest.mark.long
 def test_an_experiment_drives_the_robot():
     with lab_of() as lab, robsim.Camera(lab) as camera, UdpMotors(lab.address) as motors:
         experiment = robsim.Experiment(
@@ -329,6 +336,7 @@ def test_a_forked_process_is_told_that_the_lab_is_another_s():
         camera.read()
 
 
+@pytest.mark.long
 @pytest.mark.threads
 def test_reader_motors_and_commands_at_once():
     faults = CameraFaults(dropped=0.1, repeated=0.1, torn=0.1, late=0.1, late_by=0.02)

@@ -239,6 +239,7 @@ def test_a_forked_process_is_refused_in_words(robot, motors):
 
 
 @needs_proc
+@pytest.mark.long
 def test_threads_and_sockets_end_with_their_owners(robot):
     time.sleep(0.05)  # those of the test before may still be on their way out
     threads, files = native_threads(), descriptors()

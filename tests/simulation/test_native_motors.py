@@ -62,6 +62,7 @@ def test_what_is_sent_arrives_and_the_end_stops_the_robot(robot, motors):
     np.testing.assert_allclose(np.diff(trace.t_sent), np.diff(sent), atol=1e-9)
 
 
+@pytest.mark.long
 def test_a_callback_that_holds_the_interpreter_does_not_keep_the_robot_driving(robot, motors):
     usleep = ctypes.PyDLL(None).usleep  # with the interpreter's lock
 
