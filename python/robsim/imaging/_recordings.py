@@ -32,7 +32,7 @@ class Recording:
     """A video file or a folder of images, as an iterable of frames; each iteration restarts.
 
     In lock step: each frame comes when it is asked for, however late, and none is lost.
-    ``robsim.Camera(file)`` plays the same file at its own rate, and drops what nobody takes in time.
+    ``robsim.Camera(file)`` plays it at its own rate, and drops what nobody takes in time.
 
     Parameters
     ----------
