@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
-from robsim.cli.text import whole_number
+from robsim.cli import errors
+from robsim.cli.text import parse_points, whole_number
+
+if TYPE_CHECKING:
+    from robsim._core import PlaneMap
 
 #: A switch has no value: in place of its type, --help shows nothing.
 SWITCH = ""
@@ -32,6 +37,22 @@ Smoothing = Annotated[
         metavar="PX",
         help="Width of the averaging window in px: 3, 5, ... 15; 1 = off. Default: by the markers.",
     ),
+]
+Area = Annotated[
+    str | None,
+    typer.Option("--area", metavar="WxH", help="Work area in px. Default: the size of the frames."),
+]
+Pixels = Annotated[
+    str | None,
+    typer.Option(
+        "--pixels",
+        metavar="POINTS",
+        help="Four or more points in the frames, in px, such as '0,0 639,0 639,479 0,479'.",
+    ),
+]
+Positions = Annotated[
+    str | None,
+    typer.Option("--positions", metavar="POINTS", help="Their positions on the work area, in px."),
 ]
 Noise = Annotated[
     str | None,
@@ -61,3 +82,27 @@ def earlier_run(out: Path) -> str | None:
     if (out / "trace.npz").exists():
         return f"the earlier run in {out} is replaced; --out gives another folder"
     return None
+
+
+def parse_plane_map(pixels: str | None, positions: str | None) -> PlaneMap | None:
+    """Return the map of the options --pixels and --positions; None if they are not given.
+
+    If there are more points than it is made of, how far it is off at them is printed.
+    """
+    from robsim._core import PlaneMap
+
+    if (pixels is None) != (positions is None):
+        raise ValueError("--pixels and --positions belong together: give both or neither")
+    seen = parse_points("--pixels", pixels, minimum=4)
+    placed = parse_points("--positions", positions, minimum=4)
+    if not (seen and placed):
+        return None
+    plane_map = PlaneMap.from_points(seen, placed)
+    if len(seen) > 4:
+        distances = np.linalg.norm(plane_map.to_world(seen) - np.array(placed), axis=1)
+        worst = int(np.argmax(distances))
+        errors.print_note(
+            f"the {len(seen)} points fit within {distances[worst]:.1f} px of the work area (number "
+            f"{worst + 1}), rms {np.sqrt((distances**2).mean()):.1f} px"
+        )
+    return plane_map

@@ -1,0 +1,1 @@
+"""Commands of live cameras: which there are, whether one is good, a run with it."""

@@ -1,0 +1,27 @@
+"""The command ``robsim cameras``: which cameras there are."""
+
+from __future__ import annotations
+
+from robsim.cli import errors
+from robsim.cli.shared import Json
+
+EXAMPLE = "Example: robsim cameras"
+HELP = (
+    "List the cameras of this computer, what is missing, and why.\n\n"
+    "Each with what to give robsim.Camera. None of them is opened."
+)
+
+
+def cameras(as_json: Json = False) -> None:
+    """List the cameras of this computer, what is missing, and why."""
+    from robsim.capture import find_cameras
+
+    with errors.report_errors():
+        report = find_cameras()
+    if as_json:
+        errors.show(report.to_json())
+        return
+    for sentence in report.found:
+        errors.say(f"found: {sentence}")
+    for sentence in report.missing:
+        errors.say(f"missing: {sentence}")
