@@ -12,6 +12,7 @@ from robsim.plotting._charts.ellipses import plot_ellipses
 from robsim.plotting._charts.errors import plot_errors
 from robsim.plotting._charts.parameters import plot_parameters
 from robsim.plotting._charts.traces import plot_traces
+from robsim.plotting._images.camera_check import plot_camera_check
 from robsim.plotting._images.frame import plot_frame
 from robsim.plotting._images.overlay import draw_overlay
 from robsim.plotting._images.replay import annotated_frames, play
@@ -22,6 +23,7 @@ __all__ = [
     "draw_overlay",
     "play",
     "plot_batch",
+    "plot_camera_check",
     "plot_color_histograms",
     "plot_consistency",
     "plot_ellipses",

@@ -1,0 +1,298 @@
+"""The judgements on what was seen of a camera: values, verdicts, remedies."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robsim._base.report import Quantity
+from robsim._core import MotorLink
+from robsim.capture import Camera, CameraCounts
+from robsim.live._camera_look import CameraLook
+from robsim.live._marker_light import MarkerLight
+
+VERDICTS = ("good", "poor", "bad")
+_NOTHING = 5e-4
+NOT_KNOWN = "not known"
+
+# What counts as (good, poor); beyond it is bad.
+_RATE = (9.5, 4.5)  # frames/s; the robot of 2008 had 5
+_KEPT = 0.9  # of the rate that a camera promises
+_JITTER = (0.2, 0.5)  # of the interval
+_LOST = (0.02, 0.15)  # of the frames
+_ONE = 1.5  # frame: a single one is no fault
+_MEAN = (64, 25)  # levels; below the first, `detect` calls a picture dark
+_WHITE = (0.25, 0.5)  # of the pixels; above the second it is overexposed
+_MARKER_LEVEL = (70, 40)
+_BRIGHT = 235  # level
+_CLIPPED = (0.1, 1.0)  # of a marker's pixels
+_WIDTH = (9.0, 4.5)  # px of the frame
+_CONTRAST = (40.0, 20.0)  # levels
+_MARGIN = (20.0, 6.0)  # levels
+_FOUND = (0.7, 0.45)  # of a marker's area
+_SEEN = (0.98, 0.8)  # of the frames
+_OTHERS = (0.05, math.inf)  # a frame
+_POSITION = (0.02, 0.06)  # of the distance between the markers
+_HEADING = (math.radians(1), math.radians(3))
+_STILL = 2.0  # px
+_LATENCY = (0.05, 0.15)  # s
+
+_REMEDIES = {
+    "no blobs": "train the colours in this light (robsim colors train), or is it another robot?",
+    "no red blob": "train the red marker's colour in this light: robsim colors train",
+    "no blue blob": "train the blue marker's colour in this light: robsim colors train",
+    "at the border": "move the robot away from the border of the picture",
+    "ambiguous": "leave only one robot, and nothing of its colours, in the picture",
+    "by chance": "take what has the markers' colours off the floor, or train narrower colours",
+    "dark": "give more light, or a longer exposure",
+    "overexposed": "give a shorter exposure, or less light",
+    "small markers": "bring the camera closer, take more pixels, or print larger markers",
+}
+
+
+@dataclass(frozen=True)
+class CameraFinding:
+    """One thing that a check of a camera looked at.
+
+    Attributes
+    ----------
+    name : str
+        What it is.
+    value : float
+        Its value; NaN = not known.
+    unit : str
+        Its unit.
+    verdict : str
+        ``"good"``, ``"poor"``, ``"bad"`` or ``"not known"``.
+    remedy : str
+        What to do if it is not good.
+    """
+
+    name: str
+    value: float
+    unit: str
+    verdict: str
+    remedy: str = ""
+
+    @property
+    def amount(self) -> str:
+        """Value and unit, as people read them; ``"-"`` if it is not known."""
+        if math.isnan(self.value):
+            return "-"
+        return Quantity(self.name, "", self.value, self.unit, three_digits).line.strip()
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.amount} ({self.verdict})"
+
+
+def three_digits(value: float) -> str:
+    """Return a value as people read it; what is next to nothing is 0."""
+    return "0" if abs(value) < _NOTHING else f"{value:.3g}"
+
+
+def rank(finding: CameraFinding) -> int:
+    """Return how bad a finding is: 0 = good or not known."""
+    return VERDICTS.index(finding.verdict) if finding.verdict in VERDICTS else 0
+
+
+def _judged(
+    name: str, value: float, unit: str, limits: tuple[float, float], remedy: str
+) -> CameraFinding:
+    """Return a finding; the limits of good and poor say which direction is better."""
+    good, poor = limits
+    sign = 1 if good <= poor else -1
+    if math.isnan(value):
+        return CameraFinding(name, value, unit, NOT_KNOWN)
+    verdict = VERDICTS[sum(sign * value > sign * limit for limit in (good, poor))]
+    return CameraFinding(name, float(value), unit, verdict, remedy)
+
+
+def _percent_limits(limits: Sequence[float]) -> tuple[float, float]:
+    return 100 * limits[0], 100 * limits[1]
+
+
+def findings_of(
+    look: CameraLook, camera: Camera, before: CameraCounts, motors: MotorLink | None
+) -> Iterator[CameraFinding]:
+    """Yield all findings; `before` are the counts of the camera before the look."""
+    yield from _regularity(look, camera, before)
+    yield from _exposure(look)
+    yield from _markers(look)
+    yield from _detection(look)
+    yield from _scatter(look)
+    yield from _latency(look, motors)
+
+
+def _regularity(look: CameraLook, camera: Camera, before: CameraCounts) -> Iterator[CameraFinding]:
+    index, t, _ = np.array(look.times).T
+    intervals, numbers = np.diff(t), np.diff(index)
+    interval = float(np.median(intervals / numbers)) if len(t) > 1 else math.nan
+    rate = 1 / interval
+    # Frames between two that were read: those of the camera's own interval that have no number.
+    missing = np.maximum(np.rint(intervals / interval) - numbers, 0) if len(t) > 1 else np.zeros(1)
+    came = (index[-1] - index[0]) + 1
+    torn = camera.counts.torn - before.torn
+    timeouts = camera.counts.timeouts - before.timeouts
+    lost = float(missing.sum()) if len(t) > 1 else math.nan
+    jitter = float(np.std(intervals - interval * np.rint(intervals / interval)))
+    promised = 0.0 if camera.dt is None else 1 / camera.dt
+    wanted = f": it promised {promised:.3g} a second" if rate < _KEPT * promised else ""
+    yield _judged(
+        "frame rate",
+        rate,
+        "1/s",
+        (max(_RATE[0], _KEPT * promised), _RATE[1]),
+        f"shorten the exposure, give more light, or ask for smaller frames{wanted}",
+    )
+    yield _judged(
+        "jitter",
+        1e3 * jitter,
+        "ms",
+        (1e3 * _JITTER[0] * interval, 1e3 * _JITTER[1] * interval),
+        "the frames come irregularly: use a wired network, close other programs",
+    )
+    said = f", {torn} of them torn" if torn else ""
+    said += f"; {timeouts} times none came for long" if timeouts else ""
+    yield _judged(
+        "lost frames",
+        100 * lost / (came + lost),
+        "%",
+        _percent_limits([max(limit, _ONE / (came + lost)) for limit in _LOST]),
+        f"{lost:.0f} of {came + lost:.0f} never came{said}: use a shorter cable, another USB port "
+        "or a wired network, or ask for fewer frames",
+    )
+
+
+def _exposure(look: CameraLook) -> Iterator[CameraFinding]:
+    mean, white, black = np.median(look.light, axis=0)
+    dark = "give more light, or a longer exposure, and switch the automatic off"
+    bright = "give a shorter exposure, or less light, and switch the automatic off"
+    # A dark floor is no fault, as long as the markers have light.
+    is_seen = any(look.marker_light.values())
+    yield _judged("mean level", mean, "", (_MEAN[1], 0) if is_seen else _MEAN, dark)
+    yield _judged("white pixels", 100 * white, "%", _percent_limits(_WHITE), bright)
+    yield CameraFinding("black pixels", 100 * black, "%", "good")
+    yield _judged(
+        "markers' level", _marker(look, "level", min), "", _MARKER_LEVEL, f"dark markers: {dark}"
+    )
+    is_bright = _marker(look, "level", max) > _BRIGHT
+    yield _judged(
+        "markers clipped",
+        100 * _marker(look, "clipped", max),
+        "%",
+        _percent_limits(_CLIPPED if is_bright else (1, 1)),  # noise clips pixels, too
+        f"the markers are too bright to keep their colour: {bright}",
+    )
+
+
+def _marker(look: CameraLook, name: str, worst: Callable[[list[float]], float]) -> float:
+    """Return the median of a value over the frames, of the worse marker."""
+    values = [
+        float(np.median([getattr(light, name) for light in lights]))
+        for lights in look.marker_light.values()
+        if lights
+    ]
+    return worst(values) if values else math.nan
+
+
+def _markers(look: CameraLook) -> Iterator[CameraFinding]:
+    frame = look.shown[0]
+    yield _judged(
+        "marker width", look.markers.width_in(frame), "px", _WIDTH, _REMEDIES["small markers"]
+    )
+    for name, lights in look.marker_light.items():
+        of = {key: _median_of(lights, key) for key in ("contrast", "margin", "found")}
+        train = f"train {name} in this light (robsim colors train), or change the light"
+        yield _judged(
+            f"contrast of {name}",
+            of["contrast"],
+            "levels",
+            _CONTRAST,
+            f"its surroundings have nearly its colour: put it on black or white paper, or {train}",
+        )
+        yield _judged(
+            f"margin of {name}",
+            of["margin"],
+            "levels",
+            _MARGIN,
+            f"a little less light, and it is lost: {train}",
+        )
+        yield _judged(f"{name} found", 100 * of["found"], "%", _percent_limits(_FOUND), train)
+
+
+def _median_of(lights: Sequence[MarkerLight], name: str) -> float:
+    return float(np.median([getattr(light, name) for light in lights])) if lights else math.nan
+
+
+def _detection(look: CameraLook) -> Iterator[CameraFinding]:
+    total = len(look.detections)
+    missed = Counter(one.reason for one in look.detections if one.measurement is None)
+    remedy = ""
+    if missed:
+        reason, times = missed.most_common(1)[0]
+        example = next(one for one in look.detections if one.reason == reason)
+        remedy = f"in {times} of {total} frames, {example.explanation}"
+        if reason in _REMEDIES:
+            remedy += f"; {_REMEDIES[reason]}"
+    yield _judged("robot detected", 100 * look.seen / total, "%", _percent_limits(_SEEN), remedy)
+    others = float(np.mean(look.others)) if look.seen else math.nan
+    yield _judged(
+        "other blobs",
+        others,
+        "a frame",
+        _OTHERS,
+        "there are other things, as large as the markers and of their colours, in the picture: "
+        "take them away, or train narrower colours",
+    )
+
+
+def _scatter(look: CameraLook) -> Iterator[CameraFinding]:
+    position = heading = moved = math.nan
+    still = 0.0
+    if look.seen >= 6:
+        poses = np.array(look.poses)
+        poses[:, 2] = np.unwrap(poses[:, 2])
+        scatter = poses.std(axis=0)
+        first, last = np.array_split(poses[:, :2], 3)[::2]
+        moved = float(np.linalg.norm(last.mean(axis=0) - first.mean(axis=0)))
+        still = _STILL + float(np.hypot(*scatter[:2]))
+        if moved <= still:
+            position, heading = float(scatter[:2].max()), float(scatter[2])
+    distance = look.markers.distance
+    noisy = "give more light, a longer exposure in place of gain, or take larger markers"
+    yield _judged(
+        "motion",
+        moved,
+        "px",
+        (still, math.inf),
+        "the robot moved: let it stand, to see how noisy its pose is",
+    )
+    limits = (_POSITION[0] * distance, _POSITION[1] * distance)
+    yield _judged("scatter of the position", position, "px", limits, noisy)
+    yield _judged("scatter of the heading", heading, "rad", _HEADING, noisy)
+
+
+def _latency(look: CameraLook, motors: MotorLink | None) -> Iterator[CameraFinding]:
+    _, t, t_arrival = np.array(look.times).T
+    late = float(np.median(t_arrival - t))
+    yield _judged(
+        "exposure to arrival",
+        1e3 * late if late > 0 else math.nan,
+        "ms",
+        (1e3 * _LATENCY[0], 1e3 * _LATENCY[1]),
+        "the robot is no longer where the frame shows it: take a camera by number or MJPEG, "
+        "smaller frames, no filter in the camera",
+    )
+    if motors is not None:
+        answers = motors.round_trip_times
+        yield _judged(
+            "round trip to the robot",
+            1e3 * float(np.median(answers)) if len(answers) else math.nan,
+            "ms",
+            (1e3 * _LATENCY[0], 1e3 * _LATENCY[1]),
+            "the line to the robot is slow: use a nearer access point, or a cable",
+        )

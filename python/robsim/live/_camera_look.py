@@ -1,0 +1,100 @@
+"""What is seen in the frames of a camera, one by one, to judge it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from robsim._base.checks import Floats
+from robsim._core import Blob, ColorClass, Detection, Frame, MarkerLayout, detect, find_blobs
+from robsim.live._marker_light import MarkerLight, marker_light
+from robsim.robots import RobotDefinition
+
+_MARKERS = ("red", "blue")
+_WHITE_LEVEL, _BLACK_LEVEL = 250, 3
+_GRID = 96  # pixels that are looked at for the light of the whole frame, in each direction
+
+
+class CameraLook:
+    """What is seen in the frames of a camera, one by one.
+
+    Parameters
+    ----------
+    robot : RobotDefinition
+        The robot that is looked for.
+    colors : sequence of ColorClass
+        The colours of its markers.
+    smoothing : int or None
+        As in `find_blobs`.
+    """
+
+    def __init__(
+        self, robot: RobotDefinition, colors: Sequence[ColorClass], smoothing: int | None
+    ) -> None:
+        self.markers: MarkerLayout = robot.marker_layout()
+        self._corners = {name: robot.to_robot_frame(getattr(robot, name)) for name in _MARKERS}
+        self._colors = {color.name: color for color in colors}
+        self._smoothing = smoothing
+        self.detections: list[Detection] = []
+        self.times: list[tuple[int, float, float]] = []  # number, exposure, arrival (s)
+        self.poses: list[Floats] = []
+        self.others: list[int] = []
+        self.light: list[tuple[float, float, float]] = []  # mean, shares of white and of black
+        self.marker_light: dict[str, list[MarkerLight]] = {name: [] for name in _MARKERS}
+
+    @property
+    def seen(self) -> int:
+        """Number of frames in which the robot was detected."""
+        return len(self.poses)
+
+    def at(self, frame: Frame) -> None:
+        """Look at a frame."""
+        blobs = find_blobs(
+            frame, [*self._colors.values()], markers=self.markers, smoothing=self._smoothing
+        )
+        detection = detect(blobs, self.markers, plane_map=frame.plane_map, image=frame)
+        self.detections.append(detection)
+        self.times.append((frame.index, frame.t or 0.0, frame.t_arrival or frame.t or 0.0))
+        self.light.append(_light_of(frame))
+        self.others.append(self._others(blobs, detection))
+        if detection.measurement is not None or not self.seen:
+            self.shown = frame, blobs, detection
+        if detection.measurement is None:
+            return
+        pose = detection.measurement.pose
+        self.poses.append(pose)
+        for name in _MARKERS:
+            corners = frame.plane_map.to_pixel(_placed(self._corners[name], pose))
+            if light := marker_light(frame, corners, getattr(detection, name), self._colors[name]):
+                self.marker_light[name].append(light)
+
+    def _others(self, blobs: Mapping[str, Sequence[Blob]], detection: Detection) -> int:
+        """Return how many blobs there are as large as markers, besides the two."""
+        if detection.measurement is None:
+            return 0
+        found = {name: getattr(detection, name) for name in _MARKERS}
+        tolerance = self.markers.area_tolerance
+        return sum(
+            1 / tolerance < blob.area / found[name].area < tolerance
+            for name in _MARKERS
+            for blob in blobs.get(name, ())
+            if blob != found[name]
+        )
+
+
+def _placed(corners: Floats, pose: Floats) -> Floats:
+    """Return the positions (N, 2) of corners in the robot's own axes, forward and right."""
+    forward = np.array((math.cos(pose[2]), math.sin(pose[2])))
+    right = np.array((-forward[1], forward[0]))
+    placed: Floats = pose[:2] + corners[:, :1] * forward + corners[:, 1:] * right
+    return placed
+
+
+def _light_of(frame: Frame) -> tuple[float, float, float]:
+    height, width = frame.image.shape[:2]
+    some = frame.image[:: max(1, height // _GRID), :: max(1, width // _GRID)]
+    white = (some.min(axis=2) >= _WHITE_LEVEL).mean()
+    black = (some.max(axis=2) <= _BLACK_LEVEL).mean()
+    return float(some.mean()), float(white), float(black)
