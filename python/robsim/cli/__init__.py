@@ -13,7 +13,7 @@ import typer
 
 from robsim.cli import bench, check, colors, demo, errors, notebooks, robots, run, track
 from robsim.cli.command import Command, Group
-from robsim.cli.live import cameras
+from robsim.cli.live import cameras, live
 from robsim.cli.shared import SWITCH
 
 app = typer.Typer(
@@ -31,6 +31,7 @@ app.command(cls=Command, help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
 app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
 app.command(cls=Command, help=track.HELP, epilog=track.EXAMPLE)(track.track)
 app.command(cls=Command, help=cameras.HELP, epilog=cameras.EXAMPLE)(cameras.cameras)
+app.command(cls=Command, help=live.HELP, epilog=live.EXAMPLE)(live.live)
 app.command(cls=Command, help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
 app.command(cls=Command, help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
 app.add_typer(robots.app, name="robots", cls=Group)

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, cast
 from robsim.cli import errors
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from robsim import Frame, Simulation, Trace
+    from robsim._base.report import Report
     from robsim.imaging._images import Pixels
     from robsim.simulation._runner import Runner
 
@@ -23,8 +24,12 @@ def finish(
     as_json: bool,
     video: Path | None = None,
     record: Path | None = None,
+    more: Mapping[str, Report] | None = None,
 ) -> None:
-    """Write the results and videos of a run, and print a summary."""
+    """Write the results and videos of a run, and print a summary.
+
+    `more` are other reports of it, by name.
+    """
     from robsim.cli.results import write_results
     from robsim.vision._missed_detections import explain_missed
 
@@ -32,7 +37,7 @@ def finish(
         errors.print_note("no steps, no results")
         return
     with errors.report_errors():
-        results = write_results(out, simulation)
+        results = write_results(out, simulation, more=more)
         if video or record:
             _write_videos(cast("Simulation", simulation), video, record)
     if as_json:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -33,16 +34,19 @@ class Results:
         Errors of the measured poses; None if the robot was not tracked.
     files : tuple of Path
         The files written.
+    more : dict of str to Report
+        Other reports of the run, by name.
     """
 
     report: BatchEstimate | None
     tracking: TrackingStatistics | None
     files: tuple[Path, ...]
+    more: Mapping[str, Report] = field(default_factory=dict)
 
     @property
     def reports(self) -> dict[str, Report]:
         """The reports that there are, by name."""
-        reports = {"batch_estimate": self.report, "tracking": self.tracking}
+        reports = {"batch_estimate": self.report, "tracking": self.tracking, **self.more}
         return {name: report for name, report in reports.items() if report is not None}
 
     def to_dict(self) -> dict[str, Any]:
@@ -87,7 +91,13 @@ def save_figure(file: Path, figure: Any) -> None:
     write_whole(file, content.getvalue())
 
 
-def write_results(out: Path, simulation: Runner, *, method: str = "least_squares") -> Results:
+def write_results(
+    out: Path,
+    simulation: Runner,
+    *,
+    method: str = "least_squares",
+    more: Mapping[str, Report] | None = None,
+) -> Results:
     """Write the figures and the trace of a run.
 
     Parameters
@@ -98,6 +108,8 @@ def write_results(out: Path, simulation: Runner, *, method: str = "least_squares
         A simulation that has run.
     method : str
         The method of the batch estimate.
+    more : dict of str to Report, optional
+        Other reports of the run.
 
     Returns
     -------
@@ -124,7 +136,8 @@ def write_results(out: Path, simulation: Runner, *, method: str = "least_squares
         else:  # remove the figure of an earlier run
             (out / name).unlink(missing_ok=True)
     files = tuple(out / name for name in (*figures, "trace.npz"))
-    return Results(report=report, tracking=trace.tracking() if is_tracked else None, files=files)
+    tracking = trace.tracking() if is_tracked else None
+    return Results(report=report, tracking=tracking, files=files, more=more or {})
 
 
 def _camera_figure(simulation: Runner) -> Any:

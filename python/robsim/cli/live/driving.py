@@ -1,0 +1,164 @@
+"""A live run: the callbacks, the camera and the motors together, until something ends it."""
+
+from __future__ import annotations
+
+import warnings
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from robsim._base.report import Quantity, Report
+from robsim._core import MotorLink
+from robsim.capture import CameraCounts
+from robsim.cli import errors
+from robsim.cli.live.sources import SIMULATED, WatchedCamera
+from robsim.cli.live.status import StatusLine
+from robsim.motors import Limits
+from robsim.simulation import Experiment
+
+_PATIENCE = 10.0  # s without a frame, if nothing is driven
+
+
+@dataclass(frozen=True, kw_only=True)
+class CountsReport(Report):
+    """What has become of the frames of a camera.
+
+    Attributes
+    ----------
+    counts : CameraCounts
+        The counts.
+    """
+
+    counts: CameraCounts
+
+    @property
+    def title(self) -> str:
+        """What was counted."""
+        return "Frames of the camera"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The counts."""
+        counts = self.counts
+        return (
+            Quantity("grabbed", "came", counts.grabbed),
+            Quantity("delivered", "used", counts.delivered),
+            Quantity("dropped", "replaced by a newer one", counts.dropped),
+            Quantity("torn", "torn", counts.torn),
+            Quantity("timeouts", "waits without one", counts.timeouts),
+        )
+
+
+@dataclass
+class LiveRun:
+    """A live run.
+
+    Parameters
+    ----------
+    steps : int or None
+        Number of steps.
+    seconds : float or None
+        Its duration (s).
+    limits : Limits
+        What the motors are asked for at most.
+    frame_timeout : float or None
+        As in `Experiment`.
+    """
+
+    steps: int | None
+    seconds: float | None
+    limits: Limits
+    frame_timeout: float | None
+    #: The run, when there is something to report of it.
+    experiment: Experiment | None = None
+    #: What ended it.
+    failure: Exception | None = None
+    counts: CameraCounts = field(default_factory=CameraCounts)
+
+    @property
+    def reports(self) -> dict[str, Report]:
+        """What there is to say of a live run, besides that of any run."""
+        assert self.experiment is not None
+        reports: dict[str, Report] = {"camera": CountsReport(counts=self.counts)}
+        if trace := self.experiment.trace:
+            reports["timing"] = trace.timing()
+        return reports
+
+    def drive(
+        self,
+        line: AbstractContextManager[tuple[WatchedCamera, MotorLink | None]],
+        folder: Path | None,
+        options: dict[str, Any],
+    ) -> None:
+        """Open camera and line, and run. What goes wrong before the first step is raised."""
+        try:
+            with line as (camera, motors):
+                experiment = self._new_experiment(camera, motors, folder, options)
+                self._tell(experiment, camera, motors)
+                self._run(experiment, camera)
+                self.counts = camera.counts
+        except Exception as error:  # the line cannot be closed
+            if self.experiment is None:
+                raise
+            self.failure = self.failure or error
+
+    def _new_experiment(
+        self,
+        camera: WatchedCamera,
+        motors: MotorLink | None,
+        folder: Path | None,
+        options: dict[str, Any],
+    ) -> Experiment:
+        if motors is not None:
+            options |= {"send": motors, "limits": self.limits}
+        if self.frame_timeout is not None:
+            options["frame_timeout"] = self.frame_timeout
+        elif motors is None:
+            options["frame_timeout"] = _PATIENCE
+        if folder is None:
+            return Experiment(camera, **options)
+        return Experiment.from_folder(folder, frames=camera, **options)
+
+    def _tell(
+        self, experiment: Experiment, camera: WatchedCamera, motors: MotorLink | None
+    ) -> None:
+        """Print what is to be known before the robot drives."""
+        rate = "" if camera.dt is None else f", {1 / camera.dt:.3g} frames/s"
+        source = camera.source if isinstance(camera.source, (int, str)) else SIMULATED
+        errors.print_note(f"camera {source}: {camera.size[0]} x {camera.size[1]} px{rate}")
+        if camera.dt is None:
+            errors.print_note(
+                f"the camera does not tell its rate: the model counts on steps of "
+                f"{experiment.model.dt:g} s; --fps says it"
+            )
+        if motors is None:
+            errors.print_note("nothing is sent: --motors none")
+        elif experiment.control.callback is None:
+            errors.print_note(
+                "no controller, so nothing is sent: a folder with control.py, or --control, drives"
+            )
+        else:
+            errors.print_note(
+                f"motors {motors.name}: at most {self.limits.voltage:g} V, and "
+                f"{self.limits.slew_rate:g} V/s (--max-voltage, --slew-rate); Ctrl-C stops the "
+                "robot"
+            )
+
+    def _run(self, experiment: Experiment, camera: WatchedCamera) -> None:
+        try:
+            with (
+                warnings.catch_warnings(),
+                experiment,
+                StatusLine(experiment, camera, self.seconds),
+            ):
+                warnings.filterwarnings("ignore", message="send was given, but there is no")
+                experiment.run(self.steps)
+        except KeyboardInterrupt:
+            errors.print_note(f"stopped after {len(experiment.trace)} steps")
+        except Exception as error:
+            if not experiment.trace:
+                raise
+            self.failure = error
+            errors.print_note(f"the {len(experiment.trace)} steps until the error are kept")
+        self.experiment = experiment

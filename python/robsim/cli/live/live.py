@@ -1,0 +1,289 @@
+"""The command ``robsim live``: a robot under a real camera, with the callbacks of a folder."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.outcome import finish
+from robsim.cli.shared import (
+    SWITCH,
+    Area,
+    Colors,
+    Json,
+    Pixels,
+    Positions,
+    Robot,
+    Smoothing,
+    earlier_run,
+    parse_plane_map,
+)
+from robsim.cli.text import about, number, parse_control, parse_size, whole_number
+
+# What a robot of unknown strength may be driven with.
+_VOLTAGE = 1.5  # V
+_SLEW_RATE = 10.0  # V/s
+
+EXAMPLE = "Example: robsim live --camera simulated --control go-to-point:900,300 --seconds 15"
+HELP = (
+    "Drive a robot under a real camera, with the callbacks of a folder.\n\n"
+    "Try it without hardware: --camera simulated is a simulated lab in real time. Before a real "
+    "robot drives: --check. The robot is stopped at the end, by Ctrl-C, when a callback fails and "
+    "when a frame is late; the results are kept. Without a controller, yours or --control, it is "
+    "only measured."
+)
+
+
+def live(
+    folder: Annotated[
+        Path | None, typer.Argument(metavar="FOLDER", help="Folder with your callbacks.")
+    ] = None,
+    camera: Annotated[
+        str | None,
+        typer.Option(
+            "--camera",
+            metavar="SOURCE",
+            help="Number of a camera, such as 0; address, such as http://camera.local/video.mjpg; "
+            "video file or folder of images, played at its own rate; or: simulated.",
+        ),
+    ] = None,
+    motors: Annotated[
+        str | None,
+        typer.Option(
+            "--motors",
+            metavar="LINE",
+            help="Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated: "
+            "that of the simulated lab, its default; none: nothing is sent, the default of all "
+            "other cameras.",
+        ),
+    ] = None,
+    check: Annotated[
+        bool,
+        typer.Option(
+            "--check",
+            metavar=SWITCH,
+            help="Only look, for 3 s, while the robot stands: is the camera good enough? The exit "
+            "status is 1 if it is not.",
+        ),
+    ] = False,
+    control: Annotated[
+        str | None,
+        typer.Option(
+            "--control",
+            metavar="NAME[:POINTS]",
+            help="A built-in controller in place of the folder's, as in robsim run.",
+        ),
+    ] = None,
+    steps: Annotated[
+        int | None,
+        typer.Option(
+            "--steps",
+            parser=whole_number,
+            metavar="N",
+            help="Number of steps. Default: until Ctrl-C, or the end of a file.",
+        ),
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option("--seconds", parser=number, metavar="S", help="Duration in s, in its place."),
+    ] = None,
+    max_voltage: Annotated[
+        float,
+        typer.Option(
+            "--max-voltage",
+            parser=number,
+            metavar="V",
+            help=f"Largest voltage of a motor in V. Default: {_VOLTAGE:g}.",
+            show_default=False,
+        ),
+    ] = _VOLTAGE,
+    slew_rate: Annotated[
+        float,
+        typer.Option(
+            "--slew-rate",
+            parser=number,
+            metavar="V/S",
+            help=f"Largest change of a voltage in V/s. Default: {_SLEW_RATE:g}.",
+            show_default=False,
+        ),
+    ] = _SLEW_RATE,
+    robot: Robot = None,
+    colors: Colors = None,
+    smoothing: Smoothing = None,
+    area: Area = None,
+    pixels: Pixels = None,
+    positions: Positions = None,
+    fps: Annotated[
+        float | None,
+        typer.Option(
+            "--fps",
+            parser=number,
+            metavar="RATE",
+            help="Frames per second that the camera is asked for, or a folder is played at.",
+        ),
+    ] = None,
+    every: Annotated[
+        int,
+        typer.Option(
+            "--every",
+            parser=whole_number,
+            metavar="N",
+            help="Take only each n-th frame. Default: 1.",
+            show_default=False,
+        ),
+    ] = 1,
+    dt: Annotated[
+        float | None,
+        typer.Option(
+            "--dt", parser=number, metavar="SECONDS", help="1 / RATE, in place of --fps, in s."
+        ),
+    ] = None,
+    frame_timeout: Annotated[
+        float | None,
+        typer.Option(
+            "--frame-timeout",
+            parser=number,
+            metavar="SECONDS",
+            help="Without a fresh frame for so long, the robot is stopped. Default: three frames, "
+            "at least 0.1 s.",
+        ),
+    ] = None,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(
+            "--time-limit",
+            parser=number,
+            metavar="SECONDS",
+            help="Maximum duration of a call of one of your callbacks. Default: none.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
+    ] = Path("robsim-live"),
+    record: Annotated[
+        bool | None,
+        typer.Option(
+            "--record/--no-record",
+            metavar=SWITCH,
+            help="Record frames and inputs in a session in that folder, to be replayed. Default: "
+            "yes, but for a file.",
+            show_default=False,
+        ),
+    ] = None,
+    lossless: Annotated[
+        bool, typer.Option("--lossless", metavar=SWITCH, help="Record the frames without loss.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Drive a robot under a real camera."""
+    from robsim.cli.live.checking import check_and_report
+    from robsim.cli.live.driving import LiveRun
+    from robsim.cli.live.sources import opened, rate_of
+    from robsim.cli.results import check_folder
+    from robsim.motors import Limits
+    from robsim.simulation._options import step_count
+
+    with errors.report_errors(folder), _stops_at_signals():
+        if folder is not None and not folder.is_dir():
+            raise FileNotFoundError(f"there is no folder {folder}: robsim new {folder} writes one")
+        if steps is not None and seconds is not None:
+            raise ValueError("--steps and --seconds both end the run: give one of them")
+        _check_number("--seconds", seconds)
+        with about("--max-voltage"):
+            Limits(voltage=max_voltage)
+        with about("--slew-rate"):
+            limits = Limits(voltage=max_voltage, slew_rate=slew_rate)
+        with about("--steps"):
+            steps = None if steps is None else step_count(steps)
+        controller = parse_control("--control", control)
+        check_folder(out)
+        line = opened(
+            camera,
+            motors,
+            robot=robot,
+            area=parse_size("--area", area),
+            plane_map=parse_plane_map(pixels, positions),
+            fps=rate_of(fps, dt),
+            every=every,
+        )
+        if check:
+            with line as (device, link):
+                check_and_report(
+                    device, link, out, as_json, robot=robot, colors=colors, smoothing=smoothing
+                )
+            return
+        session = _session(out, record, camera or "")
+        run = LiveRun(steps=steps, seconds=seconds, limits=limits, frame_timeout=frame_timeout)
+        options = {
+            "robot": robot,
+            "colors": colors,
+            "smoothing": smoothing,
+            "time_limit": time_limit,
+            "record": session,
+            "lossless": lossless and session is not None,
+            "control": controller,
+        }
+        run.drive(line, folder, {name: one for name, one in options.items() if one is not None})
+        remark = earlier_run(out)
+    if run.experiment is not None:
+        finish(run.experiment, out, as_json=as_json, more=run.reports)
+        if remark and run.experiment.trace:
+            errors.print_note(remark)
+        if session is not None and (session / "steps.csv").exists():
+            errors.print_note(f"the session is in {session}; with other callbacks, in Python:")
+            errors.print_note(f"  {_replay(session, folder)}")
+    if run.failure is not None:
+        with errors.report_errors(folder):
+            raise run.failure
+
+
+@contextmanager
+def _stops_at_signals() -> Iterator[None]:
+    """Let the end of the terminal, and SIGTERM, end a run as Ctrl-C does."""
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {name: signal.getsignal(getattr(signal, name)) for name in names}
+    for name in names:
+        signal.signal(getattr(signal, name), signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for name, handler in before.items():
+            signal.signal(getattr(signal, name), handler)
+
+
+def _check_number(option: str, value: float | None) -> None:
+    if value is not None and not 0 < value < float("inf"):
+        raise ValueError(f"{option} must be > 0, got {value:g}")
+
+
+def _session(out: Path, record: bool | None, camera: str) -> Path | None:
+    """Return a folder for the session that is not there yet; None = it is not recorded."""
+    from robsim.imaging._opencv import load_opencv
+
+    if record is False or (record is None and Path(camera).exists()):
+        return None
+    try:
+        load_opencv("recording a session")
+    except ImportError as error:
+        if record:
+            raise
+        errors.print_note(f"not recorded: {error}")
+        return None
+    number = 1
+    while (out / f"session-{number}").exists():
+        number += 1
+    return out / f"session-{number}"
+
+
+def _replay(session: Path, folder: Path | None) -> str:
+    """Return the line of Python that runs a session again."""
+    frames = f"robsim.sessions.Session({str(session)!r})"
+    if folder is None:
+        return f"robsim.Experiment({frames}, control=...).run()"
+    return f"robsim.Experiment.from_folder({str(folder)!r}, frames={frames}).run()"

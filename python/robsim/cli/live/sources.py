@@ -1,0 +1,147 @@
+"""The camera and the motors of a live run, from the texts of --camera and --motors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from robsim import Scenario
+from robsim._base.checks import check_float
+from robsim._base.text import quoted
+from robsim._core import Frame, MotorLink, PlaneMap
+from robsim.capture import Camera
+from robsim.cli.text import about
+from robsim.live import SimulatedLab
+from robsim.motors import SerialMotors, UdpMotors
+
+SIMULATED, NONE = "simulated", "none"
+LAB_RATE = 20.0  # frames/s, of the simulated lab
+_LAB_SIZE = 640  # px, the longer side of its frames
+_CAMERAS = (
+    "0 (the number of a camera), an address such as http://camera.local/video.mjpg, a file, a "
+    f"folder, or {SIMULATED}"
+)
+_MOTORS = f"udp:HOST:PORT, serial:PORT, serial:PORT@BAUD, {SIMULATED} or {NONE}"
+
+
+class WatchedCamera(Camera):
+    """A camera that keeps its newest frame for the status line."""
+
+    newest: Frame | None = None
+
+    def _poll(self, timeout: float) -> Frame | None:
+        frame = super()._poll(timeout)
+        if frame is not None:
+            self.newest = frame
+        return frame
+
+
+@contextmanager
+def opened(
+    camera: str | None,
+    motors: str | None,
+    *,
+    robot: str | None,
+    area: tuple[int, int] | None,
+    plane_map: PlaneMap | None,
+    fps: float | None,
+    every: int,
+) -> Iterator[tuple[WatchedCamera, MotorLink | None]]:
+    """Open a camera and the line to the robot; at the end the robot stands, and all is closed.
+
+    Raises
+    ------
+    ValueError
+        If a text cannot be understood.
+    OSError
+        If the camera or the line cannot be opened.
+    """
+    if camera is None:
+        raise ValueError(
+            f"--camera is missing: {_CAMERAS}, for a rehearsal; robsim cameras lists what there is"
+        )
+    check_motors(camera, motors)
+    with ExitStack() as stack:
+        lab = None
+        if camera == SIMULATED:
+            lab = stack.enter_context(_new_lab(robot, area, plane_map, fps))
+        source = lab or _source(camera)
+        is_asked = lab is None and fps is not None
+        with about("--camera"):
+            device = WatchedCamera(
+                source,
+                plane_map=plane_map,
+                area=area,
+                fps=fps if is_asked else None,
+                every=every,
+            )
+        yield stack.enter_context(device), _line(stack, motors, lab)
+
+
+def _new_lab(
+    robot: str | None,
+    area: tuple[int, int] | None,
+    plane_map: PlaneMap | None,
+    fps: float | None,
+) -> SimulatedLab:
+    width, height = area or Scenario.area
+    scale = _LAB_SIZE / max(width, height)
+    scenario = Scenario(
+        robot=robot,
+        area=(width, height),
+        resolution=(max(round(scale * width), 16), max(round(scale * height), 16)),
+        headings=None,
+    )
+    return SimulatedLab(scenario, fps=LAB_RATE if fps is None else fps, plane_map=plane_map)
+
+
+def _source(text: str) -> int | str:
+    """Return what a camera opens: the number of a camera, an address, or a path."""
+    if re.fullmatch(r"\d{1,2}", text):
+        return int(text)
+    is_address = re.match(r"[a-z][a-z0-9+.-]+://", text)
+    if not is_address and not Path(text).exists():
+        raise ValueError(f"--camera must be {_CAMERAS}; there is no file {quoted(text)}")
+    return text
+
+
+def check_motors(camera: str, motors: str | None) -> None:
+    """Raise ValueError if the text of --motors cannot be understood."""
+    if motors in (None, NONE) or re.fullmatch(r"udp:.+:\d+|serial:[^@]+(@\d+)?", motors):
+        return
+    if motors != SIMULATED:
+        raise ValueError(f"--motors must be {_MOTORS}, got {quoted(motors)}")
+    if camera != SIMULATED:
+        raise ValueError(
+            f"--motors {SIMULATED} are those of --camera {SIMULATED}: with another camera, give "
+            f"udp:HOST:PORT, serial:PORT or {NONE}"
+        )
+
+
+def _line(stack: ExitStack, text: str | None, lab: SimulatedLab | None) -> MotorLink | None:
+    if text == NONE or (text is None and lab is None):
+        return None
+    motors: Any
+    with about("--motors"):
+        if text is None or text == SIMULATED:
+            assert lab is not None  # of `check_motors`
+            motors = UdpMotors(lab.address)
+        elif text.startswith("udp:"):
+            motors = UdpMotors(text.removeprefix("udp:"))
+        else:
+            port, _, baud_rate = text.removeprefix("serial:").partition("@")
+            motors = SerialMotors(port, int(baud_rate)) if baud_rate else SerialMotors(port)
+    link: MotorLink = stack.enter_context(motors)
+    return link
+
+
+def rate_of(fps: float | None, dt: float | None) -> float | None:
+    """Return the rate that --fps or --dt ask for (frames/s)."""
+    if fps is not None and dt is not None:
+        raise ValueError("--fps and --dt say the same: give one of them")
+    if dt is not None:
+        return 1 / check_float("--dt", dt, "s", minimum=1e-3, maximum=3600)
+    return fps if fps is None else check_float("--fps", fps, "1/s", minimum=0.1, maximum=1000)
