@@ -39,6 +39,7 @@ def check_and_report(
 
     errors.print_note(f"looking for {_SECONDS:g} s; the robot must stand, and nothing drives it")
     check = check_camera(camera, motors=motors, seconds=_SECONDS, **options)
+    out.mkdir(parents=True, exist_ok=True)
     picture = out / _PICTURE
     save_figure(picture, plotting.plot_camera_check(check))
     errors.show(check.to_json() if as_json else check)

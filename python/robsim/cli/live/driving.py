@@ -9,15 +9,25 @@ from pathlib import Path
 from typing import Any
 
 from robsim._base.report import Quantity, Report
-from robsim._core import MotorLink
+from robsim._core import MotorLink, RobotModel
 from robsim.capture import CameraCounts
 from robsim.cli import errors
 from robsim.cli.live.sources import SIMULATED, WatchedCamera
 from robsim.cli.live.status import StatusLine
 from robsim.motors import Limits
 from robsim.simulation import Experiment
+from robsim.simulation._folders.callback_folder import CallbackFolder
 
 _PATIENCE = 10.0  # s without a frame, if nothing is driven
+
+
+def step_of_model(folder: Path | None) -> float | None:
+    """Return the dt of the model of a folder's define_model.py (s), if there is one."""
+    if folder is None or not (folder / "define_model.py").is_file():
+        return None
+    define_model = CallbackFolder(folder, ("define_model",)).load().get("define_model")
+    model = define_model() if callable(define_model) else None
+    return model.dt if isinstance(model, RobotModel) else None
 
 
 @dataclass(frozen=True, kw_only=True)

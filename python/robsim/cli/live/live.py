@@ -129,15 +129,15 @@ def live(
         ),
     ] = None,
     every: Annotated[
-        int,
+        int | None,
         typer.Option(
             "--every",
             parser=whole_number,
             metavar="N",
-            help="Take only each n-th frame. Default: 1.",
-            show_default=False,
+            help="Take only each n-th frame. Default: all, or as many as a step of define_model.py "
+            "has.",
         ),
-    ] = 1,
+    ] = None,
     dt: Annotated[
         float | None,
         typer.Option(
@@ -183,7 +183,7 @@ def live(
 ) -> None:
     """Drive a robot under a real camera."""
     from robsim.cli.live.checking import check_and_report
-    from robsim.cli.live.driving import LiveRun
+    from robsim.cli.live.driving import LiveRun, step_of_model
     from robsim.cli.live.sources import opened, rate_of
     from robsim.cli.results import check_folder
     from robsim.motors import Limits
@@ -211,6 +211,7 @@ def live(
             plane_map=parse_plane_map(pixels, positions),
             fps=rate_of(fps, dt),
             every=every,
+            model_dt=step_of_model(folder),
         )
         if check:
             with line as (device, link):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -16,6 +17,7 @@ from robsim.capture import Camera
 from robsim.cli.text import about
 from robsim.live import SimulatedLab
 from robsim.motors import SerialMotors, UdpMotors
+from robsim.simulation._outside.frame_source import DT_TOLERANCE
 
 SIMULATED, NONE = "simulated", "none"
 LAB_RATE = 20.0  # frames/s, of the simulated lab
@@ -48,9 +50,13 @@ def opened(
     area: tuple[int, int] | None,
     plane_map: PlaneMap | None,
     fps: float | None,
-    every: int,
+    every: int | None,
+    model_dt: float | None,
 ) -> Iterator[tuple[WatchedCamera, MotorLink | None]]:
     """Open a camera and the line to the robot; at the end the robot stands, and all is closed.
+
+    A `model_dt` is the time of a step that the frames must have (s). Where `every` is not given, it
+    follows from the rate, if that is known before the camera is open.
 
     Raises
     ------
@@ -76,9 +82,29 @@ def opened(
                 plane_map=plane_map,
                 area=area,
                 fps=fps if is_asked else None,
-                every=every,
+                every=every or _every(LAB_RATE if lab and fps is None else fps, model_dt),
             )
+        _check_step(device, model_dt, every)
         yield stack.enter_context(device), _line(stack, motors, lab)
+
+
+def _every(rate: float | None, model_dt: float | None) -> int:
+    """Return how many frames a step of the model has; 1 if that is not known."""
+    return 1 if rate is None or model_dt is None else max(round(rate * model_dt), 1)
+
+
+def _check_step(camera: Camera, model_dt: float | None, every: int | None) -> None:
+    """Raise ValueError if the frames do not come in the steps of the model."""
+    if camera.dt is None or model_dt is None:
+        return
+    if not math.isclose(camera.dt, model_dt, rel_tol=DT_TOLERANCE):
+        taken = f"--every {every} of its frames come" if every else "its frames come"
+        frames = model_dt / (camera.dt / (every or 1))
+        remedy = f", or --every {frames:.0f}" if frames > 1 and abs(frames % 1) < 0.01 else ""
+        raise ValueError(
+            f"--camera {camera.source}: {taken} {camera.dt:.3g} s apart, but the model of "
+            f"define_model.py has steps of {model_dt:.3g} s: set dt={camera.dt:.3g} there{remedy}"
+        )
 
 
 def _new_lab(
@@ -143,5 +169,7 @@ def rate_of(fps: float | None, dt: float | None) -> float | None:
     if fps is not None and dt is not None:
         raise ValueError("--fps and --dt say the same: give one of them")
     if dt is not None:
-        return 1 / check_float("--dt", dt, "s", minimum=1e-3, maximum=3600)
-    return fps if fps is None else check_float("--fps", fps, "1/s", minimum=0.1, maximum=1000)
+        with about("--dt"):
+            return 1 / check_float("dt", dt, "s", minimum=1e-3, maximum=3600)
+    with about("--fps"):
+        return fps if fps is None else check_float("fps", fps, "1/s", minimum=0.1, maximum=1000)
