@@ -14,7 +14,7 @@ from robsim.cli import app, errors
 pytestmark = pytest.mark.long
 
 COMMANDS = [
-    (), ("run",), ("track",), ("new",), ("demo",), ("bench",), ("notebooks",), ("robots",),
+    (), ("run",), ("track",), ("new",), ("demo",), ("bench",), ("notebooks",), ("robots",), ("live",), ("cameras",),
     ("colors",), ("robots", "add"), ("robots", "rotate"), ("colors", "train"), ("colors", "frame"),
 ]  # fmt: skip
 

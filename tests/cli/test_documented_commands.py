@@ -41,6 +41,7 @@ SHORTER = {
     "--steps 300": "--steps 60",
     "--steps 50": "--steps 6",
     "robsim demo": "robsim demo --steps 100",
+    "--seconds 15": "--steps 20 --frame-timeout 30",
     "robsim bench": "robsim bench --rounds 1",
 }
 

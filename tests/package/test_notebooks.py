@@ -23,6 +23,7 @@ def test_there_are_notebooks():
         "03_identification.ipynb",
         "04_state_estimation.ipynb",
         "05_latency.ipynb",
+        "06_live.ipynb",
     ]
 
 

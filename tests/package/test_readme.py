@@ -26,7 +26,6 @@ PROGRAMS = [block for block in BLOCKS if block not in GRADING]
 # What the README prints a verdict of.
 VERDICTS = (
     "robsim.score_path(trace, square)",
-    "robsim.score_path(trace, [(600, 300)])",
     "robsim.identifiability(trace)",
     'robsim.batch_estimate(trace, method="output_error")',
     "robsim.pose_consistency(traces)",
@@ -109,15 +108,18 @@ def verdict_of(block, expression, seeds):
     return report.verdict
 
 
-def test_the_robot_of_the_experiment_arrives_and_is_stopped():
-    (block,) = (block for block in PROGRAMS if "send=send" in block)
+def test_the_robot_of_the_lab_drives_and_is_stopped(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (block,) = (block for block in PROGRAMS if "send=motors" in block)
     names = {}
     exec(block, names)
-    score = names["robsim"].score_path(names["trace"], [(600, 300)])
-    assert score.final_distance < 10
+    x, y, _ = names["trace"].pose_measured[-1]
+    assert 320 < x < 620
+    assert abs(y - 300) < 5
     assert names["trace"].u.any()
-    assert [tuple(u) for u in names["voltages"][-2:]] == [(0, 0), (0, 0)]
-    assert len(names["voltages"]) == 103  # at first, 100 steps, the stop twice
+    assert names["lab"].receiver.events[-1].kind == "stop"
+    assert not names["lab"].receiver.input.any()
+    assert len(names["other"]) == 50
 
 
 def test_the_first_block_is_five_lines_and_ends_with_a_picture():
