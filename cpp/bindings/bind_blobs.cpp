@@ -3,6 +3,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
@@ -69,7 +70,7 @@ BlobsByColor find(const ImageLike& image, const std::vector<ColorClass>& colors,
   BlobFinder finder(colors, options);
   const PixelBox part =
       region ? region_from(*region, "region") : PixelBox{0, 0, view.width, view.height};
-  const py::gil_scoped_release native;
+  const WithoutInterpreter native;
   return finder.find(view, part);
 }
 
@@ -85,7 +86,7 @@ std::map<std::string, py::array_t<bool>> masks_of(const ImageLike& image,
         masks.try_emplace(color.name, Shape{view.height, view.width}).first->second;
     next.push_back(mask.mutable_data());
   }
-  const py::gil_scoped_release native;
+  const WithoutInterpreter native;
   classifier.begin(view);
   for (int v = 0; v < view.height; ++v) {
     const std::vector<pixels::BitRow>& bits = classifier.next_row();

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
@@ -349,7 +350,7 @@ void bind_lens(py::module_& module) {
             const ImageView from = image_view(image, "image");
             Image warped(self.width(), self.height());
             {
-              const py::gil_scoped_release native;
+              const WithoutInterpreter native;
               self.apply(from, warped.writable_view());
             }
             return image_array(warped);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "robsim/world/noise/visual_noise.hpp"
@@ -66,7 +67,7 @@ py::array_t<std::uint8_t> rendered(Renderer& self, const ArrayLike& pose, std::p
                           " px, got " + describe(*out));
   }
   {
-    const py::gil_scoped_release native;
+    const WithoutInterpreter native;
     scene->draw(at, moved, view);
   }
   return py::reinterpret_borrow<py::array_t<std::uint8_t>>(*out);
@@ -100,7 +101,7 @@ py::array with_noise(const VisualNoise& self, const PixelArray& image, std::uint
     throw py::value_error("out must be image itself, or share no memory with it");
   }
   {
-    const py::gil_scoped_release native;
+    const WithoutInterpreter native;
     self.add(clean, seed, index, to);
   }
   return !out ? py::array(image_array(noisy)) : py::array(*out);

@@ -115,6 +115,24 @@ def test_the_end_of_python_during_a_run(options):
 
 
 @pytest.mark.long
+def test_the_end_of_python_during_native_work_in_another_thread():
+    """Python tears a daemon thread that comes back to it out of its calls: no abort."""
+    code = """
+import threading, time
+import numpy as np
+import robsim
+frame = robsim.Frame(np.zeros((1500, 1500, 3), np.uint8))
+colors, markers = robsim.load_colors(), robsim.Scenario()._marker_layout
+def work():
+    while True:
+        robsim.find_blobs(frame, colors, markers=markers)
+threading.Thread(target=work, daemon=True).start()
+time.sleep(0.2)
+"""
+    assert python(code) == (0, "", "")
+
+
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(signal, "SIGURG"), reason="needs signals of Unix")
 def test_a_time_limit_leaves_all_signals_as_they_were():
     """Handlers that were set in C, of which Python knows nothing, too."""

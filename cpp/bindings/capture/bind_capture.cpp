@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "capture/python_camera.hpp"
+#include "python/interpreter.hpp"
 #include "python/public_names.hpp"
 #include "robsim/capture/grabber.hpp"
 #include "robsim/capture/whole_jpeg.hpp"
@@ -27,7 +28,7 @@ class SharedGrabber : public Grabber {
  public:
   using Grabber::Grabber;
   ~SharedGrabber() {
-    const py::gil_scoped_release work;
+    const WithoutInterpreter work;
     close();
   }
 };
@@ -64,7 +65,7 @@ Result wait(double timeout, const std::function<Result(double)>& wait_for) {
   while (true) {
     const double left = std::max(0.0, end - monotonic_now());
     const Result result = [&] {
-      const py::gil_scoped_release work;
+      const WithoutInterpreter work;
       return wait_for(std::min(left, look));
     }();
     if (PyErr_CheckSignals()) throw py::error_already_set();
@@ -144,7 +145,7 @@ bgr : bool
       .def(
           "close",
           [](SharedGrabber& self, double patience) {
-            const py::gil_scoped_release work;
+            const WithoutInterpreter work;
             self.close(patience);
           },
           py::arg("patience") = 1.0,
@@ -154,7 +155,7 @@ bgr : bool
           "is_whole_jpeg",
           [](const py::bytes& data) {
             const std::string_view view(data);
-            const py::gil_scoped_release work;
+            const WithoutInterpreter work;
             return is_whole_jpeg(reinterpret_cast<const std::uint8_t*>(view.data()), view.size());
           },
           py::arg("data"), "Return whether a JPEG image has all of its blocks, and its end.");

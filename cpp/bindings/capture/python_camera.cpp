@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "python/interpreter.hpp"
 #include "robsim/timing/monotonic.hpp"
 
 namespace robsim::bindings {
@@ -82,7 +83,7 @@ std::optional<Captured> PythonCamera::next(ImagePool& pool) {
     captured.is_complete = !pixels.is_none();
     if (!captured.is_complete) return captured;
     const ImageView view = image_view(pixels, "the image of read()");
-    const py::gil_scoped_release work;
+    const WithoutInterpreter work;
     captured.image = pool.take(view.width, view.height);
     (bgr_ ? copy_bgr : copy)(view, captured.image.writable_view());
     return captured;

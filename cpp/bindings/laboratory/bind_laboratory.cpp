@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "robsim/laboratory/laboratory_camera.hpp"
@@ -51,7 +52,7 @@ using Numbers = std::array<double, 1>;
 py::typing::Dict<py::str, py::object> laboratory_columns(const Laboratory& self) {
   Laboratory::Record record;
   {
-    const py::gil_scoped_release wait;
+    const WithoutInterpreter wait;
     record = self.record();
   }
   using Tick = Laboratory::Tick;
@@ -84,7 +85,7 @@ template <auto Method, typename... Arguments>
 auto here() {
   return [](Laboratory& self, Arguments... arguments) {
     check_here(self);
-    const py::gil_scoped_release wait;
+    const WithoutInterpreter wait;
     return (self.*Method)(arguments...);
   };
 }
@@ -138,7 +139,7 @@ void bind_laboratory(py::module_& module) {
       .def("close",
            [](Laboratory& self) {
              if (self.is_elsewhere()) return;
-             const py::gil_scoped_release wait;
+             const WithoutInterpreter wait;
              self.close();
            })
       .def("stall", here<&Laboratory::stall, double>(), py::arg("seconds"))

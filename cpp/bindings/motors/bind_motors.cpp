@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
@@ -31,7 +32,7 @@ std::shared_ptr<T> make_native(A&&... arguments) {
       delete value;
       return;
     }
-    const py::gil_scoped_release others;
+    const WithoutInterpreter others;
     delete value;
   });
 }
@@ -39,7 +40,7 @@ std::shared_ptr<T> make_native(A&&... arguments) {
 // Without the interpreter's lock.
 template <typename F>
 auto natively(const F& call) {
-  const py::gil_scoped_release others;
+  const WithoutInterpreter others;
   return call();
 }
 

@@ -1,8 +1,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <chrono>
-#include <thread>
 
 #include "python/callbacks.hpp"
 #include "python/interpreter.hpp"
@@ -22,11 +20,7 @@ void* release_interpreter() {
   return PyGILState_Check() && !is_finalizing() ? PyEval_SaveThread() : nullptr;
 }
 
-void acquire_interpreter(void* state) {
-  // A daemon thread that comes back while Python ends would be torn out of this run.
-  while (is_finalizing()) std::this_thread::sleep_for(std::chrono::hours(1));
-  PyEval_RestoreThread(static_cast<PyThreadState*>(state));
-}
+void acquire_interpreter(void* state) { take_interpreter_back(static_cast<PyThreadState*>(state)); }
 
 // Called between two steps: signals, and a progress callback.
 Loop::Pulse pulse(const py::object& progress) {

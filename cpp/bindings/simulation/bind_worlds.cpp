@@ -329,6 +329,8 @@ std::optional<Input> stopped(const py::handle& stop) {
       } else {
         error.discard_as_unraisable("stop");
       }
+    } catch (...) {  // Python ends
+      wait_for_the_end();
     }
   }
   std::optional<Input> sent;
