@@ -290,3 +290,14 @@ def test_ctrl_c_ends_the_wait_for_a_frame():
         print("interrupted")
     """
     assert python(OPEN + textwrap.dedent(code)) == (0, "interrupted\n", "")
+
+
+def test_a_camera_whose_end_was_read_can_go():
+    with robsim.Camera(EndlessCamera(np.zeros((24, 32, 3), np.uint8), 3)) as camera:
+        assert len(list(camera)) > 0
+        with contextlib.suppress(EOFError):
+            camera.read()
+    kept = weakref.ref(camera)
+    del camera
+    gc.collect()
+    assert kept() is None

@@ -35,7 +35,12 @@ class SharedGrabber : public Grabber {
 
 void raise(const CaptureError& error) {
   if (const auto* of_python = dynamic_cast<const PythonCaptureError*>(&error)) {
-    const py::object raised = of_python->raised();
+    // A copy, as an exception keeps the frames that it passes, and with them the camera that would
+    // keep the exception.
+    const py::object kept = of_python->raised();
+    const py::object raised = py::module_::import("copy").attr("copy")(kept);
+    raised.attr("__cause__") = kept.attr("__cause__");
+    raised.attr("__traceback__") = kept.attr("__traceback__");
     PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
     return;
   }
