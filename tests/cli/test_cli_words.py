@@ -14,8 +14,9 @@ from robsim.cli import app, errors
 pytestmark = pytest.mark.long
 
 COMMANDS = [
-    (), ("run",), ("track",), ("new",), ("demo",), ("bench",), ("notebooks",), ("robots",), ("live",), ("cameras",),
-    ("colors",), ("robots", "add"), ("robots", "rotate"), ("colors", "train"), ("colors", "frame"),
+    (), ("run",), ("track",), ("new",), ("demo",), ("bench",), ("notebooks",), ("robots",),
+    ("live",), ("cameras",), ("colors",), ("robots", "add"), ("robots", "rotate"),
+    ("colors", "train"), ("colors", "frame"),
 ]  # fmt: skip
 
 

@@ -89,6 +89,11 @@ def camera():
     return source
 
 
+def camera_check():
+    with robsim.Camera(camera()) as opened:
+        return robsim.live.check_camera(opened, seconds=0.05)
+
+
 def report():
     return robsim.pose_errors(trace())
 
@@ -100,6 +105,8 @@ EXAMPLES = {
     "Blob.centroid": lambda: (1.0, 2.0),
     "Blob.color": lambda: "red",
     "Camera.source": camera,
+    "check_camera.camera": lambda: robsim.Camera(camera()),
+    "plot_camera_check.check": camera_check,
     "check_estimator.make": lambda: lambda: run().estimate_state,
     "check_parameter_estimator.make": lambda: lambda: robsim.RecursiveLeastSquares(5, n_filters=3),
     "ColorClass.from_histograms.histograms": lambda: np.eye(3, 256, 200, int),

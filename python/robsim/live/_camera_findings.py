@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robsim._base.checks import Floats
 from robsim._base.report import Quantity
 from robsim._core import MotorLink
 from robsim.capture import Camera, CameraCounts
@@ -23,6 +24,8 @@ NOT_KNOWN = "not known"
 _RATE = (9.5, 4.5)  # frames/s; the robot of 2008 had 5
 _KEPT = 0.9  # of the rate that a camera promises
 _JITTER = (0.2, 0.5)  # of the interval
+_MOSTLY_LOST = 0.6  # of the median interval: it is that of two frames
+_WHOLE = 0.1  # of an interval, from a whole number of them
 _LOST = (0.02, 0.15)  # of the frames
 _ONE = 1.5  # frame: a single one is no fault
 _MEAN = (64, 25)  # levels; below the first, `detect` calls a picture dark
@@ -130,7 +133,7 @@ def findings_of(
 def _regularity(look: CameraLook, camera: Camera, before: CameraCounts) -> Iterator[CameraFinding]:
     index, t, _ = np.array(look.times).T
     intervals, numbers = np.diff(t), np.diff(index)
-    interval = float(np.median(intervals / numbers)) if len(t) > 1 else math.nan
+    interval = _interval_of(intervals / numbers)
     rate = 1 / interval
     # Frames between two that were read: those of the camera's own interval that have no number.
     missing = np.maximum(np.rint(intervals / interval) - numbers, 0) if len(t) > 1 else np.zeros(1)
@@ -165,6 +168,18 @@ def _regularity(look: CameraLook, camera: Camera, before: CameraCounts) -> Itera
         f"{lost:.0f} of {came + lost:.0f} never came{said}: use a shorter cable, another USB port "
         "or a wired network, or ask for fewer frames",
     )
+
+
+def _interval_of(each: Floats) -> float:
+    """Return the time between two exposures (s), where some of the frames are lost."""
+    if not len(each):
+        return math.nan
+    interval, shortest = float(np.median(each)), float(np.quantile(each, 0.1))
+    if shortest <= 0:
+        return interval
+    off = np.abs(each / shortest - np.rint(each / shortest))
+    is_multiple = np.median(off) < _WHOLE
+    return shortest if is_multiple and shortest < _MOSTLY_LOST * interval else interval
 
 
 def _exposure(look: CameraLook) -> Iterator[CameraFinding]:

@@ -93,7 +93,7 @@ def live(
         float | None,
         typer.Option("--seconds", parser=number, metavar="S", help="Duration in s, in its place."),
     ] = None,
-    max_voltage: Annotated[
+    maximum_voltage: Annotated[
         float,
         typer.Option(
             "--max-voltage",
@@ -196,9 +196,9 @@ def live(
             raise ValueError("--steps and --seconds both end the run: give one of them")
         _check_number("--seconds", seconds)
         with about("--max-voltage"):
-            Limits(voltage=max_voltage)
+            Limits(voltage=maximum_voltage)
         with about("--slew-rate"):
-            limits = Limits(voltage=max_voltage, slew_rate=slew_rate)
+            limits = Limits(voltage=maximum_voltage, slew_rate=slew_rate)
         with about("--steps"):
             steps = None if steps is None else step_count(steps)
         controller = parse_control("--control", control)

@@ -1,0 +1,180 @@
+"""`check_camera`: a good camera is called good, and each fault of another one is named."""
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+import robsim
+from python_cameras import EndlessCamera
+from robsim.capture import Camera, FrameTimeoutError
+from robsim.live import CameraFaults, SimulatedLab, check_camera
+from robsim.motors import UdpMotors
+
+SIZE = (400, 400)
+
+
+def picture(robot="lab", resolution=SIZE, pose=(200, 180, 0.4), **options):
+    sim = robsim.Simulation(
+        robot=robot, area=SIZE, resolution=resolution, start=pose, headings=None, seed=1, **options
+    )
+    return np.array(sim.step().frame.image)
+
+
+def check(image, robot="lab", **options):
+    """The check of a camera that shows one image."""
+    with Camera(EndlessCamera(image, 2000), area=SIZE) as camera:
+        return check_camera(camera, robot=robot, seconds=0.1, **options)
+
+
+def kinds(report):
+    """What is wrong with the picture, and not with the rate, which is none."""
+    of_time = ("frame rate", "jitter", "lost frames")
+    return {problem.kind for problem in report.problems} - {*of_time}
+
+
+def lit(image, factor):
+    return np.minimum(np.rint(factor * image.astype(float)), 255).astype(np.uint8)
+
+
+def test_a_good_picture_has_no_fault():
+    report = check(picture())
+    assert kinds(report) == set()
+    assert report["marker width"].value == pytest.approx(23, abs=1)
+    assert report["scatter of the position"].value < 1e-6
+    assert report.seen == report.frames > 5
+    assert np.abs(report.measurement.pose[:2] - (200, 180)).max() < 1
+
+
+def test_a_dark_picture_is_named():
+    report = check(lit(picture(), 0.12))
+    assert {"robot detected", "mean level"} <= kinds(report)
+    assert not report.ok
+    assert "more light, or a longer exposure" in str(report)
+    dim = check(lit(picture(), 0.45))
+    assert "margin of red" in kinds(dim)
+    assert dim["margin of red"].verdict == "poor"
+
+
+def test_an_overexposed_picture_is_named():
+    report = check(lit(picture(), 1.6))
+    assert "markers clipped" in kinds(report)
+    assert "shorter exposure" in str(report)
+    white = check(np.full((*SIZE, 3), 255, np.uint8))
+    assert white["white pixels"].verdict == "bad"
+    assert "overexposed" in str(white)
+
+
+def test_small_markers_are_named():
+    report = check(picture(resolution=(64, 64)))
+    assert report["marker width"].verdict == "bad"
+    assert "print larger markers" in str(report)
+    assert check(picture(resolution=(120, 120)))["marker width"].verdict == "poor"
+
+
+def test_wrong_colours_and_another_robot_are_named():
+    colors = [
+        robsim.ColorClass("red", v=(230, 255)),
+        robsim.ColorClass("blue", u=(154, 255), v=(0, 140)),
+    ]
+    report = check(picture(), colors=colors)
+    assert kinds(report) == {"robot detected"}
+    assert "no red blob" in str(report)
+    assert "train the red marker's colour" in str(report)
+    assert report["margin of red"].verdict == "not known"
+    assert "robot detected" in kinds(check(picture(), robot="sheep"))
+    narrow = [robsim.ColorClass("red", v=(190, 255)), colors[1]]
+    assert check(picture(), colors=narrow)["margin of red"].verdict == "poor"
+
+
+def test_a_floor_without_a_robot_is_named():
+    report = check(picture(dropout=robsim.Dropout(1)))
+    assert report.seen == 0
+    assert report.measurement is None
+    assert report["robot detected"].verdict == "bad"
+
+
+def test_two_robots_are_named():
+    image = picture(pose=(100, 100, 0.4))
+    other = picture(pose=(300, 300, 2))
+    image[200:, 200:] = other[200:, 200:]
+    report = check(image)
+    assert report["robot detected"].verdict == "bad"
+    assert "leave only one robot" in str(report)
+
+
+def test_its_numbers_come_as_data():
+    report = check(picture())
+    row = report.to_dict()["findings"]["marker width"]
+    assert row["verdict"] == "good"
+    assert row["unit"] == "px"
+    with pytest.raises(KeyError, match="there is no finding 'width': there are frame rate"):
+        report["width"]
+
+
+def test_wrong_arguments_are_named():
+    with pytest.raises(TypeError, match=r"camera must be a robsim\.Camera, got 0"):
+        check_camera(0)
+    with Camera(EndlessCamera(picture())) as camera:
+        with pytest.raises(TypeError, match="motors must be UdpMotors or SerialMotors"):
+            check_camera(camera, motors=print)
+        with pytest.raises(ValueError, match="seconds must be above 0"):
+            check_camera(camera, seconds=0)
+
+
+def lab_check(seconds=1.0, fps=20, faults=None, **options):
+    options = {"robot": "lab", "area": SIZE, "resolution": SIZE, "seed": 1} | options
+    world = robsim.Scenario(**options)
+    with (
+        SimulatedLab(world, fps=fps, faults=faults) as lab,
+        Camera(lab) as camera,
+        UdpMotors(lab.address) as motors,
+    ):
+        report = check_camera(camera, robot="lab", motors=motors, seconds=seconds)
+        assert not lab.truth.last_u.any()  # nothing drives
+    return report
+
+
+@pytest.mark.long
+def test_a_lab_in_real_time_is_judged():
+    report = lab_check()
+    assert kinds(report) == set()
+    assert report["frame rate"].value > 1
+    assert report["round trip to the robot"].value > 0
+    assert "the robot was only told to stop" in report.remarks
+
+
+@pytest.mark.slow
+def test_slow_lossy_and_noisy_labs_are_named():
+    assert lab_check(2, fps=3)["frame rate"].verdict == "bad"
+    assert lab_check(2, faults=CameraFaults(dropped=0.4))["lost frames"].verdict == "bad"
+    noisy = lab_check(2, noise=robsim.GaussianNoise(50), resolution=(200, 200))
+    assert kinds(noisy) & {"scatter of the position", "scatter of the heading", "robot detected"}
+
+
+@pytest.mark.slow
+def test_a_silent_camera_is_an_error():
+    with (
+        SimulatedLab(robsim.Scenario(robot="lab", area=SIZE, resolution=SIZE), fps=20) as lab,
+        Camera(lab) as camera,
+    ):
+        camera.read(10)
+        lab.stall(60)
+        for _ in range(20):  # one may be on its way
+            with suppress(FrameTimeoutError):
+                camera.read(0.1)
+        with pytest.raises(FrameTimeoutError, match=r"no frame came within 0\.2 s"):
+            check_camera(camera, seconds=0.2)
+
+
+@pytest.mark.long
+def test_the_picture_shows_the_robot_or_that_there_is_none():
+    figure = robsim.plotting.plot_camera_check(check(picture()))
+    assert len(figure.axes) == 3
+    texts = [text.get_text() for text in figure.axes[2].texts]
+    assert "marker width" in texts
+    assert "good" in texts
+    figure = robsim.plotting.plot_camera_check(check(picture(dropout=robsim.Dropout(1))))
+    assert "the robot was not detected" in [text.get_text() for text in figure.axes[1].texts]
+    with pytest.raises(TypeError, match="check must be a CameraCheck"):
+        robsim.plotting.plot_camera_check(3)
