@@ -195,8 +195,9 @@ def test_a_signal_stops_the_robot_and_keeps_the_results(number, film, tmp_path):
 
 @pytest.mark.slow
 def test_the_status_line_is_for_terminals_alone(tmp_path):
-    pty = pytest.importorskip("pty")
+    pty, termios = pytest.importorskip("pty"), pytest.importorskip("termios")
     inner, outer = pty.openpty()
+    termios.tcsetwinsize(outer, (30, 90))
     arguments = (*REHEARSAL, "--no-record", "--seconds", "2", "--control", "spin")
     subprocess.run(
         [sys.executable, "-m", "robsim", *arguments], cwd=tmp_path, check=True, timeout=100,
@@ -205,5 +206,5 @@ def test_the_status_line_is_for_terminals_alone(tmp_path):
     os.close(outer)
     shown = os.read(inner, 100_000).decode()
     os.close(inner)
-    assert re.search(r"\r +\d+\.\d s +\d+\.\d frames/s   age +\d+ ms   lost \d+", shown)
-    assert re.search(r"x +\d+  y +\d+  heading +[+-]\d+°   input [+-]\d\.\d\d", shown)
+    assert re.search(r"\r +\d+\.\d s +\d+\.\d/s  age +\d+ ms  dropped \d+  x +\d+ y +\d+", shown)
+    assert re.search(r"[+-]\d+ deg  [+-]\d\.\d\d [+-]\d\.\d\d V", shown)

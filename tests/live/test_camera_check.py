@@ -112,6 +112,14 @@ def test_its_numbers_come_as_data():
         report["width"]
 
 
+def test_a_single_frame_tells_nothing_of_the_rate():
+    with Camera(EndlessCamera(picture(), 1), area=SIZE) as camera:
+        report = check_camera(camera, robot="lab", seconds=5)
+    assert report.frames == 1
+    for name in ("frame rate", "jitter", "lost frames", "scatter of the position"):
+        assert report[name].verdict == "not known"
+
+
 def test_wrong_arguments_are_named():
     with pytest.raises(TypeError, match=r"camera must be a robsim\.Camera, got 0"):
         check_camera(0)

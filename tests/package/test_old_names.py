@@ -45,7 +45,7 @@ OLD = {
     r"too (confident|cautious)": "optimistic, conservative",
     r"max_(voltage|speed)|min_voltage": "maximum_voltage, maximum_speed, minimum_voltage",
     # the command line
-    r"--(noise-percent|dropout-steps|rotation|camera|places)\b": "--noise gaussian:10, --headings",
+    r"--(noise-percent|dropout-steps|rotation|places)\b": "--noise gaussian:10, --headings",
     # private words
     r"\b(least|most|above)=": "minimum=, maximum=, exclusive_minimum=",
     r"stretch(es)?": "segment",

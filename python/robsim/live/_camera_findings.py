@@ -141,7 +141,9 @@ def _regularity(look: CameraLook, camera: Camera, before: CameraCounts) -> Itera
     torn = camera.counts.torn - before.torn
     timeouts = camera.counts.timeouts - before.timeouts
     lost = float(missing.sum()) if len(t) > 1 else math.nan
-    jitter = float(np.std(intervals - interval * np.rint(intervals / interval)))
+    jitter = math.nan
+    if len(t) > 1:
+        jitter = float(np.std(intervals - interval * np.rint(intervals / interval)))
     promised = 0.0 if camera.dt is None else 1 / camera.dt
     wanted = f": it promised {promised:.3g} a second" if rate < _KEPT * promised else ""
     yield _judged(

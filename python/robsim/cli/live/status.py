@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import shutil
+import os
 import sys
 import threading
 import time
@@ -72,8 +72,8 @@ class StatusLine:
             if time.monotonic() - start >= self._seconds:
                 self._experiment.stop()
             if self._is_shown:
-                width = shutil.get_terminal_size().columns - 1
-                line = one_line(self.text(trace))[:width]
+                width = os.get_terminal_size(sys.stderr.fileno()).columns - 1
+                line = one_line(self.text(trace))[: max(width, 20)]
                 sys.stderr.write(_TO_START + line + _CLEAR)
                 sys.stderr.flush()
 
@@ -88,16 +88,16 @@ class StatusLine:
             age = now - (frame.epoch + frame.t)
         left, right = trace.u[-1]
         return (
-            f"{trace.t[-1]:6.1f} s   {rate:5.1f} frames/s   age {1e3 * age:4.0f} ms   "
-            f"lost {counts.dropped + counts.torn}   {self._seen(trace)}   "
-            f"input {left:+.2f} {right:+.2f} V"
+            f"{trace.t[-1]:5.1f} s {rate:5.1f}/s  age {1e3 * age:3.0f} ms  "
+            f"dropped {counts.dropped + counts.torn}  {self._seen(trace)}  "
+            f"{left:+.2f} {right:+.2f} V"
         )
 
     def _seen(self, trace: Trace) -> str:
         """Return the measured pose, or why there is none."""
         x, y, heading = trace.pose_measured[-1]
         if not math.isnan(x):
-            return f"x {x:4.0f}  y {y:4.0f}  heading {math.degrees(heading):+4.0f}°"
+            return f"x {x:4.0f} y {y:4.0f} {math.degrees(heading):+4.0f} deg"
         experiment, frame = self._experiment, self._camera.newest
         if frame is None:
             return "not seen"
