@@ -1,8 +1,10 @@
 """Whatever ends the run of an experiment, the last thing that is sent stops the robot."""
 
 import _thread
+import atexit
 import gc
 import math
+import os
 import queue
 import signal
 import subprocess
@@ -775,3 +777,24 @@ def test_the_end_of_python_stops_the_robot():
     run = subprocess.run([sys.executable, "-c", END], capture_output=True, text=True, check=True)
     assert run.stdout.splitlines() == ["1.0 2.0", "0.0 0.0", "0.0 0.0"]
     assert run.stderr == ""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_the_end_of_a_forked_process_sends_nothing():
+    def control(step):
+        if step.k == 1:
+            child = os.fork()
+            if child == 0:
+                try:
+                    atexit._run_exitfuncs()
+                finally:
+                    os._exit(0)
+            os.waitpid(child, 0)
+        return input_of(step.k)
+
+    heard, sends = os.pipe()
+    experiment(lambda u: os.write(sends, b"u" if u.any() else b"s"), 3, control=control).run()
+    assert os.read(heard, 100) == b"uuuss"
+    os.close(heard)
+    os.close(sends)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import os
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
@@ -57,6 +58,7 @@ class Motors:
             )
         self._send = send
         self._stop_input = stop_input
+        self._process = os.getpid()
         _all_motors.add(self)
         #: What went wrong when the robot was stopped.
         self.error: BaseException | None = None
@@ -76,6 +78,7 @@ class Motors:
 
     def begin(self) -> None:
         """Say that inputs may be sent from now on."""
+        self._process = os.getpid()
         self._has_moved = self._has_moved or self._link is not None
         if self._link is not None and not self._link.is_closed:
             self._link.resume()
@@ -102,6 +105,8 @@ class Motors:
         sent, and is kept there, too.
         """
         if not self._has_moved or self._stop_input is None:
+            return None
+        if self._process != os.getpid():  # a forked process ends; the robot is its parent's
             return None
         failure: BaseException | None = None
         n_sent = 0
