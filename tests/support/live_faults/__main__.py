@@ -3,6 +3,7 @@
 import argparse
 import faulthandler
 import json
+import signal
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,8 @@ def work(numbers, seed, slack):
     """Run rounds in this process; a line of JSON before and after each."""
     from . import children, rounds
 
+    # What a shell starts in the background ignores it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     if not all(map(children.is_turn, numbers)):
         for number in range(16, 20):
             rounds.play(number, seed, slack)  # so that what is made once is there

@@ -229,7 +229,13 @@ class Round:
             self.fail(f"unexpected {text}")
         first = self.faults[0]
         is_alone = len(self.faults) == 1 and not first.is_cut
-        must_raise = is_alone and first in faults.IN_CALLBACK and first.errors
+        must_raise = (
+            is_alone
+            and first.errors
+            and (
+                first in faults.IN_CALLBACK or (first.act is faults.ctrl_c and self.decided < STEPS)
+            )
+        )
         if must_raise and first.name in self.marks and error is None:
             self.fail(f"{first.name} raised nothing")
         self.is_overtaken = isinstance(error, TimeoutError) and TimeoutError not in first.errors
