@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Lens', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'trace_schema', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Lens', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'trace_schema', 'view_warp', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -243,7 +243,9 @@ class PythonCamera(CaptureDevice):
         With ``open()`` and ``close()``, each of which may follow the other any number of times, and
         ``read()``: None if no frame came within 0.1 s or so; or a pair (image, exposed), where image is
         a uint8 array (H, W, 3), or None if it was torn, and exposed the time of its exposure
-        (``time.monotonic()``, s), or None if nobody knows it. They raise a CaptureError.
+        (``time.monotonic()``, s), or None if nobody knows it. Three numbers may follow: when it
+        arrived (the same clock, s), how many complete images came before it that were passed over, and
+        how many torn ones. They raise a CaptureError.
     bgr : bool
         Whether the images are in OpenCV's order; otherwise they are RGB.
     """
@@ -271,6 +273,16 @@ class Grabber:
     def counts(self) -> tuple[int, int, int, int, int, int]:
         """
         tuple of int: grabbed, delivered, dropped, torn, timeouts, reopened.
+        """
+class ImageStream:
+    """
+    The thread that reads JPEG images from a socket, and keeps the newest.
+    """
+    def __init__(self, descriptor: int, *, boundary: bytes, begun: bytes, is_chunked: bool, name: str) -> None:
+        ...
+    def take(self, timeout: float) -> typing.Any:
+        """
+        Return (JPEG, when it arrived, images passed over, torn ones) since the last call; None if nothing came. The JPEG is empty if none was whole.
         """
 class RobotParameters:
     """

@@ -115,7 +115,7 @@ class TestByNumber:
     ("source", "options", "words"),
     [
         (0, {"back_end": "ffmpeg"}, "back_end must be one of 'v4l2'"),
-        ("rtsp://127.0.0.1/", {"back_end": "http"}, "back_end 'http' reads http:// and https://"),
+        ("rtsp://127.0.0.1/", {"back_end": "http"}, "back_end 'http' reads http:// alone"),
         ("run.mkv", {"back_end": "ffmpeg"}, "back_end must be None for a file"),
         ("http://", {}, "an address with a host"),
         ("http://127.0.0.1:99999/", {}, "source must be an address, got .*: Port out of range"),

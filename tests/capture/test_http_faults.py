@@ -1,8 +1,10 @@
 """What an HTTP camera can do wrong, and what a reader gets then: words, and never a torn image."""
 
 import contextlib
+import ctypes
 import socket
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ import robsim
 from mjpeg_server import MjpegServer, jpeg
 from posed_frames import AREA, difference
 from python_cameras import read_on
+from robsim import _core
 from robsim.capture import (
     CaptureError,
     FrameTimeoutError,
@@ -19,7 +22,7 @@ from robsim.capture import (
     NoPermissionError,
     UnpluggedError,
 )
-from robsim.capture._multipart import Parts
+from robsim.capture._http import HttpCamera
 
 pytestmark = pytest.mark.threads
 
@@ -132,7 +135,11 @@ def test_user_and_password():
 
 def test_a_size_that_changes_is_an_error():
     other = jpeg(np.zeros((64, 48, 3), np.uint8))
-    with MjpegServer([images()[0], other]) as server, robsim.Camera(server.url) as camera:
+    goes_on = threading.Event()
+    parts = [images()[0], goes_on.wait, other]
+    with MjpegServer(parts) as server, robsim.Camera(server.url) as camera:
+        camera.read()
+        goes_on.set()
         assert "have 48 x 64 px in place of 300 x 240 px" in str(read_on(camera)[1])
 
 
@@ -191,22 +198,87 @@ def test_a_length_that_is_too_long_costs_that_image_and_no_more():
     assert camera.counts.torn == 1
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_parts_are_the_same_however_they_come(seed):
+def in_chunks(data, rng):
+    """Return data in chunks of HTTP."""
+    pieces = []
+    while data:
+        n = int(rng.integers(1, 3000))
+        pieces.append(b"%X\r\n%s\r\n" % (len(data[:n]), data[:n]))
+        data = data[n:]
+    return b"".join(pieces)
+
+
+@pytest.mark.parametrize("is_chunked", [False, True])
+@pytest.mark.parametrize("seed", range(10))
+def test_images_are_the_same_however_they_come(seed, is_chunked):
     rng = np.random.default_rng(seed)
-    bodies = [b"\xff\xd8" + rng.bytes(int(rng.integers(0, 300))) + b"\xff\xd9" for _ in range(6)]
-    stream = b""
+    bodies = [images()[int(k)] for k in rng.integers(0, 4, 6)]
+    data = b""
     for body in bodies:
-        length = f"Content-Length: {len(body)}\r\n" if rng.random() < 0.5 else ""
-        head = f"--frame\r\n{length}Content-Type: image/jpeg\r\n\r\n".encode()
-        stream += head + body + (b"\r\n" if rng.random() < 0.8 else b"")
-    parts = Parts(b"frame")
+        end = ("\r\n", "\n")[int(rng.integers(2))]
+        length = f"Content-Length: {len(body)}{end}" if rng.random() < 0.5 else ""
+        head = f"--frame{end}{length}Content-Type: image/jpeg{end}{end}"
+        data += head.encode() + body + (end.encode() if rng.random() < 0.8 else b"")
+    if is_chunked:
+        data = in_chunks(data, rng)
     found = []
-    for start in range(0, len(stream), step := int(rng.integers(1, 90))):
-        parts.feed(stream[start : start + step])
-        while (part := parts.next()) is not None:
-            found.append(part)
-    # An end marker may stand in the middle of these bytes, which it cannot in an image.
-    assert [f.rstrip(b"\r\n") for f in found] == bodies or b"\xff\xd9" in b"".join(
-        body[2:-2] for body in bodies
-    )
+    camera, reader = socket.socketpair()
+    with camera, reader:
+        stream = _core.ImageStream(
+            reader.fileno(), boundary=b"frame", begun=b"", is_chunked=is_chunked, name="it"
+        )
+        for start in range(0, len(data), step := int(rng.integers(1, 90)) ** 2):
+            camera.sendall(data[start : start + step])
+        camera.close()
+        while sum(bool(jpeg) + n_passed for jpeg, _, n_passed, _ in found) < len(bodies):
+            found.append(stream.take(10))
+        with pytest.raises(UnpluggedError, match="it has ended the stream"):
+            stream.take(10)
+    assert found[-1][0] == bodies[-1]
+    assert not any(n_torn for *_, n_torn in found)
+
+
+def test_a_camera_that_answers_in_chunks():
+    # As the example of the ESP32-CAM does: boundary, head and image are a chunk each.
+    def answer():
+        kind = "multipart/x-mixed-replace;boundary=0987"
+        said = f"HTTP/1.1 200 OK\r\nContent-Type: {kind}\r\nTransfer-Encoding: chunked\r\n\r\n"
+        chunks = []
+        for image in images():
+            head = f"Content-Type: image/jpeg\r\nContent-Length: {len(image)}\r\n\r\n".encode()
+            chunks += [b"\r\n--0987\r\n", head, image]
+        return said.encode() + b"".join(b"%x\r\n%s\r\n" % (len(c), c) for c in chunks)
+
+    with MjpegServer(answer=answer()) as server, robsim.Camera(server.url, area=AREA) as camera:
+        frames, _ = read_on(camera)
+        assert camera.counts.torn == 0
+    assert frames[-1].index == 3
+    assert difference(frames[-1], 3)[0] < 0.3
+
+
+def test_images_are_read_while_somebody_keeps_the_interpreter():
+    hold = ctypes.PyDLL(None).usleep
+    camera, reader = socket.socketpair()
+    with camera, reader:
+        stream = _core.ImageStream(
+            reader.fileno(), boundary=b"frame", begun=b"", is_chunked=False, name="it"
+        )
+        sent = time.monotonic()
+        for image in images():
+            camera.sendall(b"--frame\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(image), image))
+        hold(300_000)
+        jpeg, arrived, n_passed, _ = stream.take(0)
+    assert jpeg == images()[-1]
+    assert n_passed == 3
+    assert 0 <= arrived - sent < 0.2
+
+
+def test_an_address_of_ipv6_is_named_as_such():
+    assert HttpCamera("http://me:secret@[::1]:8080/v", 1.0).name == "http://[::1]:8080/v"
+
+
+def test_a_camera_that_sends_torn_images_alone():
+    parts = [halved(images()[0]), halved(images()[1]), lambda: server.released.wait(5)]
+    words = r"no whole frame within open_timeout = 0.3 s, and 2 torn ones"
+    with MjpegServer(parts) as server, pytest.raises(FrameTimeoutError, match=words):
+        robsim.Camera(server.url, open_timeout=0.3)

@@ -12,6 +12,7 @@
 #include "python/interpreter.hpp"
 #include "python/public_names.hpp"
 #include "robsim/capture/grabber.hpp"
+#include "robsim/capture/image_stream.hpp"
 #include "robsim/capture/whole_jpeg.hpp"
 #include "robsim/timing/monotonic.hpp"
 
@@ -105,6 +106,33 @@ std::tuple<Count, Count, Count, Count, Count, Count> counts_of(const SharedGrabb
           counts.torn,    counts.timeouts,  counts.reopened};
 }
 
+void bind_image_stream(py::module_& module) {
+  Class<ImageStream>(public_in(module, "robsim._core"), "ImageStream",
+                     "The thread that reads JPEG images from a socket, and keeps the newest.")
+      .def(py::init([](int descriptor, const py::bytes& boundary, const py::bytes& begun,
+                       bool is_chunked, const std::string& name) {
+             return std::make_unique<ImageStream>(descriptor, std::string_view(boundary),
+                                                  std::string_view(begun), is_chunked, name);
+           }),
+           py::arg("descriptor"), py::kw_only(), py::arg("boundary"), py::arg("begun"),
+           py::arg("is_chunked"), py::arg("name"))
+      .def(
+          "take",
+          [](ImageStream& self, double timeout) -> py::object {
+            std::optional<ImageStream::Taken> taken;
+            {
+              const py::gil_scoped_release work;
+              taken = self.take(timeout);
+            }
+            if (!taken) return py::none();
+            return py::make_tuple(py::bytes(taken->jpeg), taken->arrived, taken->passed,
+                                  taken->torn);
+          },
+          py::arg("timeout"),
+          "Return (JPEG, when it arrived, images passed over, torn ones) since the last call; None "
+          "if nothing came. The JPEG is empty if none was whole.");
+}
+
 }  // namespace
 
 void bind_capture(py::module_& module) {
@@ -122,7 +150,9 @@ camera : object
     With ``open()`` and ``close()``, each of which may follow the other any number of times, and
     ``read()``: None if no frame came within 0.1 s or so; or a pair (image, exposed), where image is
     a uint8 array (H, W, 3), or None if it was torn, and exposed the time of its exposure
-    (``time.monotonic()``, s), or None if nobody knows it. They raise a CaptureError.
+    (``time.monotonic()``, s), or None if nobody knows it. Three numbers may follow: when it
+    arrived (the same clock, s), how many complete images came before it that were passed over, and
+    how many torn ones. They raise a CaptureError.
 bgr : bool
     Whether the images are in OpenCV's order; otherwise they are RGB.
 )")
@@ -155,6 +185,7 @@ bgr : bool
           },
           py::arg("patience") = 1.0,
           "End the thread; leave it behind if it hangs for `patience` s.");
+  bind_image_stream(module);
   public_in(module, "robsim._core")
       .def(
           "is_whole_jpeg",

@@ -34,6 +34,21 @@ std::optional<double> seconds_from(py::handle value) {
   return value.is_none() ? std::optional<double>() : value.cast<double>();
 }
 
+// What read() has returned, but for the pixels.
+Captured captured_from(const py::tuple& read) {
+  if (read.size() != 2 && read.size() != 5) throw py::cast_error();
+  Captured captured;
+  captured.arrived = monotonic_now();
+  captured.is_complete = !read[0].is_none();
+  captured.exposed = seconds_from(read[1]);
+  if (read.size() == 5) {
+    captured.arrived = read[2].cast<double>();
+    captured.passed = read[3].cast<std::int64_t>();
+    captured.torn = read[4].cast<std::int64_t>();
+  }
+  return captured;
+}
+
 }  // namespace
 
 SharedObject shared_object(py::object object) {
@@ -75,14 +90,11 @@ std::optional<Captured> PythonCamera::next(ImagePool& pool) {
   const py::gil_scoped_acquire interpreter;
   try {
     const py::object read = call("read");
-    Captured captured;
-    captured.arrived = monotonic_now();
     if (read.is_none()) return std::nullopt;
-    const auto [pixels, exposed] = read.cast<std::pair<py::object, py::object>>();
-    captured.exposed = seconds_from(exposed);
-    captured.is_complete = !pixels.is_none();
+    const auto parts = read.cast<py::tuple>();
+    Captured captured = captured_from(parts);
     if (!captured.is_complete) return captured;
-    const ImageView view = image_view(pixels, "the image of read()");
+    const ImageView view = image_view(parts[0], "the image of read()");
     const WithoutInterpreter work;
     captured.image = pool.take(view.width, view.height);
     (bgr_ ? copy_bgr : copy)(view, captured.image.writable_view());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,8 @@ struct Captured {
   std::optional<double> device_time;  // s, of the device's own clock
   std::optional<double> exposed;      // monotonic, s, where the device knows it
   bool is_complete = true;            // false: torn or short, for nobody to see
+  std::int64_t passed = 0;            // complete ones before it that came too fast to be seen
+  std::int64_t torn = 0;              // others before it that were not
 };
 
 /// A camera of any kind. The thread of a grabber calls it, one call at a time; `interrupt` comes

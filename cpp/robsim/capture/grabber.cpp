@@ -125,16 +125,22 @@ Frame Grabber::State::frame_of(const Captured& captured) {
 
 void Grabber::State::receive(const Captured& captured) {
   std::optional<Frame> frame;
+  n_captured += captured.passed + captured.torn;
   if (captured.is_complete) frame = frame_of(captured);
   ++n_captured;
   const Lock lock(mutex);
+  counts.torn += captured.torn;
   if (!frame) {
     ++counts.torn;
     return;
   }
   seen = size;
-  if (counts.grabbed++ % options.every == 0) {
-    if (newest) ++counts.dropped;
+  // Each n-th counts, whether it is this one or one that it has passed.
+  const std::int64_t before = (counts.grabbed + options.every - 1) / options.every;
+  counts.grabbed += captured.passed + 1;
+  const std::int64_t due = (counts.grabbed + options.every - 1) / options.every - before;
+  if (due > 0) {
+    counts.dropped += due - 1 + newest.has_value();
     newest = std::move(frame);
   }
   changed.notify_all();

@@ -19,7 +19,7 @@ namespace robsim {
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
-constexpr double patience = 0.05;        // s, of a write
+constexpr double write_time = 0.05;      // s, most for a line
 constexpr int quick_stops = 5;           // in a row, since a line may be lost
 constexpr double quick_interval = 0.02;  // s, between them
 constexpr double stop_time = 2;          // s, for which it is told to stop
@@ -137,7 +137,7 @@ double MotorLink::State::write(Command::Kind kind, MotorEvent::Kind event) {
   const std::string text = to_line({kind, number, sent, milliseconds});
   written_at[number++ % written_at.size()] = monotonic_now();
   try {
-    line.write(text, patience);
+    line.write(text, write_time);
   } catch (const LineError&) {
     log.add({monotonic_now(), sent, MotorEvent::Kind::failure});
     throw;

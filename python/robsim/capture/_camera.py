@@ -179,9 +179,15 @@ class Camera:
         try:
             size = self._grabber.wait_for_size(timeout)
             if size is None:
+                torn = self.counts.torn
                 raise FrameTimeoutError(
-                    f"{opened.name} gave no frame within open_timeout = {timeout:g} s: does it "
-                    "send, and does the address say where?"
+                    f"{opened.name} gave no {'whole ' * bool(torn)}frame within open_timeout = "
+                    f"{timeout:g} s"
+                    + (
+                        f", and {torn} torn ones: does the line lose data?"
+                        if torn
+                        else ": does it send, and does the address say where?"
+                    )
                 )
         except BaseException:
             self.close()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import io
 import socket
-import ssl
 import time
 from email.message import Message
 from http.client import HTTPException, parse_headers
@@ -13,15 +12,14 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from robsim._base.text import cut, one_line
+from robsim._core import ImageStream
 from robsim.capture._errors import (
     CaptureError,
     FrameTimeoutError,
     NoCameraError,
     NoPermissionError,
-    UnpluggedError,
 )
 from robsim.capture._jpeg import decoded
-from robsim.capture._multipart import Parts
 
 _WAIT = 0.1  # s in one call
 _AT_ONCE = 1 << 18  # bytes
@@ -29,7 +27,7 @@ _LONGEST_HEAD = 1 << 16  # bytes
 
 
 class HttpCamera:
-    """The camera in Python of an address. It needs no OpenCV, and waits for ever without harm.
+    """The camera in Python of an address. It needs no OpenCV; the interpreter decodes alone.
 
     Parameters
     ----------
@@ -42,34 +40,41 @@ class HttpCamera:
     def __init__(self, url: str, open_timeout: float) -> None:
         parts = urlsplit(url)
         try:
-            self._port = parts.port or (443 if parts.scheme == "https" else 80)
+            self._port = parts.port or 80
         except ValueError as error:
             raise ValueError(f"source must be an address, got {one_line(url)}: {error}") from None
         if not parts.hostname:
             raise ValueError(f"source must be an address with a host, got {one_line(url)}")
         self._host = parts.hostname
         self._path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
-        self._is_secure = parts.scheme == "https"
         self._login = None
         if parts.username is not None:
             login = f"{unquote(parts.username)}:{unquote(parts.password or '')}"
             self._login = base64.b64encode(login.encode()).decode()
-        self.name = f"{parts.scheme}://{self._host}:{self._port}{one_line(self._path)}"
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        self._authority = f"{host}:{self._port}"
+        self.name = f"http://{self._authority}{one_line(self._path)}"
         self._open_timeout = open_timeout
-        self._socket: socket.socket | None = None
-        self._parts = Parts(b"")
+        self._stream: ImageStream | None = None
 
     def open(self) -> None:
         """Ask for the stream."""
         self.close()
         end = time.monotonic() + self._open_timeout
         try:
-            self._socket = socket.create_connection((self._host, self._port), self._open_timeout)
-            if self._is_secure:
-                context = ssl.create_default_context()
-                self._socket = context.wrap_socket(self._socket, server_hostname=self._host)
-            self._socket.sendall(self._request())
-            head, rest = self._head(self._socket, end)
+            with socket.create_connection((self._host, self._port), self._open_timeout) as line:
+                line.sendall(self._request())
+                head, begun = self._head(line, end)
+                boundary, is_chunked = self._form(head)
+                self._stream = ImageStream(
+                    line.fileno(),
+                    boundary=boundary,
+                    begun=begun,
+                    is_chunked=is_chunked,
+                    name=self.name,
+                )
+        except CaptureError:
+            raise
         except TimeoutError:
             raise FrameTimeoutError(
                 f"{self.name} did not answer within {self._open_timeout:g} s: is it on, and does "
@@ -80,12 +85,9 @@ class HttpCamera:
                 f"{self.name} cannot be reached ({cut(error)}): is the camera on, and are host "
                 "and port right?"
             ) from error
-        self._parts = Parts(self._boundary(head))
-        self._parts.feed(rest)
-        self._socket.settimeout(_WAIT)
 
     def _request(self) -> bytes:
-        lines = [f"GET {self._path} HTTP/1.0", f"Host: {self._host}:{self._port}"]
+        lines = [f"GET {self._path} HTTP/1.0", f"Host: {self._authority}"]
         if self._login is not None:
             lines.append(f"Authorization: Basic {self._login}")
         return "\r\n".join([*lines, "", ""]).encode("ascii", "replace")
@@ -101,7 +103,8 @@ class HttpCamera:
         head, _, rest = data.partition(b"\r\n\r\n")
         return head + b"\r\n\r\n", rest
 
-    def _boundary(self, head: bytes) -> bytes:
+    def _form(self, head: bytes) -> tuple[bytes, bool]:
+        """Return the boundary of the parts, and whether the stream comes in chunks."""
         stream = io.BytesIO(head)
         words = stream.readline().decode("latin-1").strip().split(None, 2)
         status = words[1] if len(words) > 1 else ""
@@ -124,31 +127,21 @@ class HttpCamera:
                 f"{self.name} sends {cut(headers.get_content_type())} and no MJPEG stream: give "
                 "the address of that, or back_end='ffmpeg'"
             )
-        return boundary.encode("latin-1", "replace")
+        # Many small cameras answer so even where HTTP/1.0 is asked for.
+        is_chunked = headers.get("Transfer-Encoding", "").strip().lower() == "chunked"
+        return boundary.strip('" ').encode("latin-1", "replace"), is_chunked
 
-    def read(self) -> tuple[Any, None] | None:
-        """Return the next image, or None if none has come yet."""
-        assert self._socket is not None
-        end = time.monotonic() + _WAIT
-        while (part := self._parts.next()) is None:
-            if time.monotonic() > end:
-                return None
-            try:
-                received = self._socket.recv(_AT_ONCE)
-            except TimeoutError:
-                return None
-            except OSError as error:
-                raise UnpluggedError(f"{self.name} broke off: {cut(error)}") from error
-            if not received:
-                raise UnpluggedError(
-                    f"{self.name} has ended the stream: is the camera off, or is another reader "
-                    "connected?"
-                )
-            self._parts.feed(received)
-        return decoded(part), None
+    def read(self) -> tuple[Any, None, float, int, int] | None:
+        """Return the newest image, or None if none has come yet."""
+        assert self._stream is not None
+        taken = self._stream.take(_WAIT)
+        if taken is None:
+            return None
+        jpeg, arrived, n_passed, n_torn = taken
+        if not jpeg:
+            return None, None, arrived, 0, n_torn - 1
+        return decoded(jpeg), None, arrived, n_passed, n_torn
 
     def close(self) -> None:
         """Close the connection."""
-        if self._socket is not None:
-            self._socket.close()
-        self._socket = None
+        self._stream = None

@@ -63,11 +63,11 @@ def source_of(
 
 
 def _address(url: str, back_end: str | None, dt: float | None, open_timeout: float) -> Source:
-    is_http = urlsplit(url).scheme in ("http", "https")
+    is_http = urlsplit(url).scheme == "http"
     chosen = _choice(back_end, ("http", *OF_ADDRESSES)) or ("http" if is_http else "ffmpeg")
     if chosen == "http":
         if not is_http:
-            raise ValueError(f"back_end 'http' reads http:// and https:// alone, got {quoted(url)}")
+            raise ValueError(f"back_end 'http' reads http:// alone, got {quoted(url)}")
         from robsim.capture._http import HttpCamera  # what it needs costs milliseconds
 
         http = HttpCamera(url, open_timeout)
