@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace robsim {
 
@@ -10,15 +11,18 @@ namespace {
 constexpr double most_drift = 1e-4;  // of a device's clock against ours, s/s
 constexpr double shortest = 1e-6;    // s between two frames
 
+constexpr double early = 0.25;         // intervals by which a frame may seem to come early
 constexpr double creep = 0.02;         // towards a frame that came late
-constexpr double first_measured = 10;  // intervals, over which their length is measured
+constexpr double first_measured = 16;  // intervals, over which their length is measured
 constexpr double most_measured = 160;
 constexpr double credible = 0.25;  // relative deviation of the interval from what is seen
 
 }  // namespace
 
 FrameClock::FrameClock(std::optional<double> interval)
-    : interval_(interval.value_or(0)), measured_(interval ? most_measured : first_measured) {}
+    : interval_(interval.value_or(0)),
+      is_known_(interval),
+      measured_(interval ? most_measured : first_measured) {}
 
 double FrameClock::time_of(const Captured& captured) {
   double time;
@@ -62,15 +66,17 @@ double FrameClock::by_arrival(double arrived) {
     return arrived;
   }
   // t' = t + n T;  t = min(t' + c (arrival - t'), arrival)
-  const double intervals = std::max(1.0, std::round((arrived - *last_) / interval_));
+  const double intervals = std::max(1.0, std::floor((arrived - *last_) / interval_ + early));
   const double predicted = *last_ + intervals * interval_;
-  n_since_mark_ += intervals;
+  const double time = std::min(predicted + creep * (arrived - predicted), arrived);
+  // A frame that came very late was taken for a later one: those behind it tell.
+  n_since_mark_ += intervals - std::max(0.0, std::round((predicted - arrived) / interval_));
   if (n_since_mark_ >= measured_) {
     interval_ = (arrived - mark_) / n_since_mark_;
     measured_ = std::min(2 * measured_, most_measured);
     mark(arrived);
   }
-  return std::min(predicted + creep * (arrived - predicted), arrived);
+  return time;
 }
 
 void FrameClock::mark(double arrived) {
@@ -82,13 +88,16 @@ void FrameClock::mark(double arrived) {
 bool FrameClock::has_new_interval(double arrived) {
   differences_[n_differences_++ % watched] = arrived - *last_arrival_;
   const std::size_t count = std::min(n_differences_, watched);
-  if (interval_ > 0 && count < watched) return false;
+  if (is_known_ && count < watched) return false;
   auto sorted = differences_;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
-  if (*middle <= 0 || std::abs(*middle - interval_) <= credible * interval_) return interval_ <= 0;
-  interval_ = *middle;
-  return true;
+  const double before = interval_;
+  if (*middle > 0 && (!is_known_ || std::abs(*middle - interval_) > credible * interval_)) {
+    interval_ = *middle;
+  }
+  const bool was_known = std::exchange(is_known_, is_known_ || count == watched);
+  return was_known ? interval_ != before : before <= 0;
 }
 
 }  // namespace robsim

@@ -31,6 +31,7 @@ class FrameClock {
   static constexpr std::size_t watched = 15;
 
   double interval_;  // s; 0: not known yet
+  bool is_known_;    // but for its last digits
   std::optional<double> last_, last_arrival_;
   std::optional<double> device_last_;
   double offset_ = 0;        // of our clock over the device's, s
