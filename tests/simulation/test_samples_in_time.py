@@ -160,3 +160,36 @@ def test_the_rate_of_the_frames_can_be_told():
     )
     run()
     assert len(sim.trace) == 30
+
+
+def live_observations(times):
+    image = np.zeros((64, 64, 3), np.uint8)
+    for k, t in enumerate(times):
+        yield robsim.Observation(
+            robsim.Frame(image, t=t, epoch=0.0, index=k), measurement=(10.0 * t, 5.0, 0.0)
+        )
+
+
+def live(times):
+    samples = []
+    experiment = robsim.Experiment(
+        live_observations(times),
+        area=(64, 64),
+        control=lambda step: (0.1, 0.1),
+        estimate_parameters=lambda step: samples.append(step.sample and step.sample.k),
+    )
+    return experiment, samples
+
+
+def test_a_live_frame_out_of_turn_interrupts_the_record_and_ends_no_run():
+    experiment, samples = live([0.0, 0.2, 0.4, 0.6, 0.87, 1.0, 1.2, 1.4, 1.6])
+    experiment.run()
+    # That of step 4 came 0.07 s late, and the one after it so much sooner.
+    assert samples == [None, None, None, 2, 3, None, None, None, 7]
+
+
+def test_a_camera_of_another_rate_is_refused_all_the_same():
+    experiment, _ = live(0.07 * np.arange(30))
+    with pytest.raises(ValueError, match=r"step\.dt must be a multiple of the model's dt"):
+        experiment.run()
+    assert len(experiment.trace) < 15

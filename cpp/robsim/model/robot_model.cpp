@@ -124,12 +124,14 @@ Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, 
   return {regressors(pose_1, pose_2, u), {pose.x, pose.y, heading}};
 }
 
-int model_steps(double time, double dt) {
+bool is_multiple(double time, double dt) {
   const double steps = std::round(time / dt);
-  if (steps >= 1 && steps <= std::numeric_limits<int>::max() &&
-      std::abs(time - steps * dt) <= dt / 4) {
-    return static_cast<int>(steps);
-  }
+  return steps >= 1 && steps <= std::numeric_limits<int>::max() &&
+         std::abs(time - steps * dt) <= dt / 4;
+}
+
+int model_steps(double time, double dt) {
+  if (is_multiple(time, dt)) return static_cast<int>(std::round(time / dt));
   std::ostringstream message;
   message << "step.dt must be a multiple of the model's dt, " << dt << " s, got " << time
           << ": the model must have the dt of the frames, as sim.model has that of the run";

@@ -47,6 +47,9 @@ PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, cons
 /// `pose_1`.
 Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u);
 
+/// True if a time (s) is a multiple of dt, at least one, within dt / 4.
+bool is_multiple(double time, double dt);
+
 /// The number of steps of a model with this dt (s) in a time (s): several if frames were lost.
 /// Throws std::invalid_argument if the time is not a multiple of dt, at least one, within dt / 4.
 int model_steps(double time, double dt);

@@ -208,7 +208,8 @@ Arrival Loop::begin_step() {
   const double gap = k > 0 ? t - robot_.step()->t : dt;
   follows_stop_ = std::exchange(is_interrupted_, false) || observation_.interrupted;
   robot_.begin_step(k, interval(gap, t, dt, follows_stop_), observation_, camera_);
-  samples_.begin(*robot_.step(), robot_.model(), observation_.last_u, follows_stop_);
+  samples_.begin(*robot_.step(), robot_.model(), observation_.last_u, follows_stop_,
+                 world_->is_live());
   return Arrival::step;
 }
 

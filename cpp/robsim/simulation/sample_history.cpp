@@ -4,14 +4,21 @@
 
 namespace robsim {
 
+namespace {
+
+constexpr int most_off_beat = 10;  // steps; if there are more, the camera has another rate
+
+}  // namespace
+
 void SampleHistory::reset() { *this = SampleHistory(identify_from_); }
 
 void SampleHistory::begin(const Step& step, const RobotModel& model,
-                          const std::optional<Input>& last_u, bool is_interrupted) {
+                          const std::optional<Input>& last_u, bool is_interrupted, bool is_live) {
   const bool is_exact = step.dt == model.dt();
   const std::int64_t n = is_exact ? 1 : std::llround(step.dt / model.dt());
-  follows_ = n == 1 && !is_interrupted;
-  if (step.k > 0 && !is_interrupted) {
+  off_beat_ = is_live && !is_exact && !is_multiple(step.dt, model.dt()) ? off_beat_ + 1 : 0;
+  follows_ = n == 1 && !is_interrupted && off_beat_ == 0;
+  if (step.k > 0 && !is_interrupted && off_beat_ == 0) {
     time_ += step.dt;
     n_steps_ += n;
   }
@@ -19,7 +26,7 @@ void SampleHistory::begin(const Step& step, const RobotModel& model,
 }
 
 void SampleHistory::check_interval(const Step& step, const RobotModel& model) const {
-  if (step.dt == model.dt()) return;
+  if (step.dt == model.dt() || (off_beat_ > 0 && off_beat_ < most_off_beat)) return;
   model.steps_in(step.dt);
   check_mean_interval(time_, n_steps_, model.dt());
 }

@@ -20,15 +20,16 @@ class SampleHistory {
   void reset();
 
   /// Begins a step of a model; `last_u` is the input since the last one, if others know it better.
-  /// `is_interrupted`: the robot was stopped since the last one.
+  /// `is_interrupted`: the robot was stopped since the last one. `is_live`: a frame that came at
+  /// another time than its turn interrupts the record, and is no error.
   void begin(const Step& step, const RobotModel& model, const std::optional<Input>& last_u,
-             bool is_interrupted);
+             bool is_interrupted, bool is_live);
 
   /// Gives a step the newest complete sample, unless it has one: that of this step from truth, that
   /// of the step before otherwise.
   void write_newest(Step& step, const Truth* truth) const;
 
-  /// Throws std::invalid_argument if the steps are not those of the model.
+  /// Throws std::invalid_argument if the steps are not those of the model: live, if that goes on.
   void check_interval(const Step& step, const RobotModel& model) const;
 
   /// Ends a step.
@@ -47,6 +48,7 @@ class SampleHistory {
   IdentifyFrom identify_from_;
   std::array<Past, 3> past_;  // the newest first
   bool follows_ = true;       // this step does from the one before
+  int off_beat_ = 0;          // steps up to this one that came at another time than their turn
   double time_ = 0;           // s, of all steps
   std::int64_t n_steps_ = 0;  // of the model, in that time
 };
