@@ -489,3 +489,18 @@ def test_an_experiment_drives_a_robot_at_the_end_of_a_line(robot, motors):
     assert sent == [1, 2, 3, 4, 5]
     wait_for(lambda: robot.input[0] == 0)
     assert re.match(r"<UdpMotors '127\.0\.0\.1:\d+', ttl=0\.06>", repr(motors))
+
+
+def test_a_robot_that_is_switched_on_later_is_driven():
+    with MotorReceiver() as robot:
+        port = robot.port
+    motors = UdpMotors("127.0.0.1", port, ttl=TTL)
+    motors((1, 1))
+    time.sleep(0.1)  # it is refused, and stops
+    with pytest.raises(LineError, match="nothing listens there"):
+        motors((1, 1))
+    time.sleep(0.1)  # nothing hears this, either
+    with MotorReceiver(port) as robot:
+        motors((1, 2))  # what became of the stop is no matter of this one
+        wait_for(lambda: robot.counts.valid)
+        motors.close()

@@ -52,7 +52,7 @@ struct MotorLink::State {
   void begin_stop();
   void tell_to_stop();
   void schedule(double time);
-  void throw_error();
+  void throw_error(std::optional<std::string>& error);
   bool is_over() const { return is_closing && (mode == Mode::idle || n_stops >= quick_stops); }
 
   enum class Mode { idle, driving, stopping };
@@ -74,7 +74,8 @@ struct MotorLink::State {
   double next = never;      // when the thread writes again
   double asleep_until = 0;  // when it looks at `next`
   std::uint16_t number = 0;
-  std::optional<std::string> error;     // which nobody has been told of
+  // Which nobody has been told of: of an input, of telling it to stop.
+  std::optional<std::string> error, stop_error;
   std::array<double, 64> written_at{};  // the newest lines, by number
   std::deque<double> round_trips;
   EventLog log;
@@ -126,7 +127,7 @@ void MotorLink::State::listen() {
       }
     }
   } catch (const LineError& failure) {
-    error = failure.what();
+    (mode == Mode::driving ? error : stop_error) = failure.what();
     if (mode == Mode::driving) begin_stop();
   }
 }
@@ -149,6 +150,7 @@ double MotorLink::State::write(Command::Kind kind, MotorEvent::Kind event) {
 
 void MotorLink::State::begin_stop() {
   mode = Mode::stopping;
+  stop_error.reset();
   n_stops = 0;
   stop_until = monotonic_now() + stop_time;
   tell_to_stop();
@@ -158,7 +160,7 @@ void MotorLink::State::tell_to_stop() {
   try {
     write(Command::Kind::stop, MotorEvent::Kind::stop);
   } catch (const LineError& failure) {
-    error = failure.what();
+    stop_error = failure.what();
   }
   const double now = monotonic_now();
   if (++n_stops < quick_stops) {
@@ -176,11 +178,8 @@ void MotorLink::State::schedule(double time) {
   if (next < asleep_until) wake.ring();
 }
 
-void MotorLink::State::throw_error() {
-  if (!error) return;
-  const std::string message = *error;
-  error.reset();
-  throw LineError(message);
+void MotorLink::State::throw_error(std::optional<std::string>& error) {
+  if (error) throw LineError(*std::exchange(error, std::nullopt));
 }
 
 double MotorLink::State::send(const Input& input) {
@@ -191,7 +190,7 @@ double MotorLink::State::send(const Input& input) {
     throw HaltedError("the robot at " + line.name() +
                       " was halted: it takes no input before resume()");
   }
-  throw_error();
+  throw_error(error);
   u = rounded;
   try {
     const double now = write(Command::Kind::input, MotorEvent::Kind::input);
@@ -210,7 +209,7 @@ double MotorLink::State::stop() {
   const std::lock_guard lock(mutex);
   if (is_closing) return monotonic_now();
   begin_stop();
-  throw_error();
+  throw_error(stop_error);
   return monotonic_now();
 }
 
@@ -225,7 +224,8 @@ void MotorLink::State::close() {
   wake.ring();
   thread.join();
   line.close();
-  throw_error();
+  throw_error(error);
+  throw_error(stop_error);
 }
 
 MotorLink::MotorLink(Line line, double time_to_live, double hold)
