@@ -8,6 +8,7 @@ import sys
 import textwrap
 import threading
 import time
+import traceback
 import weakref
 
 import numpy as np
@@ -301,3 +302,31 @@ def test_a_camera_whose_end_was_read_can_go():
     del camera
     gc.collect()
     assert kept() is None
+
+
+def test_an_error_that_is_told_again_has_one_traceback():
+    source = SteppedCamera([np.zeros((24, 32, 3), np.uint8), UnpluggedError("gone")])
+    source.permits.release(2)
+    lengths = []
+    with robsim.Camera(source) as camera:
+        read_on(camera)
+        for _ in range(5):
+            with pytest.raises(UnpluggedError) as told:
+                camera.read()
+            lengths.append(len(list(traceback.walk_tb(told.value.__traceback__))))
+    assert len(set(lengths)) == 1
+
+
+def test_a_run_that_was_stopped_while_it_waited_does_not_count_for_the_next():
+    source = SteppedCamera([np.zeros((24, 32, 3), np.uint8)] * 2)
+    source.permits.release()
+    with robsim.Camera(source) as camera:
+        experiment = robsim.Experiment(
+            camera, send=lambda u: None, control=lambda step: (0, 0), frame_timeout=0.4
+        )
+        experiment.run(1)
+        threading.Timer(0.15, experiment.stop).start()
+        experiment.run(1)
+        time.sleep(0.4)
+        threading.Timer(0.15, source.permits.release).start()
+        assert experiment.run(1).t.size == 2

@@ -74,7 +74,7 @@ class FrameSource:
         self._iterator = iter(frames)
         self._timeout = timeout
         self._is_polled = self._poll is None and (is_polled or not math.isinf(timeout))
-        self._since: float | None = None  # when the camera was first asked for a frame
+        self._since: float | None = None  # when this run first asked the camera for a frame
         self._reader: _Reader | None = None
         self._reading = threading.Lock()
         self._has_begun = False
@@ -110,10 +110,14 @@ class FrameSource:
     def reading(self) -> Iterator[None]:
         """Read inside the context, in a thread of its own if the loop must not wait for a frame."""
         # A second run beside the first one, which the loop refuses, must not touch its thread.
-        if not self._is_polled or not self._reading.acquire(blocking=False):
+        if not self._reading.acquire(blocking=False):
             yield
             return
         try:
+            self._since = None
+            if not self._is_polled:
+                yield
+                return
             if self._reader is None:
                 self._reader = _Reader(self._iterator)
             with self._reader.running():
