@@ -24,11 +24,6 @@ BOARD = r"""
 uint32_t now = 0;
 uint32_t millis() { return now; }
 void drive(float u1, float u2) { std::printf("%u %.4f %.4f\n", now, u1, u2); }
-uint16_t _crc_xmodem_update(uint16_t sum, uint8_t byte) {
-  sum ^= byte << 8;
-  for (int bit = 0; bit < 8; ++bit) sum = sum & 0x8000 ? (sum << 1) ^ 0x1021 : sum << 1;
-  return sum;
-}
 struct {
   std::string bytes;
   void begin(long) {}
@@ -55,8 +50,7 @@ int main() {
 @pytest.fixture(scope="module")
 def driven(tmp_path_factory):
     folder = tmp_path_factory.mktemp("firmware")
-    firmware = example("cpp").replace("#include <util/crc16.h>", "")
-    (folder / "board.cpp").write_text(BOARD.replace("FIRMWARE", firmware))
+    (folder / "board.cpp").write_text(BOARD.replace("FIRMWARE", example("cpp")))
     command = ["c++", "-std=c++17", "-w", "-o", folder / "board", folder / "board.cpp"]
     subprocess.run(command, check=True)
 
