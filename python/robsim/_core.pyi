@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Lens', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'trace_schema', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Lens', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'trace_schema', 'view_warp', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -250,6 +250,12 @@ class PythonCamera(CaptureDevice):
         Whether the images are in OpenCV's order; otherwise they are RGB.
     """
     def __init__(self, camera: typing.Any, *, bgr: bool = False) -> None:
+        ...
+class StreamedCamera(CaptureDevice):
+    """
+    A camera that another process reads: open() of its object returns the descriptor of a socket that frames come from, and close() ends the process.
+    """
+    def __init__(self, camera: typing.Any) -> None:
         ...
 class Grabber:
     """

@@ -121,7 +121,7 @@ void bind_image_stream(py::module_& module) {
           [](ImageStream& self, double timeout) -> py::object {
             std::optional<ImageStream::Taken> taken;
             {
-              const py::gil_scoped_release work;
+              const WithoutInterpreter work;
               taken = self.take(timeout);
             }
             if (!taken) return py::none();
@@ -157,6 +157,12 @@ bgr : bool
     Whether the images are in OpenCV's order; otherwise they are RGB.
 )")
       .def(py::init<py::object, bool>(), py::arg("camera"), py::kw_only(), py::arg("bgr") = false);
+  Class<StreamedCamera, CaptureDevice, std::shared_ptr<StreamedCamera>>(
+      public_in(module, "robsim._core"), "StreamedCamera",
+      "A camera that another process reads: open() of its object returns the descriptor of a "
+      "socket "
+      "that frames come from, and close() ends the process.")
+      .def(py::init<py::object>(), py::arg("camera"));
   Class<SharedGrabber>(public_in(module, "robsim._core"), "Grabber",
                        "The thread that reads a camera. Users take robsim.Camera.")
       .def(py::init(&make_grabber), py::arg("device"), py::kw_only(), py::arg("every") = 1,

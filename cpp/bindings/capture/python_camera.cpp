@@ -1,6 +1,5 @@
 #include "capture/python_camera.hpp"
 
-#include <array>
 #include <optional>
 #include <utility>
 
@@ -10,17 +9,6 @@
 namespace robsim::bindings {
 
 namespace {
-
-constexpr std::array<std::pair<const char*, CaptureFault>, 8> faults{{
-    {"no_back_end", CaptureFault::no_back_end},
-    {"no_permission", CaptureFault::no_permission},
-    {"no_camera", CaptureFault::no_camera},
-    {"busy", CaptureFault::busy},
-    {"time_out", CaptureFault::time_out},
-    {"unplugged", CaptureFault::unplugged},
-    {"end", CaptureFault::end},
-    {"failed", CaptureFault::failed},
-}};
 
 // Throws the exception that Python has raised, as one that needs no interpreter.
 [[noreturn]] void pass_on(py::error_already_set& error) {
@@ -59,20 +47,6 @@ SharedObject shared_object(py::object object) {
           }};
 }
 
-CaptureFault fault_of(const std::string& name) {
-  for (const auto& [key, fault] : faults) {
-    if (name == key) return fault;
-  }
-  return CaptureFault::failed;
-}
-
-const char* name_of(CaptureFault fault) {
-  for (const auto& [key, value] : faults) {
-    if (value == fault) return key;
-  }
-  return "failed";
-}
-
 py::object PythonCamera::call(const char* method) const {
   return py::handle(camera_.get()).attr(method)();
 }
@@ -107,6 +81,24 @@ std::optional<Captured> PythonCamera::next(ImagePool& pool) {
   } catch (const py::builtin_exception& error) {
     throw CaptureError(CaptureFault::failed, error.what());
   }
+}
+
+void StreamedCamera::open() {
+  const py::gil_scoped_acquire interpreter;
+  try {
+    const int descriptor = call("open").cast<int>();
+    const auto name = py::handle(camera()).attr("name").cast<std::string>();
+    stream_ = std::make_unique<PixelStream>(descriptor, name);
+  } catch (py::error_already_set& error) {
+    pass_on(error);
+  }
+}
+
+std::optional<Captured> StreamedCamera::next(ImagePool& pool) { return stream_->next(pool); }
+
+void StreamedCamera::close() noexcept {
+  stream_.reset();
+  PythonCamera::close();
 }
 
 void PythonCamera::close() noexcept {

@@ -5,6 +5,7 @@
 
 #include "python/numpy.hpp"
 #include "robsim/capture/capture_device.hpp"
+#include "robsim/capture/pixel_stream.hpp"
 
 namespace robsim::bindings {
 
@@ -24,10 +25,6 @@ class PythonCaptureError : public CaptureError {
   SharedObject raised_;
 };
 
-/// The fault of a name, "time_out" of CaptureFault::time_out; `failed` where there is none.
-CaptureFault fault_of(const std::string& name);
-const char* name_of(CaptureFault fault);
-
 /// A camera in Python, with `open()`, `read()` and `close()`. The interpreter is held for these
 /// calls alone; pixels are copied without it.
 class PythonCamera : public CaptureDevice {
@@ -40,10 +37,26 @@ class PythonCamera : public CaptureDevice {
   void close() noexcept override;
 
  private:
-  py::object call(const char* method) const;
-
   SharedObject camera_;
   bool bgr_;
+
+ protected:
+  py::object call(const char* method) const;
+  PyObject* camera() const { return camera_.get(); }
+};
+
+/// A camera in another process. `open()` of its object in Python returns the descriptor of a socket
+/// that frames come from; they are read without the interpreter.
+class StreamedCamera : public PythonCamera {
+ public:
+  explicit StreamedCamera(py::object camera) : PythonCamera(std::move(camera), true) {}
+
+  void open() override;
+  std::optional<Captured> next(ImagePool& pool) override;
+  void close() noexcept override;
+
+ private:
+  std::unique_ptr<PixelStream> stream_;
 };
 
 }  // namespace robsim::bindings

@@ -22,6 +22,10 @@ enum class CaptureFault {
   failed
 };
 
+/// The fault of a name, "time_out" of CaptureFault::time_out; `failed` where there is none.
+CaptureFault fault_of(const std::string& name);
+const char* name_of(CaptureFault fault);
+
 class CaptureError : public std::runtime_error {
  public:
   CaptureError(CaptureFault fault, const std::string& text)

@@ -77,8 +77,8 @@ class Camera:
         Width and height of the frames (px), asked of a camera by number. Frames of another size are
         an error.
     fps : float, optional
-        Frames per second, asked of a camera by number; of a folder, the rate at which it is played.
-        Default: that of the camera or file.
+        Frames per second: asked of a camera by number; that of an address, which tells none; the
+        rate at which a folder is played. Default: that of the file; otherwise `dt` is unknown.
     every : int
         Only each n-th frame is handed over.
     open_timeout : float
@@ -118,7 +118,8 @@ class Camera:
     -----
     The times of the frames (s) start at the first one: ``t`` is that of the exposure, as far as the
     camera lets it be known, ``t_arrival`` that of the arrival. A camera belongs to the process that
-    opened it.
+    opened it. OpenCV reads in a process of its own, which ends with the camera: so a callback that
+    keeps the interpreter sees fresh frames all the same. On Windows it reads in this one.
 
     Examples
     --------

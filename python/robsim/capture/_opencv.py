@@ -8,8 +8,6 @@ import time
 from typing import Any
 from urllib.parse import urlsplit
 
-import numpy as np
-
 from robsim._base.text import cut, one_line
 from robsim.capture._errors import (
     CameraBusyError,
@@ -79,6 +77,11 @@ class OpenCvCamera:
         fps: float | None = None,
         open_timeout: float = 5.0,
     ) -> None:
+        #: The arguments, to open it elsewhere.
+        self.options: dict[str, Any] = {
+            **{"source": source, "back_end": back_end, "size": size, "fps": fps},
+            "open_timeout": open_timeout,
+        }
         self._source = source
         self._node = f"/dev/video{source}" if back_end == "v4l2" else None
         self.name = _without_login(source) if isinstance(source, str) else f"camera {source}"
@@ -96,16 +99,19 @@ class OpenCvCamera:
         self._wanted = {"CAP_PROP_FPS": fps}
         if size is not None:
             self._wanted |= {"CAP_PROP_FRAME_WIDTH": size[0], "CAP_PROP_FRAME_HEIGHT": size[1]}
-        self._open_timeout = open_timeout
+        self.open_timeout = open_timeout
         self._has_timeouts = back_end == "ffmpeg"
         self._capture: Any = None
         self._is_raw = False
 
-    def open(self) -> None:
-        """Open it."""
-        self.close()
+    def check(self) -> None:
+        """Raise what can be known to be wrong without opening it."""
         if self._node is not None:
             _check_node(self._node)
+
+    def open(self) -> None:
+        """Open it, after `check`."""
+        self.close()
         with quiet(self._cv2):
             self._capture = self._cv2.VideoCapture(self._source, self._back_end, self._parameters())
         if self._capture.isOpened():
@@ -135,7 +141,7 @@ class OpenCvCamera:
                 if value is not None:
                     parameters += [getattr(cv2, name), round(value)]
         elif self._has_timeouts:
-            parameters += [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, round(1000 * self._open_timeout)]
+            parameters += [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, round(1000 * self.open_timeout)]
             parameters += [cv2.CAP_PROP_READ_TIMEOUT_MSEC, round(1000 * _STALL)]
             parameters += [cv2.CAP_PROP_N_THREADS, 1]  # more hold back a frame each
         return parameters
@@ -154,10 +160,10 @@ class OpenCvCamera:
             port = parts.port or {"rtsp": 554, "http": 80, "https": 443}.get(parts.scheme)
             if port is None or not parts.hostname:
                 return
-            socket.create_connection((parts.hostname, port), self._open_timeout).close()
+            socket.create_connection((parts.hostname, port), self.open_timeout).close()
         except TimeoutError:
             raise FrameTimeoutError(
-                f"{self.name} did not answer within {self._open_timeout:g} s: is it on, and does "
+                f"{self.name} did not answer within {self.open_timeout:g} s: is it on, and does "
                 "the address lead to it?"
             ) from None
         except (OSError, ValueError) as error:
@@ -166,15 +172,18 @@ class OpenCvCamera:
                 "and port right?"
             ) from error
 
-    def read(self) -> tuple[Any, None]:
-        """Return the next image; None in its place if it was torn."""
+    def read(self) -> tuple[Any, bool, float]:
+        """Return the next image, whether it is BGR, and when it arrived; None if it was torn."""
         begun = time.monotonic()
         with quiet(self._cv2):
-            is_read, pixels = self._capture.read()
+            is_read = self._capture.grab()
+            arrived = time.monotonic()
+            if is_read:
+                is_read, pixels = self._capture.retrieve()
         if is_read and self._is_raw:
-            return _reversed(decoded(pixels.tobytes())), None
+            return decoded(pixels.tobytes()), False, arrived
         if is_read:
-            return pixels, None
+            return pixels, True, arrived
         if time.monotonic() - begun > 0.9 * _STALL:
             raise FrameTimeoutError(f"{self.name} has sent nothing for {_STALL:g} s")
         raise UnpluggedError(f"{self.name} delivers no more: was it switched off or unplugged?")
@@ -201,10 +210,6 @@ def no_permission(node: str) -> str:
         f"no permission to read {node}: add yourself to its group (sudo usermod -aG video $USER) "
         "and log in again"
     )
-
-
-def _reversed(rgb: Any) -> Any:
-    return None if rgb is None else np.ascontiguousarray(rgb[:, :, ::-1])
 
 
 def _without_login(url: str) -> str:

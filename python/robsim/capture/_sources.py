@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 
 from robsim._base.checks import check_choice, check_int, is_int
 from robsim._base.text import one_line, quoted
-from robsim._core import CaptureDevice, PlaneMap, PythonCamera
+from robsim._core import CaptureDevice, PlaneMap, PythonCamera, StreamedCamera
 from robsim.capture._opencv import OF_ADDRESSES, OF_INDICES, OpenCvCamera, back_end_of_system
 from robsim.capture._playback import Playback
 
@@ -49,7 +49,7 @@ def source_of(
         index = check_int("source", source, minimum=0, maximum=99)
         chosen = _choice(back_end, OF_INDICES) or back_end_of_system()
         camera = OpenCvCamera(index, chosen, size=size, fps=fps)
-        return Source(camera.name, PythonCamera(camera, bgr=True), dt=dt)
+        return Source(camera.name, _device(camera), dt=dt)
     if isinstance(source, str) and re.match(r"[a-z][a-z0-9+.-]+://", source):
         return _address(source, back_end, dt, open_timeout)
     if isinstance(source, (str, PathLike)):
@@ -73,7 +73,15 @@ def _address(url: str, back_end: str | None, dt: float | None, open_timeout: flo
         http = HttpCamera(url, open_timeout)
         return Source(http.name, PythonCamera(http), dt=dt)
     stream = OpenCvCamera(url, chosen, open_timeout=open_timeout)
-    return Source(stream.name, PythonCamera(stream, bgr=True), dt=dt)
+    return Source(stream.name, _device(stream), dt=dt)
+
+
+def _device(camera: OpenCvCamera) -> CaptureDevice:
+    from robsim.capture._opencv_process import OpenCvHere, OpenCvProcess, is_possible
+
+    if is_possible():
+        return StreamedCamera(OpenCvProcess(camera))
+    return PythonCamera(OpenCvHere(camera), bgr=True)
 
 
 def _choice(back_end: str | None, choices: tuple[str, ...]) -> str | None:
