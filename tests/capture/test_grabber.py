@@ -317,16 +317,17 @@ def test_an_error_that_is_told_again_has_one_traceback():
     assert len(set(lengths)) == 1
 
 
+@pytest.mark.long
 def test_a_run_that_was_stopped_while_it_waited_does_not_count_for_the_next():
     source = SteppedCamera([np.zeros((24, 32, 3), np.uint8)] * 2)
     source.permits.release()
     with robsim.Camera(source) as camera:
         experiment = robsim.Experiment(
-            camera, send=lambda u: None, control=lambda step: (0, 0), frame_timeout=0.4
+            camera, send=lambda u: None, control=lambda step: (0, 0), frame_timeout=1
         )
         experiment.run(1)
         threading.Timer(0.15, experiment.stop).start()
         experiment.run(1)
-        time.sleep(0.4)
+        time.sleep(1)
         threading.Timer(0.15, source.permits.release).start()
         assert experiment.run(1).t.size == 2

@@ -262,7 +262,12 @@ def test_there_is_one_camera():
 def test_an_experiment_drives_the_robot():
     with lab_of() as lab, robsim.Camera(lab) as camera, UdpMotors(lab.address) as motors:
         experiment = robsim.Experiment(
-            camera, send=motors, measure=True, control=lambda step: DRIVE, seed=1
+            camera,
+            send=motors,
+            measure=True,
+            control=lambda step: DRIVE,
+            seed=1,
+            frame_timeout=60,
         )
         trace = experiment.run(40)
         truth = lab.truth

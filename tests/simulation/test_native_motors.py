@@ -36,7 +36,8 @@ def camera():
 
 
 def experiment(send, frames=None, **options):
-    given = {"control": lambda step: (0.5, 0.1), "measure": False, "area": (64, 64)} | options
+    given = {"control": lambda step: (0.5, 0.1), "measure": False, "area": (64, 64)}
+    given |= {"frame_timeout": SOON} | options
     frames = camera() if frames is None else frames
     return robsim.Experiment(frames, send=send, identify_from="truth", **given)
 

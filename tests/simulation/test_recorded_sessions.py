@@ -23,7 +23,12 @@ def control(step):
 def test_what_is_recorded_runs_again_to_the_byte(frames, tmp_path):
     options = {"control": control, "robot": "lab"}
     with robsim.Experiment(
-        frames, send=lambda u: None, record=tmp_path / "session", lossless=True, **options
+        frames,
+        send=lambda u: None,
+        frame_timeout=60,
+        record=tmp_path / "session",
+        lossless=True,
+        **options,
     ) as experiment:
         experiment.run(5)
         trace = experiment.run()
