@@ -45,7 +45,7 @@ std::vector<std::optional<Sample>> samples_from(IdentifyFrom identify_from,
     Truth truth;
     truth.pose = pose_of(step.k);
     truth.bounced = row.bounced;
-    history.begin(step, model, row.last_u, row.is_interrupted);
+    history.begin(step, model, row.last_u, row.is_interrupted, false);
     history.write_newest(step, &truth);
     samples.push_back(step.sample);
     if (row.is_seen) step.measurement = Measurement{pose_of(step.k)};
@@ -116,12 +116,13 @@ TEST(SampleHistory, NobodyKnowsTheTruthOutside) {
 }
 
 // The step at which times are refused, -1 = never.
-std::int64_t refused_at(const std::vector<double>& intervals, bool is_interrupted = false) {
+std::int64_t refused_at(const std::vector<double>& intervals, bool is_interrupted = false,
+                        bool is_live = false) {
   SampleHistory history(IdentifyFrom::measurement);
   Step step(std::make_shared<RunGuard>(), nullptr);
   for (const double interval : intervals) {
     step.dt = interval;
-    history.begin(step, model, {}, is_interrupted);
+    history.begin(step, model, {}, is_interrupted, is_live);
     try {
       history.check_interval(step, model);
     } catch (const std::invalid_argument&) {
@@ -137,6 +138,11 @@ TEST(SampleHistory, OnlyTimesOfTheModelAreAccepted) {
   EXPECT_EQ(refused_at({dt, 0.4 * dt}), 1);
   EXPECT_EQ(refused_at({dt, 1.5 * dt}), 1);
   EXPECT_EQ(refused_at({dt, 1.2 * dt, 0.8 * dt, 2 * dt, 9 * dt}), -1);
+}
+
+TEST(SampleHistory, LiveFramesOutOfTheirTurnAreRefusedIfTheyGoOn) {
+  EXPECT_EQ(refused_at({dt, 1.4 * dt, 0.6 * dt, dt, 0.4 * dt, dt}, false, true), -1);
+  EXPECT_EQ(refused_at(std::vector<double>(30, 0.4 * dt), false, true), 9);
 }
 
 TEST(SampleHistory, TimesThatAreWrongOnAverageAreRefusedAfterTenSteps) {
