@@ -278,7 +278,8 @@ def test_python_ends_without_a_word_though_a_camera_is_open(last):
 @pytest.mark.long
 def test_ctrl_c_ends_the_wait_for_a_frame():
     code = """
-    import threading
+    import signal, threading
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it
     source = python_cameras.SteppedCamera([numpy.zeros((24, 32, 3), numpy.uint8)])
     source.permits.release()
     camera = robsim.Camera(source)

@@ -290,6 +290,8 @@ ALLOWED = {
     "sessions/_writer.py": "appends to new files, so that a killed run is there",
     "simulation/_scenario_file.py": "opens an image in memory",
     "capture/_jpeg.py": "opens an image in memory",
+    "capture/_opencv_process.py": "opens a camera",
+    "capture/_worker.py": "opens a camera",
     "robots/_files.py": "packs in memory",
     "plotting/_style.py": "packs in memory",
     "cli/results.py": "packs in memory",
