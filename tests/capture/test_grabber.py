@@ -146,6 +146,9 @@ def test_what_is_no_image_is_told():
 
 
 @pytest.mark.long
+@pytest.mark.skipif(
+    sanitizers.ADDRESS or sanitizers.THREAD, reason="the sanitizers keep what was freed"
+)
 def test_a_long_stream_needs_no_more_memory():
     import resource
 
