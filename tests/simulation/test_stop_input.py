@@ -330,6 +330,7 @@ def test_the_stop_input_is_sent_in_spite_of_ctrl_c():
 
 
 def test_the_stop_input_is_sent_in_spite_of_ctrl_c_between_two_lines(monkeypatch):
+    gc.collect()  # motors of tests before this one are stopped when they are collected
     stop = Motors.stop
     interrupts = [KeyboardInterrupt()]
 
