@@ -17,8 +17,8 @@ namespace robsim {
 
 namespace {
 
-constexpr double patience_for_frame = 0.1;           // s
-constexpr std::uint32_t most_bytes = 3u * 1u << 28;  // of a frame
+constexpr double patience_for_frame = 0.1;      // s
+constexpr std::uint32_t most_bytes = 3u << 28;  // of a frame: 16384 x 16384 px
 
 }  // namespace
 

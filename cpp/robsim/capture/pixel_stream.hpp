@@ -10,8 +10,7 @@
 
 namespace robsim {
 
-/// Reads frames that another process writes to a socket: for one thread at a time, which may be
-/// closed by another.
+/// Reads frames that another process writes to a socket, for one thread.
 class PixelStream {
  public:
   /// What stands before the pixels, as capture/_worker.py writes it.

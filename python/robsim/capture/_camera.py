@@ -7,7 +7,6 @@ import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass
 from os import PathLike
-from types import TracebackType
 from typing import Any, Self
 
 from robsim import _core
@@ -248,12 +247,7 @@ class Camera:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __repr__(self) -> str:

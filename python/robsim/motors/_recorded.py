@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from threading import Lock
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -90,12 +89,7 @@ class RecordedMotors:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __repr__(self) -> str:
