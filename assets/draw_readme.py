@@ -20,7 +20,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 import robsim
-from robsim.cli.demo import simulate_demo
+from robsim.cli.simulated.demo import simulate_demo
 from robsim.plotting import _style as style
 
 ROOT = Path(__file__).parents[1]

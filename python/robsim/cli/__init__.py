@@ -11,10 +11,11 @@ from typing import Annotated
 
 import typer
 
-from robsim.cli import bench, check, colors, demo, errors, notebooks, robots, run, track
+from robsim.cli import bench, check, colors, errors, notebooks, robots, track
 from robsim.cli.command import Command, Group
 from robsim.cli.live import cameras, live
 from robsim.cli.shared import SWITCH
+from robsim.cli.simulated import demo, run
 
 app = typer.Typer(
     cls=Group,

@@ -9,7 +9,7 @@ import numpy as np
 import typer
 
 from robsim.cli import errors
-from robsim.cli.text import parse_points, whole_number
+from robsim.cli.text import number, parse_points, whole_number
 
 if TYPE_CHECKING:
     from robsim._core import PlaneMap
@@ -72,6 +72,16 @@ Seed = Annotated[
         "one each time.",
     ),
 ]
+CallLimit = Annotated[
+    float | None,
+    typer.Option(
+        "--time-limit",
+        parser=number,
+        metavar="SECONDS",
+        help="Maximum duration of a call of one of your callbacks. Default: none.",
+    ),
+]
+Out = Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")]
 Json = Annotated[
     bool, typer.Option("--json", metavar=SWITCH, help="Print only the numbers, as JSON.")
 ]

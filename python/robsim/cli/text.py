@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from robsim._base.checks import check_size
+from robsim._base.checks import check_float, check_size
 from robsim._base.spelling import suggestion
 from robsim._base.text import quoted
 from robsim.control._by_name import NAMES, POINTS, controller_named
@@ -99,6 +99,18 @@ def parse_headings(option: str, text: str) -> int | None:
     if not text.isdecimal():
         raise ValueError(f"{option} must be a number such as 36, or continuous, got {quoted(text)}")
     return int(text)
+
+
+def parse_speed(option: str, text: str | None) -> float | None:
+    """Return the multiple of real time from text such as 2; inf from max."""
+    if text is None:
+        return None
+    if text == "max":
+        return math.inf
+    if not _is_number(text):
+        raise ValueError(f"{option} must be a number such as 2, or max, got {quoted(text)}")
+    with about(option):
+        return check_float("speed", float(text), exclusive_minimum=0)
 
 
 def _is_number(text: str) -> bool:

@@ -14,6 +14,7 @@ from robsim.cli.shared import (
     Area,
     Colors,
     Json,
+    Out,
     Pixels,
     Positions,
     Robot,
@@ -55,9 +56,7 @@ def track(
             help="Time between two frames in s. Default: from the video; 0.2 for images.",
         ),
     ] = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
-    ] = Path("robsim-track"),
+    out: Out = Path("robsim-track"),
     video: Annotated[
         bool, typer.Option(metavar=SWITCH, help="Write the annotated video, tracked.mp4, too.")
     ] = True,

@@ -15,8 +15,10 @@ from robsim.cli.outcome import finish
 from robsim.cli.shared import (
     SWITCH,
     Area,
+    CallLimit,
     Colors,
     Json,
+    Out,
     Pixels,
     Positions,
     Robot,
@@ -125,7 +127,8 @@ def live(
             "--fps",
             parser=number,
             metavar="RATE",
-            help="Frames per second that the camera is asked for, or a folder is played at.",
+            help="Frames per second: asked of a camera by number; those of an address, which tells "
+            "none; a folder is played at that rate.",
         ),
     ] = None,
     every: Annotated[
@@ -154,18 +157,8 @@ def live(
             "at least 0.1 s.",
         ),
     ] = None,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            "--time-limit",
-            parser=number,
-            metavar="SECONDS",
-            help="Maximum duration of a call of one of your callbacks. Default: none.",
-        ),
-    ] = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
-    ] = Path("robsim-live"),
+    time_limit: CallLimit = None,
+    out: Out = Path("robsim-live"),
     record: Annotated[
         bool | None,
         typer.Option(

@@ -2,28 +2,37 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from robsim.cli import errors
 from robsim.cli.outcome import finish
-from robsim.cli.shared import SWITCH, Colors, Json, Noise, Robot, Seed, Smoothing, earlier_run
-from robsim.cli.text import (
-    about,
-    number,
-    parse_control,
-    parse_dropout,
-    parse_headings,
-    parse_noise,
-    parse_size,
-    parse_start,
-    whole_number,
+from robsim.cli.shared import (
+    SWITCH,
+    CallLimit,
+    Colors,
+    Json,
+    Noise,
+    Out,
+    Robot,
+    Seed,
+    Smoothing,
+    earlier_run,
 )
-from robsim.control._by_name import NAMES, POINTS
+from robsim.cli.simulated.options import (
+    Control,
+    HowHidden,
+    ScenarioFile,
+    WorkArea,
+    check_each,
+    given,
+    shared_options,
+    simulation_of,
+)
+from robsim.cli.text import about, parse_headings, parse_size, parse_start, whole_number
 from robsim.imaging._video import CODECS, LOSSLESS
 from robsim.simulation._slots import SLOTS
 
@@ -43,11 +52,6 @@ RUN_HELP = (
     "robot spins. Ctrl-C ends the run and keeps its results."
 )
 
-# The names are written out where --help must show points, too.
-_CONTROLS = ", ".join(
-    f"{name}:X,Y" if POINTS.get(name) else f"{name}:'X,Y X,Y ...'" if name in POINTS else name
-    for name in NAMES
-)
 _LOSSLESS = " and ".join(suffix for suffix, codec in CODECS.items() if codec == LOSSLESS)
 _SUFFIXES = f"{', '.join(CODECS)}; {_LOSSLESS} are lossless."
 
@@ -70,14 +74,7 @@ def run(
     folder: Annotated[
         Path | None, typer.Argument(metavar="FOLDER", help="Folder with your callbacks.")
     ] = None,
-    scenario: Annotated[
-        Path | None,
-        typer.Option(
-            "--scenario",
-            metavar="FILE",
-            help="TOML file of a scenario, as Scenario.save writes it; other options change it.",
-        ),
-    ] = None,
+    scenario: ScenarioFile = None,
     steps: Annotated[
         int, typer.Option("--steps", parser=whole_number, metavar="N", help="Number of steps.")
     ] = 500,
@@ -107,24 +104,9 @@ def run(
             help="Estimate the parameters, if the folder does not.",
         ),
     ] = False,
-    control: Annotated[
-        str | None,
-        typer.Option(
-            "--control",
-            metavar="NAME[:POINTS]",
-            help="A built-in controller in place of the folder's: "
-            f"{_CONTROLS}. Points are in px; with them the pose is measured.",
-        ),
-    ] = None,
+    control: Control = None,
     noise: Noise = None,
-    dropout: Annotated[
-        str | None,
-        typer.Option(
-            "--dropout",
-            metavar="PROBABILITY[:STEPS]",
-            help="Probability that the robot is hidden, such as 0.2; 0.2:5 = 5 steps at a time.",
-        ),
-    ] = None,
+    dropout: HowHidden = None,
     boundary: Annotated[
         str | None,
         typer.Option(
@@ -152,26 +134,13 @@ def run(
     ] = None,
     colors: Colors = None,
     smoothing: Smoothing = None,
-    area: Annotated[
-        str | None,
-        typer.Option("--area", metavar="WxH", help="Work area in px. Default: 1200x1200."),
-    ] = None,
+    area: WorkArea = None,
     resolution: Annotated[
         str | None,
         typer.Option("--resolution", metavar="WxH", help="Frame size in px. Default: the area."),
     ] = None,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            "--time-limit",
-            parser=number,
-            metavar="SECONDS",
-            help="Maximum duration of a call of one of your callbacks. Default: none.",
-        ),
-    ] = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
-    ] = Path("robsim-run"),
+    time_limit: CallLimit = None,
+    out: Out = Path("robsim-run"),
     video: Annotated[
         Path | None,
         typer.Option("--video", metavar="FILE", help=f"Video of the run: {_SUFFIXES}"),
@@ -188,76 +157,44 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Run a simulation."""
-    from robsim.simulation import Scenario, Simulation
     from robsim.simulation._options import step_count
-    from robsim.simulation._time_limit import TimeLimit
 
     with errors.report_errors(folder):
-        _check_quotes(folder, control)
         with about("--steps"):
             step_count(steps)
-        world = _given(
+        shared = shared_options(
+            folder,
+            scenario=scenario,
+            control=control,
+            noise=noise,
+            dropout=dropout,
+            area=area,
+            time_limit=time_limit,
             robot=robot,
-            markers=markers,
             colors=colors,
+            seed=seed,
+        )
+        world = given(
+            markers=markers,
             smoothing=smoothing,
-            area=parse_size("--area", area),
             resolution=parse_size("--resolution", resolution),
             boundary=boundary,
-            noise=parse_noise("--noise", noise),
-            dropout=parse_dropout("--dropout", dropout),
-            seed=seed,
         )
         if headings is not None:
             world["headings"] = parse_headings("--headings", headings)
-        _check_each(world)
-        with about("--time-limit"):
-            limit = None if time_limit is None else TimeLimit(time_limit).seconds
-        options = world | _given(
+        check_each(world)
+        stages = given(
             start=parse_start("--start", start),
-            time_limit=limit,
-            measure=measure or _needs_pose(control) or None,
+            measure=measure or None,
             estimate_parameters=estimate_parameters or None,
-            control=parse_control("--control", control),
-            scenario=None if scenario is None else Scenario.load(scenario),
         )
-        if folder is None:
-            simulation = Simulation(**options)
-        else:
-            simulation = Simulation.from_folder(folder, **options)
+        simulation = simulation_of(folder, shared | world | stages)
         _check_outputs(out, video, record)
         remark = earlier_run(out)
         run_kept(simulation, steps, out)
     finish(simulation, out, as_json=as_json, video=video, record=record)
     if remark and len(simulation.trace):
         errors.print_note(remark)
-
-
-def _check_quotes(folder: Path | None, control: str | None) -> None:
-    """Raise ValueError if a second point was taken for the folder."""
-    if control and re.fullmatch(r"-?[\d.]+,-?[\d.]+", str(folder)):
-        raise ValueError(
-            f"--control: put quotes around the points, as '{control} {folder}': without them "
-            f"{folder} is taken for a folder"
-        )
-
-
-def _given(**options: Any) -> dict[str, Any]:
-    """Return the options that are given: the others stay as the scenario or the folder has them."""
-    return {name: value for name, value in options.items() if value is not None}
-
-
-def _check_each(options: dict[str, Any]) -> None:
-    """Raise an error that names an option as the shell does, if one alone is wrong."""
-    from robsim.simulation import Scenario
-
-    for name, value in options.items():
-        with about(f"--{name}"):
-            Scenario(**{name: value})
-
-
-def _needs_pose(control: str | None) -> bool:
-    return control is not None and control.partition(":")[0] in POINTS
 
 
 def _check_outputs(out: Path, video: Path | None, record: Path | None) -> None:

@@ -1,0 +1,1 @@
+"""Commands of simulations: callbacks to write, runs with them, the demonstration."""
