@@ -9,9 +9,11 @@
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/frame.hpp"
 #include "robsim/imaging/lens.hpp"
+#include "robsim/imaging/reduce.hpp"
 #include "robsim/imaging/warp.hpp"
 
 namespace py = pybind11;
@@ -323,6 +325,23 @@ Examples
   define_pickle(frame, fields);
 }
 
+void bind_reduce(const py::module_& module) {
+  Module(module).def(
+      "reduced",
+      [](const Frame& frame, int width) {
+        if (width < 1) throw py::value_error("width must be 1 px at least");
+        Image smaller;
+        {
+          const WithoutInterpreter native;
+          smaller = reduced(frame.image, width);
+        }
+        return image_array(smaller);
+      },
+      py::arg("frame"), py::arg("width"),
+      "Return a frame's pixels, reduced by whole factors to not less than a width; what a factor "
+      "leaves over at the right and below is dropped.");
+}
+
 void bind_lens(py::module_& module) {
   Class<Lens>(public_in(module, "robsim._core"), "Lens",
               "A lens before frames of one size. Users take robsim.live.Lens.")
@@ -364,4 +383,5 @@ void bind_imaging(py::module_& module) {
   bind_plane_map(module);
   bind_lens(module);
   bind_frame(module);
+  bind_reduce(module);
 }
