@@ -261,3 +261,26 @@ def test_options_of_another_kind(folder):
         Recording(folder, area=1200)
     with pytest.raises(ValueError, match="area must"):
         Recording(folder, area=(0, 100))
+
+
+class TestAnyOrder:
+    """A panel shows frames again, as somebody scrubs."""
+
+    @pytest.mark.parametrize("source", ["folder", "video"])
+    def test_is_that_of_the_iteration(self, source, request):
+        recording = Recording(request.getfixturevalue(source))
+        frames = list(recording)
+        for index in (3, 0, 4, 3):
+            again = recording._at(index)
+            assert np.array_equal(again.image, frames[index].image)
+            assert (again.t, again.index) == (frames[index].t, index)
+        with pytest.raises(IndexError):
+            recording._at(len(frames))
+
+    def test_of_a_file_with_few_key_frames(self, tmp_path):
+        pytest.importorskip("cv2")
+        save_video(tmp_path / "run.mp4", [picture(5 * number) for number in range(40)], fps=25)
+        recording = Recording(tmp_path / "run.mp4")
+        frames = list(recording)
+        for index in (17, 3, 38):
+            assert np.array_equal(recording._at(index).image, frames[index].image)

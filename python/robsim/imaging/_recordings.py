@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Generator, Iterator
 from contextlib import closing
+from itertools import islice
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -121,9 +122,16 @@ class Recording:
     def __iter__(self) -> Iterator[Frame]:
         with closing(self._images.read()) as images:
             for index, (name, pixels) in enumerate(images):
-                check_same_size(name, frame_size(pixels), self.size)
-                t = None if self.dt is None else index * self.dt
-                yield Frame(pixels, t=t, index=index, plane_map=self.plane_map)
+                yield self._frame(index, name, pixels)
+
+    def _frame(self, index: int, name: str, pixels: Pixels) -> Frame:
+        check_same_size(name, frame_size(pixels), self.size)
+        t = None if self.dt is None else index * self.dt
+        return Frame(pixels, t=t, index=index, plane_map=self.plane_map)
+
+    def _at(self, index: int) -> Frame:
+        """Return a frame, in any order; IndexError if there is none."""
+        return self._frame(index, *self._images.at(index))
 
     def __repr__(self) -> str:
         count = "frames" if self.count is None else f"{self.count} frames"
@@ -161,6 +169,10 @@ class _Folder:
     def read(self) -> Generator[tuple[str, Pixels]]:
         for file in self.files:
             yield one_line(file), load_image(file)
+
+    def at(self, index: int) -> tuple[str, Pixels]:
+        file = self.files[index]
+        return one_line(file), load_image(file)
 
 
 def _natural_order(file: Path) -> tuple[list[str | int], str]:
@@ -214,6 +226,20 @@ class _Video:
                 f"{one_line(self.file)} ends after {index} of {known} frames: it is truncated or "
                 "damaged",
             )
+
+    def at(self, index: int) -> tuple[str, Pixels]:
+        with quiet(self.cv2):
+            capture = self._open()
+            capture.set(self.cv2.CAP_PROP_POS_FRAMES, index)
+            is_there = round(capture.get(self.cv2.CAP_PROP_POS_FRAMES)) == index
+        name = f"frame {index} of {one_line(self.file)}"
+        if is_there and (pixels := self._next(capture)) is not None:
+            return name, pixels
+        # A file without an index: from its beginning.
+        found = next(islice(self.read(), index, None), None)
+        if found is None:
+            raise IndexError(f"there is no {name}")
+        return found
 
     def _open(self) -> Any:
         # More threads are no faster, and print their warnings at any time.

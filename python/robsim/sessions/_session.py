@@ -132,6 +132,15 @@ class Session:
                 yield self._observation(row, before, pixels)
                 before = row
 
+    def _at(self, k: int) -> Observation:
+        """Return the observation of a step, in any order; IndexError if there is none."""
+        row, pixels = self._rows[k], None
+        if self._pictures is not None and self._has_picture(row):
+            assert row.video_frame is not None
+            with self._pictures.opened() as descriptor:
+                pixels = self._pictures.read(descriptor, row.video_frame)
+        return self._observation(row, self._rows[k - 1] if k else None, pixels)
+
     def __repr__(self) -> str:
         size = f"frames of {self.size[0]} x {self.size[1]} px" if self.size else "no frames"
         missing = f", {len(self.problems)} problems" if self.problems else ""
