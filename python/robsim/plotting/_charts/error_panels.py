@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
+from robsim.evaluation._histograms import number_of_bins, usual_limits
 from robsim.plotting import _style as style
 
 # Of a long run each of so many parts is drawn as one column.
@@ -72,7 +73,7 @@ def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats, *, band: floa
         Half the width of a band around 0 that is to be seen, too, unless it is so wide that the
         errors would be a line.
     """
-    low, high = _usual_limits(errors[np.isfinite(errors)])
+    low, high = usual_limits(errors[np.isfinite(errors)])
     seen = min(1.1 * band, _WIDEST_BAND * max(-low, high))
     low, high = min(low, -seen), max(high, seen)
     above, below = errors > high, errors < low
@@ -86,19 +87,6 @@ def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats, *, band: floa
         )
         panel.set_title(text, loc="right", fontsize=8, pad=3)
     panel.set_ylim(low, high)
-
-
-def _usual_limits(values: Floats) -> tuple[float, float]:
-    """Return limits that contain all values except those far outside the middle 90 %."""
-    if not len(values):
-        return -1.0, 1.0
-    low, high = np.quantile(values, (0.05, 0.95))
-    tolerance = 3.0 * (high - low)
-    usual = values[(values >= low - tolerance) & (values <= high + tolerance)]
-    low, high = min(float(usual.min()), 0.0), max(float(usual.max()), 0.0)
-    # A minimum range: rounding errors must not look like measurement errors.
-    margin = max(0.15 * (high - low), 1e-3)
-    return low - margin, high + margin
 
 
 def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.MEASURED) -> None:
@@ -120,9 +108,7 @@ def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.
     if not len(errors):
         return
     low, high = axes.get_ylim()
-    # Rice's rule, 2 n^(1/3), over the 10/13 of the panel's height with errors. An odd number, so
-    # that one bin is centred in the middle.
-    bins = 2 * int(np.clip(1.3 * len(errors) ** (1 / 3), 5, 26)) + 1
+    bins = number_of_bins(len(errors))
     axes.hist(errors, bins, range=(low, high), orientation="horizontal", color=color, alpha=0.55)
     mean, sd, width = float(errors.mean()), float(errors.std()), (high - low) / bins
     # A curve much narrower than a bin would only be a spike.

@@ -67,7 +67,7 @@ def plot_traces(
         panel.sharex(left[-1])
         panel.tick_params(labelbottom=False)
     style.show_steps(left[-1], trace)
-    _draw_all_poses(left[:3], trace, show_blobs)
+    draw_all_poses(left[:3], trace, show_blobs)
     _draw_plan(axes["path"], trace)
     if has_errors:
         _draw_errors(left[3:], right[3:], trace)
@@ -114,7 +114,8 @@ def _title(trace: Trace) -> str:
     return ", ".join(parts)
 
 
-def _draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> None:
+def draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> None:
+    """Draw x, y and heading, true, measured, held and estimated, over the steps."""
     k, size = trace.k, style.pose_dot_size(len(trace))
     held = np.where(trace.seen[:, np.newaxis], np.nan, trace.pose_held)
     near: dict[str, Any] = {"near": trace.pose_true[:, 2]}
