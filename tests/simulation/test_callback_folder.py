@@ -667,3 +667,64 @@ def test_a_file_that_ends_the_program_says_where(mine):
     with pytest.raises(SystemExit) as caught:
         CallbackFolder(mine).load()
     assert caught.value.__notes__ == [f"while loading {mine / 'control.py'}"]
+
+
+def rest(folder):
+    """Let the files be so old that a change of them has another time."""
+    for file in folder.glob("*.py"):
+        os.utime(file, (1e9, 1e9))
+
+
+def test_files_that_rest_are_not_read_again(mine, monkeypatch):
+    rest(mine)
+    folder = CallbackFolder(mine)
+    folder.load()
+    assert folder.changed == set()
+    with monkeypatch.context() as unreadable:
+        unreadable.setattr(type(mine), "read_bytes", None)
+        assert folder.changed == set()
+    edit(mine / "control.py", "0.05, -0.05", "0.06, -0.06")  # of the same length
+    assert folder.changed == {"control"}
+    rest(mine)
+    assert folder.changed == {"control"}
+    folder.load()
+    assert folder.changed == set()
+
+
+def test_two_changes_at_the_same_time_are_noticed(mine):
+    folder = CallbackFolder(mine)
+    folder.load()
+    assert folder.changed == set()
+    times = os.stat(mine / "control.py")
+    edit(mine / "control.py", "0.05, -0.05", "0.06, -0.06")
+    os.utime(mine / "control.py", ns=(times.st_atime_ns, times.st_mtime_ns))
+    assert folder.changed == {"control"}
+
+
+@pytest.mark.parametrize(
+    ("text", "line"), [("x = 1\nx y\n", 2), ("x = 1\nx.y\n", 2), ("ENABLED = 3\n", 1)]
+)
+def test_an_error_of_a_file_has_its_slot_and_line(mine, text, line):
+    (mine / "control.py").write_text(text)
+    with pytest.raises(Exception) as caught:  # noqa: PT011
+        CallbackFolder(mine).load()
+    failed = caught.value.callback
+    assert (failed.slot, failed.k, failed.source.number) == ("control", None, line)
+    assert failed.source.file == str(mine / "control.py")
+
+
+def test_a_file_that_is_being_saved_is_waited_for(mine, monkeypatch):
+    whole = (mine / "control.py").read_text()
+    (mine / "control.py").write_text("")
+    waits = []
+
+    def wait(seconds):
+        waits.append(seconds)
+        (mine / "control.py").write_text(whole if len(waits) == 2 else whole[:200])
+
+    monkeypatch.setattr("time.sleep", wait)
+    assert CallbackFolder(mine).load_saved()["control"](None) == (0.05, -0.05)
+    (mine / "control.py").write_text("x y")
+    monkeypatch.setattr("time.sleep", lambda seconds: None)
+    with pytest.raises(SyntaxError):
+        CallbackFolder(mine).load_saved()

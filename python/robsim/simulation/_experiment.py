@@ -6,8 +6,9 @@ import inspect
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from os import PathLike
+from threading import RLock
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, Unpack
 
@@ -172,6 +173,8 @@ class Experiment(Runner):
         self._next_look = 1  # at the frames, by the number of steps
         stops = stop_input_value(stop_input)
         self._motors = None if send is None else Motors(send, stops)
+        self._stopping = RLock()
+        self._n_stops = 0  # how often `stop_robot` was called
         self._sent = {"stop_input": stops, "send": None if send is None else quoted(send)}
         super().__init__(
             self._new_world(math.inf if stops is None else timeout, limits),
@@ -278,9 +281,14 @@ class Experiment(Runner):
     @contextmanager
     def _guarded(self) -> Iterator[None]:
         try:
-            with super()._guarded(), self._source.reading():
-                if self._motors is not None and not self.is_running:
-                    self._motors.begin()
+            with ExitStack() as stack:
+                with self._stopping:
+                    stack.enter_context(super()._guarded())
+                    if self._motors is not None and not self.is_running:
+                        self._motors.begin()
+                if self._pulse is not None:  # it may have been stopped before it could be
+                    self._pulse(0)
+                stack.enter_context(self._source.reading())
                 yield
         except BaseException as error:
             self._tell_stop_error(error)
@@ -304,6 +312,46 @@ class Experiment(Runner):
             if not self.is_running:  # step may have left the robot driving
                 self._stop_robot(error)
             raise
+
+    @contextmanager
+    def _looking_up(self, pulse: Callable[[int], None]) -> Iterator[None]:
+        self._source.pulse = pulse
+        try:
+            with super()._looking_up(pulse):
+                yield
+        finally:
+            self._source.pulse = None
+
+    @property
+    def is_live(self) -> bool:
+        """Whether the frames come at their own pace, as from a camera."""
+        return self._source.is_live
+
+    def stop_robot(self) -> None:
+        """Stop the robot at once; any thread may call this.
+
+        A run under way ends after its step, and takes no input to the robot any more: where a
+        callback is still at work on one, that ends the run with a HaltedError. What brings the
+        inputs is called in this thread meanwhile, unless it needs no interpreter, as the motors of
+        `robsim.motors`.
+
+        Raises
+        ------
+        Exception
+            What `send` raises, if nothing is running; otherwise the run raises it.
+        """
+        self._n_stops += 1
+        with self._stopping:  # no run begins meanwhile
+            if not self._guarding.locked():
+                self._stop_robot(None)
+                return
+        self._halt()
+
+    def _halt(self) -> None:
+        """Stop the robot in the middle of a run, and end that after its step."""
+        if self._motors is not None:
+            self._motors.halt()
+        self.stop()
 
     def _stop_robot(self, error: BaseException | None) -> None:
         self._core.stop_robot()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from threading import Lock
 from typing import Any, ClassVar
@@ -58,9 +58,10 @@ class Runner(Slotted):
         self.markers = markers
         self._smoothing = smoothing
         self._guarding = Lock()
+        self._pulse: Callable[[int], None] | None = None
         self._seed = seed
         self._rng: np.random.Generator | None = None
-        self._run_info: RunInfo | None = None
+        self._run_info: list[RunInfo] = []  # empty, or the one that is known by now
         self._is_marker_size_known = False
         self._changed: tuple[str, ...] = ()  # options, in the middle of the run
         self._world_half = world  # here the garbage collector sees into it
@@ -111,7 +112,7 @@ class Runner(Slotted):
     def _run_guarded(self, steps: int, progress: bool | str, total: int | None) -> bool:
         if not progress:
             with self._guarded():
-                return self._core.run(steps)
+                return self._core.run(steps, self._pulse)
         from robsim.simulation._progress import progress_bar
 
         label = progress if isinstance(progress, str) else None
@@ -147,7 +148,7 @@ class Runner(Slotted):
         self._prepare()
         before = self._core.rows
         with self._guarded():
-            is_at_end = self._core.run(1, stops_robot=False)
+            is_at_end = self._core.run(1, self._pulse, stops_robot=False)
         if is_at_end:
             raise EOFError("there are no more frames")
         if self._core.rows == before:
@@ -204,6 +205,18 @@ class Runner(Slotted):
         """
         return self._core.stage
 
+    @contextmanager
+    def _looking_up(self, pulse: Callable[[int], None]) -> Iterator[None]:
+        """Call `pulse` every 50 ms or so of the runs in the context, in their thread.
+
+        It may stop them, and gives no heed to its argument.
+        """
+        self._pulse = pulse
+        try:
+            yield
+        finally:
+            self._pulse = None
+
     def _start(self) -> None:
         if not self._core.has_started:
             with self._guarded():
@@ -252,7 +265,8 @@ class Runner(Slotted):
             self._seed_core()
         if callbacks is not None:
             self._use(callbacks)
-        self._rng = self._run_info = None
+        self._rng = None
+        self._run_info = []
         self._changed = ()
 
     def _seed_core(self) -> None:
@@ -260,7 +274,7 @@ class Runner(Slotted):
         self._core.set_controller_seed(stream_number(self._seed, "controller"))
 
     def _slots_changed(self) -> None:
-        self._run_info = None
+        self._run_info = []
 
     def _check_stages(self) -> None:
         missing = {"red", "blue"} - {color.name for color in self.colors}
@@ -297,11 +311,14 @@ class Runner(Slotted):
         return Trace(self._core.columns() or empty_groups(self._GROUPS), self._info())
 
     def _info(self) -> RunInfo:
-        if self._run_info is not None:
-            return self._run_info
+        known = self._run_info  # what replaces it meanwhile, in another thread, is another list
+        if known:
+            return known[0]
+        # Asked before: a start in another thread may just be about to define the model.
+        is_settled = self._core.has_started and not self._core.is_running  # a start may fail yet
         info = run_info(self)
-        if self._core.has_started and not self._core.is_running:  # a start may fail yet
-            self._run_info = info
+        if is_settled:
+            known.append(info)
         return info
 
     def _described(self) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any, Unpack
@@ -10,7 +11,7 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import is_int
+from robsim._base.checks import Floats, is_int
 from robsim._base.public import told_by_name
 from robsim._base.seeds import Seed, seed_sequence
 from robsim._base.text import quoted
@@ -217,7 +218,7 @@ class Simulation(WorldSlots, Runner):
     def _change(self, **changes: Any) -> None:
         self._core.check_thread()
         self._scenario = self._scenario.replace(**changes)
-        self._run_info = None
+        self._run_info = []
         if self._core.rows or self._core.is_running:
             self._changed = tuple(sorted({*self._changed, *changes}))
 
@@ -232,9 +233,9 @@ class Simulation(WorldSlots, Runner):
 
     def _put(self, slot: str, value: Any) -> None:
         if slot == "evaluate_model":
-            self._world.set_evaluate_model(self._limited(value))
+            self._world.set_evaluate_model(self._called(slot, value))
         elif slot == "adjust_background":
-            adjust = self._limited(value) or draw_red_square
+            adjust = self._called(slot, value) or draw_red_square
             # A callback of the user's is called at the start, whether somebody looks or not.
             set_scene(self._world, self._scenario, adjust, makes_at_start=value is not None)
         else:
@@ -330,13 +331,16 @@ class Simulation(WorldSlots, Runner):
             raise TypeError(f"k must be an int, the number of a step, got {quoted(k)}")
         if not 0 <= k <= newest:
             raise IndexError(f"there are steps 0..{newest}, got k = {k}")
+        if k == newest and k >= self._scenario.camera_delay:
+            newest_frame: Frame = self._world.draw_newest(out)
+            return newest_frame
+        return self._drawn(k, self._core.columns(), out)
+
+    def _drawn(self, k: int, columns: Mapping[str, Floats], out: Pixels | None = None) -> Frame:
+        """Return the frame of a step from what was recorded of it, by this run or an equal one."""
         captured = k - self._scenario.camera_delay
         if captured < 0:
             raise IndexError(f"no frame has come in step {k}: camera_delay is {k - captured} steps")
-        if k == newest:
-            newest_frame: Frame = self._world.draw_newest(out)
-            return newest_frame
-        columns = self._core.columns()
 
         def recorded(name: str, width: int) -> list[float]:
             row = columns[name][captured] if name in columns else np.zeros(width)

@@ -53,17 +53,20 @@ class RobotSlots:
         ROBOT, ONCE, "", "RobotModel",
         "called once, at the start: the model that the robot's software believes in.",
         native=(RobotModel,), result_types=(RobotModel,), other_names=("robotModelDef",),
+        title="the model", default="RobotModel",
     )  # fmt: skip
     init_parameter_estimator = Slot[InitParameterEstimator](
         ROBOT, ONCE, "model", "estimator",
         "called once, at the start: the object whose ``update(phi, y)`` estimates the parameters.",
         result_types=(object,), other_names=("myParameterEstimatorInit",),
+        title="the parameter estimator", default="RecursiveLeastSquares",
     )  # fmt: skip
     estimate_parameters = Slot[EstimateParameters](
         ROBOT, STEP, "step", "(3, 5) or None",
         "called at each step: the parameters; None = no update. True: that of the estimator.",
         is_optional=True, is_switch=True, result_types=(np.ndarray,),
         other_names=("myParameterEstimator",),
+        title="parameter estimation", default="step.estimator.update",
     )  # fmt: skip
     measure = Slot[Measure](
         ROBOT, STEP, "step", "Measurement or None",
@@ -71,16 +74,19 @@ class RobotSlots:
         "markers are located.",
         is_optional=True, is_switch=True, result_types=(Measurement, tuple, list, np.ndarray),
         other_names=("measurePosNOrientation", "measurement"),
+        title="tracking", default="locate",
     )  # fmt: skip
     estimate_state = Slot[EstimateState](
         ROBOT, STEP, "step", "Estimate", "called at each step: the pose and its covariance.",
         is_optional=True, result_types=(Estimate,), other_names=("stateEstimator",),
+        title="state estimation",
     )  # fmt: skip
     control = Slot[Control](
         ROBOT, STEP, "step", "(u1, u2)",
         "called at each step, as the last stage: the voltages of the left and the right motor (V).",
         native=(Spin, DriveAround, Replay), result_types=(tuple, list, np.ndarray),
         other_names=("robotController",),
+        title="the controller",
     )  # fmt: skip
 
 
@@ -92,12 +98,14 @@ class WorldSlots:
         "called once, at the start, with the work area as an image, uint8 (H, W, 3): the changed "
         "image.",
         result_types=(np.ndarray,), other_names=("background",),
+        title="the background", default="draw_red_square",
     )  # fmt: skip
     evaluate_model = Slot[EvaluateModel](
         WORLD, STEP, "world", "(3,)",
         "called at each step from step 1 on, as the first stage: the new pose of the robot.",
         native=(Unicycle,), result_types=(tuple, list, np.ndarray),
         other_names=("robotModelEval",),
+        title="the motion", default="RobotModel.predict",
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from robsim._base.public import hint_at_option
 from robsim._base.spelling import closest, no_attribute, suggestion, with_article
 from robsim._core import Step
 from robsim.simulation import _slots as table
+from robsim.simulation._callbacks.call_times import CallTimes
 from robsim.simulation._callbacks.checks import check_callback
 from robsim.simulation._callbacks.slot import Slot
 from robsim.simulation._slots import ROBOT, SLOTS, RobotSlots
@@ -42,7 +43,8 @@ class Slotted(RobotSlots, ABC):
     def __init__(self, time_limit: float | None) -> None:
         self._time_limit = None if time_limit is None else TimeLimit(time_limit)
         self._folder: CallbackFolder | None = None
-        self._from_folder: set[str] = set()
+        self._from_folder: Callbacks = {}
+        self._call_times: CallTimes | None = None
         self._callbacks: dict[str, Any] = dict.fromkeys(self.SLOTS)
         self._given: dict[str, Any] = dict(self._callbacks)
 
@@ -114,7 +116,17 @@ class Slotted(RobotSlots, ABC):
                 # A file that is switched off counts as missing.
                 callback = callbacks.get(slot, False)
                 self._set_slot(slot, self._given[slot] if callback is False else callback)
-        self._from_folder = set(callbacks)
+        self._from_folder = callbacks
+
+    def _choose(self, slot: str, value: Any) -> None:
+        """Fill a slot with what a changed file of the folder does not override."""
+        self._set_slot(slot, value)
+        self._given[slot] = table.DEFAULT if value is True else value
+
+    def _choose_file(self, slot: str) -> None:
+        """Fill a slot with what the folder has for it, from now on."""
+        self._set_slot(slot, self._from_folder[slot])
+        self._given[slot] = None
 
     def _reload_folder(self) -> None:
         """Fill the slots again if a file of the folder has changed."""
@@ -126,7 +138,7 @@ class Slotted(RobotSlots, ABC):
                 f"{min(late)}.py has changed, but runs only at the start of a simulation: call "
                 "sim.reset() first"
             )
-        self._use(self._folder.load())
+        self._use(self._folder.load_saved())
 
     def __setattr__(self, name: str, value: Any) -> None:
         descriptor = getattr(type(self), name, None)
@@ -212,20 +224,30 @@ class Slotted(RobotSlots, ABC):
 
     def _put(self, slot: str, value: Any) -> None:
         """Put a value into the slot of the C++ core."""
-        self._core.set_slot(slot, self._limited(self._stage(slot, value)))
+        self._core.set_slot(slot, self._called(slot, self._stage(slot, value)))
 
     def _stage(self, slot: str, callback: Any) -> Any:
         """Return the stage that the C++ core gets for a callback."""
         is_users = slot == "estimate_parameters" and self._callbacks["init_parameter_estimator"]
-        if callback is True and is_users and self._time_limit:
-            return _update_estimator  # in Python, where the time limit applies
+        if callback is True and is_users and (self._time_limit or self._call_times):
+            return _update_estimator  # in Python, where it is limited and timed
         return callback
 
-    def _limited(self, callback: Any) -> Any:
-        # Native stages need no limit.
-        if self._time_limit is None or not is_code(callback):
+    def _called(self, slot: str, callback: Any) -> Any:
+        """Return a callback as it is called: with the time limit, and timed."""
+        if not is_code(callback):  # native stages need neither
             return callback
-        return self._time_limit.limited(callback)
+        if self._time_limit is not None:
+            callback = self._time_limit.limited(callback)
+        return self._call_times.timed(slot, callback) if self._call_times else callback
+
+    def _time_calls(self, times: CallTimes | None) -> None:
+        """Have the calls of all callbacks timed; None = no longer."""
+        self._call_times = times
+        for slot, value in self._callbacks.items():
+            is_over = SLOTS[slot].when == table.ONCE and self._core.has_started
+            if not is_over and (value is True or is_code(value)):
+                self._put(slot, value)
 
 
 #: What to do in place of setting a property.

@@ -29,7 +29,7 @@ class FailedCallback:
     slot : str
         The slot; ``"frames"`` or ``"send"`` for those arguments of an `Experiment`.
     k : int or None
-        The step; None = at the start.
+        The step; None = at the start, or when its file was loaded.
     source : SourceLine or None
         The line of your code that raised it, or where the callback is defined; None = unknown.
     """
@@ -109,6 +109,15 @@ def failed(error: BaseException, slot: str, what: str, k: int, function: object)
             error.add_note(f"in {what} {record.when}")
         if inner is None:
             error.callback = record  # type: ignore[attr-defined]
+
+
+def note_failed_file(error: BaseException, slot: str, file: str) -> None:
+    """Record on an exception that the file of a callback could not be loaded."""
+    source = line_of_error(error)
+    if isinstance(error, SyntaxError) and error.filename:
+        source = SourceLine(error.filename, error.lineno or 1, "<module>")
+    with contextlib.suppress(Exception):
+        error.callback = FailedCallback(slot, None, source or SourceLine(file, 1, "<module>"))  # type: ignore[attr-defined]
 
 
 def refused(

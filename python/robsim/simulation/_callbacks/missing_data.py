@@ -116,10 +116,16 @@ def unmet_needs(slot: str, callback: object, is_on: Callable[[str], bool]) -> st
     """
     needs = getattr(callback, "needs", ())
     wanted = [_DATA[name] for name in as_names(needs) if name in _DATA]
-    if not wanted or any(is_on(datum.slot) for datum in wanted):
+    if not wanted or any(map(is_on, needed_slots(callback))):
         return None
     name = getattr(callback, "__name__", f"{type(callback).__name__}(...)")
     return f"{slot}={name} needs step.{' or step.'.join(as_names(needs))}: {wanted[0].off}"
+
+
+def needed_slots(callback: object) -> tuple[str, ...]:
+    """Return the slots of which one must be filled for a callback; none = it needs nothing."""
+    needs = as_names(getattr(callback, "needs", ()))
+    return tuple(_DATA[name].slot for name in needs if name in _DATA)
 
 
 def as_names(needs: object) -> tuple[str, ...]:

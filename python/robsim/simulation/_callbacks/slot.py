@@ -104,6 +104,10 @@ class Slot(Generic[T]):
         Classes that may be the callback themselves, since they make the result.
     other_names : tuple of str
         What a file for the slot may be called by mistake, first in the program of 2008.
+    title : str
+        What it is called in a sentence.
+    default : str
+        Name of the code that fills the slot by default, or if it is switched on; empty = none.
     """
 
     name: str
@@ -121,6 +125,8 @@ class Slot(Generic[T]):
         native: tuple[type, ...] = (),
         result_types: tuple[type, ...] = (),
         other_names: tuple[str, ...] = (),
+        title: str,
+        default: str = "",
     ) -> None:
         self.half = half
         self.when = when
@@ -132,6 +138,8 @@ class Slot(Generic[T]):
         self.native = native
         self.result_types = result_types
         self.other_names = other_names
+        self.title = title
+        self.default = default
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name

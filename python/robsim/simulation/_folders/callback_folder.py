@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import difflib
+import os
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,11 +17,15 @@ from typing import Any
 from robsim._base.files import as_folder, copy_files
 from robsim._base.text import one_line, quoted
 from robsim.simulation._callbacks.checks import check_callback
+from robsim.simulation._callbacks.errors import note_failed_file
 from robsim.simulation._folders.modules import FolderModules, reserved_names
 from robsim.simulation._folders.spelling import misspelled
 from robsim.simulation._slots import SLOTS
 
-_TEMPLATES = Path(__file__).parents[1] / "templates"
+_SAVING = 0.05  # s that an editor may need to write a file
+_COARSEST_CLOCK = 2.0  # s between two times that a file can have, on any file system
+
+TEMPLATES = Path(__file__).parents[1] / "templates"
 
 Callbacks = dict[str, Callable[..., Any] | bool]
 
@@ -44,7 +50,7 @@ def new_folder(folder: str | PathLike[str]) -> list[Path]:
     NotADirectoryError
         If `folder` is a file.
     """
-    return copy_files([_TEMPLATES / f"{slot}.py" for slot in SLOTS], folder)
+    return copy_files([TEMPLATES / f"{slot}.py" for slot in SLOTS], folder)
 
 
 class CallbackFolder:
@@ -71,6 +77,7 @@ class CallbackFolder:
         self.path = as_folder(folder)
         self._absolute = self.path.absolute()  # valid after a change of directory
         self._modules = FolderModules(self.path, self._absolute, {})
+        self._unchanged: list[tuple[str, int, int, int]] | None = None
 
     def load(self) -> Callbacks:
         """Read, compile and execute the files; if one fails, the modules loaded before are kept.
@@ -109,8 +116,19 @@ class CallbackFolder:
                 warnings.warn_explicit(message, UserWarning, str(self._absolute / f"{name}.py"), 0)
         modules = FolderModules(self.path, self._absolute, sources)
         callbacks = self._executed(modules)
-        self._modules = modules
+        self._modules, self._unchanged = modules, None
         return callbacks
+
+    def load_saved(self) -> Callbacks:
+        """Load; an error counts if the files stay what they are, and are not just being saved."""
+        while True:
+            sources = self._read()
+            try:
+                return self.load()
+            except Exception:
+                time.sleep(_SAVING)
+                if self._read() == sources:
+                    raise
 
     def anew(self) -> tuple[CallbackFolder, Callbacks]:
         """Return another one with the sources that were loaded last, and its own callbacks.
@@ -125,10 +143,15 @@ class CallbackFolder:
     def _executed(self, modules: FolderModules) -> Callbacks:
         with modules.importable():
             return {
-                slot: _callback(modules.execute(slot), slot, self.path / f"{slot}.py")
-                for slot in self._slots
-                if slot in modules.sources
+                slot: self._loaded(modules, slot) for slot in self._slots if slot in modules.sources
             }
+
+    def _loaded(self, modules: FolderModules, slot: str) -> Callable[..., Any] | bool:
+        try:
+            return _callback(modules.execute(slot), slot, self.path / f"{slot}.py")
+        except Exception as error:
+            note_failed_file(error, slot, str(self._absolute / f"{slot}.py"))
+            raise
 
     @property
     def helpers(self) -> set[str]:
@@ -149,8 +172,29 @@ class CallbackFolder:
         FileNotFoundError, NotADirectoryError, ValueError
             As `load`, if the folder or all its callbacks have been removed.
         """
+        state = self._state()
+        if state is not None and state == self._unchanged:
+            return set()
         now, then = self._read(), self._modules.sources
-        return {name for name in now.keys() | then.keys() if now.get(name) != then.get(name)}
+        changed = {name for name in now.keys() | then.keys() if now.get(name) != then.get(name)}
+        self._unchanged = None if changed else state
+        return changed
+
+    def _state(self) -> list[tuple[str, int, int, int]] | None:
+        """Return what tells that no file has changed, at a tenth of the cost of reading them.
+
+        None where it does not tell: for a file that was changed just now, since a second change
+        may have the same time.
+        """
+        newest = (time.time() - _COARSEST_CLOCK) * 1e9
+        try:
+            with os.scandir(self._absolute) as entries:
+                files = [(e.name, e.stat()) for e in entries if e.name.endswith(".py")]
+        except OSError:
+            return None  # reading says what is wrong
+        if any(file.st_mtime_ns > newest for _, file in files):
+            return None
+        return [(name, file.st_mtime_ns, file.st_size, file.st_ino) for name, file in files]
 
     @contextmanager
     def importable(self) -> Iterator[None]:

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from robsim._base.warn import warn_user
 from robsim._core import Arrival, Frame, Observation, RobotModel, RobotParameters
 from robsim.imaging._frames import frame_size
 from robsim.simulation._scenario import Scenario
+
+if TYPE_CHECKING:
+    from robsim.capture import CameraCounts
 
 DT_TOLERANCE = 2e-3  # relative; video files round their frame rate
 
@@ -80,6 +83,8 @@ class FrameSource:
         self._has_begun = False
         self._is_seen = False  # a frame, as yet
         self._failed_at: int | None = None
+        #: Called before each look for a frame.
+        self.pulse: Callable[[int], None] | None = None
         #: What the frames have to bring, as the message of an error; None = frames are enough.
         self.lacks: str | None = None
 
@@ -92,6 +97,11 @@ class FrameSource:
     def is_live(self) -> bool:
         """Whether the frames come by themselves, and do not wait to be asked for."""
         return self._poll is not None
+
+    @property
+    def counts(self) -> CameraCounts | None:
+        """What has become of the frames of a live camera; None if they are of something else."""
+        return getattr(self._frames, "counts", None) if self.is_live else None
 
     def described(self) -> dict[str, Any]:
         """Return what the set-up of a session says of the frames."""
@@ -128,6 +138,8 @@ class FrameSource:
     def take(self, k: int) -> Frame | Observation | Arrival | None:
         """Return the frame of step k; `Arrival.END` after the last one."""
         self._has_begun = True
+        if self.pulse is not None:
+            self.pulse(k)
         try:
             # A camera may have to warm up, and the robot stands as yet.
             timeout = self._timeout * (10 if k == 0 else 1)
@@ -154,6 +166,21 @@ class FrameSource:
         if not self._is_seen:
             self._look_at(taken)
         return taken
+
+    def again(self, k: int) -> Frame | None:
+        """Return the frame of step k, read again; any thread that no other one disturbs.
+
+        Raises
+        ------
+        LookupError
+            If the frames can be read only once, or there are fewer.
+        """
+        frames: Any = self._frames
+        read = getattr(frames, "_at", getattr(frames, "__getitem__", None))
+        if read is None:
+            raise LookupError("the frames can be read only once")
+        taken = read(k)
+        return taken.frame if isinstance(taken, Observation) else taken
 
     def _polled(self, poll: Callable[[float], Frame | None], timeout: float) -> Frame | Arrival:
         if self._since is None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from robsim._base.checks import Floats, as_float_array
 from robsim._base.text import quoted
-from robsim._core import MotorLink
+from robsim._core import HaltedError, MotorLink
 
 _STOPS = 2  # how often the stop input is sent
 _ATTEMPTS = 4
@@ -46,6 +46,7 @@ class Motors:
     """
 
     _has_moved = False
+    _is_halted = False
 
     def __init__(self, send: Callable[[Floats], Any], stop_input: Floats | None) -> None:
         if not callable(send):
@@ -79,14 +80,25 @@ class Motors:
     def begin(self) -> None:
         """Say that inputs may be sent from now on."""
         self._process = os.getpid()
+        self._is_halted = False
         self._has_moved = self._has_moved or self._link is not None
         if self._link is not None and not self._link.is_closed:
             self._link.resume()
 
     def send(self, u: Floats) -> None:
-        """Send an input."""
+        """Send an input; HaltedError if the robot was halted in this run."""
+        if self._is_halted:
+            raise HaltedError("the robot was stopped: it takes no input before the next run")
         self._has_moved = True  # even if it fails: nobody knows what has arrived
         self._send(u)
+
+    def halt(self) -> None:
+        """Stop the robot from any thread in the middle of a run, in which nothing more is sent."""
+        self._is_halted = True
+        if self._link is not None:
+            self._link.halt()
+        elif self._has_moved and self._stop_input is not None and self._process == os.getpid():
+            self.stop_late()
 
     def stop_late(self) -> None:
         """Send the stop input from another thread, in the middle of a run.

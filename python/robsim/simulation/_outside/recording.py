@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,11 @@ class Recording:
         self._writer: SessionWriter | None = None
         self._is_over = False
         self._u_before: Floats = np.zeros(2)
+
+    @property
+    def folder(self) -> Path:
+        """Where it is written."""
+        return Path(self._folder)
 
     @property
     def has_begun(self) -> bool:
