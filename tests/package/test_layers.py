@@ -59,6 +59,7 @@ PYTHON = {
     "robots": {"robots"},
     "loop": {"simulation"},
     "views": {"plotting", "doctor", "bench", "digests", "live"},
+    "panels": {"gui"},
     "face": {"__init__"},
     "command line": {"cli"},
     "program": {"__main__"},

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 OLD = {
     # classes and functions
     r"Locator": "MarkerLayout",
-    r"locator": "markers",
+    r"locator(?!\()": "markers",  # Playwright has one that is called
     r"Checkup|checkup": "CheckReport",
     r"raise_if_ill": "raise_for_problems",
     r"StudentsLine": "SourceLine",
@@ -48,7 +48,7 @@ OLD = {
     r"--(noise-percent|dropout-steps|rotation|places)\b": "--noise gaussian:10, --headings",
     # private words
     r"\b(least|most|above)=": "minimum=, maximum=, exclusive_minimum=",
-    r"stretch(es)?": "segment",
+    r"stretch(es)?(?!;)": "segment",  # that of CSS stays
     r"[Pp]atient": "EstimatorUnderTest",
 }
 OTHERS = {old for old in OLD if old.startswith(("--", r"\b", "("))}  # with ends of their own
@@ -66,10 +66,22 @@ ANY = (
 def documents():
     """What users and maintainers read."""
     folders = ("python", "cpp", "notebooks", "tests", "assets")
-    kinds = (".py", ".pyi", ".cpp", ".hpp", ".md", ".ipynb", ".toml", ".txt")
+    kinds = (
+        ".py",
+        ".pyi",
+        ".cpp",
+        ".hpp",
+        ".md",
+        ".ipynb",
+        ".toml",
+        ".txt",
+        ".js",
+        ".css",
+        ".json",
+    )
     files = [file for folder in folders for file in (ROOT / folder).rglob("*")]
     files += [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", ROOT / "run"]
-    return [f for f in files if (f.suffix in kinds or f.name == "run") and f != Path(__file__)]
+    return [f for f in files if (f.suffix in kinds or f == ROOT / "run") and f != Path(__file__)]
 
 
 def old_names():

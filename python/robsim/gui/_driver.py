@@ -1,0 +1,398 @@
+"""Who owns the thread of a run: it steps, and carries out commands between two steps."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError, Future
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, ClassVar, Literal, TypeVar
+
+from robsim._base.checks import check_float
+from robsim._core import HaltedError, Step
+from robsim.gui._playback import Playback
+from robsim.gui._worker import Worker, at_work
+from robsim.simulation import Experiment, Simulation
+from robsim.simulation._callbacks.errors import callback_of
+
+State = Literal["paused", "running", "ended", "failed", "closed"]
+
+T = TypeVar("T")
+
+SPEED = 5.0  # times real time
+_STAGE_PAUSE = 0.3  # s between two stages that are to be watched
+_CATCH_UP = 0.1  # s behind that are made up for; more are forgotten
+_LONGEST_GAP = 2.0  # s between two frames that are waited for: a record may have pauses
+_CHUNK = 0.02  # s of steps at a time, as fast as it goes
+_LARGEST_CHUNK = 10_000  # steps
+
+
+class Driver(Worker):
+    """Runs a simulation or an experiment in a thread of its own.
+
+    All commands may come from any thread. They return at once, with a future that is done when the
+    thread has carried them out, between two steps. What a callback raises pauses the run: it is
+    `error`, not an exception of the future. The next `start` or `step` repeats the stage that
+    failed.
+
+    Parameters
+    ----------
+    runner : Simulation, Experiment or Playback
+        What is run. Until the driver is closed, nobody else runs or changes it, but in `call`.
+    speed : float
+        Multiple of real time, above 0; inf = as fast as it goes. A live camera sets the pace
+        itself.
+
+    Attributes
+    ----------
+    on_step, on_stage, on_state : list of callable
+        Called in the thread: with the `Step` that was done, with the name of the stage that was
+        done and the `Step` so far, with the driver after a change of `state`.
+    """
+
+    _thread_name: ClassVar[str] = "robsim driver"
+
+    def __init__(self, runner: Simulation | Experiment | Playback, *, speed: float = SPEED) -> None:
+        super().__init__()
+        self.runner = runner
+        self.on_step: list[Callable[[Step], None]] = []
+        self.on_stage: list[Callable[[str, Step], None]] = []
+        self.on_state: list[Callable[[Driver], None]] = []
+        self._state: State = "paused"
+        self._error: BaseException | None = None
+        self._was_ended = False  # the newest run, by a command
+        self._stops_seen = self._n_stops
+        self._since = self._gap = 0.0  # when the newest step was due, and how long it lasts (s)
+        self._chunk = 1
+        self._animates = False
+        self.speed = speed
+
+    @property
+    def state(self) -> State:
+        """``"paused"``, ``"running"``, ``"ended"`` (no more frames), ``"failed"``, ``"closed"``."""
+        return self._state
+
+    @property
+    def error(self) -> BaseException | None:
+        """What ended the run if `state` is ``"failed"``."""
+        return self._error
+
+    @property
+    def has_motors(self) -> bool:
+        """Whether there is a robot to be stopped."""
+        return isinstance(self.runner, Experiment) and self.runner._motors is not None
+
+    @property
+    def is_live(self) -> bool:
+        """Whether a camera sets the pace."""
+        return isinstance(self.runner, Experiment) and self.runner.is_live
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the robot was stopped by `stop_robot`, and has not been told to move since."""
+        return self._n_stops != self._stops_seen
+
+    @property
+    def speed(self) -> float:
+        """Multiple of real time; inf = as fast as it goes."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        is_endless = isinstance(speed, float) and speed == math.inf
+        checked = speed if is_endless else check_float("speed", speed, exclusive_minimum=0)
+        with self._wake:
+            self._speed = checked
+            self._since = max(self._since, time.monotonic() - self._gap / checked)  # no burst
+            self._wake.notify()
+
+    @property
+    def animates(self) -> bool:
+        """Whether it goes from stage to stage, so slowly that one can watch."""
+        return self._animates
+
+    @animates.setter
+    def animates(self, animates: bool) -> None:
+        with self._wake:
+            self._animates = animates
+            self._wake.notify()
+
+    def prepare(self) -> Future[None]:
+        """Do what comes once, at the start, and show the start."""
+        return self.call(lambda: self._attempt(self._show_start))
+
+    def start(self) -> Future[None]:
+        """Run on, until something ends it."""
+        return self._move(lambda: self._set("running"), ends_run=False)
+
+    def pause(self) -> Future[None]:
+        """Stop after the step under way; the robot of an experiment is stopped."""
+        return self._command(self._pause)
+
+    def step(self) -> Future[None]:
+        """Pause, and do one step."""
+        return self._move(lambda: self._once(self._one_step))
+
+    def step_stage(self) -> Future[None]:
+        """Pause, and do one stage of a step."""
+        return self._move(lambda: self._once(self._one_stage))
+
+    def reset(self) -> Future[None]:
+        """Pause, and go back to the start. The future has the exception if that is impossible."""
+        return self._command(self._reset)
+
+    def stop_robot(self) -> Future[None]:
+        """Stop the robot at once, in this thread, whatever callbacks do; then pause.
+
+        What was to move it and is not done yet is forgotten. It raises what `Experiment.stop_robot`
+        raises.
+        """
+        try:
+            if isinstance(self.runner, Experiment):
+                self.runner.stop_robot()
+        finally:
+            paused = self._command(self._pause, first=True)
+        return paused
+
+    def call(self, function: Callable[[], T]) -> Future[T]:
+        """Call a function in the thread, between two steps.
+
+        Returns
+        -------
+        Future
+            Its result or exception. Cancelled if the driver is closed before its turn comes.
+        """
+        # A run that is cut stops its robot, which is not for each look or setting to do.
+        return self._command(function, ends_run=not self.has_motors)
+
+    def ask(self, function: Callable[[], T]) -> T:
+        """Call a function between two steps, and wait for its result.
+
+        Who asks in the thread gets it at once; so does everybody after the end.
+        """
+        if self.is_here:
+            return function()
+        try:
+            return self.call(function).result()
+        except CancelledError:
+            self.close()  # the step under way may not be over
+            return function()
+
+    def _command(
+        self, function: Callable[[], T], *, ends_run: bool = True, first: bool = False
+    ) -> Future[T]:
+        if self._is_elsewhere:
+            raise RuntimeError("this run belongs to the process that was forked: make another one")
+        command = _Command(self, function, ends_run)
+        if not self.post(command, first=first):
+            command.answer.cancel()
+        if ends_run and self.is_here and self.runner.stop():  # a callback pauses its own run
+            self._was_ended = True
+        return command.answer
+
+    def _move(self, move: Callable[[], None], *, ends_run: bool = True) -> Future[None]:
+        """Do what may move the robot, unless it is stopped after this was asked for."""
+        stops = self._n_stops
+
+        def do() -> None:
+            if self._n_stops == stops:
+                self._stops_seen = stops
+                move()
+
+        return self._command(do, ends_run=ends_run)
+
+    @property
+    def _n_stops(self) -> int:
+        return self.runner._n_stops if isinstance(self.runner, Experiment) else 0
+
+    def _end(self) -> None:
+        commands, self._jobs = self._jobs, deque()
+        super()._end()
+        for command in commands:
+            assert isinstance(command, _Command)
+            command.answer.cancel()
+
+    # In the thread.
+
+    def _due(self) -> float:
+        if self._state != "running":
+            return math.inf
+        return self._since + (_STAGE_PAUSE if self._animates else self._pause_after_step)
+
+    @property
+    def _pause_after_step(self) -> float:
+        return 0.0 if self.is_live else self._gap / self._speed
+
+    def _do_due(self) -> None:
+        if self.is_stopped:
+            self._pause()
+        else:
+            self._attempt(self._advance)
+
+    def _finish(self) -> None:
+        self.guarded(self._stop_robot)
+        self._set("closed")
+
+    def _attempt(self, advance: Callable[[], None]) -> None:
+        self._was_ended = False
+        try:
+            with self._looking_up():
+                advance()
+        except BaseException as error:  # also a KeyboardInterrupt that a callback raises
+            is_callback = callback_of(error) is not None
+            if isinstance(error, EOFError) and not is_callback:
+                self._set("ended")
+            elif isinstance(error, HaltedError) and self.is_stopped:
+                self._pause()
+            elif is_callback or not self._was_ended:  # a wait for a frame that was cut is no error
+                self._fail(error)
+
+    def _looking_up(self) -> AbstractContextManager[None]:
+        if isinstance(self.runner, Playback):
+            return nullcontext()
+        return self.runner._looking_up(self._look_up)
+
+    def _look_up(self, _: int) -> None:
+        """End the run under way if there is a reason to; in the midst of it, every 50 ms or so."""
+        if self.is_stopped and isinstance(self.runner, Experiment):
+            self.runner._halt()
+        with self._wake:
+            is_cut = self._is_over or any(getattr(job, "ends_run", False) for job in self._jobs)
+        if is_cut and self.runner.stop():
+            self._was_ended = True
+
+    def _advance(self) -> None:
+        if self._animates:
+            self._one_stage()
+        elif math.isinf(self._speed) and isinstance(self.runner, Simulation):
+            self._many_steps(self.runner)
+        else:
+            self._one_step()
+
+    def _once(self, advance: Callable[[], None]) -> None:
+        self._set("paused")
+        self._attempt(advance)
+
+    def _one_step(self) -> None:
+        self._tell_step(self.runner.step())
+
+    def _many_steps(self, simulation: Simulation) -> None:
+        started = time.monotonic()
+        simulation.run(self._chunk)
+        took = time.monotonic() - started
+        growth = min(2.0, _CHUNK / max(took, 1e-6))
+        self._chunk = min(max(1, int(self._chunk * growth)), _LARGEST_CHUNK)
+        self._tell_step(simulation.last_step)
+
+    def _one_stage(self) -> None:
+        stage = self.runner.step_stage()
+        self._since = time.monotonic()
+        self._tell(self.on_stage, stage, self.runner.last_step)
+        if self.runner.stage == "world":  # it was the last one of the step
+            self._tell_newest()
+
+    def _show_start(self) -> None:
+        step = self.runner.last_step  # does what comes once
+        if isinstance(self.runner, Experiment) and not self.runner.n_steps:
+            self._tell(self.on_state, self)  # no frame has come yet
+        else:
+            self._tell(self.on_step, step)
+
+    def _tell_newest(self) -> None:
+        self._tell(self.on_step, self.runner.last_step)
+
+    def _tell_step(self, step: Step) -> None:
+        now = time.monotonic()
+        self._since = min(now, max(self._since + self._pause_after_step, now - _CATCH_UP))
+        self._gap = min(step.dt, _LONGEST_GAP)
+        self._tell(self.on_step, step)
+
+    def _tell(self, listeners: Sequence[Callable[..., None]], *news: object) -> None:
+        for listener in listeners:
+            self.guarded(listener, *news)
+
+    def _pause(self) -> None:
+        try:
+            self._stop_robot()
+        except BaseException as error:
+            self._fail(error)
+        else:
+            self._set("paused" if self._state == "running" else self._state)
+
+    def _reset(self) -> None:
+        self._pause()
+        try:
+            self.runner.reset()
+        except BaseException as error:
+            if callback_of(error) is None:
+                raise
+            self._fail(error)
+        else:
+            self._set("paused")
+            self._attempt(self._show_start)
+
+    def _stop_robot(self) -> None:
+        if isinstance(self.runner, Experiment) and not self.runner.is_running:
+            self.runner._stop_robot(None)
+
+    def _fail(self, error: BaseException) -> None:
+        self._error = error
+        self._set("failed")
+
+    def _set(self, state: State) -> None:
+        if state == "running" and self._state != "running":
+            self._since, self._gap = time.monotonic(), 0.0
+        if state != "failed":
+            self._error = None
+        self._state = state
+        self._tell(self.on_state, self)
+
+
+class _Command:
+    """A job with an answer; `ends_run`: a run that waits for a frame, or is of many steps."""
+
+    def __init__(self, driver: Driver, function: Callable[[], Any], ends_run: bool) -> None:
+        self.answer = _Answer(driver)
+        self.ends_run = ends_run
+        self._function = function
+
+    def __call__(self) -> None:
+        if not self.answer.set_running_or_notify_cancel():
+            return
+        try:
+            result = self._function()
+        except BaseException as error:
+            self.answer.set_exception(error)
+        else:
+            self.answer.set_result(result)
+
+
+class _Answer(Future[Any]):
+    """A future that cannot be waited for where it would never come."""
+
+    def __init__(self, driver: Driver) -> None:
+        super().__init__()
+        self._driver = driver
+
+    def result(self, timeout: float | None = None) -> Any:
+        self._check_thread()
+        return super().result(timeout)
+
+    def exception(self, timeout: float | None = None) -> BaseException | None:
+        self._check_thread()
+        return super().exception(timeout)
+
+    def _check_thread(self) -> None:
+        if not self.done() and self._driver.is_here:
+            raise RuntimeError(
+                "a callback cannot wait for a command to its own run, which waits for the callback"
+            )
+
+
+def pause_all() -> None:
+    """Pause all runs, such as when the user interrupts a notebook."""
+    for worker in at_work():
+        if isinstance(worker, Driver):
+            worker.pause()

@@ -1,0 +1,12 @@
+"""Waiting for what another thread does."""
+
+import time
+
+
+def wait_for(condition, seconds=10):
+    """Return what the condition says once it is true; fail if it takes too long."""
+    end = time.monotonic() + seconds
+    while not (result := condition()):
+        assert time.monotonic() < end, "it took too long"
+        time.sleep(0.01)
+    return result
