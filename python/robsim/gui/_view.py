@@ -1,0 +1,152 @@
+"""What a panel is made of: a thread that talks to browsers, and the lines to them."""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import abstractmethod
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
+
+from robsim.gui._link import Link
+from robsim.gui._messages import Refused, checked_message
+from robsim.gui._worker import Worker
+
+_MOST_WAITING = 1000  # messages of browsers; whoever sends more is not listened to
+_MOST_IN_A_ROW = 50  # jobs, before it looks for what is due
+RETRY = 1.0  # s until what failed in `look` is tried again
+
+
+class View(Worker):
+    """State in Python, shown by browsers that only know messages (see PROTOCOL.md).
+
+    Everything of a view happens in one thread: messages are handled there, and sent from there. So
+    there are no locks, a host never waits, and neither does a run.
+    """
+
+    _thread_name = "robsim view"
+
+    #: Which view of the module in the browser shows it.
+    kind: ClassVar[str]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.links: list[Link] = []
+        self._next_look = math.inf  # when there is something to do without a job
+        self._in_a_row = 0
+
+    # For hosts: any thread.
+
+    def connect(self, link: Link) -> None:
+        """Add a line; it is told something once a view on it says hello."""
+        self.post(lambda: self.links.append(link))
+
+    def disconnect(self, link: Link) -> None:
+        """Remove a line."""
+        self.post(lambda: self._disconnect(link))
+
+    def receive(self, link: Link, message: Any) -> None:
+        """Take a message of a browser."""
+        is_urgent = self.is_urgent(message)
+        if len(self._jobs) < _MOST_WAITING * (2 if is_urgent else 1):
+            self.post(_Received(self, link, message), first=is_urgent)
+
+    def is_urgent(self, message: Any) -> bool:
+        """Return whether a message, which may be anything, comes before all that waits."""
+        return False
+
+    # In the thread.
+
+    def send(self, head: Mapping[str, Any], *buffers: bytes) -> None:
+        """Send a message to all who watch."""
+        for link in self.links:
+            if link.is_watched:
+                link.send(head, buffers)
+
+    def note(self, text: str, level: str = "error") -> None:
+        """Tell all who watch something; from any thread."""
+        self.post(lambda: self.send({"type": "note", "level": level, "text": text}))
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether anybody looks."""
+        return any(link.is_watched for link in self.links)
+
+    @abstractmethod
+    def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
+        """Return what is done with each type of message."""
+
+    def look(self, now: float) -> float:
+        """Do what is due; return when to look again."""
+        return math.inf
+
+    @abstractmethod
+    def parted(self) -> None:
+        """Do what is to be done when the last view has gone."""
+
+    @abstractmethod
+    def snapshot(self) -> bytes:
+        """Return a still picture of the view (PNG); any thread may ask."""
+
+    def handle(self, link: Link, message: Any) -> None:
+        """Do what a message asks for."""
+        try:
+            checked = checked_message(message)
+            handler = self.handlers().get(checked["type"])
+            if handler is None:
+                raise Refused(f"{self.kind} takes no message {checked['type']!r}")
+            handler(link, checked)
+        except Refused as error:
+            link.refuse(str(error))
+
+    def forget(self, kind: str) -> None:
+        """Forget the messages of a type that wait."""
+        with self._wake:
+            self._jobs = deque(
+                job for job in self._jobs if not (isinstance(job, _Received) and job.is_of(kind))
+            )
+
+    def report(self, error: Exception) -> bool:
+        """Tell of a mistake of ours, the browsers too."""
+        is_new = super().report(error)
+        if is_new:
+            self.note(f"A mistake in the panel itself: {type(error).__name__}: {error}")
+        return is_new
+
+    def _due(self) -> float:
+        return self._next_look
+
+    def _do_due(self) -> None:
+        self._in_a_row = _MOST_IN_A_ROW
+
+    def _rest(self) -> None:
+        self._in_a_row += 1
+        if self._jobs and self._in_a_row < _MOST_IN_A_ROW:
+            return
+        self._in_a_row = 0
+        for link in [link for link in self.links if link.is_gone]:
+            self.guarded(self._disconnect, link)
+        now = time.monotonic()
+        due = self.guarded(self.look, now)
+        self._next_look = now + RETRY if due is None else due
+
+    def _disconnect(self, link: Link) -> None:
+        if link not in self.links:
+            return
+        self.links.remove(link)
+        if link.is_watched and not self.is_watched:
+            self.parted()
+
+
+class _Received:
+    """A message that waits."""
+
+    def __init__(self, view: View, link: Link, message: Any) -> None:
+        self._view, self._link, self._message = view, link, message
+
+    def __call__(self) -> None:
+        self._view.handle(self._link, self._message)
+
+    def is_of(self, kind: str) -> bool:
+        return isinstance(self._message, dict) and self._message.get("type") == kind

@@ -1,0 +1,99 @@
+"""What a browser may send, and how quickly all else is refused."""
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzing import fuzzed
+from robsim.gui import _messages
+from robsim.gui._messages import Refused, checked_message
+
+GOOD = [
+    {"type": "hello", "id": "a", "width": 600},
+    {"type": "grant", "id": "a", "upto": 15, "late": False},
+    {"type": "set", "id": "a", "name": "speed", "value": 2.5},
+    {"type": "set", "id": "a", "name": "noise", "value": "gaussian"},
+    {"type": "set", "id": "a", "name": "boxes", "value": True},
+    {"type": "go_to", "id": "a", "x": 1, "y": -2.5},
+    {"type": "path", "id": "a", "points": [[0, 1], [2.5, 3]]},
+    {"type": "look", "id": "a", "k": None},
+    {"type": "look", "id": "a", "k": 3},
+    {"type": "columns", "id": "a", "names": ["u"]},
+    {"type": "animate", "id": "a", "on": True},
+]
+
+
+@pytest.mark.parametrize("message", GOOD)
+def test_what_is_taken(message):
+    checked = checked_message({**message, "more": "is left out"})
+    assert json.loads(json.dumps(checked)) == message
+
+
+@pytest.mark.parametrize(
+    "message", [None, 3, "text", [], {}, {"type": None}, {"type": []}, {"type": "x"}, [{}]]
+)
+def test_what_is_no_message(message):
+    with pytest.raises(Refused, match="not a message of this panel"):
+        checked_message(message)
+
+
+NESTED = []
+for _ in range(10_000):
+    NESTED = [NESTED]
+NUMBERS = [None, "1", True, [], {}, float("nan"), float("inf"), 10**400, -(10**400)]
+WHOLE = [*NUMBERS, -1, 2**53, 1.5]
+TEXTS = [None, 1, [], {}, "x" * 201, NESTED]
+BAD = {
+    ("hello", "width"): WHOLE,
+    ("grant", "upto"): WHOLE,
+    ("grant", "late"): [None, 0, 1, "true"],
+    ("press", "button"): TEXTS,
+    ("set", "value"): [None, [], {}, float("nan"), 10**400, "x" * 201, NESTED],
+    ("go_to", "x"): NUMBERS,
+    ("path", "points"): [
+        *(None, 1, "ab", {}, [1], [[1]], [[1, 2, 3]], [[1, "2"]], [[1, float("nan")]], NESTED),
+        *([[0, 0]] * 1001, [0] * 10**6, [[[0] * 10**6, 1]], [NESTED]),
+    ],
+    ("look", "k"): [k for k in WHOLE if k is not None],
+    ("columns", "names"): [None, "u", {}, ["u"] * 101, [None], [["u"]], ["u"] * 10**6],
+    ("animate", "on"): [None, 0, "on"],
+    ("bye", "id"): TEXTS,
+}
+
+
+@pytest.mark.parametrize(("kind", "field"), BAD)
+def test_a_field_of_another_kind_is_named(kind, field):
+    good = {message["type"]: message for message in GOOD}.get(kind, {})
+    for value in BAD[kind, field]:
+        with pytest.raises(Refused, match=f"^{field} of the message {kind} must be ") as refused:
+            checked_message({"type": kind, "id": "a", **good, field: value})
+        assert len(str(refused.value)) < 200
+
+
+@pytest.mark.parametrize("message", GOOD)
+def test_a_field_that_is_missing_is_named(message):
+    for field in message.keys() - {"type"}:
+        with pytest.raises(Refused, match=f"lacks {field}"):
+            checked_message({name: value for name, value in message.items() if name != field})
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
+    max_leaves=6,
+)
+FIELDS = sorted({field for fields in _messages._FIELDS.values() for field in fields} | {"id"})
+
+
+@pytest.mark.fuzz
+@fuzzed
+@given(st.sampled_from(sorted(_messages._FIELDS)), st.dictionaries(st.sampled_from(FIELDS), JSON))
+def test_anything_is_taken_or_refused(kind, fields):
+    try:
+        checked = checked_message({"type": kind, **fields})
+    except Refused:
+        return
+    assert checked.keys() == {"type", "id", *_messages._FIELDS[kind]}
+    json.dumps(checked, allow_nan=False)
