@@ -1,0 +1,55 @@
+// @ts-check
+// Buttons and groups of them.
+import { make } from "./dom.js";
+import { icon } from "./icons.js";
+import { text } from "./texts.js";
+
+/** A button with an icon, its text, and what it does in more words. */
+export function makeButton(name, kind, onclick) {
+  const button = make("button", { type: "button", className: `robsim-button ${kind}`, onclick });
+  showButton(button, name);
+  return button;
+}
+
+/** A button of words alone; their name in the texts, if it is another one than the button's. */
+export function makeTextButton(name, kind, onclick, words = name) {
+  const title = text(`${words}.title`, {}, "");
+  const about = { type: "button", className: `robsim-button ${kind}`, name, title, onclick };
+  return make("button", { ...about, textContent: text(words) });
+}
+
+/** Let a button be another one. */
+export function showButton(button, name) {
+  if (button.name == name) return;
+  button.name = name;
+  button.title = text(`${name}.title`, {}, text(name));
+  button.setAttribute("aria-label", text(name));
+  const label = make("span", { className: "robsim-button-text", textContent: text(name) });
+  button.replaceChildren(icon(name), ...(button.classList.contains("robsim-icon") ? [] : [label]));
+}
+
+/** Let the arrow keys, Home and End move between the buttons of a group; one of them takes Tab. */
+export function moveByArrows(group, choose) {
+  const ways = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1 };
+  group.addEventListener("keydown", (event) => {
+    const buttons = [...group.children];
+    const at = buttons.indexOf(document.activeElement);
+    const ends = { Home: 0, End: buttons.length - 1 };
+    const to = ends[event.key] ?? (at + ways[event.key] + buttons.length) % buttons.length;
+    if (at < 0 || Number.isNaN(to)) return;
+    event.preventDefault();
+    event.stopPropagation();
+    buttons[to].focus();
+    choose(buttons[to]);
+  });
+}
+
+/** Mark one button of a group as the chosen one, by an attribute such as aria-checked. */
+export function markChosen(group, attribute, isChosen) {
+  const buttons = [...group.children];
+  const chosen = buttons.find(isChosen);
+  for (const button of buttons) {
+    button.setAttribute(attribute, String(button == chosen));
+    button.tabIndex = button == (chosen ?? buttons[0]) ? 0 : -1;
+  }
+}

@@ -1,0 +1,80 @@
+// @ts-check
+// Controls as Python describes them: a choice, a range, a switch.
+import { markChosen, moveByArrows } from "./buttons.js";
+import { make } from "./dom.js";
+import { heldValue } from "./held_value.js";
+import { makeSlider, showSlider } from "./slider.js";
+import { text } from "./texts.js";
+
+const MOST_SEGMENTS = 3; // more of them become a list that opens
+
+/** Make the field of a control: `show` a value that Python tells; `refuse` is called with why not. */
+export function makeField(control, send, refuse) {
+  const { name, kind, choices } = control;
+  const isShort = kind == "choice" && choices.length <= MOST_SEGMENTS;
+  const made = MAKERS[isShort ? "segments" : kind](control, refuse);
+  const label = text(`control.${name}`, {}, name);
+  const parts = [make("span", { textContent: label }), made.element, made.output];
+  const about = { className: "robsim-field", title: text(`control.${name}.title`, {}, "") };
+  // A label passes a click on to its control, which is right for one control, not for a group.
+  const element = make(isShort ? "div" : "label", about, ...parts.filter(Boolean));
+  made.element.setAttribute("aria-label", text(`control.${name}.whole`, {}, label));
+  const value = heldValue(made.element, made.show, send);
+  made.listen(value.set);
+  return { name, element, show: value.tell, end: value.end };
+}
+
+const MAKERS = { segments: makeSegments, choice: makeSelect, range: makeRange, switch: makeSwitch };
+
+const choiceText = (name, value) => text(`control.${name}.${value}`, {}, text(`choice.${value}`, {}, value));
+
+function makeSegments({ name, choices }, refuse) {
+  const buttons = choices.map(({ value, disabled }) => {
+    const textContent = choiceText(name, value);
+    const button = make("button", { type: "button", role: "radio", value, textContent });
+    button.title = disabled ?? text(`control.${name}.${value}.title`, {}, "");
+    if (disabled) button.setAttribute("aria-description", disabled);
+    button.setAttribute("aria-disabled", String(disabled != null));
+    return button;
+  });
+  const element = make("div", { className: "robsim-segments", role: "radiogroup" }, ...buttons);
+  const listen = (set) => {
+    const choose = (button) => {
+      const { value, disabled } = choices.find((choice) => choice.value == button.value);
+      if (disabled) refuse(disabled);
+      else set(value);
+    };
+    buttons.forEach((button) => button.addEventListener("click", () => choose(button)));
+    moveByArrows(element, (button) => button.ariaDisabled == "true" || choose(button));
+  };
+  const show = (value) => markChosen(element, "aria-checked", (button) => button.value == value);
+  return { element, listen, show };
+}
+
+function makeSelect({ name, choices }) {
+  const options = choices.map(({ value, disabled }) => {
+    const textContent = choiceText(name, value) + (disabled ? ` (${disabled})` : "");
+    return make("option", { value, disabled: disabled != null, title: disabled ?? "", textContent });
+  });
+  const element = make("select", { className: "robsim-select", name }, ...options);
+  const listen = (set) => element.addEventListener("change", () => set(element.value));
+  return { element, listen, show: (value) => (element.value = value) };
+}
+
+function makeRange({ name, low, high, step, unit }) {
+  const element = makeSlider(name, { min: low, max: high, step });
+  const output = make("output");
+  const digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  const listen = (set) => element.addEventListener("input", () => set(Number(element.value)));
+  const show = (value) => {
+    output.textContent = [value.toFixed(digits), unit].filter(Boolean).join("\u202f");
+    showSlider(element, value, output.textContent);
+  };
+  return { element, output, listen, show };
+}
+
+function makeSwitch({ name }) {
+  const element = make("input", { type: "checkbox", role: "switch", className: "robsim-switch", name });
+  const listen = (set) => element.addEventListener("change", () => set(element.checked));
+  return { element, listen, show: (value) => (element.checked = value) };
+}

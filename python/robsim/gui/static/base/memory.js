@@ -1,0 +1,24 @@
+// @ts-check
+// What the browser keeps of the choices of a view, for the next time.
+
+const MEMORY_KEY = "robsim";
+
+/** Return the choices of last time over these, as far as they are of the same kind. */
+export function remembered(choices) {
+  const known = { ...choices };
+  try {
+    for (const [name, value] of Object.entries(JSON.parse(localStorage.getItem(MEMORY_KEY) ?? "{}")))
+      if (typeof value == typeof choices[name]) known[name] = value;
+  } catch {
+    // A browser may forbid it, as in a notebook of a stranger; then everything begins as it stands here.
+  }
+  return known;
+}
+
+export function remember(choices) {
+  try {
+    localStorage.setItem(MEMORY_KEY, JSON.stringify(choices));
+  } catch {
+    // As above.
+  }
+}

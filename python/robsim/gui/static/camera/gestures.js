@@ -1,0 +1,88 @@
+// @ts-check
+// Pointers, the wheel: clicks, drags, pinches, in device pixels of a canvas.
+import { distance } from "../base/geometry.js";
+
+const CLICK_SLOP = { mouse: 4, pen: 6, touch: 10 }; // px on the screen that a click may move
+
+/** Whether the wheel would scroll something, so that it is not ours. */
+function canScroll(element, amount) {
+  for (let at = element.parentElement; at; at = at.parentElement) {
+    const room = amount > 0 ? at.scrollHeight - at.clientHeight - at.scrollTop : at.scrollTop;
+    const isRoot = at == document.scrollingElement;
+    if (room > 1 && (isRoot || /auto|scroll/.test(getComputedStyle(at).overflowY))) return true;
+  }
+  return false;
+}
+
+/**
+ * Call handlers with what is done on a canvas: `click`, `doubleClick`, `dragStart`, `drag` (from, to),
+ * `dragEnd`, `giveUp` (a drag turns into something else), `hover` (a point, or null), `zoom` (at, factor),
+ * `move` (by); `isZoomed` says whether the wheel is ours for sure.
+ */
+export function watchGestures(canvas, handlers) {
+  const pointers = new Map(); // pointers that are down -> where
+  let pressed = null; // where a click or a drag began, with what
+  let isDrag = false;
+
+  const point = (event) => {
+    const box = canvas.getBoundingClientRect();
+    const ratio = canvas.width / box.width;
+    return [(event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio];
+  };
+  const end = () => {
+    if (isDrag) handlers.giveUp();
+    isDrag = false;
+    pressed = null;
+  };
+  const pinch = (event, to) => {
+    const other = [...pointers].find(([id]) => id != event.pointerId)[1];
+    const from = pointers.get(event.pointerId);
+    handlers.zoom(other, distance(other, to) / Math.max(distance(other, from), 1));
+  };
+  canvas.onpointerdown = (event) => {
+    if (event.button) return;
+    try {
+      canvas.setPointerCapture(event.pointerId);
+    } catch {
+      return; // it has gone already
+    }
+    pointers.set(event.pointerId, point(event));
+    if (pointers.size > 1) end();
+    else pressed = { at: point(event), slop: devicePixelRatio * (CLICK_SLOP[event.pointerType] ?? 4) };
+  };
+  canvas.onpointermove = (event) => {
+    const to = point(event);
+    handlers.hover(to);
+    const from = pointers.get(event.pointerId);
+    if (!from) return;
+    if (pointers.size == 2) pinch(event, to);
+    if (pressed && !isDrag && distance(pressed.at, to) > pressed.slop) {
+      isDrag = true;
+      handlers.dragStart(pressed.at);
+    }
+    if (isDrag) handlers.drag(from, to);
+    pointers.set(event.pointerId, to);
+  };
+  canvas.onpointerup = (event) => {
+    if (!pointers.delete(event.pointerId)) return;
+    if (isDrag) handlers.dragEnd();
+    else if (pressed) handlers.click(pressed.at);
+    isDrag = false;
+    pressed = null;
+  };
+  canvas.onpointercancel = (event) => {
+    pointers.delete(event.pointerId);
+    end();
+  };
+  canvas.onpointerleave = (event) => pointers.has(event.pointerId) || handlers.hover(null);
+  canvas.ondblclick = (event) => handlers.doubleClick(point(event));
+  const wheel = (event) => {
+    const isOurs = event.ctrlKey || handlers.isZoomed() || document.activeElement == canvas;
+    if (!isOurs && canScroll(canvas, event.deltaY)) return;
+    event.preventDefault();
+    const lines = event.deltaMode ? 30 : 1; // px a line
+    const speed = event.ctrlKey ? 0.01 : 0.0015; // a pinch on a touch pad comes in small numbers
+    handlers.zoom(point(event), Math.exp(-speed * lines * event.deltaY));
+  };
+  canvas.addEventListener("wheel", wheel, { passive: false });
+}

@@ -1,0 +1,184 @@
+// @ts-check
+// What is drawn over the camera's picture: each overlay has a name, and can be switched.
+import { ellipse, fromRobot } from "../base/geometry.js";
+import { makeTrail } from "./trail.js";
+
+const TRACED_STEPS = 150; // steps of which the objects are shown
+const ELLIPSE_SIGMAS = 2;
+const DASH = [5, 4]; // px on the screen
+const OVERLAY_WIDTH = 1.5; // px on the screen
+
+/**
+ * The overlays from the lowest to the highest: `shown` at first, the theme's `color`, what is drawn, the
+ * `columns` of the trace that it needs, and whether there `is` such a thing in a run.
+ *
+ * A scene has `pen` (of the canvas), `lens`, `unit` (device pixels a px), `place` (work area to canvas),
+ * `pixel` (camera to canvas), `frame`, `context`, `colors` (of the theme, by name), `classColors`.
+ */
+export const makeOverlays = () => [
+  { name: "path_driven", shown: true, color: "measured", columns: pathColumns, draw: makeTrail() },
+  { name: "object_trace", shown: true, columns: blobColumns, draw: drawObjectTrace },
+  { name: "planned", shown: true, color: "other-5", is: isSteered, draw: drawPlanned },
+  { name: "boxes", shown: true, draw: drawBoxes },
+  { name: "covariance", shown: true, color: "estimated", draw: drawCovariance },
+  { name: "held_pose", shown: true, color: "held", draw: drawHeld },
+  { name: "outline", shown: true, color: "measured", draw: drawOutline },
+  { name: "heading_line", shown: true, color: "measured", draw: drawHeading },
+  { name: "truth", shown: false, color: "true", is: hasTruth, draw: drawTruth },
+];
+
+const pathColumns = () => ["pose_measured"];
+const isSteered = ({ source }) => source != "trace";
+const hasTruth = ({ has_truth: isKnown }) => isKnown ?? true;
+
+export const isShown = (context, { name, shown }) => context.local.overlays[name] ?? shown;
+
+const halos = new Map();
+
+/** Return what sets a colour off against any floor: black or white, whichever is farther from it. */
+export function haloOf(pen, color) {
+  if (!halos.has(color)) {
+    pen.fillStyle = color; // comes back as #rrggbb
+    const [r, g, b] = [1, 3, 5].map((at) => parseInt(String(pen.fillStyle).slice(at, at + 2), 16));
+    halos.set(color, 0.3 * r + 0.59 * g + 0.11 * b < 90 ? "rgb(255 255 255 / 0.75)" : "rgb(0 0 0 / 0.6)");
+  }
+  return halos.get(color);
+}
+
+/** Draw a line through points of the canvas, with its halo. */
+export function drawLine({ pen, unit }, points, color, options = {}) {
+  const { width = OVERLAY_WIDTH, isClosed = false, dash = [] } = options;
+  pen.beginPath();
+  points.forEach(([x, y], i) => (i ? pen.lineTo(x, y) : pen.moveTo(x, y)));
+  if (isClosed) pen.closePath();
+  pen.lineJoin = pen.lineCap = "round";
+  pen.setLineDash(dash.map((length) => length * unit));
+  pen.strokeStyle = haloOf(pen, color);
+  pen.lineWidth = (width + 1.5) * unit;
+  pen.stroke();
+  pen.strokeStyle = color;
+  pen.lineWidth = width * unit;
+  pen.stroke();
+  pen.setLineDash([]);
+}
+
+/** Draw a dot at a point of the canvas, with its halo. */
+export function drawDot({ pen, unit }, [x, y], color, radius = 2.5) {
+  pen.beginPath();
+  pen.arc(x, y, (radius + 1) * unit, 0, 2 * Math.PI);
+  pen.fillStyle = haloOf(pen, color);
+  pen.fill();
+  pen.beginPath();
+  pen.arc(x, y, radius * unit, 0, 2 * Math.PI);
+  pen.fillStyle = color;
+  pen.fill();
+}
+
+/** Draw a goal: a ring around a dot, at a point of the canvas. */
+export function drawGoal(scene, [x, y], color) {
+  const radius = 8 * scene.unit;
+  const ring = Array.from({ length: 32 }, (_, i) => fromRobot([x, y, (i * Math.PI) / 16], [radius, 0]));
+  drawLine(scene, ring, color, { width: 2, isClosed: true });
+  drawDot(scene, [x, y], color);
+}
+
+function outlineAt(scene, pose, color, options) {
+  const points = scene.context.setup.robot.outline.map((point) => scene.place(fromRobot(pose, point)));
+  drawLine(scene, points, color, { isClosed: true, ...options });
+}
+
+const robotReach = ({ context }) => Math.max(...context.setup.robot.outline.map(([forward]) => forward));
+
+function drawOutline(scene) {
+  if (scene.frame.measured) outlineAt(scene, scene.frame.measured, scene.colors.measured, { width: 2 });
+}
+
+function drawHeading(scene) {
+  const pose = scene.frame.measured;
+  if (!pose) return;
+  const ends = [[0, 0], [1.35 * robotReach(scene), 0]].map((point) => scene.place(fromRobot(pose, point)));
+  drawLine(scene, ends, scene.colors.measured, { width: 2.5 });
+  drawDot(scene, ends[0], scene.colors.measured, 3);
+}
+
+function drawHeld(scene) {
+  const { frame, colors } = scene;
+  if (frame.held && !frame.measured) outlineAt(scene, frame.held, colors.held, { dash: DASH, width: 2 });
+}
+
+function drawTruth(scene) {
+  const { frame, colors } = scene;
+  if (frame.truth) outlineAt(scene, frame.truth, colors.true, { dash: DASH }); // what is below shows
+}
+
+function drawBoxes(scene) {
+  for (const [name, ...sides] of scene.frame.boxes) {
+    const [left, top, right, bottom] = sides.map((side, i) => side + (i < 2 ? -0.5 : 0.5));
+    const corners = [[left, top], [right, top], [right, bottom], [left, bottom]].map(scene.pixel);
+    drawLine(scene, corners, scene.classColors.get(name) ?? name, { isClosed: true });
+  }
+}
+
+const BLOBS_PREFIX = "blobs_";
+
+const blobColumns = (setup) =>
+  (setup.columns ?? []).map(({ name }) => name).filter((name) => name.startsWith(BLOBS_PREFIX));
+
+/** The centroids of the blobs in the last steps: the older, the fainter. */
+function drawObjectTrace(scene) {
+  const { pen, unit, frame, context, classColors } = scene;
+  const side = 3 * unit;
+  for (const [column, rows] of context.store.columns) {
+    if (!column.startsWith(BLOBS_PREFIX)) continue;
+    const name = column.slice(BLOBS_PREFIX.length);
+    pen.fillStyle = classColors.get(name) ?? name;
+    const end = Math.min(rows.count, frame.k + 1);
+    for (let row = Math.max(0, end - TRACED_STEPS); row < end; row++) {
+      pen.globalAlpha = 1 - (0.9 * (end - row)) / TRACED_STEPS;
+      for (let field = 0; field < rows.width; field += 2) {
+        const [x, y] = scene.place([rows.get(row, field), rows.get(row, field + 1)]);
+        pen.fillRect(x - side / 2, y - side / 2, side, side);
+      }
+    }
+  }
+  pen.globalAlpha = 1;
+}
+
+function drawPlanned(scene) {
+  const { path, goal } = scene.context.state;
+  const color = scene.colors["other-5"];
+  if (path?.length) {
+    const points = path.map(scene.place);
+    drawLine(scene, points, color, { dash: [7, 5], width: 2 });
+    drawDot(scene, points[0], color, 3);
+    drawGoal(scene, points.at(-1), color);
+  }
+  if (goal) drawGoal(scene, scene.place(goal), color);
+}
+
+/** The ellipse of the position, and the wedge of the heading, within 2 standard errors. */
+function drawCovariance(scene) {
+  const { pen, frame, colors } = scene;
+  if (!frame.estimate) return;
+  const { pose, covariance } = frame.estimate;
+  const center = scene.place(pose);
+  if (covariance) {
+    const edge = ellipse(covariance, ELLIPSE_SIGMAS);
+    const around = edge.map(([x, y]) => scene.place([pose[0] + x, pose[1] + y]));
+    const turn = Math.min(ELLIPSE_SIGMAS * Math.sqrt(Math.max(covariance[8], 0)), Math.PI);
+    const arc = Array.from({ length: 13 }, (_, i) =>
+      scene.place(fromRobot([pose[0], pose[1], pose[2] + turn * (i / 6 - 1)], [1.6 * robotReach(scene), 0])));
+    fillArea(pen, [center, ...arc], colors["estimated-band"]);
+    fillArea(pen, around, colors["estimated-band"]);
+    drawLine(scene, around, colors.estimated, { isClosed: true });
+  }
+  drawLine(scene, [center, scene.place(fromRobot(pose, [1.6 * robotReach(scene), 0]))], colors.estimated);
+  drawDot(scene, center, colors.estimated);
+}
+
+function fillArea(pen, points, color) {
+  pen.beginPath();
+  for (const [x, y] of points) pen.lineTo(x, y);
+  pen.fillStyle = color;
+  pen.fill();
+}

@@ -1,0 +1,48 @@
+// @ts-check
+// The menu in which the overlays are switched.
+import { makeTextButton } from "../base/buttons.js";
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { isShown } from "./overlays.js";
+
+export function makeShowMenu(context, overlays) {
+  const list = make("div", { role: "group", ariaLabel: text("show"), hidden: true });
+  list.className = "robsim-card robsim-show-list";
+  const open = (isOpen) => {
+    list.hidden = !isOpen;
+    button.setAttribute("aria-expanded", String(isOpen));
+  };
+  const button = makeTextButton("show", "", () => open(list.hidden));
+  const classStripes = () => {
+    const colors = (context.setup?.colors ?? []).map(({ css }) => css);
+    const at = (i) => `${(100 * i) / colors.length}%`;
+    return `linear-gradient(to right, ${colors.map((css, i) => `${css} ${at(i)} ${at(i + 1)}`).join()})`;
+  };
+  const entry = (overlay) => {
+    const box = make("input", {
+      type: "checkbox", name: `show_${overlay.name}`, checked: isShown(context, overlay),
+      onchange: () => context.choose("overlays", { ...context.local.overlays, [overlay.name]: box.checked }),
+    });
+    const swatch = make("span", { className: "robsim-swatch" });
+    const colors = overlay.color ? `var(--robsim-${overlay.color})` : classStripes();
+    swatch.style.setProperty("--robsim-swatch", colors);
+    return make("label", {}, box, swatch, text(`overlay.${overlay.name}`));
+  };
+  const fill = () => {
+    const there = overlays.filter(({ is }) => !context.setup || !is || is(context.setup));
+    list.replaceChildren(...there.toReversed().map(entry));
+  };
+  open(false);
+  fill();
+  context.on("setup", fill);
+  const element = make("div", { className: "robsim-show" }, button, list);
+  element.onkeydown = (event) => {
+    if (event.key != "Escape" || list.hidden) return;
+    open(false);
+    button.focus();
+  };
+  const outside = (event) => event.composedPath().includes(element) || open(false);
+  document.addEventListener("pointerdown", outside);
+  context.onEnd(() => document.removeEventListener("pointerdown", outside));
+  return element;
+}

@@ -1,0 +1,153 @@
+// @ts-check
+// Where the robot is to go: a point that is clicked, a path that is drawn, both also by keys.
+import { makeTextButton } from "../base/buttons.js";
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { makeDraft } from "./draft.js";
+import { drawLine } from "./overlays.js";
+
+const CROSS_STEP = 10; // px of the work area; with Shift ten times as many
+const CROSS_MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const TOOLS = ["go_to", "draw_path"];
+
+/**
+ * What the pointer does: "look", "go_to" or "draw_path". The `canvas` takes the keys; `changed` is called
+ * when something is to be painted.
+ */
+export function makeTools(context, canvas, changed) {
+  const draft = makeDraft();
+  const cross = makeCross(context);
+  let chosen = null; // by a button; null = as the robot is driven
+  let control;
+
+  const active = () => {
+    if (!canSteer(context)) return "look";
+    return chosen ?? (context.state.values?.control == "go_to" ? "go_to" : "look");
+  };
+  const hint = makeHint(() => finish(), () => leave());
+  const buttons = TOOLS.map((name) => makeTextButton(name, "", () => choose(name), `tool.${name}`));
+  const show = () => {
+    for (const button of buttons) {
+      button.setAttribute("aria-pressed", String(active() == button.name));
+      button.hidden = !canSteer(context);
+    }
+    hint.show(chosen == null ? "look" : active(), draft.points.length > 1);
+    changed();
+  };
+  const leave = () => {
+    chosen = null;
+    draft.clear();
+    show();
+  };
+  const choose = (name) => {
+    const wasActive = active() == name;
+    leave();
+    if (!wasActive) chosen = name;
+    else if (active() == name) chosen = "look"; // the robot is driven so, but not by the mouse
+    show();
+    canvas.focus({ preventScroll: true });
+  };
+  const finish = () => {
+    if (draft.points.length < 2) return;
+    context.send({ type: "path", points: draft.points });
+    leave();
+  };
+  const set = (at) => {
+    const [x, y] = inArea(context, at);
+    if (active() == "go_to") context.send({ type: "go_to", x, y });
+    if (active() == "draw_path") draft.add([x, y]);
+    show();
+  };
+  const press = ({ key, shiftKey }) => {
+    const isPath = active() == "draw_path";
+    if (key == "Escape" && chosen) leave();
+    else if (active() == "look") return false;
+    else if (key in CROSS_MOVES) cross.move(CROSS_MOVES[key], shiftKey);
+    else if (key == "Enter" && isPath) finish();
+    else if ((key == "Enter" || key == " ") && cross.at) set(cross.at);
+    else if (key == "Backspace" && isPath) draft.points.pop();
+    else return false;
+    show();
+    return true;
+  };
+
+  context.on("state", ({ values }) => {
+    if (values?.control != control && chosen == "look") chosen = null;
+    control = values?.control;
+    show();
+  });
+  context.on("setup", show);
+  return {
+    buttons,
+    hint: hint.element,
+    active,
+    key: press,
+    cross: () => (active() == "look" ? null : cross.at),
+    // With the pointer: points of the work area; `size` = what a pixel of the screen is there.
+    click: (at) => {
+      cross.at = null;
+      set(at);
+    },
+    dragStart: (at) => active() == "draw_path" && (draft.begin(inArea(context, at)), true),
+    drag: (at, size) => {
+      draft.extend(inArea(context, at), size);
+      show();
+    },
+    dragEnd: (size) => (draft.end(size) ? finish() : show()),
+    giveUp: () => {
+      draft.giveUp();
+      show();
+    },
+    doubleClick: () => {
+      if (active() != "draw_path") return false;
+      draft.settle();
+      finish();
+      return true;
+    },
+    /** Draw what is under way. */
+    draw: (scene, hovered) => {
+      draft.draw(scene, cross.at ?? hovered);
+      if (active() != "look") cross.draw(scene);
+    },
+  };
+}
+
+const canSteer = (context) => Boolean(context.setup) && context.setup.source != "trace";
+
+function inArea(context, [x, y]) {
+  const [width, height] = context.setup.area;
+  return [Math.min(Math.max(x, 0), width - 1), Math.min(Math.max(y, 0), height - 1)];
+}
+
+/** A cross that the arrow keys move; it appears in the middle. */
+function makeCross(context) {
+  const cross = { at: null };
+  cross.move = ([dx, dy], isFar) => {
+    const step = isFar ? 10 * CROSS_STEP : CROSS_STEP;
+    if (cross.at) cross.at = inArea(context, [cross.at[0] + step * dx, cross.at[1] + step * dy]);
+    else cross.at = context.setup.area.map((side) => Math.round(side / 2));
+  };
+  cross.draw = (scene) => {
+    if (!cross.at) return;
+    const [x, y] = scene.place(cross.at);
+    const long = 12 * scene.unit;
+    const color = scene.colors["other-2"];
+    drawLine(scene, [[x - long, y], [x + long, y]], color);
+    drawLine(scene, [[x, y - long], [x, y + long]], color);
+  };
+  return cross;
+}
+
+/** What is to be done with a tool, in words, at the edge of the picture. */
+function makeHint(finish, leave) {
+  const words = make("span");
+  const done = makeTextButton("path_done", "robsim-primary", finish);
+  const cancel = makeTextButton("path_cancel", "", leave);
+  const element = make("div", { className: "robsim-camera-hint", hidden: true }, words, done, cancel);
+  const show = (tool, isPath) => {
+    element.hidden = tool == "look";
+    words.textContent = element.hidden ? "" : text(`tool.${tool}.hint`);
+    done.hidden = !isPath;
+  };
+  return { element, show };
+}

@@ -1,0 +1,97 @@
+// @ts-check
+// The steps that all charts of a panel show, and the one under the cursor.
+
+const SHORTEST_SPAN = 10; // steps on the whole width
+const FIRST_SPANS = [100, 200, 400, 600, 1000]; // widths at first, so that it does not grow with each step
+
+/** Emits "axis" when other steps are shown, and "cursor". */
+class StepAxis {
+  constructor(context) {
+    this.context = context;
+    this.count = 0; // steps that there are
+    this.follows = true;
+    this.cursor = null; // a step
+    this.toNewest();
+  }
+
+  /** How many steps it follows; 0 = all. */
+  get window() {
+    return this.context.local.window;
+  }
+
+  grow(count) {
+    if (count < this.count) {
+      this.follows = true; // it was reset
+      if (this.cursor >= count) this.cursor = null;
+    }
+    this.count = count;
+    if (this.follows) this.toNewest();
+  }
+
+  toNewest() {
+    const whole = FIRST_SPANS.find((steps) => steps >= this.count) ?? this.count - 1;
+    const span = this.window ? Math.min(this.window, whole) : whole;
+    this.show(Math.max(span, this.count - 1) - span, Math.max(span, this.count - 1));
+  }
+
+  show(first, last) {
+    this.first = first;
+    this.last = last;
+    this.context.emit("axis");
+  }
+
+  follow() {
+    this.follows = true;
+    this.toNewest();
+  }
+
+  hold() {
+    this.follows = false;
+    this.context.emit("axis");
+  }
+
+  /** Hold, and show the steps from `first` to `last`, as far as that makes sense. */
+  holdAt(first, last) {
+    const whole = Math.max(this.count - 1, FIRST_SPANS[0]);
+    const span = Math.min(Math.max(last - first, SHORTEST_SPAN), 1.2 * whole);
+    const middle = Math.min(Math.max((first + last) / 2, 0), whole);
+    this.follows = false;
+    this.show(middle - span / 2, middle + span / 2);
+  }
+
+  zoom(about, factor) {
+    const whole = 1.2 * Math.max(this.count - 1, FIRST_SPANS[0]);
+    const span = Math.min(Math.max((this.last - this.first) * factor, SHORTEST_SPAN), whole);
+    const first = about - ((about - this.first) / (this.last - this.first)) * span;
+    this.holdAt(first, first + span);
+  }
+
+  pan(steps) {
+    this.holdAt(this.first + steps, this.last + steps);
+  }
+
+  /** Put the cursor on a step, or away; `isKept`: where it can be seen. */
+  point(k, isKept = false) {
+    const cursor = k === null || !this.count ? null : Math.min(Math.max(Math.round(k), 0), this.count - 1);
+    if (cursor === this.cursor) return;
+    this.cursor = cursor;
+    if (isKept && cursor !== null && (cursor < this.first || cursor > this.last)) {
+      const half = (this.last - this.first) / 2;
+      this.holdAt(cursor - half, cursor + half);
+    }
+    this.context.emit("cursor");
+  }
+}
+
+const axes = new WeakMap();
+
+/** Return the axis that all charts of a panel share. */
+export function axisOf(context) {
+  if (!axes.has(context)) {
+    const axis = new StepAxis(context);
+    axes.set(context, axis);
+    context.on("rows", () => axis.grow(context.store.count));
+    context.on("local", (name) => name == "window" && axis.follow());
+  }
+  return axes.get(context);
+}

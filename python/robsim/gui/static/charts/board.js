@@ -1,0 +1,94 @@
+// @ts-check
+// Some charts that are painted together, at most once for each animation frame, and only if they are seen.
+import { painter } from "../base/dom.js";
+import { axisOf } from "./axis.js";
+import { layerName, layerText } from "./frame.js";
+import { listenToGestures } from "./gestures.js";
+import { inksOf } from "./inks.js";
+import { makeTip, stepText } from "./tip.js";
+
+/** Make the charts of a tab; `seen` is called when the tab is shown. */
+export function makeBoard(context, element, seen) {
+  const charts = new Map(); // what is measured -> chart
+  const [axis, ink] = [axisOf(context), inksOf(context)];
+  const tip = makeTip(context);
+  let isStale = true; // or the cursor alone has moved
+  let pointed = null; // the chart under the pointer
+
+  const paint = () => {
+    for (const chart of charts.values()) {
+      if (!chart.isSeen || !chart.size[0]) continue;
+      if (isStale || !chart.plot) chart.paint(board);
+      chart.paintOver(board);
+    }
+    isStale = false;
+    tip.show(pointed?.isSeen ? pointed : null, axis.cursor);
+  };
+  const paintLater = painter(paint);
+  const later = () => {
+    isStale = true;
+    paintLater();
+  };
+
+  const sizes = new ResizeObserver((entries) => {
+    for (const { target, contentRect } of entries) {
+      const chart = charts.get(target);
+      if (chart) chart.size = [contentRect.width, contentRect.height];
+    }
+    isStale = true;
+    paint(); // at once: a canvas of the old size would be stretched for a moment
+  });
+  const sight = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) {
+      if (target == element && isIntersecting) seen();
+      if (charts.has(target)) charts.get(target).isSeen = isIntersecting;
+    }
+    later();
+  });
+  sight.observe(element);
+
+  const board = {
+    context, axis, ink, later,
+    add(chart) {
+      charts.set(chart.main, chart);
+      sizes.observe(chart.main);
+      sight.observe(chart.main);
+      listenToGestures(chart, board);
+    },
+    remove(chart) {
+      charts.delete(chart.main);
+      sizes.unobserve(chart.main);
+      sight.unobserve(chart.main);
+      chart.element.remove();
+      if (pointed == chart) pointed = null;
+    },
+    /** Put the cursor on a step of a chart, or away. */
+    point(k, chart, isKept = false) {
+      pointed = chart;
+      axis.point(k, isKept);
+      if (chart && axis.cursor !== null) describe(chart, axis, context);
+    },
+  };
+
+  for (const type of ["rows", "axis", "theme"]) context.on(type, later);
+  context.on("local", (name) => name == "unseen" && later());
+  for (const type of ["cursor", "looking"]) context.on(type, paintLater);
+  context.onEnd(() => {
+    paintLater.cancel();
+    sizes.disconnect();
+    sight.disconnect();
+  });
+  return board;
+}
+
+/** Say to a screen reader what the cursor of a chart is on. */
+function describe(chart, axis, context) {
+  const set = (name, value) => chart.over.setAttribute(name, value);
+  const readings = chart.layers
+    .filter(({ series }) => Number.isFinite(series.value(axis.cursor)))
+    .map((layer) => `${layerName(layer)} ${layerText(layer, axis.cursor)}`);
+  set("aria-valuemin", 0);
+  set("aria-valuemax", axis.count - 1);
+  set("aria-valuenow", axis.cursor);
+  set("aria-valuetext", [stepText(context, axis.cursor), ...readings].join(", "));
+}

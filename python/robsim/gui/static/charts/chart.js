@@ -1,0 +1,173 @@
+// @ts-check
+// One chart over the steps: a canvas for what changes with the rows, and one over it for the cursor.
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { drawFrame, drawReadings } from "./frame.js";
+import { paintBand, paintBeyond, paintCrosses, paintDots, paintLine, Plot } from "./plot.js";
+import { autoRange } from "./range.js";
+
+const CHART_MARGIN = { left: 44, right: 9, top: 22, bottom: 8 };
+const NARROW = 150; // px of a chart that reads off below its title
+const LINE_BELOW = 13; // px
+const STEPS_HEIGHT = 22; // px, below a chart that names the steps
+
+/**
+ * A layer: `name` (of a text), `series`, `ink` (a custom property without "--robsim-", or "#..."), `kind`
+ * "line", "stairs" or "dots", `size` (px) of its dots or line, `isJoined` if a thin line joins its dots,
+ * `isAside` if it is not read off in the title; `spread`, a series of its standard deviation, or what
+ * becomes that by the factor that `sigma()` returns: twice it is a band in `bandInk`.
+ */
+export class Chart {
+  /**
+   * @param {object} options
+   * @param {string} options.title
+   * @param {string} [options.unit]
+   * @param {object[]} options.layers
+   * @param {object[]} [options.reads] further layers, which are only read off
+   * @param {number} [options.least] the smallest range of values
+   * @param {boolean} [options.isAngle] whether the values are degrees
+   * @param {boolean} [options.isRobust] whether a few wild values are cut
+   * @param {boolean} [options.hasZero] whether 0 is marked
+   * @param {boolean} [options.readsNewest] whether the newest step is read off, without a cursor
+   * @param {number} [options.reserved] px on the right of the title
+   * @param {(chart: Chart) => boolean} [options.namesSteps] whether the steps are written below
+   * @param {{paint: (chart: Chart, ink: Function) => void, element: Element}} [options.beside]
+   */
+  constructor(options) {
+    this.unit = "";
+    this.remark = ""; // a warning beside the title
+    this.reads = [];
+    this.least = 1e-9;
+    this.truth = null; // a value to be marked by crosses
+    this.namesSteps = () => true;
+    this.beside = null;
+    this.range = null; // of values, if the user has chosen one
+    this.size = [0, 0]; // px
+    this.isSeen = false;
+    this.reserved = 0;
+    Object.assign(this, options);
+    this.base = make("canvas");
+    this.over = make("canvas", { tabIndex: 0, role: "slider" });
+    this.over.setAttribute("aria-label", text("chart.label", { title: this.title, unit: this.unit }));
+    this.main = make("div", { className: "robsim-chart-main" }, this.base, this.over);
+    this.element = make("div", { className: "robsim-chart" }, this.main);
+    if (this.beside) this.element.append(this.beside.element);
+  }
+
+  get isNarrow() {
+    return this.size[0] < NARROW;
+  }
+
+  get box() {
+    const { left, right, bottom } = CHART_MARGIN;
+    const [width, height] = this.size;
+    const top = CHART_MARGIN.top + (this.isNarrow ? LINE_BELOW : 0);
+    const below = this.namesSteps(this) ? STEPS_HEIGHT : bottom;
+    return { left, top, width: Math.max(width - left - right, 1), height: Math.max(height - top - below, 1) };
+  }
+
+  paint({ axis, ink, context }) {
+    for (const { series, spread } of [...this.layers, ...this.reads]) {
+      series.update();
+      spread?.update();
+    }
+    this.shown = this.layers.filter(({ name }) => !context.local.unseen.includes(name));
+    const range = this.range ?? autoRange(this.shown, axis, this);
+    const g = cleanCanvas(this.base, this.size);
+    this.plot = new Plot(g, this.box, axis, range ?? [-1, 1], devicePixelRatio);
+    drawFrame(this.plot, this, ink, Boolean(range));
+    clipped(g, this.box, () => this.paintLayers(ink));
+    this.beside?.paint(this, ink);
+  }
+
+  paintLayers(ink) {
+    const { plot, shown } = this;
+    for (const { series, spread, sigma, bandInk } of shown)
+      if (spread) paintBand(plot, series, spread, sigma?.() ?? 1, ink(bandInk));
+    if (this.truth !== null) paintCrosses(plot, this.truth, ink("true"));
+    const lines = shown.filter(({ kind }) => kind != "dots");
+    const dots = shown.filter(({ kind }) => kind == "dots"); // on top
+    for (const { series, kind, size, ink: name } of lines)
+      paintLine(plot, series, ink(name), { isStairs: kind == "stairs", width: size });
+    for (const { series, size, isJoined, ink: name } of dots)
+      paintDots(plot, series, ink(name), { size, isJoined });
+    if (!this.isRobust && !this.range) return;
+    for (const { series, ink: name } of shown) paintBeyond(plot, series, ink(name));
+  }
+
+  /** Draw the cursor and the step that is looked at. */
+  paintOver({ axis, ink, context }) {
+    if (!this.plot) return;
+    const g = cleanCanvas(this.over, this.size);
+    if (context.looking !== null) this.drawLooked(g, context.looking, ink);
+    if (axis.cursor !== null) this.drawCursor(g, axis.cursor, ink);
+    const k = axis.cursor ?? context.looking ?? (this.readsNewest ? axis.count - 1 : null);
+    if (k !== null) drawReadings(g, this, this.shown, k, ink);
+  }
+
+  drawLooked(g, k, ink) {
+    const { box } = this;
+    const x = this.plot.x(k);
+    if (x < box.left || x > box.left + box.width) return;
+    g.strokeStyle = g.fillStyle = ink("accent");
+    g.lineWidth = 1.5;
+    g.beginPath();
+    g.moveTo(x, box.top);
+    g.lineTo(x, box.top + box.height);
+    g.stroke();
+    g.beginPath();
+    g.moveTo(x - 5, box.top);
+    g.lineTo(x + 5, box.top);
+    g.lineTo(x, box.top + 7);
+    g.fill();
+  }
+
+  drawCursor(g, k, ink) {
+    const { box, plot } = this;
+    const x = plot.x(k);
+    if (x < box.left || x > box.left + box.width) return;
+    g.strokeStyle = ink("quiet");
+    g.lineWidth = 1;
+    g.beginPath();
+    g.moveTo(plot.crisp(x), box.top);
+    g.lineTo(plot.crisp(x), box.top + box.height);
+    g.stroke();
+    g.strokeStyle = ink("raised");
+    g.lineWidth = 1.5;
+    for (const { series, ink: name } of this.shown) this.drawPoint(g, x, plot.y(series.value(k)), ink(name));
+  }
+
+  drawPoint(g, x, y, fill) {
+    const { box } = this;
+    if (!(y >= box.top && y <= box.top + box.height)) return;
+    g.fillStyle = fill;
+    g.beginPath();
+    g.arc(x, y, 4, 0, 2 * Math.PI);
+    g.fill();
+    g.stroke();
+  }
+}
+
+/** Draw within a box alone. */
+export function clipped(g, { left, top, width, height }, draw) {
+  g.save();
+  g.beginPath();
+  g.rect(left, top, width, height);
+  g.clip();
+  draw();
+  g.restore();
+}
+
+/** Make a canvas empty, and as fine as the screen; return what draws on it. */
+export function cleanCanvas(canvas, size) {
+  const ratio = devicePixelRatio;
+  const [width, height] = size.map((length) => Math.round(length * ratio)); // whole ones: else it is blurred
+  if (canvas.width != width || canvas.height != height) {
+    Object.assign(canvas, { width, height });
+    Object.assign(canvas.style, { width: `${width / ratio}px`, height: `${height / ratio}px` });
+  }
+  const g = canvas.getContext("2d");
+  g.setTransform(ratio, 0, 0, ratio, 0, 0);
+  g.clearRect(0, 0, ...size);
+  return g;
+}

@@ -1,0 +1,92 @@
+// @ts-check
+// The histogram of an error, lying on its side: it shares the values of the chart that it stands beside.
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { cleanCanvas, clipped } from "./chart.js";
+import { numberText } from "./scale.js";
+
+const HISTOGRAM_WIDTH = 96; // px
+const LONGEST_BAR = HISTOGRAM_WIDTH - 14; // px
+const TEXT_HEIGHT = 14; // px
+const SOURCE_LAYERS = { measurement: "measured", estimate: "estimated" }; // they are called as their inks
+
+export class Histogram {
+  element = make("canvas", { className: "robsim-histogram" });
+  errors = []; // {of, n, mean, std, low, high, counts}
+
+  paint(chart, ink) {
+    const g = cleanCanvas(this.element, [HISTOGRAM_WIDTH, chart.size[1]]);
+    const { box, plot } = chart;
+    const shown = this.errors.filter(({ of }) => chart.shown.some(({ name }) => name == SOURCE_LAYERS[of]));
+    g.lineWidth = 1 / plot.ratio;
+    g.strokeStyle = ink("line");
+    g.strokeRect(plot.crisp(0), plot.crisp(box.top), HISTOGRAM_WIDTH - 10, box.height);
+    clipped(g, { ...box, left: 0, width: HISTOGRAM_WIDTH }, () => {
+      for (const error of shown) drawBars(g, plot, error, ink(SOURCE_LAYERS[error.of]));
+      for (const error of shown) drawBell(g, plot, error, ink(SOURCE_LAYERS[error.of]));
+    });
+    if (shown.length) writeNumbers(g, box, shown, ink);
+  }
+}
+
+/** Return the normal distribution's count in a bin at a value. */
+function bellOf({ n, mean, std, low, high, counts }) {
+  const peak = (n * (high - low)) / (counts.length * std * Math.sqrt(2 * Math.PI));
+  return (value) => peak * Math.exp(-0.5 * ((value - mean) / std) ** 2);
+}
+
+/** Return px for a count, of bars as long as the bell is high, or longer. */
+function scaleOf(error) {
+  const most = Math.max(...error.counts, 1);
+  return LONGEST_BAR / (error.std > 0 ? Math.max(most, Math.min(bellOf(error)(error.mean), 2 * most)) : most);
+}
+
+function drawBars(g, plot, error, fill) {
+  const { low, high, counts } = error;
+  const width = (high - low) / counts.length;
+  g.fillStyle = fill;
+  g.globalAlpha = 0.4;
+  counts.forEach((count, i) => {
+    const [top, bottom] = [plot.y(low + (i + 1) * width), plot.y(low + i * width)];
+    const gap = bottom - top > 3 ? 1 : 0;
+    g.fillRect(1, top, count * scaleOf(error), Math.max(bottom - top - gap, 1 / plot.ratio));
+  });
+  g.globalAlpha = 1;
+}
+
+function drawBell(g, plot, error, stroke) {
+  const { mean, std } = error;
+  if (!(std > 0)) return;
+  const [bell, scale] = [bellOf(error), scaleOf(error)];
+  g.strokeStyle = stroke;
+  g.lineWidth = 1.5;
+  g.beginPath();
+  for (let value = mean - 4 * std; value <= mean + 4 * std; value += std / 8)
+    g.lineTo(1 + bell(value) * scale, plot.y(value));
+  g.stroke();
+}
+
+function writeNumbers(g, box, errors, ink) {
+  g.save();
+  g.font = ink("chart-font");
+  g.lineWidth = 3;
+  g.lineJoin = "round";
+  g.strokeStyle = ink("raised"); // a rim, for bars may lie below
+  const put = (word, x, y, align, fill) => {
+    g.textAlign = align;
+    g.fillStyle = ink(fill);
+    g.strokeText(word, x, y);
+    g.fillText(word, x, y);
+  };
+  const write = (y, name, value, color) => {
+    put(name, 12, y, "left", "quiet");
+    put(value, HISTOGRAM_WIDTH - 14, y, "right", color);
+  };
+  write(TEXT_HEIGHT, text("chart.count"), String(errors[0].n), "text");
+  errors.forEach(({ of, mean, std }, i) => {
+    const y = box.top + TEXT_HEIGHT * (1 + 2 * i);
+    write(y, text("chart.mean"), numberText(mean, 3), SOURCE_LAYERS[of]);
+    write(y + TEXT_HEIGHT, text("chart.std"), numberText(std, 3), SOURCE_LAYERS[of]);
+  });
+  g.restore();
+}

@@ -1,0 +1,77 @@
+// @ts-check
+// The tab of the parameters: the history of each of the 15, with the truth and two standard errors.
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { makeBoard } from "./board.js";
+import { Chart } from "./chart.js";
+import { fieldSeries } from "./columns.js";
+import { makeSwatch } from "./swatch.js";
+import { makeStepControls } from "./toolbar.js";
+
+const PARAMETER_GROUPS = ["parameters", "standard_errors_unscaled"];
+const FINEST_RANGE = 0.05; // of the true value
+const LEAST_RANGE = 1e-4; // where that is 0, or not known
+
+export function makeParameterCharts(context) {
+  const verdict = make("span", { role: "status" });
+  const tools = make("div", { className: "robsim-chart-tools" });
+  const grid = make("div", { className: "robsim-chart-grid robsim-parameter-grid" });
+  const element = make("div", { className: "robsim-parameters" }, tools, grid);
+  const board = makeBoard(context, element, () => context.want(PARAMETER_GROUPS));
+  tools.append(...makeStepControls(context, board.axis), makeParameterKey(),
+    make("div", { className: "robsim-verdict-line" }, verdict));
+  let charts = [];
+  let newest = null; // message
+
+  context.on("setup", ({ columns }) => {
+    charts.forEach(board.remove);
+    const names = columns.find(({ name }) => name == PARAMETER_GROUPS[0])?.fields ?? [];
+    charts = names.map((name, i) => parameterChart(context, name, i, () => newest));
+    grid.append(...charts.map((chart) => chart.element));
+    charts.forEach(board.add);
+  });
+  context.on("parameters", (message) => {
+    newest = message;
+    const { weak } = message.excitation;
+    charts.forEach((chart) => (chart.remark = weak.includes(chart.title) ? text("chart.weak") : ""));
+    showVerdict(verdict, message.excitation);
+    board.later();
+  });
+  return { element };
+}
+
+function showVerdict(verdict, { text: words, good }) {
+  const meaning = { true: "robsim-good", false: "robsim-warning" }[good] ?? "";
+  verdict.textContent = words;
+  verdict.className = `robsim-chip robsim-verdict ${meaning}`;
+}
+
+/** Make the chart of a parameter; `newest` returns the newest message about all of them. */
+function parameterChart(context, name, i, newest) {
+  const spread = fieldSeries(context, PARAMETER_GROUPS[1], i);
+  // The columns lack the standard deviation of the residuals: the message has it in.
+  const sigma = () => (newest()?.errors?.[i] ?? NaN) / spread.value(spread.count - 1);
+  const layer = {
+    name: "parameter", series: fieldSeries(context, PARAMETER_GROUPS[0], i), ink: "estimated", kind: "line",
+    spread, sigma, bandInk: "estimated-band",
+  };
+  const truth = context.setup.theta_true?.[i] ?? null;
+  const least = FINEST_RANGE * Math.abs(truth ?? 0) || LEAST_RANGE;
+  return new Chart({
+    title: name, layers: [layer], isRobust: true, truth, least,
+    namesSteps: isLowest, readsNewest: true,
+  });
+}
+
+/** Whether a chart stands in the lowest row of its grid. */
+function isLowest({ element }) {
+  return element.parentNode.getBoundingClientRect().bottom - element.getBoundingClientRect().bottom < 2;
+}
+
+/** Make the key: what the crosses, the line and the band are. */
+function makeParameterKey() {
+  const entry = (kind, ink, name) =>
+    make("span", {}, makeSwatch(kind, `var(--robsim-${ink})`), text(`chart.${name}`));
+  return make("div", { className: "robsim-legend robsim-quiet" },
+    entry("cross", "true", "true"), entry("line", "estimated", "parameter_key"));
+}

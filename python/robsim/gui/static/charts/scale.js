@@ -1,0 +1,67 @@
+// @ts-check
+// Ticks of axes, and numbers as texts.
+
+const MANTISSAS = [1, 2, 5, 10];
+const ANGLES = [15, 30, 45, 90, 180]; // degrees, above 10
+
+/** Return the distance of ticks so that there are about `count`, at least `least`. */
+export function tickGap(length, count, { least = 0, isAngle = false } = {}) {
+  const wanted = Math.max(length / Math.max(count, 1), least, Number.MIN_VALUE);
+  if (isAngle && wanted > 10) return ANGLES.find((angle) => angle >= wanted * 0.8) ?? 180;
+  const unit = 10 ** powerOf(wanted);
+  return unit * MANTISSAS.find((mantissa) => mantissa * unit >= wanted * 0.999);
+}
+
+/** Return the multiples of `gap` from `low` to `high`. */
+export function ticksOf(low, high, gap) {
+  const ticks = [];
+  for (let i = Math.ceil(low / gap - 1e-6); i * gap <= high + gap * 1e-6; i++) ticks.push(i * gap);
+  return ticks;
+}
+
+/** Return the range with some air, ended at round numbers, so that it does not change with each row. */
+export function airyRange(low, high, least, options = {}) {
+  if (low > high) return null;
+  const air = Math.max(0.06 * (high - low), (least - (high - low)) / 2, 1e-6 * Math.abs(high));
+  const gap = tickGap(high - low + 2 * air, 8, options);
+  return [Math.floor((low - air) / gap) * gap, Math.ceil((high + air) / gap) * gap];
+}
+
+const powerOf = (size) => Math.floor(Math.log10(size) + 1e-6);
+
+const signed = (text) => text.replace("-", "\u2212").replace(/^\u2212(0\.?0*)$/, "$1");
+
+/** Return a tick's number as a text. */
+export function tickText(value, gap) {
+  if (Math.abs(value) < gap * 1e-6) return "0";
+  const size = Math.abs(value);
+  if (gap >= 1000 && size >= 1e4) return signed(`${+(value / 1000).toFixed(3)}k`);
+  if (size >= 1e6 || size < 1e-3) return exponential(value, 1 + Math.max(0, powerOf(size) - powerOf(gap)));
+  return signed(value.toFixed(Math.max(0, Math.ceil(-Math.log10(gap) - 1e-6))));
+}
+
+/** Return a number as a text with some significant digits. */
+export function numberText(value, digits = 4) {
+  if (!Number.isFinite(value)) return "\u2013";
+  const size = Math.abs(value);
+  if (size && (size < 1e-3 || size >= 1e6)) return exponential(value, digits);
+  const before = size < 1 ? 1 : powerOf(size) + 1;
+  return signed(value.toFixed(Math.max(0, digits - before)));
+}
+
+/** Return a number to the accuracy of a standard error, such as "1.938 ± 0.012". */
+export function uncertainText(value, error) {
+  if (!Number.isFinite(error) || !Number.isFinite(value)) return numberText(value);
+  const lead = error > 0 ? powerOf(error) : 0;
+  const size = value ? powerOf(Math.abs(value)) : lead;
+  const digits = Math.min(Math.max(size - lead + 2, 1), 5);
+  if (lead < -5 || lead > 4 || size > 5)
+    return `${numberText(value, digits)} \u00b1 ${exponential(error, 1)}`;
+  const decimals = Math.max(0, 1 - lead);
+  return `${signed(value.toFixed(decimals))} \u00b1 ${error.toFixed(decimals)}`;
+}
+
+function exponential(value, digits) {
+  const [mantissa, exponent] = value.toExponential(Math.max(0, digits - 1)).split("e");
+  return signed(`${mantissa}e`) + signed(String(Number(exponent)));
+}

@@ -1,0 +1,51 @@
+// @ts-check
+// What stands above the charts of a tab: which steps are shown, what the colours mean.
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { makeSwatch } from "./swatch.js";
+
+const WINDOWS = [200, 600, 2000, 0]; // steps; 0 = all
+
+/** Make the button that follows the newest step, and the choice of how many are shown. */
+export function makeStepControls(context, axis) {
+  const follow = make("button", {
+    type: "button", className: "robsim-button", name: "follow",
+    textContent: text("chart.follow"), title: text("chart.follow.title"),
+    onclick: () => (axis.follows ? axis.hold() : axis.follow()),
+  });
+  const choices = WINDOWS.map((n) => {
+    const textContent = n ? text("chart.last_steps", { n }) : text("chart.all_steps");
+    return make("option", { value: String(n), textContent });
+  });
+  const select = make("select", {
+    className: "robsim-select", name: "window", ariaLabel: text("chart.window"),
+    onchange: () => context.choose("window", Number(select.value)),
+  }, ...choices);
+  const renew = () => {
+    follow.setAttribute("aria-pressed", String(axis.follows));
+    select.value = String(axis.window);
+  };
+  context.on("axis", renew);
+  renew();
+  return [follow, select];
+}
+
+/** Make buttons that say what the colours mean, and take a layer away or bring it back. */
+export function makeLegend(context, layers) {
+  const isShown = (name) => !context.local.unseen.includes(name);
+  const toggle = (name) => {
+    const others = context.local.unseen.filter((other) => other != name);
+    context.choose("unseen", isShown(name) ? [...others, name] : others);
+  };
+  const buttons = layers.map(({ name, ink, kind }) =>
+    make("button", {
+      type: "button", className: "robsim-button robsim-plain", name: `show_${name}`,
+      title: text(`chart.${name}.title`), onclick: () => toggle(name),
+    }, makeSwatch(kind, `var(--robsim-${ink})`), text(`chart.${name}`)));
+  const renew = () =>
+    layers.forEach(({ name }, i) => buttons[i].setAttribute("aria-pressed", String(isShown(name))));
+  context.on("local", (name) => name == "unseen" && renew());
+  renew();
+  const about = { className: "robsim-legend", role: "group", ariaLabel: text("chart.legend") };
+  return make("div", about, ...buttons);
+}

@@ -1,0 +1,160 @@
+// @ts-check
+// The callbacks in the order of the calls: whose they are, what they take, what went wrong; Animate.
+import { makeTextButton } from "../base/buttons.js";
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { makeSource } from "./source.js";
+
+const GROUPS = ["once", "step"];
+const SLOT_OF_STAGE = { world: "evaluate_model" }; // other stages have the names of their slots
+
+export function makeCallbacks(context) {
+  const animate = makeAnimate(context);
+  const groups = GROUPS.map(makeGroup);
+  const source = makeSource(context);
+  const sections = groups.map((group) => group.element);
+  const element = make("div", { className: "robsim-callbacks" });
+  element.append(animate.element, ...sections, source.element);
+  let rows = new Map(); // slot -> row
+  let stage = null;
+
+  const mark = () => {
+    const running = SLOT_OF_STAGE[stage] ?? stage;
+    for (const [slot, row] of rows) row.setRunning(slot == running);
+    animate.show(rows.has(running) ? null : stage);
+  };
+  const fill = ({ slots }) => {
+    if (slots.map(({ slot }) => slot).join() != [...rows.keys()].join()) {
+      rows = new Map(slots.map(({ slot }) => [slot, makeSlotRow(context, source, slot)]));
+      for (const { when, fill: put } of groups) {
+        put(slots.filter((slot) => slot.when == when).map(({ slot }) => rows.get(slot).element));
+      }
+    }
+    const slowest = Math.max(...slots.map(({ ms }) => ms ?? 0));
+    for (const slot of slots) rows.get(slot.slot).show(slot, slowest);
+    mark();
+  };
+  context.on("callbacks", fill);
+  context.on("stages", (told) => {
+    stage = told.stage;
+    mark();
+  });
+  context.on("state", ({ state, animate: isOn }) => {
+    if (!isOn && state == "running") stage = null;
+    mark();
+  });
+  return { element };
+}
+
+/** The switch, and the stage that runs if none of the rows is its own. */
+function makeAnimate(context) {
+  const input = make("input", { type: "checkbox", role: "switch", name: "animate" });
+  input.className = "robsim-switch";
+  input.onchange = () => context.send({ type: "animate", on: input.checked });
+  const words = make("span", {}, make("b", { textContent: text("animate") }), ` ${text("animate.title")}`);
+  const chip = make("span", { className: "robsim-chip robsim-active", hidden: true });
+  const element = make("div", { className: "robsim-animate" }, make("label", {}, input, words), chip);
+  context.on("state", ({ animate: isOn }) => (input.checked = isOn));
+  const show = (stage) => {
+    chip.hidden = !stage;
+    chip.textContent = stage ? text(`slot.${stage}`) : "";
+  };
+  return { element, show };
+}
+
+function makeGroup(when) {
+  const title = text(`when.${when}`);
+  const list = make("ol", { ariaLabel: title });
+  const element = make("section", { hidden: true }, make("h3", { textContent: title }), list);
+  const fill = (rows) => {
+    list.replaceChildren(...rows);
+    element.hidden = !rows.length;
+  };
+  return { when, element, fill };
+}
+
+function makeSlotRow(context, source, slot) {
+  const title = text(`slot.${slot}`);
+  const chip = make("span", { className: "robsim-chip" });
+  const what = makeSlotPlace();
+  const time = makeSlotTime();
+  const buttons = makeSlotButtons(context, source, slot, title);
+  const error = makeSlotError();
+  const name = make("span", { className: "robsim-slot-name", textContent: title });
+  const parts = [what, time, buttons, error];
+  const element = make("li", { className: "robsim-slot" }, name, chip, ...parts.map((part) => part.element));
+  const show = (facts, slowest) => {
+    chip.textContent = text(`owner.${facts.owner}`);
+    chip.dataset.owner = element.dataset.owner = facts.owner;
+    for (const part of parts) part.show(facts, slowest);
+  };
+  const setRunning = (isRunning) => {
+    element.classList.toggle("robsim-running", isRunning);
+    element.ariaCurrent = isRunning ? "step" : null;
+  };
+  return { element, show, setRunning };
+}
+
+function makeSlotPlace() {
+  const called = make("span", { className: "robsim-code" });
+  const place = make("span", { className: "robsim-code robsim-quiet" });
+  const element = make("span", { className: "robsim-slot-what" }, called, place);
+  const show = ({ name, file, line }) => {
+    called.textContent = name ?? "";
+    place.textContent = file ? file.split(/[\\/]/).at(-1) + (line ? `:${line}` : "") : "";
+    place.title = file ?? "";
+  };
+  return { element, show };
+}
+
+/** The time of a call, and how much that is of the slowest one's. */
+function makeSlotTime() {
+  const words = make("span", { className: "robsim-number robsim-quiet" });
+  const bar = make("div", { className: "robsim-slot-time", role: "presentation" });
+  const element = make("span", { className: "robsim-slot-took" }, words, bar);
+  const show = ({ ms, calls }, slowest) => {
+    element.hidden = ms == null;
+    if (ms == null) return;
+    words.textContent = text("slot.ms", { ms: ms.toFixed(ms < 10 ? 2 : 0) });
+    element.title = text("slot.calls", { calls });
+    bar.style.setProperty("--robsim-part", `${slowest > 0 ? (100 * ms) / slowest : 0}%`);
+  };
+  return { element, show };
+}
+
+function makeSlotButtons(context, source, slot, title) {
+  const named = (button, name) => {
+    button.ariaLabel = `${text(name)}: ${title}`;
+    return button;
+  };
+  const button = (name, press) => named(makeTextButton(`${name}_${slot}`, "robsim-plain", press, name), name);
+  const edit = button("edit", () => context.send({ type: "edit", slot }));
+  const read = button("source", () => source.ask(slot, read));
+  const link = make("a", { className: "robsim-button robsim-plain", target: "_blank", rel: "noopener" });
+  link.textContent = text("edit");
+  const element = make("span", { className: "robsim-slot-buttons" }, named(link, "edit"), edit, read);
+  const show = ({ owner, link: address, can_edit: canEdit }) => {
+    link.hidden = !address;
+    link.href = address ?? "";
+    edit.hidden = !canEdit || !link.hidden;
+    read.hidden = owner == "off";
+  };
+  return { element, show };
+}
+
+/** The last error in one line, which opens. */
+function makeSlotError() {
+  const summary = make("summary");
+  const whole = make("pre", { className: "robsim-code" });
+  const element = make("details", { className: "robsim-slot-error", hidden: true }, summary, whole);
+  const show = ({ error }) => {
+    element.hidden = !error;
+    if (!error) return;
+    const { k, line, text: words } = error;
+    const when = line ? "slot.failed_at" : "slot.failed";
+    const where = text(k == null ? "slot.failed_once" : when, { k, line });
+    summary.textContent = `${where} ${words.trim().split("\n").at(-1)}`;
+    whole.textContent = words;
+  };
+  return { element, show };
+}

@@ -1,0 +1,62 @@
+// @ts-check
+// The settings, as cards. What they are comes from Python, and so do their values.
+import { make } from "../base/dom.js";
+import { makeField } from "../base/fields.js";
+import { text } from "../base/texts.js";
+import { makeCameraRate } from "./camera_rate.js";
+import { makeSpeed } from "./speed.js";
+
+/** The cards and the controls on them, in their order; what stands in none of them comes on the last. */
+const CARDS = {
+  stages: ["tracking", "parameters", "state"],
+  drive: ["control", "speed", "camera"],
+  world: ["noise", "noise_level", "disturbance", "disturbance_level", "dropout"],
+  more: [],
+};
+
+export function makeControls(context) {
+  const element = make("div", { className: "robsim-controls" });
+  const rate = makeCameraRate(context);
+  const fields = new Map();
+
+  const send = (name) => (value) => context.send({ type: "set", name, value });
+  const refuse = (reason) => context.emit("note", { level: "info", text: reason });
+  const makeOne = (control) =>
+    control.name == "speed" ? makeSpeed(send("speed")) : makeField(control, send(control.name), refuse);
+
+  /** Take a control; one that is as before stays what it is, for it may be in use. */
+  const take = (control) => {
+    const { value, ...rest } = control;
+    const kind = JSON.stringify(rest);
+    const old = fields.get(control.name);
+    if (old?.kind == kind) return old.show(value);
+    const field = { ...makeOne(control), kind };
+    field.show(value);
+    old?.end();
+    old?.element.replaceWith(field.element);
+    fields.set(control.name, field);
+  };
+
+  context.on("setup", ({ controls, live }) => {
+    const before = fields.size;
+    controls.forEach(take);
+    if (fields.size == before && element.children.length) return; // the others are changed in their places
+    const all = [...fields.values(), ...(live ? [rate] : [])];
+    const onCard = (card) => all.filter(({ name }) => cardOf(name) == card);
+    element.replaceChildren(...Object.keys(CARDS).map((card) => makeCard(card, onCard(card))));
+  });
+  context.on("state", ({ values }) => {
+    for (const [name, field] of fields) if (name in values) field.show(values[name]);
+  });
+  context.onEnd(() => fields.forEach((field) => field.end()));
+  return { element };
+}
+
+const cardOf = (name) => Object.keys(CARDS).find((card) => CARDS[card].includes(name)) ?? "more";
+
+function makeCard(card, fields) {
+  const place = ({ name }) => CARDS[card].indexOf(name);
+  const elements = fields.toSorted((a, b) => place(a) - place(b)).map((field) => field.element);
+  const about = { className: `robsim-card robsim-card-${card}`, ariaLabel: text(`card.${card}`) };
+  return make("section", { ...about, hidden: !elements.length }, ...elements);
+}

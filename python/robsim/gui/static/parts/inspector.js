@@ -1,0 +1,151 @@
+// @ts-check
+// What a step holds, as a tree; each level is asked for when it is opened.
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { makeCopyButton } from "./source.js";
+
+const ASK_GAP = 200; // ms between two looks while the steps go on
+const SLOW_SPEED = 1; // times real time: up to there one can read what changes
+const ROOT = { python: "step", kind: "object" };
+
+const keyOf = (path) => JSON.stringify(path);
+
+export function makeInspector(context) {
+  const step = make("span", { className: "robsim-card-title" });
+  const note = make("span", { className: "robsim-quiet" });
+  const python = make("span", { className: "robsim-code robsim-inspector-path" });
+  const copy = makeCopyButton(() => python.textContent);
+  const head = make("div", { className: "robsim-inspector-head" }, step, note, python, copy);
+  const send = (path) => context.send({ type: "inspect", k: context.looking, path });
+  const tree = makeTree(send, (item) => (python.textContent = item.python));
+  const element = make("div", { className: "robsim-inspector" }, head, tree.element);
+
+  const isReadable = () => {
+    const { state, speed } = context.state;
+    return state != "running" || context.setup?.live || (speed > 0 && speed <= SLOW_SPEED);
+  };
+  let asked = 0;
+  let waiting = 0;
+  const ask = () => {
+    note.textContent = isReadable() ? "" : text("inspector.too_fast");
+    const isVisible = element.offsetParent !== null;
+    if (!isVisible || !isReadable() || waiting) return;
+    waiting = setTimeout(() => {
+      [waiting, asked] = [0, performance.now()];
+      tree.opened().forEach(send);
+    }, Math.max(0, asked + ASK_GAP - performance.now()));
+  };
+  context.onEnd(() => clearTimeout(waiting));
+  context.on("tree", ({ k, path, nodes }) => {
+    step.textContent = k == null || k < 0 ? text("inspector.start") : text("inspector.step", { k });
+    tree.fill(path, nodes);
+  });
+  for (const event of ["frame", "state", "looking"]) context.on(event, ask);
+  context.on("local", (name) => name == "tab" && requestAnimationFrame(ask)); // when it is shown
+  return { element };
+}
+
+/** A tree of what was asked for: `ask(path)` when a node is opened, `chosen(item)` when one has the focus. */
+function makeTree(ask, chosen) {
+  const element = make("ul", { role: "tree", ariaLabel: text("inspector") });
+  element.className = "robsim-tree robsim-code";
+  const opened = new Map([[keyOf([]), []]]); // key -> path of what is open
+  const lists = new Map([[keyOf([]), element]]); // key -> the list that shows it
+
+  const focus = (item, takes = true) => {
+    element.querySelector("[tabindex='0']")?.setAttribute("tabindex", "-1");
+    item.tabIndex = 0;
+    chosen(item);
+    if (takes) item.focus();
+  };
+  const toggle = (item, opens = item.ariaExpanded == "false") => {
+    if (item.ariaExpanded == null) return;
+    item.ariaExpanded = String(opens);
+    if (!opens) return void opened.delete(keyOf(item.path));
+    opened.set(keyOf(item.path), item.path);
+    ask(item.path);
+  };
+  const add = (path, python) => {
+    const item = makeTreeItem(path, python);
+    lists.set(keyOf(path), item.list);
+    item.line.onclick = () => {
+      focus(item);
+      toggle(item);
+    };
+    return item;
+  };
+  const drop = (item) => { // what was open in it is opened again if it comes back
+    for (const inner of [item, ...item.querySelectorAll("[role=treeitem]")]) lists.delete(keyOf(inner.path));
+  };
+  const fill = (path, nodes) => {
+    const list = lists.get(keyOf(path));
+    if (!list || !opened.has(keyOf(path))) return;
+    const above = list.closest("[role=treeitem]") ?? ROOT;
+    const before = new Map([...list.children].map((item) => [item.path.at(-1), item]));
+    const items = nodes.map((node) => {
+      const inner = [...path, node.name];
+      const item = before.get(node.name) ?? add(inner, above.python + pythonPart(node.name, above.kind));
+      before.delete(node.name);
+      showNode(item, node);
+      if (item.ariaExpanded == "false" && opened.has(keyOf(inner))) toggle(item);
+      return item;
+    });
+    for (const gone of before.values()) drop(gone);
+    const isSame = items.length == list.children.length && items.every((item, i) => item == list.children[i]);
+    if (!isSame) list.replaceChildren(...items);
+    const first = element.firstElementChild;
+    if (first && !element.querySelector("[tabindex='0']")) focus(first, false);
+  };
+  element.onkeydown = (event) => {
+    const item = event.target.closest?.("[role=treeitem]");
+    if (!item || !TREE_KEYS[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const shown = [...element.querySelectorAll("[role=treeitem]")].filter((one) => one.offsetParent);
+    const next = TREE_KEYS[event.key](item, shown, toggle);
+    if (next) focus(next);
+  };
+  return { element, fill, opened: () => [...opened.values()] };
+}
+
+// What a key does in a tree: (item, all that are shown, toggle) gives the item to go to.
+const TREE_KEYS = {
+  ArrowDown: (item, all) => all[all.indexOf(item) + 1],
+  ArrowUp: (item, all) => all[all.indexOf(item) - 1],
+  Home: (_, all) => all[0],
+  End: (_, all) => all.at(-1),
+  ArrowRight: (item, _, toggle) => {
+    if (item.ariaExpanded == "false") return toggle(item);
+    return item.list.firstElementChild;
+  },
+  ArrowLeft: (item, _, toggle) => {
+    if (item.ariaExpanded == "true") return toggle(item);
+    return item.parentElement.closest("[role=treeitem]");
+  },
+  Enter: (item, _, toggle) => toggle(item),
+  " ": (item, _, toggle) => toggle(item),
+};
+
+function makeTreeItem(path, python) {
+  const names = ["robsim-node-name", "robsim-node-value", "robsim-quiet"];
+  const cells = names.map((className) => make("span", { className }));
+  const line = make("div", { className: "robsim-node" }, ...cells);
+  const list = make("ul", { role: "group" });
+  const item = make("li", { role: "treeitem", tabIndex: -1, ariaLevel: String(path.length) }, line, list);
+  return Object.assign(item, { path, python, line, list });
+}
+
+function showNode(item, { name, text: value, kind, more }) {
+  const [label, shown, type] = item.line.children;
+  item.kind = kind;
+  item.line.classList.toggle("robsim-changed", label.textContent != "" && shown.textContent != value);
+  [label.textContent, shown.textContent, type.textContent] = [name, value, kind];
+  if (!more) item.ariaExpanded = null;
+  else item.ariaExpanded ??= "false";
+}
+
+/** Return how Python reaches a node in one of a kind: as an attribute, by an index or a key. */
+function pythonPart(name, kind) {
+  if (/^\d+$/.test(name)) return `[${name}]`;
+  return kind == "list" ? `[${JSON.stringify(name)}]` : `.${name}`;
+}

@@ -1,0 +1,71 @@
+// @ts-check
+// The keys. They belong to the panel only while it has the focus or the pointer, and nobody types.
+import { makeButton } from "../base/buttons.js";
+import { isPage, make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+
+const TYPING = "textarea, select, [contenteditable], .cm-editor, input:not([type=range], [type=checkbox])";
+// What the browser itself does with a key, if one of these has the focus.
+const NATIVE = {
+  " ": "button, summary, input[type=checkbox]",
+  ArrowLeft: "input",
+  ArrowRight: "input",
+  End: "input",
+};
+const LISTED = ["space", "step", "step_stage", "back", "newest", "escape", "help"];
+
+export function makeKeyboard(context, transport, timeline) {
+  const { el } = context;
+  const list = makeList();
+  let isOver = isPage();
+  const onward = () => (context.looking == null ? transport.press("step") : timeline.move(1));
+  const actions = {
+    " ": transport.toggle,
+    ".": () => transport.press("step"),
+    ArrowRight: onward,
+    ArrowLeft: () => timeline.move(-1),
+    End: () => context.looking != null && context.look(null),
+    s: () => transport.press("step_stage"),
+    "?": () => (list.element.hidden = !list.element.hidden),
+  };
+  const down = (event) => {
+    const { key, target } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || !(isOver || el.contains(target))) return;
+    if (key == "Escape") return escape();
+    const isTheirs = target.closest?.(TYPING) || (NATIVE[key] && target.closest?.(NATIVE[key]));
+    if (event.defaultPrevented || isTheirs || !actions[key]) return;
+    event.preventDefault();
+    actions[key]();
+  };
+  const escape = () => {
+    list.element.hidden = true;
+    if (context.setup?.motors) transport.press("stop");
+  };
+
+  addEventListener("keydown", down);
+  context.onEnd(() => removeEventListener("keydown", down));
+  el.addEventListener("pointerenter", () => (isOver = true));
+  el.addEventListener("pointerleave", () => (isOver = isPage()));
+  el.dataset.lmSuppressShortcuts = "true"; // JupyterLab would take the keys itself
+  el.addEventListener("click", (event) => {
+    // After a click Space starts and pauses again, and does not press the same button once more.
+    const button = event.detail && event.target.closest(".robsim-button");
+    const panel = el.querySelector(".robsim-panel");
+    if (button && document.activeElement == button) panel.focus({ preventScroll: true });
+  });
+  context.on("keys", actions["?"]);
+  return list;
+}
+
+function makeList() {
+  const close = makeButton("close", "robsim-plain robsim-icon", () => (element.hidden = true));
+  const rows = LISTED.map((name) => {
+    const keys = text(`key.${name}`).split(" / ").map((key) => make("kbd", { textContent: key }));
+    return make("tr", {}, make("td", {}, ...keys), make("td", { textContent: text(`key.${name}.does`) }));
+  });
+  const title = make("h3", { className: "robsim-card-title", textContent: text("keys") });
+  const about = { className: "robsim-keys robsim-card", role: "dialog", ariaLabel: text("keys") };
+  const top = make("div", { className: "robsim-keys-top" }, title, close);
+  const element = make("section", { ...about, hidden: true }, top, make("table", {}, ...rows));
+  return { element };
+}

@@ -1,0 +1,97 @@
+// @ts-check
+// What Finish gives: the parameters estimated from the whole record, as a table and a figure.
+import { asBytes } from "../base/buffers.js";
+import { makeTextButton } from "../base/buttons.js";
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+
+const MOST_ERRORS = 4; // standard errors to each side in the bars
+const ROUNDING = 1e-9; // of the largest parameter: what is nearer than that is the same
+const NO_NUMBER = "\u2013";
+
+const minus = (words) => words.replace(/^-/, "\u2212");
+const shortNumber = (value) => (value == null ? NO_NUMBER : minus(String(Number(value.toPrecision(5)))));
+
+export function makeResult(context) {
+  let url = ""; // of the figure
+  const begin = () => {
+    finish.disabled = true;
+    finish.textContent = text("result.busy");
+    context.send({ type: "press", button: "finish" });
+  };
+  const finish = makeTextButton("finish_result", "robsim-primary", begin, "result.begin");
+  const rest = () => {
+    const isFirst = finish.classList.contains("robsim-primary");
+    finish.disabled = false;
+    finish.textContent = text(isFirst ? "result.begin" : "result.again");
+  };
+  const why = make("p", { textContent: text("result.none") });
+  const element = make("div", { className: "robsim-result" },
+    make("div", { className: "robsim-empty" }, why, finish));
+  const forget = () => url && URL.revokeObjectURL(url);
+
+  const show = ({ rows, text: remarks, verdict }, [picture]) => {
+    finish.classList.remove("robsim-primary");
+    rest();
+    forget();
+    url = picture?.byteLength ? URL.createObjectURL(new Blob([asBytes(picture)], { type: "image/png" })) : "";
+    const chip = make("span", { className: "robsim-chip", textContent: verdict, hidden: !verdict });
+    const head = make("div", { className: "robsim-result-head" }, chip, finish);
+    element.replaceChildren(head, ...(rows.length ? [makeResultTable(rows)] : []));
+    if (remarks) element.append(make("p", { className: "robsim-result-remarks", textContent: remarks }));
+    if (url) element.append(make("img", { src: url, alt: text("result.figure") }));
+  };
+  context.on("result", show);
+  context.on("note", ({ level }) => level == "error" && rest());
+  context.on("state", ({ state }) => state == "failed" && rest());
+  context.onEnd(forget);
+  return { element };
+}
+
+function makeResultTable(rows) {
+  const isTrueKnown = rows.some(([, truth]) => truth != null);
+  const columns = ["name", "true", "batch", "error", "online", "deviation"];
+  const shown = columns.filter((name) => isTrueKnown || !["true", "deviation"].includes(name));
+  const heading = (name) => {
+    const words = { textContent: text(`result.${name}`), title: text(`result.${name}.title`) };
+    return make("th", { scope: "col", ...words });
+  };
+  const head = make("thead", {}, make("tr", {}, ...shown.map(heading)));
+  const largest = Math.max(...rows.map(([, truth]) => Math.abs(truth ?? 0)));
+  const body = make("tbody", {}, ...rows.map((row) => makeResultRow(row, isTrueKnown, largest)));
+  const table = make("table", { className: "robsim-table" }, head, body);
+  return make("div", { className: "robsim-result-table" }, table);
+}
+
+function makeResultRow([name, truth, batch, error, online], isTrueKnown, largest) {
+  const cell = (value) => make("td", { className: "robsim-number", textContent: shortNumber(value) });
+  const row = make("tr", {}, make("th", { scope: "row", className: "robsim-code", textContent: name }));
+  if (isTrueKnown) row.append(cell(truth));
+  row.append(...[batch, error, online].map(cell));
+  const isExact = Math.max(error ?? 0, Math.abs(batch - truth)) < ROUNDING * largest;
+  const exact = make("span", { className: "robsim-quiet", textContent: text("result.exact") });
+  const deviation = isExact ? exact : makeDeviation(truth, batch, error, online);
+  if (isTrueKnown) row.append(make("td", {}, deviation));
+  return row;
+}
+
+/** How many standard errors from the truth: a bar for the batch estimate, a mark for the online one. */
+function makeDeviation(truth, batch, error, online) {
+  const scale = make("div", { className: "robsim-deviation", role: "img" });
+  if (truth == null || batch == null || !(error > 0)) return scale;
+  const errorsOff = (value) => (value == null ? null : (value - truth) / error);
+  const at = (off) => 50 + (50 * Math.max(-MOST_ERRORS, Math.min(MOST_ERRORS, off))) / MOST_ERRORS;
+  const [far, mark] = [batch, online].map(errorsOff);
+  const level = Math.abs(far) <= 2 ? "good" : Math.abs(far) <= 3 ? "warning" : "bad";
+  const bar = make("span", { className: `robsim-deviation-bar robsim-${level}` });
+  bar.style.left = `${Math.min(50, at(far))}%`;
+  bar.style.width = `${Math.abs(at(far) - 50)}%`;
+  scale.append(bar);
+  if (mark != null) {
+    scale.append(make("span", { className: "robsim-deviation-mark" }));
+    scale.lastChild.style.left = `${at(mark)}%`;
+  }
+  const [batchOff, onlineOff] = [far, mark].map((off) => (off == null ? NO_NUMBER : minus(off.toFixed(1))));
+  scale.title = scale.ariaLabel = text("result.far", { batch: batchOff, online: onlineOff });
+  return scale;
+}

@@ -1,0 +1,85 @@
+// @ts-check
+// The time line: which step is shown, any past one or the newest, and where the robot was not seen.
+import { makeButton } from "../base/buttons.js";
+import { calmPainter, make, painter } from "../base/dom.js";
+import { makeSlider, showSlider } from "../base/slider.js";
+import { text } from "../base/texts.js";
+import { color } from "../base/theme.js";
+
+const TICK_HEIGHT = 6; // px, as in timeline.css
+const NARROWEST_TICK = 2; // px
+
+export function makeTimeline(context) {
+  const unseen = makeUnseen();
+  const ticks = make("canvas", { className: "robsim-timeline-ticks", ariaHidden: "true" });
+  const slider = makeSlider("timeline", { min: 0, max: 0, step: 1 });
+  Object.assign(slider, { ariaLabel: text("timeline"), title: text("timeline.title") });
+  const place = make("output", { className: "robsim-number robsim-quiet robsim-timeline-place" });
+  const newest = makeButton("newest", "robsim-plain robsim-timeline-newest", () => context.look(null));
+  const element = make("div", { className: "robsim-timeline" },
+    make("div", { className: "robsim-timeline-track" }, slider, ticks), place, newest);
+
+  const last = () => Math.max(context.newest, 0);
+  const shown = () => {
+    const { frame, looking } = context;
+    return looking ?? (frame?.past ? frame.k : last()); // of a trace that is played back
+  };
+  const look = painter(() => {
+    const k = Number(slider.value);
+    context.look(k >= last() ? null : k);
+  });
+  slider.addEventListener("input", look);
+
+  const show = calmPainter(() => {
+    const [to, k] = [last(), shown()];
+    slider.max = String(to);
+    slider.disabled = context.newest < 1;
+    showSlider(slider, k, text("step.of", { k, last: to }));
+    place.style.minWidth = `${2 * Math.max(String(to).length, 4) + 3}ch`; // so that nothing jumps
+    place.textContent = text("step.of.short", { k, last: to });
+    newest.disabled = context.looking == null;
+    newest.setAttribute("aria-pressed", String(context.looking != null));
+    paintTicks(ticks, unseen(context.store.get("pose_measured")), to, color(context.el, "--robsim-held"));
+  });
+  for (const event of ["setup", "state", "frame", "rows", "looking", "theme"]) context.on(event, show);
+  context.on("setup", () => context.want(["pose_measured"]));
+  const watcher = new ResizeObserver(show);
+  watcher.observe(ticks);
+  for (const end of [look.cancel, show.cancel, () => watcher.disconnect()]) context.onEnd(end);
+
+  /** Go so many steps to and fro, from what is shown. */
+  const move = (by) => {
+    const k = Math.max(0, shown() + by);
+    if (context.newest >= 0) context.look(k >= last() ? null : k);
+  };
+  return { element, move };
+}
+
+/** Return a function of rows of poses: where they have no value, [[first, last], ...]. */
+function makeUnseen() {
+  let [known, done, runs] = [null, 0, []];
+  return (rows) => {
+    if (rows != known || (rows?.count ?? 0) < done) [known, done, runs] = [rows, 0, []];
+    for (; done < (rows?.count ?? 0); done++) {
+      if (!Number.isNaN(rows.get(done, 0))) continue;
+      const run = runs.at(-1);
+      if (run?.[1] == done - 1) run[1] = done;
+      else runs.push([done, done]);
+    }
+    return runs;
+  };
+}
+
+/** Draw a tick for each of the runs, from step 0 to the last one. */
+function paintTicks(canvas, runs, last, css) {
+  const ratio = devicePixelRatio;
+  const width = Math.round(canvas.clientWidth * ratio);
+  Object.assign(canvas, { width, height: TICK_HEIGHT * ratio });
+  const pen = canvas.getContext("2d");
+  pen.fillStyle = css;
+  const scale = width / Math.max(last, 1);
+  for (const [first, end] of runs) {
+    const tick = Math.max((end - first) * scale, NARROWEST_TICK * ratio);
+    pen.fillRect(Math.min(first * scale - ratio, width - tick), 0, tick, canvas.height);
+  }
+}

@@ -1,0 +1,42 @@
+// @ts-check
+// Start, Pause, Step and their like; Stop for what moves outside of the computer.
+import { makeButton, showButton } from "../base/buttons.js";
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+
+const isOver = ({ state }) => ["ended", "closed"].includes(state);
+const NEEDS = {
+  step: (state) => !isOver(state),
+  step_stage: (state) => !isOver(state),
+  reset: ({ state, steps }) => state != "closed" && (steps > 0 || state == "failed"),
+  finish: ({ state, steps }) => state != "closed" && steps > 0,
+};
+
+const MOVES_ON = ["start", "step", "step_stage", "reset"];
+
+export function makeTransport(context) {
+  const press = (button) => {
+    if (MOVES_ON.includes(button) && context.looking != null) context.look(null);
+    context.send({ type: "press", button });
+  };
+  const start = makeButton("start", "robsim-primary robsim-start", () => press(start.name));
+  const others = Object.keys(NEEDS).map((name) => makeButton(name, "", () => press(name)));
+  const stop = makeButton("stop", "robsim-danger robsim-stop", () => press("stop"));
+  stop.hidden = true;
+  const about = { className: "robsim-transport", role: "toolbar", ariaLabel: text("transport") };
+  const element = make("div", about, start, ...others, stop);
+
+  const show = () => {
+    const { state } = context;
+    showButton(start, state.state == "running" ? "pause" : "start");
+    // A trace is played back once more.
+    start.disabled = isOver(state) && !(context.setup?.source == "trace" && state.state == "ended");
+    for (const button of others) button.disabled = !NEEDS[button.name](state);
+    stop.hidden = !context.setup?.motors;
+    element.dataset.motors = String(!stop.hidden);
+  };
+  context.on("setup", show);
+  context.on("state", show);
+  show();
+  return { element, press, toggle: () => start.disabled || press(start.name) };
+}

@@ -1,0 +1,34 @@
+// @ts-check
+// What a host calls: render({model, el}). Of the model it uses get, send, on and off alone.
+import { renderPanel } from "./panel.js";
+import { make } from "./base/dom.js";
+
+const VIEWS = { panel: renderPanel };
+
+function render({ model, el }) {
+  const id = crypto.getRandomValues(new Uint32Array(2)).join("");
+  const still = model.get("still");
+  el.classList.add("robsim");
+  // The picture for those without a kernel, which lies below.
+  if (still) el.append(make("style", { textContent: `.robsim-still-${still} { display: none !important; }` }));
+  const send = (message) => model.send({ ...message, id });
+  const view = VIEWS[model.get("kind")]({ el, send });
+  let queue = Promise.resolve();
+  const receive = (head, buffers) => {
+    view.arrived?.(head);
+    queue = queue.then(() => view.receive(head, buffers ?? [])).catch((error) => console.error(error));
+    return queue; // for tests
+  };
+  const bye = () => send({ type: "bye" });
+  model.on("msg:custom", receive);
+  addEventListener("pagehide", bye);
+  view.begin();
+  return () => {
+    view.end();
+    removeEventListener("pagehide", bye);
+    model.off("msg:custom", receive);
+    bye();
+  };
+}
+
+export default { render };
