@@ -52,6 +52,13 @@ def undrawn(monkeypatch):
 
 
 @pytest.fixture
+def closed_page(monkeypatch):
+    """A page that is closed as soon as it is shown: nobody is there to look at it."""
+    monkeypatch.setattr("robsim.gui._page.Page.open", lambda page: True)
+    monkeypatch.setattr("robsim.gui._page.Page.wait", lambda page, patience: None)
+
+
+@pytest.fixture
 def small_bench(monkeypatch):
     """Let ``robsim bench`` measure with small images, in a sixth of the time."""
     from robsim.bench import run_bench

@@ -1,0 +1,1 @@
+"""What the run has brought: traces, statistics, past steps, estimates."""

@@ -1,0 +1,60 @@
+"""What Finish gives: the batch estimate as table and figure."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from robsim.gui._link import Link
+from robsim.gui._panel.analysis.parameters import excitation_of, listed
+from robsim.gui._panel.drawing import drawing
+from robsim.gui._panel.part import Part
+from robsim.identification import BatchEstimate, batch_estimate
+from robsim.trace import PARAMETER_NAMES, Trace
+
+
+class Result(Part):
+    """Estimates the parameters from the whole record."""
+
+    _newest: tuple[int, dict[str, Any], list[bytes]] | None = None
+
+    def greet(self, link: Link) -> None:
+        if self._newest is not None and self._newest[0] == self.panel.record.n_steps:
+            link.send(*self._newest[1:])
+
+    def tell(self) -> None:
+        """Send the estimate to all who watch."""
+        trace = self.panel.record.trace
+        message, pictures = _result_of(trace)
+        self._newest = len(trace), message, pictures
+        self.panel.send(message, *pictures)
+
+
+def _result_of(trace: Trace) -> tuple[dict[str, Any], list[bytes]]:
+    try:
+        if not len(trace):
+            raise ValueError("nothing has run yet")
+        report = batch_estimate(trace)
+    except ValueError as error:  # too short, or no such poses were recorded
+        text = str(error)
+        return {"type": "result", "rows": [], "text": text, "verdict": "no estimate"}, []
+    message = {
+        "type": "result",
+        "rows": _rows_of(report),
+        "text": "\n".join((report.title, *report.remarks)),
+        "verdict": excitation_of(report.identifiability)["text"],
+    }
+    return message, [_figure_of(report)]
+
+
+def _rows_of(report: BatchEstimate) -> list[list[Any]]:
+    columns = (report.theta_true, report.batch, report.standard_errors, report.online)
+    return [[*row] for row in zip(PARAMETER_NAMES, *map(listed, columns), strict=True)]
+
+
+def _figure_of(report: BatchEstimate) -> bytes:
+    from robsim.plotting import plot_batch  # matplotlib takes its time to load
+
+    with drawing:
+        axes: Any = plot_batch(report)
+        picture: bytes = axes._repr_png_()
+    return picture

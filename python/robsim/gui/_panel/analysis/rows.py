@@ -1,0 +1,80 @@
+"""The traces: new rows of the record for the browsers."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Container
+from typing import Any
+
+import numpy as np
+
+from robsim.gui._link import Link
+from robsim.gui._panel.part import Handlers, Part
+
+_GAP = 0.1  # s between two updates
+_NONE = np.empty((0, 0))
+
+
+class Rows(Part):
+    """Sends the rows of the groups of columns that a view asks for."""
+
+    _due = 0.0
+    _told: dict[str, Any] | None = None
+
+    def handlers(self) -> Handlers:
+        return {"columns": self._columns}
+
+    def setup(self) -> dict[str, Any]:
+        self._told = self.panel.record.described()
+        return self._told
+
+    def changed(self) -> None:
+        # A start may define another model, and a reset read another file.
+        if self._told is not None and self.panel.record.described() != self._told:
+            self.panel.tell_setup()
+
+    def look(self, now: float) -> float:
+        if now < self._due:
+            return self._due
+        self._due = now + _GAP
+        for link in self.panel.links:
+            self.send(link)
+        return self._due if self.panel.is_running else math.inf
+
+    def is_due(self, now: float) -> bool:
+        """Return whether rows may travel with a frame: each message of their own costs more."""
+        return now >= self._due or not self.panel.is_running
+
+    def sent(self, now: float, links: Container[Link]) -> None:
+        """Note that they did, to some; those who look at a past step get them on their own."""
+        self._due = now + _GAP
+        for link in self.panel.links:
+            if link.looking is not None and link not in links:
+                self.send(link)
+
+    def send(self, link: Link) -> None:
+        """Send what a line lacks."""
+        entries, blocks = self.new(link)
+        if entries and link.is_watched:
+            link.send({"type": "rows", "rows": entries}, blocks)
+
+    def new(self, link: Link) -> tuple[list[dict[str, Any]], list[bytes]]:
+        """Return the rows that a line lacks, which it is taken to have now: entries and blocks."""
+        columns = self.panel.record.columns()
+        entries, blocks = [], []
+        for name, sent in link.rows.items():
+            rows = columns.get(name, _NONE)
+            if len(rows) == sent:
+                continue
+            first = sent if len(rows) > sent else 0  # after a reset there are fewer
+            block = np.ascontiguousarray(rows[first:], dtype="<f4")
+            entries.append({"column": name, "first": first, "width": rows.shape[1]})
+            blocks.append(block.tobytes())
+            link.rows[name] = len(rows)
+        return entries, blocks
+
+    def _columns(self, link: Link, message: dict[str, Any]) -> None:
+        link.rows |= dict.fromkeys(message["names"], 0)
+        self.send(link)
+        self._due = time.monotonic() + _GAP

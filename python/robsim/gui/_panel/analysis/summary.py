@@ -1,0 +1,50 @@
+"""What is told of the whole record as it grows: once a second, and on pause."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Any
+
+from robsim.gui._link import Link
+from robsim.gui._panel.part import Part
+from robsim.trace import Trace
+
+if TYPE_CHECKING:
+    from robsim.gui._panel.view import PanelView
+
+_GAP = 1.0  # s
+
+
+class Summary(Part):
+    """Sends a message that is computed from the whole record."""
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        self._newest: dict[str, Any] | None = None
+        self._steps = -1  # that it was computed from
+        self._due = 0.0
+
+    @abstractmethod
+    def message(self, trace: Trace) -> dict[str, Any]:
+        """Return the message."""
+
+    def greet(self, link: Link) -> None:
+        if self._newest is None:
+            self._due = 0.0
+        else:
+            link.send(self._newest)
+
+    def changed(self) -> None:
+        self._steps, self._due = -1, 0.0
+
+    def look(self, now: float) -> float:
+        n_steps, is_running = self.panel.record.n_steps, self.panel.is_running
+        if now < self._due and (is_running or n_steps == self._steps):
+            return self._due
+        if n_steps != self._steps and any(link.is_watched for link in self.panel.links):
+            self._steps = n_steps
+            self._newest = self.message(self.panel.record.trace)
+            self.panel.send(self._newest)
+        self._due = now + _GAP if is_running else math.inf
+        return self._due

@@ -1,0 +1,85 @@
+"""The camera view: the newest frame for the browsers, as fast as they have room."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any
+
+from robsim._core import Step
+from robsim.gui._link import SLOW, Link
+from robsim.gui._panel.part import Handlers, Part
+from robsim.gui._panel.run.pictures import Shot, picture_of
+
+_GAP = 1 / 30  # s between two pictures
+
+
+class CameraView(Part):
+    """Sends the newest step as a picture, with what is drawn over it."""
+
+    newest: Shot | None = None  # any thread may have it
+    _shot: Shot | None = None  # the one that is being sent
+    _due = 0.0  # when the next picture may be sent
+
+    def handlers(self) -> Handlers:
+        return {"grant": self._grant, "size": self._size}
+
+    def setup(self) -> dict[str, Any]:
+        record = self.panel.record
+        return {
+            "area": record.area,
+            "robot": {"name": record.robot_name, "outline": record.outline.tolist()},
+        }
+
+    def take(self, step: Step) -> None:
+        if self.panel.is_running and time.monotonic() < self._due:
+            return
+        self.newest = shot = self.panel.record.shot(step)
+        self.panel.post(lambda: self._show(shot))
+
+    def greet(self, link: Link) -> None:
+        link.shown = None
+        if self._shot is None:
+            self.panel.driver.prepare()
+
+    def look(self, now: float) -> float:
+        links = [link for link in self.panel.links if link.looking is None]
+        lacking = [link for link in links if link.lacks(self._shot)]
+        if self._shot is None or not lacking:
+            return math.inf
+        if ready := [link for link in lacking if link.has_room(now)]:
+            # By a due time: "30 ms since the last one" would beat against the clock of the steps.
+            self._due = max(self._due + _GAP, now + 0.5 * _GAP)
+            self._send(self._shot, ready, now)
+        return math.inf if len(ready) == len(lacking) else now + SLOW
+
+    def encode(self, shot: Shot, width: int) -> bytes:
+        """Return the picture of a step."""
+        return picture_of(shot.frame, width)
+
+    def _show(self, shot: Shot) -> None:
+        self._shot = shot
+
+    def _send(self, shot: Shot, links: list[Link], now: float) -> None:
+        pictures: dict[int, bytes] = {}
+        head = shot.head(self.panel.record.area)
+        brings_rows = self.panel.rows.is_due(now)
+        for link in links:
+            if link.width not in pictures:
+                pictures[link.width] = self.encode(shot, link.width)
+            entries, blocks = self.panel.rows.new(link) if brings_rows else ([], [])
+            link.shown = shot
+            link.send_frame({**head, "rows": entries}, [pictures[link.width], *blocks], now)
+        self.panel.past.keep(shot, pictures)
+        if brings_rows:
+            self.panel.rows.sent(now, links)
+
+    def _grant(self, link: Link, message: dict[str, Any]) -> None:
+        is_back = not link.is_watched  # though it was taken to have gone
+        link.grant(message["id"], message["upto"], late=message["late"])
+        if is_back:
+            self.panel.tell(link)
+
+    def _size(self, link: Link, message: dict[str, Any]) -> None:
+        link.width = max(1, message["width"])
+        link.shown = None  # as sharp as it is shown now

@@ -1,0 +1,1 @@
+"""The code of the callbacks: where it stands, how it is edited."""

@@ -1,0 +1,105 @@
+"""Opening a file of the user's in an editor, without waiting for it."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from robsim.gui._messages import Refused
+
+
+def _plus(file: str, line: int) -> list[str]:
+    return [f"+{line}", file]
+
+
+def _colon(file: str, line: int) -> list[str]:
+    return [f"{file}:{line}"]
+
+
+def _goto(file: str, line: int) -> list[str]:
+    return ["--goto", f"{file}:{line}"]
+
+
+def _named(file: str, line: int) -> list[str]:
+    return ["--line", str(line), file]
+
+
+#: Editors with a window of their own, and how they are told the line: one that needs a terminal
+#: would take that of the server, or hang.
+_EDITORS: dict[str, Callable[[str, int], list[str]]] = {
+    **dict.fromkeys(("code", "code-insiders", "codium", "cursor", "windsurf"), _goto),
+    **dict.fromkeys(("subl", "sublime_text", "zed", "zeditor", "mate"), _colon),
+    **dict.fromkeys(("gedit", "gnome-text-editor", "xed", "pluma", "geany", "gvim"), _plus),
+    **dict.fromkeys(("kate", "kwrite", "pycharm", "charm", "mousepad"), _named),
+}
+
+_started: list[subprocess.Popen[bytes]] = []  # they outlive a panel
+
+
+def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
+    """Open a file in ``$VISUAL`` or ``$EDITOR`` if that has a window, else in the system's editor.
+
+    Parameters
+    ----------
+    file : Path
+        The file, an absolute path.
+    line : int
+        The line to show, where the editor can.
+
+    Returns
+    -------
+    Popen or None
+        What was started; None = nothing that can be watched.
+
+    Raises
+    ------
+    Refused
+        If there is no editor.
+    """
+    command = _users_editor(file, line) or _systems_editor(file)
+    if command is None and sys.platform == "win32":
+        os.startfile(file, "edit")  # "open" would run it
+        return None
+    if command is None:
+        raise Refused(f"no editor with a window is known here: set VISUAL, or open {file} yourself")
+    _started[:] = [editor for editor in _started if editor.poll() is None]
+    try:
+        editor = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,  # it lives on when Python is interrupted or ends
+        )
+    except OSError as error:
+        raise Refused(f"{command[0]} could not be started: {error.strerror}") from None
+    _started.append(editor)
+    return editor
+
+
+def _users_editor(file: Path, line: int) -> list[str] | None:
+    for variable in ("VISUAL", "EDITOR"):
+        try:
+            words = shlex.split(os.environ.get(variable, ""), posix=sys.platform != "win32")
+        except ValueError:
+            continue
+        program = shutil.which(words[0]) if words else None
+        # A batch file would be read by a shell, which takes a file's name for more than that.
+        if program is None or program.lower().endswith((".cmd", ".bat")):
+            continue
+        if (arguments := _EDITORS.get(Path(words[0]).stem.lower())) is not None:
+            return [program, *words[1:], *arguments(str(file), line)]
+    return None
+
+
+def _systems_editor(file: Path) -> list[str] | None:
+    if sys.platform == "darwin":
+        return ["open", "-t", str(file)]
+    has_screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    program = shutil.which("xdg-open") if has_screen else None
+    return None if program is None else [program, str(file)]

@@ -1,0 +1,1 @@
+"""What can be set while a run goes on."""

@@ -1,0 +1,88 @@
+"""The state estimator that the panel offers, tuned to its world."""
+
+from __future__ import annotations
+
+import math
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robsim._core import RobotModel
+from robsim.simulation import Experiment, PoseNoise, Simulation, WheelNoise
+
+# At run time it is imported where it is used, since a course can leave it out.
+if TYPE_CHECKING:
+    from robsim.reference import ExtendedKalmanFilter
+
+Sigma = tuple[float, float, float]
+
+# Standard deviations of the default measurement, measured over 400 steps of a robot that drives
+# around, per pixel of the frame: of an exact picture, and of each % of camera noise.
+_EXACT, _EXACT_HEADING = 0.05, 0.002  # px, rad
+_NOISE, _NOISE_HEADING = 0.006, 0.00028  # px, rad
+
+
+def why_no_default() -> str | None:
+    """Return why the panel has no state estimator of its own."""
+    if find_spec("robsim.reference") is None:
+        return "robsim.reference, which has one, is not installed here"
+    return None
+
+
+def default_estimator(runner: Simulation | Experiment) -> ExtendedKalmanFilter:
+    """Return an extended Kalman filter for a world."""
+    from robsim.reference import ExtendedKalmanFilter, Prior
+
+    width, height = runner.area
+    uniform = (width / math.sqrt(12), height / math.sqrt(12), math.pi / math.sqrt(3))
+    prior = Prior(pose=(width / 2, height / 2, 0.0), pose_sigma=uniform)
+    delay = runner.scenario.motor_delay if isinstance(runner, Simulation) else 0.0
+    estimator = ExtendedKalmanFilter(runner.model, input_delay=delay, prior=prior)
+    tune(estimator, runner)
+    if (step := runner.last_step).k > 0:
+        estimator.motion.steps_in(step.dt)  # raises where its model has not the dt of the frames
+    return estimator
+
+
+def tune(estimator: ExtendedKalmanFilter, runner: Simulation | Experiment) -> None:
+    """Give a filter the noises of a simulated world; nobody knows those of an experiment."""
+    if isinstance(runner, Simulation):
+        estimator.Q = np.diag(np.square(_process_sigma(runner)))
+        estimator.R = np.diag(np.square(_measurement_sigma(runner)))
+
+
+def _process_sigma(simulation: Simulation) -> Sigma:
+    """Return standard deviations of the disturbance of a world in a step (px, px, rad)."""
+    noise, model = simulation.process_noise, simulation.model
+    if isinstance(noise, PoseNoise):
+        x, y, heading = noise.sigma
+        return float(x), float(y), float(heading)
+    if isinstance(noise, WheelNoise):
+        x, heading = _of_wheels(noise, model)
+        return x, x, heading
+    from robsim.reference._noise import PROCESS_SIGMA
+
+    # Without a disturbance 0 is right, but a filter with 0 does not recover from a bounce.
+    return PROCESS_SIGMA
+
+
+def _of_wheels(noise: WheelNoise, model: RobotModel) -> tuple[float, float]:
+    """Return the standard deviations of the position, along the heading, and of the heading."""
+    along, _, heading = np.sqrt(np.diag(noise.Q(model, 0.0)))
+    return float(along), float(heading)
+
+
+def _measurement_sigma(simulation: Simulation) -> Sigma:
+    """Return standard deviations of a pose that is measured in a world (px, px, rad)."""
+    scenario = simulation.scenario
+    scale = simulation.area[0] / simulation.resolution[0]  # px of the area in a pixel
+    percent = simulation.noise.percent if simulation.noise else 0.0
+    # Drawn at whole pixels and in a number of headings: the rounding error is uniform.
+    pixel = 1.0 if scenario.headings else 0.0
+    sector = 2 * math.pi / scenario.headings if scenario.headings else 0.0
+    position = scale * math.hypot(_EXACT, _NOISE * percent, pixel / math.sqrt(12))
+    heading = math.hypot(
+        scale * _EXACT_HEADING, scale * _NOISE_HEADING * percent, sector / math.sqrt(12)
+    )
+    return position, position, heading

@@ -1,0 +1,148 @@
+"""Start, Pause, Step and their like, the big Stop, and the state of the run."""
+
+from __future__ import annotations
+
+import math
+import time
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
+
+from robsim._core import Step
+from robsim.gui._link import Link
+from robsim.gui._messages import Refused
+from robsim.gui._panel.part import Handlers, Part
+from robsim.gui._panel.run.trouble import trouble_of
+from robsim.simulation import Experiment
+
+if TYPE_CHECKING:
+    from robsim.gui._panel.view import PanelView
+
+_GAP = 1.0  # s between two looks at the camera's counts
+
+
+class Transport(Part):
+    """Carries out the buttons that move the run on, and tells its state."""
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        panel.driver.on_stage.append(self._note_stage)
+        self._camera = CameraRate(panel.runner) if panel.driver.is_live else None
+
+    def handlers(self) -> Handlers:
+        return {"press": self._press, "animate": self._animate}
+
+    def setup(self) -> dict[str, Any]:
+        driver = self.panel.driver
+        return {"motors": driver.has_motors, "live": driver.is_live}
+
+    def state(self) -> dict[str, Any]:
+        driver, record = self.panel.driver, self.panel.record
+        steps, error = record.n_steps, driver.error
+        return {
+            "state": driver.state,
+            "k": steps - 1,
+            "steps": steps,
+            "t": self._time(),
+            "speed": 0 if math.isinf(driver.speed) else driver.speed,
+            "animate": driver.animates,
+            "stage": self.panel.runner.stage,
+            "error": error and trouble_of(error),
+            "camera": self._camera and self._camera.told(),
+            "stopped": driver.is_stopped,
+        }
+
+    def _time(self) -> float | None:
+        record = self.panel.record
+        try:
+            return record.time_of(record.n_steps - 1) if record.n_steps else None
+        except IndexError:  # it was reset in between
+            return None
+
+    def take(self, step: Step) -> None:
+        if self._camera is not None:
+            self._camera.take(step)
+
+    def look(self, now: float) -> float:
+        if self._camera is None or not self.panel.is_running:
+            return math.inf
+        if now >= self._camera.due:
+            self._camera.count(now)
+            self.panel.tell_state()
+        return self._camera.due
+
+    def _press(self, link: Link, message: dict[str, Any]) -> None:
+        driver, button = self.panel.driver, message["button"]
+        if button == "start" and driver.state == "ended" and isinstance(driver.runner, Experiment):
+            raise Refused("The frames are over. Reset begins with the first one again.")
+        buttons = {
+            "start": driver.start,
+            "pause": driver.pause,
+            "step": driver.step,
+            "step_stage": driver.step_stage,
+            "reset": driver.reset,
+            "finish": self.panel.finish,
+            "stop": self._stop,
+        }
+        if button not in buttons:
+            raise Refused(f"there is no button {button!r}")
+        done = buttons[button]()
+        if done is not None:
+            done.add_done_callback(self._tell_failure)
+
+    def _stop(self) -> Future[None] | None:
+        """Stop the robot here and now: the thread of the run may hang in a callback."""
+        self.panel.forget("press")  # what was pressed before Stop must not move it after
+        try:
+            return self.panel.driver.stop_robot()
+        except Exception as error:
+            self.panel.note(f"The robot could not be stopped: {type(error).__name__}: {error}")
+            return None
+
+    def _tell_failure(self, future: Future[None]) -> None:
+        if not future.cancelled() and (error := future.exception()) is not None:
+            self.panel.note(str(error) or type(error).__name__)
+
+    def _animate(self, link: Link, message: dict[str, Any]) -> None:
+        self.panel.driver.animates = message["on"]
+        self.panel.tell_state()
+
+    def _note_stage(self, stage: str, step: Step) -> None:
+        self.panel.post(self._tell_stage)
+
+    def _tell_stage(self) -> None:
+        self.panel.send({"type": "stages", "stage": self.panel.runner.stage})
+
+
+class CameraRate:
+    """What is to be known of a live camera: how many frames come, how old, how many are dropped."""
+
+    def __init__(self, experiment: Any) -> None:
+        self._source = experiment._source
+        self._exposed: float | None = None  # the newest frame, by the monotonic clock
+        self._grabbed: tuple[float, int] | None = None  # when, how many
+        self._rate: float | None = None  # 1/s
+        self.due = 0.0
+
+    def take(self, step: Step) -> None:
+        """Note when the frame of a step was exposed; in the thread of the run."""
+        frame = step.frame
+        if frame is not None and frame.epoch is not None and frame.t is not None:
+            self._exposed = frame.epoch + frame.t
+
+    def count(self, now: float) -> None:
+        """Note how many frames have come."""
+        self.due = now + _GAP
+        if (counts := self._source.counts) is None:
+            return
+        if self._grabbed is not None and now - self._grabbed[0] < 2 * _GAP:
+            self._rate = (counts.grabbed - self._grabbed[1]) / (now - self._grabbed[0])
+        self._grabbed = now, counts.grabbed
+
+    def told(self) -> dict[str, Any]:
+        """Return the field ``camera`` of the message ``state``."""
+        counts, exposed = self._source.counts, self._exposed
+        return {
+            "rate": self._rate,
+            "age": None if exposed is None else max(0.0, time.monotonic() - exposed),
+            "dropped": None if counts is None else counts.dropped,
+        }

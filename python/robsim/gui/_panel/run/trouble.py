@@ -1,0 +1,73 @@
+"""An error that ended a run, as it is shown: whose, where, the line, the user's part of the way."""
+
+from __future__ import annotations
+
+import traceback
+from typing import Any
+
+from robsim._base.source_line import SourceLine
+from robsim.simulation._callbacks.errors import FailedCallback, callback_of
+from robsim.simulation._slots import SLOTS
+
+_LONGEST = 4000  # characters of a text
+_MOST_FRAMES = 20
+
+
+def trouble_of(error: BaseException) -> dict[str, Any]:
+    """Return the field ``error`` of the message ``state``."""
+    failed = callback_of(error)
+    source = _source_of(error, failed)
+    return {
+        "slot": failed.slot if failed else None,
+        "k": failed.k if failed else None,
+        "text": _shortened(_text_of(error, failed)),
+        "file": source.file if source else None,
+        "line": source.number if source else None,
+        "code": _code_of(error, source),
+        "traceback": _shortened(_traceback_of(error)),
+    }
+
+
+def _source_of(error: BaseException, failed: FailedCallback | None) -> SourceLine | None:
+    if failed is not None and failed.source is not None:
+        return failed.source
+    if isinstance(error, SyntaxError) and error.filename:
+        return SourceLine(error.filename, error.lineno or 1, "<module>")
+    return None
+
+
+def _code_of(error: BaseException, source: SourceLine | None) -> str | None:
+    if isinstance(error, SyntaxError) and error.text:  # of a file that could not be loaded
+        return _shortened(error.text.strip())
+    return _shortened(source.text) if source else None
+
+
+def _text_of(error: BaseException, failed: FailedCallback | None) -> str:
+    """Return kind and message, and the notes, but for the one that only says where it was."""
+    where = f"in the callback {failed.slot} {failed.when}" if failed else None
+    if failed is not None and failed.slot not in SLOTS:
+        where = f"in {failed.slot} {failed.when}"
+    notes = [note for note in getattr(error, "__notes__", []) if note != where]
+    return "\n".join([_last_lines(error), *map(str, notes)])
+
+
+def _traceback_of(error: BaseException) -> str:
+    """Return the traceback without the frames of robsim and of installed packages; maybe empty."""
+    frames = [
+        frame
+        for frame in traceback.extract_tb(error.__traceback__)
+        if SourceLine(frame.filename, frame.lineno or 1, frame.name).is_users
+    ]
+    if not frames:
+        return ""
+    return "".join([*traceback.format_list(frames[-_MOST_FRAMES:]), _last_lines(error)])
+
+
+def _last_lines(error: BaseException) -> str:
+    kind = traceback.TracebackException(type(error), error, None)
+    kind.__notes__ = None
+    return "".join(kind.format_exception_only()).rstrip()
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= _LONGEST else text[:_LONGEST] + " ..."

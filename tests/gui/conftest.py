@@ -1,0 +1,74 @@
+"""A browser for the tests of the panels; Debian's Chromium, driven by Playwright."""
+
+import shutil
+
+import pytest
+
+from fake_host import FakeHost
+from robsim.gui._page import Page
+from robsim.gui._panel.view import PanelView
+
+ARGUMENTS = [
+    *("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+]
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    """A running browser; tests without one are skipped.
+
+    Of each module its own: while it runs, Playwright has an asyncio loop in the thread of the
+    tests, where tests of other modules want to run theirs.
+    """
+    playwright = pytest.importorskip("playwright.sync_api")
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("needs chromium")
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=program, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def open_panel(chromium):
+    """Return a function that shows a runner in a page: the view and the page of the browser."""
+    open_now = []
+
+    def open_it(runner, *, size=(1440, 900), theme="light", speed=5.0, **context_options):
+        view = PanelView(runner, speed=speed)
+        page = Page(view)
+        width, height = size
+        context = chromium.new_context(
+            viewport={"width": width, "height": height}, color_scheme=theme, **context_options
+        )
+        tab = context.new_page()
+        complaints = []
+        tab.on("pageerror", lambda error: complaints.append(str(error)))
+        tab.on("console", lambda m: m.type == "error" and complaints.append(m.text))
+        open_now.append((view, page, context, complaints))
+        tab.goto(page.url)
+        tab.wait_for_selector("main[data-state]")
+        return view, tab
+
+    yield open_it
+    for view, page, context, complaints in open_now:
+        context.close()
+        page.close()
+        view.close()
+        assert complaints == []
+
+
+@pytest.fixture
+def open_fake(chromium):
+    """Return a function that shows the module in a tab, with a `FakeHost` in Python's place."""
+    hosts = []
+
+    def open_it(**options):
+        hosts.append(FakeHost(chromium, **options))
+        return hosts[-1]
+
+    yield open_it
+    for host in hosts:
+        host.close()

@@ -1,0 +1,355 @@
+"""The list of callbacks in a panel: whose they are, where they stand, their times and errors."""
+
+import functools
+import inspect
+import json
+import os
+import subprocess
+import sys
+import textwrap
+import time
+
+import pytest
+
+import robsim
+from panel_watcher import Watcher, wait_for
+from robsim.gui._panel.run.code import lab
+from robsim.gui._panel.view import PanelView
+from robsim.simulation._folders.callback_folder import new_folder
+from robsim.simulation._slots import SLOTS
+
+pytestmark = pytest.mark.long
+
+SIZE = (240, 240)
+
+
+@pytest.fixture
+def watch():
+    """Return a function that opens a panel of a runner, with one who watches."""
+    views = []
+
+    def open_it(runner, **options):
+        views.append(PanelView(runner, **options))
+        watcher = Watcher(views[-1])
+        watcher.settle()
+        return watcher
+
+    yield open_it
+    for view in views:
+        view.close()
+
+
+@pytest.fixture
+def folder(tmp_path):
+    new_folder(tmp_path / "mine")
+    return tmp_path / "mine"
+
+
+def small(**options):
+    return robsim.Simulation(resolution=SIZE, seed=1, **options)
+
+
+def slot(watcher, name):
+    return next(one for one in watcher.newest("callbacks")["slots"] if one["slot"] == name)
+
+
+def press(watcher, button):
+    watcher.say("press", button=button)
+    watcher.settle()
+
+
+def source(watcher, name):
+    watcher.say("source", slot=name)
+    watcher.settle()
+    return watcher.newest("source")
+
+
+def control(step):
+    time.sleep(0.002)
+    return 0.1, 0.2
+
+
+class Measurer:
+    """Measures."""
+
+    def __call__(self, step):
+        return None
+
+
+def test_all_slots_in_the_order_of_their_calls(watch):
+    watcher = watch(small(control=control, measure=Measurer(), estimate_parameters=True))
+    slots = watcher.newest("callbacks")["slots"]
+    assert [one["slot"] for one in slots] == list(SLOTS)
+    assert [one["when"] for one in slots] == ["once"] * 3 + ["step"] * 5
+    owners = {one["slot"]: one["owner"] for one in slots}
+    assert [name for name, owner in owners.items() if owner == "mine"] == ["measure", "control"]
+    assert [name for name, owner in owners.items() if owner == "off"] == ["estimate_state"]
+    assert slot(watcher, "control")["name"] == "control"
+    assert slot(watcher, "measure")["name"] == "Measurer"
+    assert slot(watcher, "estimate_state")["name"] is None
+    assert slot(watcher, "evaluate_model")["name"] == "RobotModel.predict"
+    assert slot(watcher, "estimate_parameters")["name"] == "step.estimator.update"
+
+
+def test_an_experiment_has_the_slots_of_its_robot(watch):
+    watcher = watch(robsim.Experiment([None], control=control))
+    names = [one["slot"] for one in watcher.newest("callbacks")["slots"]]
+    assert names == [name for name in SLOTS if name in robsim.Experiment.SLOTS]
+    assert slot(watcher, "define_model")["owner"] == "default"
+    assert slot(watcher, "estimate_parameters")["name"] is None
+
+
+def test_where_a_callback_stands(watch):
+    watcher = watch(small(control=control, evaluate_model=functools.partial(move, 1)))
+    found = slot(watcher, "control")
+    assert (found["file"], found["line"]) == (__file__, control.__code__.co_firstlineno)
+    assert found["can_edit"]
+    assert found["link"] is None
+    assert slot(watcher, "evaluate_model")["name"] == "move"
+    assert slot(watcher, "evaluate_model")["line"] == move.__code__.co_firstlineno
+    assert (slot(watcher, "measure")["file"], slot(watcher, "measure")["can_edit"]) == (None, False)
+
+
+def move(a, world):
+    return world.pose_1
+
+
+def test_calls_are_counted_and_timed(watch):
+    sim = small(control=control, measure=True)
+    watcher = watch(sim, speed=float("inf"))
+    press(watcher, "start")
+    wait_for(lambda: sim.n_steps > 50)
+    press(watcher, "pause")
+    found = slot(watcher, "control")
+    assert found["calls"] == sim.n_steps
+    assert found["ms"] >= 2.0
+    assert (slot(watcher, "measure")["calls"], slot(watcher, "measure")["ms"]) == (0, None)
+
+
+def test_times_are_told_while_it_runs(watch):
+    watcher = watch(small(control=control))
+    press(watcher, "start")
+    seen = len(watcher.of("callbacks"))
+    wait_for(lambda: len(watcher.of("callbacks")) >= seen + 2)
+    one, two = (told["slots"][-1]["calls"] for told in watcher.of("callbacks")[-2:])
+    assert two > one > 0
+
+
+def test_the_update_of_a_users_estimator_is_timed(watch):
+    class Estimator:
+        def update(self, phi, y):
+            return phi * 0.0
+
+    sim = small(init_parameter_estimator=lambda model: Estimator())
+    watcher = watch(sim)
+    for _ in range(3):
+        press(watcher, "step")
+    assert slot(watcher, "estimate_parameters")["calls"] == 3
+    assert slot(watcher, "init_parameter_estimator")["calls"] == 1
+
+
+def test_a_closed_panel_times_no_more(watch):
+    sim = small(control=control)
+    watcher = watch(sim)
+    press(watcher, "step")
+    watcher.view.close()
+    assert sim._call_times is None
+    sim.run(3)
+    assert sim.n_steps == 4
+
+
+def test_timing_changes_neither_notes_nor_place_of_an_error(watch):
+    def fail(step):
+        return step.estimate.pose
+
+    def error_of(sim):
+        with pytest.raises(AttributeError) as caught:
+            sim.step()
+        return caught.value
+
+    sim = small(control=fail)
+    plain = error_of(small(control=fail))
+    watch(sim).settle()
+    timed = error_of(sim)
+    assert timed.__notes__ == plain.__notes__
+    assert timed.callback == plain.callback
+
+
+def test_an_error_stands_at_its_slot_until_the_run_goes_on(watch):
+    broken = [True]
+
+    def fails(step):
+        if step.k == 2 and broken:
+            raise ValueError("no way")
+        return 0.0, 0.0
+
+    watcher = watch(small(control=fails))
+    for _ in range(3):
+        press(watcher, "step")
+    line = inspect.getsourcelines(fails)[1] + 2
+    error = slot(watcher, "control")["error"]
+    assert error == {"text": "ValueError: no way", "line": line, "k": 2}
+    assert slot(watcher, "measure")["error"] is None
+    broken.clear()
+    press(watcher, "step")
+    assert slot(watcher, "control")["error"] is None
+
+
+def test_sources(watch):
+    watcher = watch(small(control=control, measure=Measurer()))
+    assert source(watcher, "control")["text"] == inspect.getsource(control)
+    assert source(watcher, "control")["first"] == control.__code__.co_firstlineno
+    assert source(watcher, "measure")["text"].startswith("class Measurer:\n")
+    example = source(watcher, "estimate_state")
+    assert example["file"] is None
+    assert "This stage is off" in example["text"]
+    compile(example["text"], "example", "exec")
+    watcher.say("source", slot="../control")
+    watcher.settle()
+    assert watcher.notes() == ["there is no slot '../control'"]
+
+
+def test_a_source_that_nobody_knows(watch):
+    made = {}
+    exec("def control(step):\n    return 0, 0\n", made)
+    assert "not known" in source(watch(small(control=made["control"])), "control")["text"]
+
+
+def test_the_source_of_a_cell(watch):
+    pytest.importorskip("ipykernel")
+    code = """
+        from IPython.core.interactiveshell import InteractiveShell
+        from ipykernel.compiler import XCachingCompiler
+        import robsim
+        from robsim.gui._panel.run.code.places import place_in, source_in
+
+        shell = InteractiveShell(compiler_class=XCachingCompiler)
+        shell.run_cell("class C:\\n  def __call__(self, step): return None\\nm = C()")
+        shell.run_cell("#\\ndef control(step):\\n    return 0, 0")
+        m, control = shell.user_ns["m"], shell.user_ns["control"]
+        sim = robsim.Simulation(measure=m, control=control)
+        assert source_in(sim, "control") == ("def control(step):\\n    return 0, 0\\n", 2)
+        assert (place_in(sim, "control").file, place_in(sim, "control").line) == (None, 2)
+        assert "def __call__(self, step): return None" in source_in(sim, "measure")[0]
+    """
+    subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=True)
+
+
+def test_a_file_of_a_folder_also_while_it_is_off(watch, folder):
+    watcher = watch(robsim.Simulation.from_folder(folder, resolution=SIZE, seed=1))
+    assert slot(watcher, "measure")["owner"] == "off"
+    assert slot(watcher, "measure")["file"] == str(folder / "measure.py")
+    assert slot(watcher, "control")["owner"] == "mine"
+    told = source(watcher, "measure")
+    assert (told["text"], told["first"]) == ((folder / "measure.py").read_text(), 1)
+
+
+def edited(folder, u1):
+    (folder / "control.py").write_text(f"def control(step):\n    return {u1}, 0.5\n")
+
+
+def test_an_edited_file_is_used_while_it_runs(watch, folder):
+    sim = robsim.Simulation.from_folder(folder, resolution=SIZE, seed=1)
+    watcher = watch(sim, speed=100)
+    press(watcher, "start")
+    wait_for(lambda: sim.n_steps > 3)
+    edited(folder, 0.25)
+    wait_for(lambda: sim.trace.u[-1, 0] == 0.25)
+    edited(folder, "0.25 +")
+    wait_for(lambda: watcher.view.driver.state == "failed")
+    watcher.settle()
+    error = slot(watcher, "control")["error"]
+    assert (error["line"], error["k"]) == (2, None)
+    assert error["text"].startswith("SyntaxError")
+    press(watcher, "start")  # still the same
+    wait_for(lambda: watcher.view.driver.state == "failed")
+    edited(folder, 0.75)
+    press(watcher, "start")
+    wait_for(lambda: sim.trace.u[-1, 0] == 0.75)
+    watcher.settle()
+    assert slot(watcher, "control")["error"] is None
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [("x = 1\nx.y\n", 2), ("import helper\n", 1), ("def contrl(step):\n    return 0, 0\n", 1)],
+)
+def test_a_file_that_cannot_be_loaded(watch, folder, text, line):
+    watcher = watch(robsim.Simulation.from_folder(folder, resolution=SIZE, seed=1))
+    (folder / "helper.py").write_text("1 / 0\n")
+    (folder / "control.py").write_text(text)
+    press(watcher, "step")
+    assert slot(watcher, "control")["error"]["line"] == line
+
+
+posix = pytest.mark.skipif(os.name == "nt", reason="starts a script")
+
+
+def editor(tmp_path, name, text):
+    """Write a program that stands for an editor."""
+    program = tmp_path / name
+    program.write_text(f"#!{sys.executable}\n{text}")
+    program.chmod(0o755)
+    return program
+
+
+@posix
+def test_edit_opens_the_file_at_its_line(watch, tmp_path, monkeypatch):
+    told = tmp_path / "told"
+    program = editor(
+        tmp_path, "code", f"import sys; open({str(told)!r}, 'w').write('|'.join(sys.argv[1:]))"
+    )
+    monkeypatch.setenv("VISUAL", f"{program} --wait")
+    watcher = watch(small(control=control))
+    watcher.say("edit", slot="control")
+    place = f"{__file__}:{control.__code__.co_firstlineno}"
+    wait_for(lambda: told.is_file() and told.read_text())
+    assert told.read_text() == f"--wait|--goto|{place}"
+    assert watcher.notes() == []
+
+
+@posix
+def test_an_editor_that_fails_is_told(watch, tmp_path, monkeypatch):
+    monkeypatch.setenv("VISUAL", str(editor(tmp_path, "gedit", "raise SystemExit(4)")))
+    watcher = watch(small(control=control))
+    watcher.say("edit", slot="control")
+    wait_for(lambda: watcher.notes())
+    assert watcher.notes() == ["The editor could not open the file: set VISUAL to yours"]
+
+
+@posix
+@pytest.mark.parametrize("variable", ["vim", "nothing-like-it", "'unclosed", ""])
+def test_an_editor_without_a_window_is_not_started(watch, monkeypatch, variable):
+    for name in ("EDITOR", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("VISUAL", variable)
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(subprocess, "Popen", None)
+    watcher = watch(small(control=control))
+    watcher.say("edit", slot="control")
+    watcher.say("edit", slot="measure")
+    watcher.settle()
+    assert "set VISUAL" in watcher.notes()[0]
+    assert watcher.notes()[1] == "measure stands in no file"
+
+
+def test_a_link_for_the_lab_alone(watch, tmp_path, folder, monkeypatch):
+    runtime = tmp_path / "runtime"
+    runtime.mkdir()
+    (runtime / "jpserver-4711.json").write_text(
+        json.dumps({"root_dir": str(tmp_path), "base_url": "/user/me/"})
+    )
+    monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(runtime))
+    monkeypatch.setenv("JPY_PARENT_PID", "4711")
+    pytest.importorskip("jupyter_core")
+    lab._server.cache_clear()
+    try:
+        watcher = watch(robsim.Simulation.from_folder(folder, resolution=SIZE, seed=1))
+        assert slot(watcher, "control")["link"] is None  # on a page
+        watcher.is_in_notebook = True
+        watcher.say("hello", width=100)
+        watcher.settle()
+        assert slot(watcher, "control")["link"] == "/user/me/lab/tree/mine/control.py"
+        assert lab.lab_link(tmp_path.parent / "other.py") is None
+    finally:
+        lab._server.cache_clear()

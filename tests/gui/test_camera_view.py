@@ -1,0 +1,321 @@
+"""The camera's picture in a browser: overlays, zoom, and what the mouse, fingers and keys say."""
+
+import math
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.slow
+
+GREEN, MAGENTA, BLUE = (18, 161, 80), (214, 33, 156), (59, 130, 246)
+AREA = {"area": [600, 600]}
+DRIVEN = {"controls": [], "values": {"control": "go_to"}}
+
+
+@pytest.fixture
+def camera(open_fake):
+    """Return a function that shows a camera view of 600 x 600 px; the host and the canvas's box."""
+
+    def show(*, state=None, setup=None, frame=None, **options):
+        host = open_fake(**{"size": (1600, 1000), **options})
+        host.tab.add_style_tag(
+            content=".robsim-view { width: 600px !important; height: 600px !important; "
+            "flex: none !important; border: 0 !important; aspect-ratio: auto !important; }"
+        )
+        host.setup(**(AREA | (setup or {})))
+        host.state(**(state or {}))
+        host.frame(0, **(frame or {}))
+        host.paint()
+        box = host.tab.locator(".robsim-camera canvas").bounding_box()
+        assert (box["width"], box["height"]) == (600, 600)
+        return host, lambda x, y: (box["x"] + x + 0.5, box["y"] + y + 0.5)
+
+    return show
+
+
+def has_near(host, point, color, *, reach=3, tolerance=60):
+    """Whether a colour was painted near a point of the picture on the screen."""
+    x, y = (round(value) for value in point)
+    read = (
+        "([x, y, n]) => { const c = document.querySelector('.robsim-camera canvas');"
+        " return [...c.getContext('2d').getImageData(x, y, n, n).data] }"
+    )
+    side = 2 * reach + 1
+    pixels = np.reshape(host.tab.evaluate(read, [x - reach, y - reach, side]), (-1, 4))[:, :3]
+    return bool((np.abs(pixels - color).max(axis=1) < tolerance).any())
+
+
+def points_of(message):
+    return np.array(message["points"])
+
+
+def test_the_picture_fills_its_box_in_device_pixels(camera):
+    host, _ = camera(device_scale_factor=2)
+    size = "(c => [c.width, c.height])(document.querySelector('.robsim-camera canvas'))"
+    assert host.tab.evaluate(size) == [1200, 1200]
+    assert host.sent("hello")[0]["width"] > 0
+
+
+def test_another_size_is_told(camera):
+    host, _ = camera(frame={"image": np.full((1200, 1200, 3), 190, np.uint8)})
+    host.tab.wait_for_timeout(300)
+    host.forget()
+    for width in (500, 450, 400):
+        host.tab.add_style_tag(content=f".robsim-view {{ width: {width}px !important; }}")
+        host.paint()
+    host.tab.wait_for_timeout(600)
+    told = [message["width"] for message in host.sent("size")]
+    assert told[-1] == 400  # once it rests
+    assert len(told) == len(set(told))
+
+
+def test_a_camera_that_is_not_square_is_letterboxed(camera):
+    host, at = camera(frame={"image": np.full((300, 600, 3), 190, np.uint8)}, state=DRIVEN)
+    host.tab.mouse.click(*at(300, 50))  # above the picture
+    assert host.sent("go_to") == []
+    host.tab.mouse.click(*at(300, 149.5 + 20))
+    assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": 300, "y": 20}, abs=1)
+
+
+def test_overlays_are_drawn_where_the_robot_is_and_can_be_switched(camera):
+    pose, front = [200.0, 300.0, math.pi / 2], (200, 340)
+    frame = {"measured": pose, "truth": [400.0, 300.0, 0.0], "boxes": [["blue", 90, 90, 110, 110]]}
+    host, _ = camera(frame=frame)
+    assert has_near(host, front, GREEN)
+    assert has_near(host, (90, 100), BLUE)
+    assert not has_near(host, (440, 300), MAGENTA)  # truth is off at first
+    host.tab.click("button[name=show]")
+    host.tab.check("input[name=show_truth]")
+    for name in ("outline", "heading_line", "boxes"):
+        host.tab.uncheck(f"input[name=show_{name}]")
+    host.paint()
+    assert has_near(host, (440, 290), MAGENTA)
+    assert not has_near(host, front, GREEN)
+    assert not has_near(host, (90, 100), BLUE)
+    host.tab.keyboard.press("Escape")
+    assert not host.tab.is_visible("input[name=show_truth]")
+
+
+def test_overlays_follow_the_perspective_of_a_tilted_camera(camera):
+    # x = u / (1 - v / 1200), y = v / (1 - v / 1200): the farther down, the more is seen.
+    tilted = [1, 0, 0, 0, 1, 0, 0, -1 / 1200, 1]
+    x, y = 300 / (1 - 400 / 1200), 400 / (1 - 400 / 1200)
+    corner = [x + 40, y - 25]
+    scale = 1 + corner[1] / 1200
+    frame = {"map": tilted, "measured": [x, y, 0.0]}
+    host, at = camera(frame=frame, setup={"area": [1200, 1200]}, state=DRIVEN)
+    assert has_near(host, (corner[0] / scale, corner[1] / scale), GREEN)
+    host.tab.mouse.click(*at(300, 400))
+    assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": x, "y": y}, abs=1.5)
+
+
+def test_columns_are_asked_for_when_they_are_shown(camera):
+    columns = [{"name": name, "fields": [], "units": []} for name in ("pose_measured", "blobs_red")]
+    host, _ = camera(setup={"columns": columns})
+    asked = [name for message in host.sent("columns") for name in message["names"]]
+    assert sorted(set(asked)) == ["blobs_red", "pose_measured"]
+
+
+def test_the_path_driven_is_drawn_up_to_the_step(camera):
+    host, _ = camera(state={"k": 40, "steps": 41})
+    driven = np.stack([np.linspace(100, 500, 41), np.full(41, 450.0), np.zeros(41)], axis=1)
+    driven[20:23] = np.nan
+    host.frame(40, rows={"pose_measured": driven})
+    assert has_near(host, (150, 450), GREEN)
+    assert has_near(host, (400, 450), GREEN)
+    assert not has_near(host, (310, 450), GREEN)  # not seen there
+    host.tab.keyboard.press("ArrowLeft")
+    host.frame(10, past=True)
+    assert has_near(host, (150, 450), GREEN)
+    assert not has_near(host, (400, 450), GREEN)
+
+
+def test_the_path_of_long_ago_is_not_drawn(camera):
+    host, _ = camera()
+    x = np.concatenate([np.linspace(100, 200, 500), np.linspace(400, 500, 3000)])
+    x[500] = np.nan
+    driven = np.stack([x, np.full(3500, 450.0), np.zeros(3500)], axis=1)
+    for k in (999, 1999, 2999, 3499):
+        host.frame(k, rows={"pose_measured": driven[: k + 1]})
+        assert has_near(host, (150, 450), GREEN) == (k < 2500)
+    assert has_near(host, (480, 450), GREEN)
+
+
+def test_a_click_goes_somewhere_only_if_that_is_chosen(camera):
+    host, at = camera()
+    host.tab.mouse.click(*at(100, 200))
+    assert host.sent("go_to") == []
+    host.tab.click("button[name=go_to]")
+    host.tab.mouse.click(*at(100, 200))
+    assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": 100, "y": 200}, abs=1)
+
+
+def test_the_go_to_button_lets_the_pointer_free_again(camera):
+    host, at = camera(state=DRIVEN)
+    button = host.tab.locator("button[name=go_to]")
+    assert button.get_attribute("aria-pressed") == "true"
+    button.click()
+    host.tab.mouse.click(*at(100, 200))
+    assert host.sent("go_to") == []
+
+
+def test_a_drawn_path_is_simplified(camera):
+    host, at = camera()
+    host.tab.click("button[name=draw_path]")
+    host.tab.mouse.move(*at(100, 100))
+    host.tab.mouse.down()
+    host.tab.mouse.move(*at(400, 100), steps=40)
+    host.tab.mouse.move(*at(400, 400), steps=40)
+    host.tab.mouse.up()
+    (path,) = host.sent("path")
+    expected = [(100, 100), (400, 100), (400, 400)]
+    np.testing.assert_allclose(points_of(path), expected, atol=3)
+    assert host.tab.get_attribute("button[name=draw_path]", "aria-pressed") == "false"
+
+
+def test_a_scribble_has_at_most_200_points(camera):
+    host, at = camera()
+    host.tab.click("button[name=draw_path]")
+    host.tab.mouse.move(*at(20, 300))
+    host.tab.mouse.down()
+    for i in range(450):
+        host.tab.mouse.move(*at(20 + i * 1.2, 300 + (60 if i % 2 else -60)))
+    host.tab.mouse.up()
+    assert 100 < len(host.sent("path")[0]["points"]) <= 200
+
+
+@pytest.mark.parametrize("ending", ["Enter", "double click", "Done"])
+def test_corners_of_a_path_are_clicked(camera, ending):
+    host, at = camera()
+    host.tab.click("button[name=draw_path]")
+    for point in [(100, 100), (300, 120), (500, 500)]:
+        host.tab.mouse.click(*at(*point))
+    if ending == "Enter":
+        host.tab.keyboard.press("Enter")
+    elif ending == "Done":
+        host.tab.click("button[name=path_done]")
+    else:
+        host.tab.mouse.dblclick(*at(500, 500))
+    (path,) = host.sent("path")
+    np.testing.assert_allclose(points_of(path), [(100, 100), (300, 120), (500, 500)], atol=1)
+
+
+def test_escape_gives_a_path_up(camera):
+    host, at = camera()
+    host.tab.click("button[name=draw_path]")
+    host.tab.mouse.click(*at(100, 100))
+    host.tab.mouse.click(*at(300, 100))
+    host.tab.keyboard.press("Escape")
+    host.tab.keyboard.press("Enter")
+    assert host.sent("path") == []
+    assert not host.tab.is_visible(".robsim-camera-hint")
+
+
+def test_the_wheel_zooms_around_the_pointer_and_a_double_click_shows_all(camera):
+    host, at = camera(frame={"measured": [200.0, 300.0, 0.0]}, state=DRIVEN)
+    host.tab.mouse.move(*at(400, 200))
+    host.tab.mouse.wheel(0, -600)
+    host.paint()
+    zoom = float(host.tab.inner_text("button[name=zoom_reset]").rstrip("\u00d7"))
+    assert zoom > 2
+    host.tab.mouse.click(*at(400, 200))
+    host.tab.mouse.click(*at(400 + 50, 200))
+    here, beside = host.sent("go_to")
+    assert here == pytest.approx({"type": "go_to", "x": 400, "y": 200}, abs=1)
+    assert beside["x"] - here["x"] == pytest.approx(50 / zoom, abs=1)
+    host.tab.mouse.move(*at(400, 200))
+    host.tab.mouse.down()
+    host.tab.mouse.move(*at(300, 200), steps=5)
+    host.tab.mouse.up()
+    host.tab.mouse.dblclick(*at(300, 200))  # where that was dragged to
+    host.paint()
+    assert host.sent("go_to")[2]["x"] == pytest.approx(here["x"], abs=2)
+    assert not host.tab.is_visible("button[name=zoom_reset]")
+    assert has_near(host, (200, 325), GREEN)
+
+
+def test_keys_move_a_cross_and_set_it(camera):
+    host, _ = camera()
+    host.tab.click("button[name=go_to]")
+    for key in ["ArrowRight", "ArrowRight", "ArrowUp", "Shift+ArrowLeft"]:
+        host.tab.keyboard.press(key)
+    host.paint()
+    assert "210.0" in host.tab.inner_text(".robsim-camera-readout")
+    host.tab.keyboard.press("Enter")
+    assert host.sent("go_to") == [{"type": "go_to", "x": 210, "y": 290}]
+
+
+def test_a_finger_taps_a_goal(camera):
+    host, at = camera(state=DRIVEN, has_touch=True)
+    host.tab.touchscreen.tap(*at(150, 250))
+    assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": 150, "y": 250}, abs=1)
+
+
+def test_two_fingers_zoom(camera):
+    host, at = camera(has_touch=True)
+    talk = host.context.new_cdp_session(host.tab)
+
+    def touch(kind, *points):
+        touches = [{"x": at(*p)[0], "y": at(*p)[1], "id": i} for i, p in enumerate(points)]
+        talk.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": touches})
+
+    touch("touchStart", (250, 300), (350, 300))
+    for spread in range(60, 160, 10):
+        touch("touchMove", (300 - spread, 300), (300 + spread, 300))
+    touch("touchEnd")
+    host.paint()
+    zoom = float(host.tab.inner_text("button[name=zoom_reset]").rstrip("\u00d7"))
+    assert zoom == pytest.approx(3, abs=0.3)
+
+
+def test_the_pointer_over_the_robot_reads_its_poses(camera):
+    estimate = {"pose": [201.0, 299.0, 0.0], "covariance": [4, 0, 0, 0, 9, 0, 0, 0, 0.0001]}
+    frame = {"measured": [200.0, 300.0, -0.5], "truth": [200.5, 300.5, -0.5], "estimate": estimate}
+    host, at = camera(frame=frame)
+    host.tab.mouse.move(*at(205, 305))
+    host.paint()
+    said = host.tab.inner_text(".robsim-camera-readout")
+    for part in ("x 205.0", "\u221228.6\u00b0", "201.0 \u00b1 2.0"):
+        assert part in said
+    host.tab.mouse.move(*at(500, 500))
+    host.paint()
+    said = host.tab.inner_text(".robsim-camera-readout")
+    assert "x 500.0" in said
+    assert "201.0" not in said
+
+
+def test_it_says_why_the_robot_was_not_seen_and_what_is_past(camera):
+    missed = {"missed": "no blue blob", "held": [200.0, 300.0, 0.0]}
+    host, _ = camera(frame=missed, state={"k": 8, "steps": 9})
+    assert "no blue blob" in host.tab.inner_text(".robsim-camera-badges")
+    assert has_near(host, (240, 300), (0, 0, 0))
+    host.frame(8)
+    host.tab.keyboard.press("ArrowLeft")
+    host.frame(7, past=True)
+    assert "7" in host.tab.inner_text("button[name=past_step]")
+    host.tab.click("button[name=past_step]")
+    assert [message["k"] for message in host.sent("look")] == [7, None]
+
+
+def test_frames_that_come_while_one_is_decoded_do_not_pile_up(camera):
+    host, _ = camera()
+    host.tab.evaluate(
+        "(() => { window.painted = 0; const pens = CanvasRenderingContext2D.prototype;"
+        " const draw = pens.drawImage; pens.drawImage = function (image, ...rest) {"
+        " if (image instanceof ImageBitmap) painted++;"
+        " return draw.call(this, image, ...rest); } })()"
+    )
+    burst = (
+        "(async () => { const pixels = new OffscreenCanvas(600, 600); pixels.getContext('2d');"
+        " const blob = await pixels.convertToBlob({ type: 'image/jpeg' });"
+        " const bytes = new Uint8Array(await blob.arrayBuffer());"
+        " let text = ''; for (const byte of bytes) text += String.fromCharCode(byte);"
+        " const head = (n) => ({ type: 'frame', n, k: n, t: 0, size: [600, 600],"
+        "  map: [1, 0, 0, 0, 1, 0, 0, 0, 1], measured: [100 + n, 300, 0], held: null,"
+        "  estimate: null, truth: null, boxes: [], missed: null, past: false, rows: [] });"
+        " for (let n = 100; n < 120; n++) host.emit(head(n), [btoa(text)]); })()"
+    )
+    host.tab.evaluate(burst)
+    host.tab.wait_for_timeout(500)
+    assert 1 <= host.tab.evaluate("painted") <= 3
+    assert has_near(host, (219 + 40, 300), GREEN)  # the last one is what is seen

@@ -1,0 +1,149 @@
+"""The arithmetic of the charts in the browser, run by node: extremes by blocks, ticks, texts."""
+
+import json
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from robsim.gui._script import STATIC
+
+N = 5_011
+OUTLIER = 2_345
+
+
+@pytest.fixture(scope="module")
+def run_node():
+    """Return a function that runs a module of the charts, then code, whose result it returns."""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("needs node")
+
+    def run(module, code, data=None):
+        source = (STATIC / "charts" / module).read_text("utf-8")
+        values = json.dumps(data)
+        program = (
+            f"{source}\nconst data = {values};\nconsole.log(JSON.stringify((() => {{{code}}})()));"
+        )
+        command = [node, "--input-type=module"]
+        done = subprocess.run(command, input=program, capture_output=True, text=True, timeout=30)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def numbers():
+    """Return a random walk with gaps and a single outlier."""
+    rng = np.random.default_rng(16)
+    values = np.cumsum(rng.normal(size=N))
+    values[rng.random(N) < 0.1] = np.nan
+    values[3000:3400] = np.nan
+    values[OUTLIER] = 1e6
+    return values
+
+
+_FILL = """
+const extremes = new Extremes();
+const value = (row) => data.values[row] ?? NaN;
+for (const count of data.counts) extremes.extend(count, value);
+"""
+
+
+def as_json(values):
+    return [None if np.isnan(v) else v for v in values.tolist()]
+
+
+def test_blocks_have_the_extremes_of_their_rows_however_they_came(run_node, numbers):
+    counts = [1, 7, 8, 9, 100, 101, 2048, 2049, 4000, N]
+    code = _FILL + (
+        "return extremes.levels.map((_, level) => { const blocks = [];"
+        "extremes.visit(0, data.values.length, 8 * 4 ** level, (...block) => blocks.push(block));"
+        "return blocks; });"
+    )
+    levels = run_node("decimate.js", code, {"values": as_json(numbers), "counts": counts})
+    assert len(levels) == 6
+    for level, blocks in enumerate(levels):
+        size = 8 * 4**level
+        known = [k for k in range(0, N, size) if np.isfinite(numbers[k : k + size]).any()]
+        assert [row for row, _, _ in blocks] == known
+        for row, low, high in blocks:
+            rows = numbers[row : row + size]
+            assert (low, high) == (np.nanmin(rows), np.nanmax(rows))
+
+
+def test_columns_lose_no_outlier_and_lie_where_their_rows_are(run_node, numbers):
+    first, widths = 1000.0, [8, 9.5, 31, 40, 333.3, 2500]
+    code = _FILL + (
+        "return data.widths.map((width) => { const columns = [];"
+        "eachColumn(extremes, data.first, data.last, width, (...column) => columns.push(column));"
+        "return columns; });"
+    )
+    data = {"values": as_json(numbers), "counts": [N], "first": first, "last": N, "widths": widths}
+    for width, columns in zip(widths, run_node("decimate.js", code, data), strict=True):
+        assert [c for c, _, _ in columns] == sorted({c for c, _, _ in columns})
+        found = next(c for c, _, high in columns if high == 1e6)
+        assert 0 <= (OUTLIER - first) // width - found <= 1
+        for column, low, high in columns:  # a block counts for the column in which it begins
+            begin = max(0, int(first + (column - 1) * width) - 8)
+            rows = numbers[begin : int(first + (column + 2) * width)]
+            assert np.nanmin(rows) <= low <= high <= np.nanmax(rows)
+
+
+def test_rows_that_are_added_cost_what_they_are_not_what_is_there(run_node):
+    code = """
+    const extremes = new Extremes();
+    let calls = 0;
+    const value = (row) => { calls += 1; return row; };
+    extremes.extend(100000, value);
+    const before = calls;
+    for (let count = 100001; count <= 100100; count++) extremes.extend(count, value);
+    return [before, calls - before];
+    """
+    assert run_node("decimate.js", code) == [100_000, 100]
+
+
+def test_ticks_and_ranges(run_node):
+    code = """return {
+      gaps: [[10, 5], [1, 4], [1200, 6], [0.004, 4]].map(([length, n]) => tickGap(length, n)),
+      steps: tickGap(3, 10, { least: 1 }),
+      angles: [360, 200, 60, 8].map((length) => tickGap(length, 4, { isAngle: true })),
+      ticks: ticksOf(-0.25, 0.5, 0.25),
+      constant: airyRange(600, 600, 2),
+      wide: airyRange(0, 100, 1),
+      nothing: airyRange(Infinity, -Infinity, 1),
+    };"""
+    found = run_node("scale.js", code)
+    assert found["gaps"] == [2, 0.5, 200, 0.001]
+    assert found["steps"] == 1
+    assert found["angles"] == [90, 45, 15, 2]
+    assert found["ticks"] == [-0.25, 0, 0.25, 0.5]
+    low, high = found["constant"]
+    assert low <= 599
+    assert high >= 601
+    low, high = found["wide"]
+    assert -20 <= low < 0
+    assert 100 < high <= 120
+    assert found["nothing"] is None
+
+
+def test_numbers_are_written_as_in_a_paper(run_node):
+    expected = {
+        "tickText(1.9, 0.05)": "1.90",
+        "tickText(-0.5, 0.5)": "\u22120.5",
+        "tickText(1e-17, 0.1)": "0",
+        "tickText(20000, 5000)": "20k",
+        "tickText(8.4e-6, 2e-7)": "8.4e\u22126",
+        "numberText(8.3333e-6)": "8.333e\u22126",
+        "numberText(-600.126)": "\u2212600.1",
+        "numberText(-0.0001e-4, 1)": "\u22121e\u22128",
+        "numberText(NaN)": "\u2013",
+        "uncertainText(1.93751, 0.0123)": "1.938 \u00b1 0.012",
+        "uncertainText(600.2, 12)": "600 \u00b1 12",
+        "uncertainText(8.3333e-6, 3e-7)": "8.33e\u22126 \u00b1 3e\u22127",
+        "uncertainText(5, NaN)": "5.000",
+    }
+    found = run_node("scale.js", f"return [{','.join(expected)}];")
+    assert dict(zip(expected, found, strict=True)) == expected

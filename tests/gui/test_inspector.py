@@ -1,0 +1,146 @@
+"""A step as a tree."""
+
+import json
+
+import numpy as np
+import pytest
+
+import robsim
+from browsers import panel_of
+from robsim.gui._panel.analysis.tree import child_of, nodes_of
+
+
+def named(nodes):
+    return {node["name"]: node for node in nodes}
+
+
+def tree(browser, *path, k=None):
+    browser.say("inspect", k=k, path=[*path])
+    head, _ = browser.take("tree", path=[*path])
+    return head["k"], named(head["nodes"])
+
+
+@pytest.fixture(scope="module")
+def simulation():
+    simulation = robsim.Simulation(measure=True, estimate_parameters=True, seed=1)
+    simulation.run(8)
+    return simulation
+
+
+def test_the_newest_step_is_shown_level_by_level(simulation):
+    with panel_of(simulation) as (_, browser):
+        browser.take("frame")
+        k, step = tree(browser)
+        assert k == 7
+        assert list(step)[:5] == ["k", "t", "dt", "last_u", "u"]
+        assert step["k"] == {"name": "k", "text": "7", "kind": "number", "more": False}
+        assert step["parameters"]["text"].startswith("3 x 5: ")
+        assert step["estimate"]["kind"] == "none"
+        _, red = tree(browser, "blobs", "red")
+        assert red["0"]["more"]
+        _, blob = tree(browser, "blobs", "red", "1")
+        wanted = simulation.last_step.blobs["red"][1]
+        assert blob["area"]["text"] == str(wanted.area)
+        _, detection = tree(browser, "detection")
+        assert "explanation" in detection
+        _, estimator = tree(browser, "estimator")
+        assert estimator["forgetting"]["text"] == "1"
+
+
+def test_a_past_step_has_what_the_trace_and_its_frame_have(simulation):
+    trace = simulation.trace
+    with panel_of(simulation) as (_, browser):
+        k, step = tree(browser, k=3)
+        assert k == 3
+        assert step["t"]["text"] == f"{trace.t[3]:.10g}"
+        assert step["u"]["text"] == "2: " + ", ".join(f"{volt:.6g}" for volt in trace.u[3])
+        _, pose = tree(browser, "measurement", k=3)
+        assert pose["pose"]["text"].startswith(f"3: {trace.pose_measured[3, 0]:.6g}")
+        _, frame = tree(browser, "frame", k=3)
+        assert frame["image"]["text"].startswith("1200 x 1200 x 3 uint8: ")
+        _, image = tree(browser, "frame", "image", k=3)
+        assert len(image) == 200
+        assert "only the first 200" in image["..."]["text"]
+
+
+def test_what_is_not_there_has_no_nodes(simulation):
+    with panel_of(simulation) as (_, browser):
+        assert tree(browser, "frame", "nonsense") == (7, {})
+        assert tree(browser, k=1000) == (None, {})
+
+
+def test_before_the_first_step_there_is_what_has_begun():
+    with panel_of(robsim.Simulation(seed=1)) as (_, browser):
+        browser.take("frame")
+        _, step = tree(browser)
+        assert step["u"]["kind"] == "missing"
+        assert "not decided yet" in step["u"]["text"]
+
+
+class Foreign:
+    """An object of a user's, whose code must not run."""
+
+    def __init__(self):
+        self.gain = 0.5
+        self.history = [np.zeros(2)] * 3
+        self.me = self
+
+    @property
+    def costly(self):
+        raise AssertionError("asked for a property")
+
+    def __repr__(self):
+        raise AssertionError("asked for a text")
+
+    def __getattribute__(self, name):
+        raise AssertionError("asked for an attribute")
+
+
+class OwnDict(dict):
+    def items(self):
+        raise AssertionError("asked for the items")
+
+
+def test_of_foreign_objects_only_what_they_store_is_looked_at():
+    value = Foreign.__new__(Foreign)
+    object.__getattribute__(value, "__dict__").update(gain=0.5, me=value, own=OwnDict(a=1))
+    nodes = named(nodes_of({"value": value, 3: None}))
+    assert nodes["value"] == {"name": "value", "text": "Foreign", "kind": "object", "more": True}
+    assert nodes["3"]["kind"] == "none"
+    inside = named(nodes_of(value))
+    assert list(inside) == ["gain", "me", "own"]
+    assert named(nodes_of(child_of(value, "own")))["a"]["text"] == "1"
+
+
+@pytest.mark.parametrize(
+    ("value", "kind", "text"),
+    [
+        (True, "number", "True"),
+        (float("nan"), "number", "nan"),
+        (np.float64(0.1), "number", "0.1"),
+        ("a\nb", "text", r"'a\nb'"),
+        ("x" * 10**6, "text", "'" + "x" * 295 + " ..."),
+        (np.arange(3), "array", "3 int64: 0, 1, 2"),
+        (np.zeros((2, 0)), "array", "2 x 0"),
+        ([], "list", "empty"),
+        ({1, 2}, "list", "set of 2"),
+        (np.sin, "object", "ufunc"),
+        (print, "code", "builtin_function_or_method print"),
+        (robsim.Spin(0.5), "object", repr(robsim.Spin(0.5))),
+    ],
+)
+def test_text_of_a_value(value, kind, text):
+    (node,) = nodes_of([value])
+    assert (node["kind"], node["text"]) == (kind, text)
+    json.dumps(node, allow_nan=False)
+
+
+def test_a_level_is_bounded():
+    (huge,) = nodes_of([10**5000])
+    assert huge["text"] == "a number of 16610 bits"
+    assert len(nodes_of(range(3))) == 0
+    nodes = nodes_of(list(range(100_000)))
+    assert len(nodes) == 200
+    assert nodes[-1]["text"] == "only the first 200 are shown"
+    with pytest.raises(KeyError):
+        child_of(list(range(1000)), "500")

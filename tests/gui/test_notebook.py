@@ -1,0 +1,244 @@
+"""The host in notebooks, without JupyterLab: its line, its cells, what a saved notebook keeps."""
+
+import re
+import sys
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip("anywidget")
+
+import robsim
+from robsim.gui import _notebook
+from robsim.gui._notebook import NotebookLink
+from waiting import wait_for
+
+
+def simulation():
+    return robsim.Simulation(area=(300, 300), measure=True, seed=1)
+
+
+@pytest.fixture
+def panel():
+    with robsim.panel(simulation(), speed=20) as opened:
+        yield opened
+
+
+@pytest.fixture
+def link(panel):
+    """A line whose widget keeps what is sent, with the thread that sent it."""
+    line = NotebookLink(panel._view)
+    sent = []
+    line.widget.send = lambda head, buffers: sent.append((head, threading.current_thread()))
+    line.sent_messages = sent
+    return line
+
+
+def say(link, **message):
+    """A message of the browser, as the kernel hands it over: in the main thread."""
+    link._receive(link.widget, {"id": "me", **message}, [])
+
+
+def types(messages):
+    return [head["type"] for head, _ in messages]
+
+
+def test_the_line_carries_what_the_page_carries(panel, link):
+    say(link, type="hello", width=150)
+    wait_for(lambda: "frame" in types(link.sent_messages))
+    assert types(link.sent_messages)[:2] == ["setup", "state"]
+    say(link, type="grant", upto=50, late=False)
+    say(link, type="press", button="step")
+    wait_for(lambda: types(link.sent_messages).count("frame") == 2)
+
+
+def late(link, upto):
+    before = link._n_late
+    say(link, type="grant", upto=upto, late=True)
+    wait_for(lambda: link._n_late != before or link._waiting is not None)
+
+
+def test_messages_that_are_not_delivered_are_fetched(panel, link):
+    delivered = []
+
+    def colab(head, buffers):
+        if threading.current_thread() is threading.main_thread():
+            delivered.append(head)
+
+    link.widget.send = colab
+    say(link, type="hello", width=150)
+    wait_for(lambda: link.sent == 1)
+    assert delivered == []
+    for _ in range(3):
+        late(link, upto=15)
+    wait_for(lambda: link._waiting)
+
+    def asked(*kinds):
+        say(link, type="grant", upto=1000, late=False)
+        return {*kinds} <= {head["type"] for head in delivered}
+
+    wait_for(lambda: asked("polled"))
+    assert delivered[0] == {"type": "polled", "gap": 100}
+    say(link, type="press", button="start")
+    wait_for(lambda: asked("state", "frame"))
+    numbers = [head["n"] for head in delivered if head["type"] == "frame"]
+    assert numbers == sorted(numbers)
+
+
+def test_whoever_fetches_nothing_gets_no_more_until_he_is_back(panel, link):
+    say(link, type="hello", width=150)
+    wait_for(lambda: link.sent == 1)
+    for _ in range(3):
+        late(link, upto=15)
+    wait_for(lambda: link._waiting)
+    for i in range(300):
+        panel._view.post(lambda i=i: panel._view.send({"type": "note", "text": str(i)}))
+    wait_for(lambda: not link.is_watched)
+    assert len(link._waiting) <= 200
+    link.sent_messages.clear()
+
+    def is_told_anew():
+        say(link, type="grant", upto=1000, late=False)
+        return "setup" in types(link.sent_messages)
+
+    wait_for(is_told_anew)
+    assert types(link.sent_messages).count("note") > 100
+
+
+def test_a_run_that_is_slow_is_no_line_that_does_not_deliver(panel, link):
+    say(link, type="hello", width=150)
+    wait_for(lambda: link.sent == 1)
+    say(link, type="grant", upto=16, late=False)
+    for _ in range(5):
+        say(link, type="grant", upto=16, late=True)
+    wait_for(lambda: not panel._view._jobs)
+    assert link._waiting is None
+
+
+def test_answers_may_come_on_any_shell(panel):
+    link = NotebookLink(panel._view)
+    comm = SimpleNamespace(_reply_subshell_id="main")
+    link.widget.send = lambda head, buffers: None
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(type(link.widget), "comm", comm)
+        link.send({"type": "note"})
+    assert vars(comm) == {}
+
+
+def test_a_closed_widget_is_sent_nothing(panel):
+    link = NotebookLink(panel._view)
+    link.close()
+    link.send({"type": "note"})
+    wait_for(lambda: panel._view.links == [])
+
+
+class Cells:
+    """The cells of a notebook, which show panels."""
+
+    def __init__(self):
+        self._runs = 0
+
+    def run(self, cell, *panels):
+        self._runs += 1
+        parent = {"metadata": {"cellId": cell}, "header": {"msg_id": str(self._runs)}}
+        for panel in panels:
+            _notebook._replace(parent, panel, NotebookLink(panel._view))
+
+
+@pytest.fixture
+def cells(monkeypatch):
+    monkeypatch.setattr(_notebook, "_cells", {})
+    before = threading.active_count()
+    yield Cells()
+    for shown in _notebook._cells.values():
+        for _, panel, _ in shown:
+            panel.close()
+    assert threading.active_count() == before
+
+
+def test_a_cell_that_is_run_again_closes_what_it_showed(cells):
+    first, second = robsim.panel(simulation()), robsim.panel(simulation())
+    cells.run("a", first)
+    cells.run("b", robsim.panel(simulation()))
+    assert first.state == "paused"
+    cells.run("a", second)
+    assert (first.state, second.state) == ("closed", "paused")
+
+
+def test_a_cell_that_shows_the_same_panel_again_keeps_it(cells):
+    panel = robsim.panel(simulation())
+    cells.run("a", panel)
+    cells.run("a", panel)
+    assert panel.state == "paused"
+    wait_for(lambda: len(panel._view.links) == 1)
+
+
+def test_a_cell_may_show_several(cells):
+    panels = [robsim.panel(simulation()) for _ in range(2)]
+    cells.run("a", *panels)
+    assert [panel.state for panel in panels] == ["paused", "paused"]
+    cells.run("a", panels[1])
+    assert [panel.state for panel in panels] == ["closed", "paused"]
+
+
+def test_what_another_cell_shows_stays(cells):
+    panel, other = robsim.panel(simulation()), robsim.panel(simulation())
+    cells.run("a", panel)
+    cells.run("b", panel)
+    cells.run("a", other)
+    assert panel.state == "paused"
+    cells.run("b", other)
+    assert panel.state == "closed"
+
+
+def test_a_front_end_without_names_for_cells(panel):
+    _notebook._replace({"header": {"msg_id": "1"}}, panel, NotebookLink(panel._view))
+    assert panel.state == "paused"
+
+
+@pytest.mark.parametrize(
+    ("error", "state"), [(KeyboardInterrupt(), "paused"), (ValueError(), "running")]
+)
+def test_interrupting_a_cell_pauses(panel, error, state):
+    panel.start()
+    _notebook._after_cell(SimpleNamespace(error_in_exec=error))
+    panel._view.driver.call(lambda: None).result()
+    assert panel.state == state
+
+
+def test_without_the_notebook_extra_it_says_what_to_install(panel, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "robsim.gui._notebook", None)
+    monkeypatch.delattr("robsim.gui._notebook")
+    panel._ipython_display_()
+    assert 'pip install "robsim[notebook]"' in capsys.readouterr().out
+
+
+def test_a_terminal_says_what_shows_it(panel, capsys):
+    panel._ipython_display_()
+    assert "panel.open()" in capsys.readouterr().out
+
+
+CODE = [
+    "import robsim\npanel = robsim.panel(robsim.Simulation(measure=True, seed=1))\npanel",
+    "import time\npanel.step(); time.sleep(1.2)",
+    "panel",
+    "panel.start()",  # and leave it so
+]
+
+
+@pytest.mark.slow
+def test_a_saved_notebook_keeps_the_picture_of_the_last_pause():
+    nbclient, nbformat = map(pytest.importorskip, ("nbclient", "nbformat"))
+    cells = [nbformat.v4.new_code_cell(code) for code in CODE]
+    notebook = nbformat.v4.new_notebook(cells=cells)
+    nbclient.NotebookClient(notebook, timeout=60).execute()
+    widget, still = (output["data"] for output in cells[0]["outputs"])
+    assert "application/vnd.jupyter.widget-view+json" in widget
+    # Drawn after the step, in another thread, into the output of the first cell.
+    assert still["text/html"].startswith('<img class="robsim-still-')
+    _, later = (output["data"] for output in cells[2]["outputs"])
+    picture, same = (re.search(r"base64,([^\"]+)", data["text/html"])[1] for data in (still, later))
+    assert picture == same
+    exporter = pytest.importorskip("nbconvert").HTMLExporter()
+    assert picture in exporter.from_notebook_node(notebook)[0]

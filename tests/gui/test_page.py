@@ -1,0 +1,138 @@
+"""The page's server, without a browser: lines, slow readers, its end."""
+
+import socket
+import threading
+import time
+from contextlib import ExitStack
+
+import pytest
+
+import robsim
+from page_client import Client, connected, greeted, request
+from robsim.gui._page import Page
+from robsim.gui._panel.view import PanelView
+from waiting import wait_for
+
+
+@pytest.fixture
+def page():
+    view = PanelView(robsim.Simulation(area=(300, 300), seed=1), speed=float("inf"))
+    served = Page(view)
+    yield served
+    served.close()
+    view.close()
+    assert not [t.name for t in threading.enumerate() if t.name.startswith("robsim ")]
+
+
+def test_the_files_come_with_headers_that_keep_others_out(page):
+    for name, kind in {"": "html", "view.js": "javascript", "view.css": "css"}.items():
+        status, headers, body = request(page, f"/{page.secret}/{name}")
+        assert status == 200
+        assert kind in headers["Content-Type"]
+        assert body
+        assert headers["Cache-Control"] == "no-store"
+        assert headers["Referrer-Policy"] == "no-referrer"
+        assert "default-src 'none'" in headers["Content-Security-Policy"]
+        assert "Server" not in headers
+        assert "Content-Encoding" not in headers
+
+
+def test_a_page_is_told_everything_and_gets_frames(page):
+    with greeted(page) as client:
+        head, (picture,) = client.hear("frame")
+        assert head["n"] == 1
+        assert picture[:2] == b"\xff\xd8"
+        client.say(type="press", button="start")
+        ks = [client.hear("frame")[0]["k"] for _ in range(5)]
+        assert ks == sorted(set(ks))
+
+
+def test_two_pages_show_the_same(page):
+    with greeted(page) as one, greeted(page) as two:
+        two.say(type="press", button="step")
+        for client in (one, two):
+            while client.hear("frame")[0]["k"] < 0:
+                pass
+
+
+def test_a_page_that_does_not_read_is_cut_off_and_nothing_waits(page, monkeypatch):
+    monkeypatch.setattr("robsim.gui._serving._MOST_BEHIND", 1 << 22)
+    with greeted(page) as reader, greeted(page, line=connected(page, SO_RCVBUF=4096)):
+        reader.say(type="press", button="start")
+        for _ in range(20):
+            page.view.post(lambda: page.view.send({"type": "note"}, bytes(1 << 20)))
+            _, (block,) = reader.hear("note")
+            assert len(block) == 1 << 20
+        wait_for(lambda: len(page.pages) == 1)
+        assert reader.hear("frame")
+        assert page.view.driver.state == "running"
+
+
+def test_a_page_that_is_cut_off_pauses_nothing_that_others_look_at(page):
+    with greeted(page) as reader:
+        greeted(page).line.close()
+        wait_for(lambda: len(page.pages) == 1)
+        reader.say(type="press", button="start")
+        wait_for(lambda: page.view.driver.state == "running")
+    wait_for(lambda: page.view.driver.state == "paused")
+
+
+def test_waiting_ends_some_time_after_the_last_page(page):
+    waiter = threading.Thread(target=page.wait, args=(0.2,))
+    waiter.start()
+    time.sleep(0.25)
+    assert waiter.is_alive()  # nobody has come yet
+    greeted(page).line.close()
+    with greeted(page):  # loaded anew
+        time.sleep(0.25)
+        assert waiter.is_alive()
+    waiter.join(5)
+    assert not waiter.is_alive()
+
+
+def test_the_server_ends_while_messages_are_under_way(page):
+    with ExitStack() as stack:
+        clients = [stack.enter_context(greeted(page)) for _ in range(3)]
+        asleep = connected(page, SO_RCVBUF=4096)
+        sleeper = stack.enter_context(Client(page, line=asleep))
+        for client in (*clients, sleeper):
+            client.say(type="hello", width=300)
+        clients[0].say(type="press", button="start")
+        assert clients[0].hear("frame")
+        stack.enter_context(connected(page)).sendall(b"GET /half")
+        before = time.monotonic()
+        page.close()
+        assert time.monotonic() - before < 3
+        assert all(client.is_closed() for client in clients)
+    page.view.send({"type": "note"})  # to nobody
+
+
+def test_a_port_that_is_in_use(page):
+    with pytest.raises(OSError, match=f"port {page.port} cannot be used: another program has it"):
+        Page(page.view, port=page.port)
+
+
+@pytest.mark.parametrize(
+    ("port", "error"), [(-1, ValueError), (65536, ValueError), ("8888", TypeError)]
+)
+def test_no_port(page, port, error):
+    with pytest.raises(error, match="port must"):
+        Page(page.view, port=port)
+
+
+def test_it_listens_on_loopback_alone(page):
+    address = page._listening.getsockname()[0]
+    assert address == "127.0.0.1"
+    assert page._listening.family == socket.AF_INET
+
+
+@pytest.mark.parametrize(("screen", "asked"), [("", []), (":0", [True])])
+def test_without_a_screen_no_browser_is_started(page, monkeypatch, screen, asked):
+    started = []
+    monkeypatch.setattr("sys.platform", "linux")
+    for name in ("WAYLAND_DISPLAY", "BROWSER"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("DISPLAY", screen)
+    monkeypatch.setattr("webbrowser.open", lambda url: started.append(url == page.url) or True)
+    assert page.open() is bool(asked)
+    assert started == asked

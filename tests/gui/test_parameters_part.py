@@ -1,0 +1,71 @@
+"""What is told of the estimated parameters."""
+
+import json
+
+import numpy as np
+import pytest
+
+import robsim
+from browsers import panel_of
+from robsim.gui._panel.analysis.parameters import Parameters
+
+
+def parameters_of(simulation):
+    message = Parameters(None).message(simulation.trace)
+    json.dumps(message, allow_nan=False)
+    return message
+
+
+def run_of(steps=100, **options):
+    simulation = robsim.Simulation(estimate_parameters=True, seed=1, **options)
+    simulation.run(steps)
+    return simulation
+
+
+def test_a_robot_that_spins_excites_few_parameters():
+    simulation = run_of()
+    found = parameters_of(simulation)
+    judged = robsim.identifiability(simulation.trace)
+    assert found["values"] == simulation.trace.parameters[-1].ravel().tolist()
+    assert found["errors"] == judged.standard_errors.ravel().tolist()
+    assert found["excitation"]["good"] is False
+    assert {"b1X", "b2X"} < {*found["excitation"]["weak"]}
+    n = len(judged.names("not excited"))
+    assert found["excitation"]["text"].startswith(f"of 15 parameters {n} not excited")
+
+
+def test_one_that_drives_around_excites_all():
+    found = parameters_of(run_of(800, control=robsim.DriveAround()))
+    assert found["excitation"] == {
+        "text": "all parameters are well excited",
+        "good": True,
+        "weak": [],
+    }
+
+
+def test_an_estimator_that_knows_no_errors_is_judged_by_its_samples():
+    class Constant:
+        theta = np.ones((3, 5))
+
+        def update(self, phi, y):
+            return self.theta
+
+    found = parameters_of(run_of(init_parameter_estimator=lambda model: Constant()))
+    assert found["values"] == [1.0] * 15
+    assert found["excitation"]["good"] is False
+
+
+@pytest.mark.parametrize("steps", [1, 3])
+def test_at_the_start_nothing_is_known_yet(steps):
+    found = parameters_of(run_of(steps))
+    assert found["excitation"]["good"] in (None, False)
+
+
+def test_without_an_estimator_there_are_no_values():
+    simulation = robsim.Simulation(seed=1)
+    simulation.run(5)
+    with panel_of(simulation) as (_, browser):
+        found, _ = browser.take("parameters")
+    assert found["values"] is None
+    assert found["excitation"] == {"text": "", "good": None, "weak": []}
+    assert found["names"][:2] == ("a1X", "a2X")

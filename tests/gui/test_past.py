@@ -1,0 +1,164 @@
+"""Past steps: their frames, and why no robot was found in them."""
+
+import io
+import threading
+import time
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import robsim
+from browsers import panel_of
+from robsim.gui._panel.analysis.past import KeptPictures
+
+
+@pytest.fixture(scope="module")
+def noisy():
+    """A run in which the robot is hidden in some steps."""
+    simulation = robsim.Simulation(measure=True, dropout=robsim.Dropout(0.5), seed=3)
+    simulation.run(20)
+    return simulation
+
+
+def pixels_of(picture):
+    return np.asarray(Image.open(io.BytesIO(picture)))
+
+
+def is_alike(picture, frame):
+    """Whether a JPEG shows a frame of 1200 px at 300."""
+    shown = pixels_of(picture).astype(float)
+    wanted = np.asarray(Image.fromarray(frame.image).reduce(4), float)
+    return shown.shape == wanted.shape and np.abs(shown - wanted).mean() < 4
+
+
+def test_a_past_step_is_drawn_again_with_its_overlays(noisy):
+    k = int(np.flatnonzero(noisy.trace.seen)[2])
+    with panel_of(noisy) as (_, browser):
+        browser.take("frame", k=19, past=False)
+        browser.say("look", k=k)
+        head, (picture,) = browser.take("frame", past=True)
+    assert head["k"] == k
+    assert head["measured"] == noisy.trace.pose_measured[k].tolist()
+    assert head["truth"] == noisy.trace.pose_true[k].tolist()
+    assert {box[0] for box in head["boxes"]} == {"red", "blue"}
+    assert head["missed"] is None
+    assert is_alike(picture, noisy.render_step(k))
+
+
+def test_a_missed_step_says_why(noisy):
+    k = int(np.flatnonzero(~noisy.trace.seen)[-1])
+    with panel_of(noisy) as (_, browser):
+        browser.say("look", k=k)
+        head, _ = browser.take("frame", past=True)
+    assert head["measured"] is None
+    assert "blue" in head["missed"]
+
+
+def test_own_measure_that_fails_is_told_from_a_robot_that_cannot_be_seen():
+    simulation = robsim.Simulation(measure=lambda step: None, seed=1)
+    simulation.run(2)
+    with panel_of(simulation) as (_, browser):
+        browser.say("look", k=0)
+        head, _ = browser.take("frame", past=True)
+    assert head["missed"] == "your measure found no robot; the default one finds the robot here"
+
+
+def test_who_looks_back_gets_rows_but_no_newest_frame_until_he_returns(noisy):
+    simulation = robsim.Simulation(measure=True, seed=1)
+    simulation.run(5)
+    with panel_of(simulation) as (_, browser):
+        browser.say("columns", names=["u"])
+        browser.take("rows")
+        browser.say("look", k=2)
+        browser.take("frame", k=2, past=True)
+        browser.say("press", button="step")
+        head, _ = browser.take("rows")
+        assert [entry["first"] for entry in head["rows"]] == [5]
+        browser.say("look", k=None)
+        head, _ = browser.take("frame")
+        assert (head["k"], head["past"]) == (5, False)
+
+
+def test_of_many_looks_the_last_one_is_answered(noisy):
+    with panel_of(noisy) as (view, browser):
+        browser.take("frame")
+        inside, may_go_on = threading.Event(), threading.Event()
+        view.driver.call(lambda: (inside.set(), may_go_on.wait(10)))
+        assert inside.wait(10)
+        for k in range(15):
+            browser.say("look", k=k)
+        may_go_on.set()
+        browser.take("frame", k=14, past=True)
+        before = browser.sent
+        time.sleep(0.1)
+        assert browser.sent == before <= 4
+
+
+def test_a_step_that_there_is_not_has_a_reason(noisy):
+    with panel_of(noisy) as (_, browser):
+        browser.say("look", k=99)
+        head, _ = browser.take("past")
+    assert head == {"type": "past", "k": 99, "reason": "there is no step 99: the last step is 19"}
+
+
+def test_reset_ends_looking_back():
+    simulation = robsim.Simulation(measure=True, seed=1)
+    simulation.run(5)
+    with panel_of(simulation) as (_, browser):
+        browser.say("look", k=4)
+        browser.take("frame", past=True)
+        browser.say("press", button="reset")
+        browser.take("frame", past=False, k=0)
+
+
+def test_frames_of_a_list_are_read_again(noisy):
+    frames = [noisy.render_step(k) for k in range(6)]
+    experiment = robsim.Experiment(frames)
+    experiment.run()
+    with panel_of(experiment) as (_, browser):
+        browser.say("look", k=1)
+        _, (picture,) = browser.take("frame", k=1, past=True)
+    assert is_alike(picture, frames[1])
+
+
+def test_of_frames_that_come_once_the_pictures_shown_are_kept(noisy):
+    experiment = robsim.Experiment(noisy.render_step(k) for k in range(6))
+    with panel_of(experiment) as (_, browser):
+        for k in range(3):
+            browser.say("press", button="step")
+            shown, (picture,) = browser.take("frame", k=k)
+        browser.say("look", k=2)
+        head, (again,) = browser.take("frame", past=True)
+        assert again == picture
+        assert {**head, "n": 0} == {**shown, "past": True, "n": 0}
+        assert len(browser.all_of("past")) == 0
+    experiment.run(2)
+    with panel_of(experiment) as (_, browser):
+        browser.say("look", k=3)  # nobody has seen it
+        head, (picture,) = browser.take("frame", past=True)
+        assert picture == b""
+        assert head["held"] == experiment.trace.pose_held[3].tolist()
+        assert head["size"] == [1200, 1200]
+        head, _ = browser.take("past")
+        assert "only once" in head["reason"]
+
+
+def test_frames_of_a_session_that_is_recorded_are_read_from_it(noisy, tmp_path):
+    pytest.importorskip("cv2")
+    frames = (noisy.render_step(k) for k in range(4))
+    with robsim.Experiment(frames, record=tmp_path / "session") as experiment:
+        experiment.run(4)
+        with panel_of(experiment) as (_, browser):
+            browser.say("look", k=2)
+            _, (picture,) = browser.take("frame", k=2, past=True)
+    assert is_alike(picture, noisy.render_step(2))
+
+
+def test_kept_pictures_need_no_more_than_their_room():
+    kept = KeptPictures(100)
+    for k in range(8):
+        kept.add({"k": k}, b"x" * 30)
+        kept.add({"k": k}, b"y" * 30)
+    assert [k for k in range(8) if kept.get(k)] == [5, 6, 7]
+    assert kept.get(7) == ({"k": 7}, b"y" * 30)

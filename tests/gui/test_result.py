@@ -1,0 +1,65 @@
+"""What Finish gives."""
+
+import numpy as np
+import pytest
+
+import robsim
+from browsers import panel_of
+
+PNG = b"\x89PNG"
+
+
+def finish(simulation):
+    with panel_of(simulation) as (_, browser):
+        browser.say("press", button="finish")
+        return browser.take("result")
+
+
+def test_a_run_gives_table_remarks_and_figure():
+    simulation = robsim.Simulation(estimate_parameters=True, seed=1, control=robsim.DriveAround())
+    trace = simulation.run(800)
+    head, (figure,) = finish(simulation)
+    report = robsim.batch_estimate(trace)
+    name, true, batch, error, online = head["rows"][1]
+    assert name == "a2X"
+    assert (true, batch) == (trace.info.theta_true[0][1], report.batch[0, 1])
+    assert (error, online) == (report.standard_errors[0, 1], trace.parameters[-1, 0, 1])
+    assert head["text"].startswith("Batch estimate from truth")
+    assert head["verdict"] == "all parameters are well excited"
+    assert figure[:4] == PNG
+
+
+def test_a_run_that_excites_too_little_says_which_parameters_are_lost():
+    simulation = robsim.Simulation(seed=1)
+    simulation.run(50)
+    head, (figure,) = finish(simulation)
+    assert "does not determine" in head["text"]
+    assert "not excited" in head["verdict"]
+    assert None in np.ravel(head["rows"])  # not determined
+    assert figure[:4] == PNG
+
+
+@pytest.mark.parametrize(("steps", "says"), [(0, "nothing has run yet"), (4, "at least 5 samples")])
+def test_too_short_a_run_says_so(steps, says):
+    simulation = robsim.Simulation(seed=1)
+    simulation.run(steps)
+    head, figures = finish(simulation)
+    assert says in head["text"]
+    assert (head["rows"], head["verdict"], figures) == ([], "no estimate", [])
+
+
+def test_finish_pauses_and_a_new_view_is_told_the_result_too():
+    simulation = robsim.Simulation(seed=1)
+    with panel_of(simulation) as (_, browser):
+        browser.say("press", button="start")
+        browser.take("state", state="running")
+        browser.say("press", button="finish")
+        browser.take("state", state="paused")
+        head, _ = browser.take("result")
+        browser.say("hello", width=300)
+        assert browser.take("result")[0] == head
+        browser.say("press", button="step")
+        browser.take("state", k=simulation.n_steps)
+        browser.say("hello", width=300)
+        browser.take("frame")
+        assert browser.all_of("result") == []

@@ -1,0 +1,32 @@
+"""The module for the browser, which is joined from files."""
+
+import re
+import shutil
+import subprocess
+from collections import Counter
+
+import pytest
+
+from robsim.gui._script import STATIC, script
+
+_NAMES = re.compile(r"^(?:export )?(?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE)
+
+
+def test_no_name_stands_in_two_files():
+    # Each file alone is right then, and the module that they are joined into is not.
+    files = [file.read_text("utf-8") for file in STATIC.rglob("*.js") if file.name != "page.js"]
+    names = Counter(name for code in files for name in _NAMES.findall(code))
+    assert len(names) > 100
+    assert [name for name, count in names.items() if count > 1] == []
+
+
+def test_the_module_imports_nothing():
+    assert re.findall(r"^(?:import|export (?!default))", script(), re.MULTILINE) == []
+
+
+def test_node_can_read_it(tmp_path):
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("needs node")
+    (tmp_path / "view.mjs").write_text(script(), "utf-8")
+    assert subprocess.run([node, "--check", tmp_path / "view.mjs"], check=False).returncode == 0

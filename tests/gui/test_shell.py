@@ -1,0 +1,557 @@
+"""The panel around the picture and the charts, with a fake host in Python's place."""
+
+import time
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.slow
+
+
+def choice(name, value, *values, **disabled):
+    choices = [{"value": v, "disabled": disabled.get(v)} for v in values]
+    return {"name": name, "kind": "choice", "value": value, "choices": choices}
+
+
+def span(name, value, low, high, step, unit):
+    limits = {"low": low, "high": high, "step": step, "unit": unit}
+    return {"name": name, "kind": "range", "value": value, **limits}
+
+
+STAGES = ("off", "default", "mine")
+DRIVES = ("spin", "drive-around", "chirp", "mine")
+CONTROLS = [
+    choice("tracking", "default", *STAGES, mine="No callback of yours fills it"),
+    choice("parameters", "off", *STAGES),
+    choice("state", "off", *STAGES),
+    choice("control", "spin", *DRIVES),
+    choice("noise", "gaussian", "none", "uniform", "gaussian"),
+    span("noise_level", 20, 0, 60, 1, "%"),
+    span("dropout", 0, 0, 1, 0.01, ""),
+    choice("disturbance", "none", "none", "pose", "wheels"),
+    span("disturbance_level", 0.2, 0, 1, 0.02, "px"),
+    span("speed", 5, 0.2, 100, 0.1, "x"),
+]
+VALUES = {control["name"]: control["value"] for control in CONTROLS}
+ERROR = {
+    "slot": "measure",
+    "k": 3,
+    "text": "ZeroDivisionError: division by zero",
+    "file": "/home/ada/robot/measurement.py",
+    "line": 17,
+    "code": "    heading = dy / dx\n",
+    "traceback": "Traceback (most recent call last): ...",
+}
+
+
+@pytest.fixture
+def shell(open_fake):
+    """Return a function that opens a panel which Python has told something."""
+
+    def opened(*, setup=None, state=None, **options):
+        host = open_fake(**options)
+        host.setup(**{"controls": CONTROLS, **(setup or {})})
+        host.state(**{"values": VALUES, **(state or {})})
+        host.forget()
+        return host
+
+    return opened
+
+
+def pressed(host):
+    return [message["button"] for message in host.sent("press")]
+
+
+def box(host, selector):
+    return host.tab.locator(selector).bounding_box()
+
+
+def stays(host, *selectors):
+    return [box(host, selector) for selector in selectors]
+
+
+def rows_with_gaps(count, *gaps):
+    rows = np.ones((count, 3))
+    for first, last in gaps:
+        rows[first:last] = np.nan
+    return rows
+
+
+# Layout.
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (800, 600)])
+def test_the_page_fills_the_window_and_does_not_scroll(shell, size):
+    host = shell(size=size, setup={"motors": True})
+    page = host.tab.evaluate(
+        "(({scrollHeight, scrollWidth}) => [scrollWidth, scrollHeight])(document.documentElement)"
+    )
+    assert tuple(page) == size
+    panel = box(host, ".robsim-panel")
+    assert (panel["width"], panel["height"]) == size
+    view, right = box(host, ".robsim-view"), box(host, ".robsim-right")
+    assert right["x"] > view["x"] + view["width"]
+    for name in ("start", "step", "step_stage", "reset", "finish", "stop"):
+        button = box(host, f".robsim-transport [name={name}]")
+        assert button["x"] + button["width"] <= view["x"] + view["width"] + 1
+        assert button["y"] + button["height"] < size[1]
+
+
+def test_at_the_usual_size_the_picture_is_square_and_all_settings_are_seen(shell):
+    host = shell(size=(1440, 900))
+    view = box(host, ".robsim-view")
+    assert view["width"] == pytest.approx(view["height"], abs=3)
+    assert view["width"] >= 500
+    hidden = "(({scrollHeight, clientHeight}) => scrollHeight - clientHeight)"
+    assert host.tab.evaluate(f"{hidden}(document.querySelector('.robsim-controls'))") == 0
+
+
+def test_the_width_of_the_panel_decides_not_that_of_the_window(shell):
+    host = shell(body="", size=(1440, 900))
+    place = "document.querySelector('main').style.width = "
+    for width, is_beside in ((1200, True), (720, True), (650, False)):
+        host.tab.evaluate(f"{place}'{width}px'")
+        host.paint()
+        view, right = box(host, ".robsim-view"), box(host, ".robsim-right")
+        assert (right["x"] > view["x"] + view["width"]) == is_beside
+        assert right["x"] + right["width"] <= box(host, ".robsim-panel")["width"] + 8
+        start, finish = box(host, "[name=start]"), box(host, "[name=finish]")
+        assert finish["x"] + finish["width"] <= view["x"] + view["width"] + 1
+        assert start["y"] == finish["y"]
+
+
+def test_nothing_jumps(shell):
+    host = shell()
+    places = (
+        ".robsim-view",
+        "[name=step]",
+        ".robsim-timeline input",
+        ".robsim-controls",
+        ".robsim-right",
+    )
+    before = stays(host, *places)
+    host.state(values=VALUES, state="running", k=0, steps=1)
+    host.frame(0)
+    assert stays(host, *places) == before
+    host.frame(9999)
+    host.state(values=VALUES, state="failed", k=9999, steps=10000, error=ERROR)
+    host.emit({"type": "note", "level": "error", "text": "no"})
+    assert stays(host, *places) == before
+
+
+# Transport.
+
+
+def test_start_becomes_pause_and_all_buttons_speak(shell):
+    host = shell()
+    host.tab.click(".robsim-transport [name=start]")
+    host.state(values=VALUES, state="running", k=5, steps=6)
+    for name in ("pause", "step", "step_stage", "reset", "finish"):
+        host.tab.click(f".robsim-transport [name={name}]")
+    assert pressed(host) == ["start", "pause", "step", "step_stage", "reset", "finish"]
+    assert host.tab.locator("[name=stop]").is_hidden()
+
+
+def test_what_cannot_be_done_cannot_be_pressed(shell):
+    host = shell()
+    tab = host.tab
+    assert tab.locator("[name=finish]").is_disabled()
+    assert tab.locator("[name=reset]").is_disabled()
+    host.state(values=VALUES, state="ended", k=5, steps=6)
+    assert tab.locator("[name=finish]").is_enabled()
+    assert tab.locator(".robsim-transport [name=start]").is_disabled()
+    assert tab.locator(".robsim-remark").inner_text() == "There are no more frames."
+
+
+def test_an_empty_run_says_where_start_is(shell):
+    host = shell()
+    host.tab.click(".robsim-first button")
+    assert pressed(host) == ["start"]
+    host.state(values=VALUES, state="running", k=0, steps=1)
+    assert host.tab.locator(".robsim-first").is_hidden()
+
+
+def test_stop_is_there_for_motors_by_button_and_key(shell):
+    host = shell(setup={"motors": True, "source": "experiment"})
+    host.tab.click(".robsim-transport [name=stop]")
+    host.tab.keyboard.press("Escape")
+    assert pressed(host) == ["stop", "stop"]
+    host.state(values=VALUES, stopped=True, k=3, steps=4)
+    assert host.tab.locator(".robsim-title-state").inner_text() == "Stopped"
+    assert "motors were stopped" in host.tab.locator(".robsim-remark").inner_text()
+
+
+# Time line.
+
+
+def test_the_time_line_shows_past_steps_and_the_newest_again(shell):
+    host = shell()
+    host.frame(99)
+    slider = host.tab.locator(".robsim-timeline input")
+    slider.fill("40")
+    host.paint()
+    assert host.sent("look") == [{"type": "look", "k": 40}]
+    host.frame(40, past=True)
+    assert host.tab.locator(".robsim-title-step").inner_text() == "step 40"
+    host.rows({"pose_measured": np.ones((101, 3))})  # the run goes on: what is looked at stays
+    assert host.tab.locator(".robsim-title-step").inner_text() == "step 40"
+    assert slider.get_attribute("max") == "100"
+    slider.press("ArrowLeft")
+    host.paint()
+    host.tab.click(".robsim-timeline [name=newest]")
+    assert host.sent("look")[1:] == [{"type": "look", "k": 39}, {"type": "look", "k": None}]
+    host.frame(101)
+    assert host.tab.locator(".robsim-title-step").inner_text() == "step 101"
+    assert slider.input_value() == "101"
+
+
+def test_dragging_asks_once_per_animation_frame(shell):
+    host = shell()
+    host.frame(999)
+    host.tab.evaluate(
+        """const slider = document.querySelector(".robsim-timeline input");
+        for (let k = 0; k < 50; k++) {
+          slider.value = k;
+          slider.dispatchEvent(new Event("input"));
+        }"""
+    )
+    host.paint()
+    assert host.sent("look") == [{"type": "look", "k": 49}]
+
+
+def test_moving_on_goes_back_to_the_newest(shell):
+    host = shell()
+    host.frame(9)
+    host.tab.keyboard.press("ArrowLeft")
+    host.tab.click("[name=step]")
+    assert host.sent("look") == [{"type": "look", "k": 8}, {"type": "look", "k": None}]
+    assert pressed(host) == ["step"]
+
+
+def test_ticks_show_where_the_robot_was_not_seen(shell):
+    host = shell()
+    wanted = [name for message in host.sent("columns") for name in message["names"]]
+    host.frame(200, rows={"pose_measured": rows_with_gaps(201, (50, 60), (150, 151))})
+    inked = host.tab.evaluate(
+        """(() => {
+          const canvas = document.querySelector(".robsim-timeline-ticks");
+          const pen = canvas.getContext("2d");
+          const { data } = pen.getImageData(0, 1, canvas.width, 1);
+          return Array.from({ length: canvas.width }, (_, x) => data[4 * x + 3] > 0);
+        })()"""
+    )
+    edges = np.flatnonzero(np.diff(np.array([False, *inked, False], int)))
+    expected = np.array([50, 60, 150, 151]) / 200 * len(inked)
+    assert edges == pytest.approx(expected, abs=4)
+    assert wanted in ([], ["pose_measured"])  # asked for at the setup, once at most
+
+
+def test_a_reset_ends_a_look_at_the_past(shell):
+    host = shell()
+    host.frame(20)
+    host.tab.keyboard.press("ArrowLeft")
+    host.state(values=VALUES, k=-1, steps=0)
+    host.frame(0)
+    assert host.tab.locator("main").get_attribute("data-looking") == "newest"
+
+
+def test_a_trace_that_is_played_back_moves_the_time_line(shell):
+    host = shell(setup={"source": "trace"})
+    host.state(state="running", k=99, steps=100)
+    host.frame(30, past=True)
+    assert host.tab.locator(".robsim-timeline input").input_value() == "30"
+    host.state(state="ended", k=99, steps=100)
+    assert host.tab.locator(".robsim-transport [name=start]").is_enabled()
+
+
+# Settings.
+
+
+def test_every_kind_of_control_sets_its_value(shell):
+    host = shell()
+    host.tab.get_by_role("radiogroup", name="Parameter estimation").get_by_text("Default").click()
+    host.tab.get_by_label("Robot drives").select_option("chirp")
+    host.tab.get_by_label("Noise level").fill("37")
+    host.tab.get_by_label("Speed").fill("17")
+    host.paint()
+    assert [(m["name"], m["value"]) for m in host.sent("set")] == [
+        ("parameters", "default"),
+        ("control", "chirp"),
+        ("noise_level", 37),
+        ("speed", 0),
+    ]
+    assert host.tab.get_by_label("Speed").get_attribute("aria-valuetext") == "max"
+
+
+def test_values_of_python_are_shown(shell):
+    host = shell()
+    host.state(
+        values={**VALUES, "tracking": "off", "control": "mine", "dropout": 0.25, "speed": 0.2}
+    )
+    stage = host.tab.get_by_role("radiogroup", name="Tracking").get_by_role("radio", name="Off")
+    assert stage.get_attribute("aria-checked") == "true"
+    assert host.tab.get_by_label("Robot drives").input_value() == "mine"
+    assert host.tab.get_by_label("Dropout").get_attribute("aria-valuetext") == "0.25"
+    assert host.tab.get_by_label("Speed").input_value() == "0"
+
+
+def test_what_is_not_possible_says_why(shell):
+    host = shell()
+    mine = host.tab.get_by_role("radiogroup", name="Tracking").get_by_text("Mine")
+    assert mine.get_attribute("aria-description") == "No callback of yours fills it"
+    mine.click(force=True)  # it is marked as disabled, but a finger has no tooltip
+    host.paint()
+    assert host.sent("set") == []
+    assert host.tab.locator(".robsim-toast").inner_text() == "No callback of yours fills it"
+
+
+def test_a_switch_that_robsim_does_not_know_yet_is_shown_all_the_same(shell):
+    host = shell()
+    host.setup(controls=[*CONTROLS, {"name": "rain", "kind": "switch", "value": True}])
+    rain = host.tab.get_by_role("switch", name="rain")
+    assert rain.is_checked()
+    rain.uncheck()
+    host.paint()
+    assert host.sent("set") == [{"type": "set", "name": "rain", "value": False}]
+
+
+def test_new_limits_change_their_control_alone(shell):
+    host = shell()
+    host.tab.get_by_label("Noise level").focus()
+    wide = span("disturbance_level", 0.1, 0, 0.5, 0.01, "V")
+    host.setup(controls=[wide if c["name"] == "disturbance_level" else c for c in CONTROLS])
+    level = host.tab.get_by_label("Level of the disturbance")
+    assert level.get_attribute("max") == "0.5"
+    assert level.get_attribute("aria-valuetext") == "0.10\u202fV"
+    assert host.tab.evaluate("document.activeElement.name") == "noise_level"
+
+
+def test_a_live_camera_has_its_rate_in_the_place_of_the_speed(shell):
+    host = shell()
+    assert host.tab.get_by_label("Speed").is_visible()
+    controls = [control for control in CONTROLS if control["name"] != "speed"]
+    host = shell(setup={"live": True, "source": "experiment", "controls": controls})
+    live = {"camera": {"rate": 29.7, "age": 0.012, "dropped": 3}}
+    host.state(values=VALUES, **live)
+    assert host.tab.get_by_text("29.7 fps, 12 ms old, 3 dropped").is_visible()
+    assert host.tab.get_by_label("Speed").count() == 0
+
+
+def test_an_older_state_does_not_move_what_is_being_dragged(shell):
+    host = shell()
+    slider = host.tab.get_by_label("Noise level")
+    track = slider.bounding_box()
+    y = track["y"] + track["height"] / 2
+    host.tab.mouse.move(track["x"] + track["width"] / 3, y)
+    host.tab.mouse.down()
+    host.tab.mouse.move(track["x"] + track["width"] - 1, y)
+    host.state(values=VALUES)
+    assert slider.input_value() == "60"
+    host.tab.mouse.up()
+    host.state(values=VALUES)  # still on its way when it was let go
+    assert slider.input_value() == "60"
+    host.state(values={**VALUES, "noise_level": 60})
+    host.state(values={**VALUES, "noise_level": 10})  # somebody else's
+    assert slider.input_value() == "10"
+    assert host.sent("set")[-1]["value"] == 60
+
+
+def test_a_value_that_python_does_not_take_goes_back(shell):
+    host = shell()
+    host.tab.get_by_label("Robot drives").select_option("chirp")
+    host.state(values=VALUES)
+    end = time.monotonic() + 10
+    while host.tab.get_by_label("Robot drives").input_value() != "spin":
+        assert time.monotonic() < end
+        host.paint()
+
+
+# Errors and notes.
+
+
+def test_an_error_appears_over_the_picture_with_its_line(shell):
+    host = shell()
+    host.frame(3)
+    slots = [{"slot": "measure", "can_edit": True}]
+    host.emit({"type": "callbacks", "slots": slots})
+    host.state(values=VALUES, state="failed", k=3, steps=4, error=ERROR)
+    error = host.tab.get_by_role("alert").filter(has_text="measure failed in step 3")
+    assert "division by zero" in error.inner_text()
+    assert "measurement.py:17" in error.inner_text()
+    assert host.tab.locator(".robsim-error-code").inner_text() == "heading = dy / dx"
+    inner, outer = error.bounding_box(), box(host, ".robsim-view")
+    assert inner["y"] > outer["y"]
+    assert inner["y"] + inner["height"] < outer["y"] + outer["height"]
+    traceback = host.tab.locator(".robsim-error-traceback")
+    assert traceback.is_hidden()
+    host.tab.get_by_text("Traceback", exact=True).click()
+    assert traceback.is_visible()
+    host.tab.click(".robsim-error [name=edit]")
+    host.tab.click(".robsim-error [name=to_callbacks]")
+    host.tab.click(".robsim-error [name=go_on]")
+    assert host.sent("edit") == [{"type": "edit", "slot": "measure"}]
+    assert pressed(host) == ["start"]
+    assert host.tab.get_by_role("tab", name="Callbacks").get_attribute("aria-selected") == "true"
+    host.state(values=VALUES, state="running", k=4, steps=5)
+    assert error.count() == 0
+
+
+def test_notes_are_said_once_and_can_be_closed(shell):
+    host = shell()
+    for text in ("one", "one", "two"):
+        host.emit({"type": "note", "level": "warning", "text": text})
+    notes = host.tab.locator(".robsim-toast")
+    assert notes.all_inner_texts() == ["one", "two"]
+    notes.first.get_by_role("button", name="Close").click()
+    assert notes.all_inner_texts() == ["two"]
+
+
+def test_a_lost_connection_says_what_to_do(shell):
+    host = shell()
+    assert host.tab.locator(".robsim-lost").is_hidden()
+    host.tab.evaluate("document.querySelector('main').dataset.state = 'gone'")
+    assert "start it again" in host.tab.locator(".robsim-lost").inner_text()
+
+
+def test_a_broken_line_is_being_mended(shell):
+    host = shell()
+    host.tab.evaluate("document.querySelector('main').dataset.state = 'lost'")
+    assert host.tab.locator(".robsim-lost").inner_text().split("\n")[-1] == "Trying again …"
+
+
+def test_a_step_without_a_picture_says_why(shell):
+    host = shell()
+    host.frame(9)
+    host.tab.keyboard.press("ArrowLeft")
+    host.frame(8, past=True)
+    host.emit({"type": "past", "k": 8, "reason": "the camera's frames are not kept"})
+    remark = host.tab.locator(".robsim-remark")
+    assert remark.inner_text() == "No picture of step 8: the camera's frames are not kept"
+    host.frame(7, past=True)
+    assert remark.is_hidden()
+
+
+# Tabs.
+
+
+def test_tabs_show_their_sheets_by_mouse_and_by_keys(shell):
+    host = shell()
+    sheets = "[...document.querySelectorAll('[role=tabpanel]')]"
+    shown = f"{sheets}.filter((e) => !e.hidden).map((e) => e.className)"
+    assert host.tab.evaluate(shown) == ["robsim-traces"]
+    host.tab.get_by_role("tab", name="Parameters").click()
+    host.tab.keyboard.press("ArrowRight")
+    assert host.tab.evaluate(shown) == ["robsim-callbacks"]
+    host.emit({"type": "result", "rows": [], "text": "", "verdict": ""}, [b""])
+    assert host.tab.evaluate(shown) == ["robsim-result"]
+
+
+# Keys.
+
+
+def test_keys_of_the_page(shell):
+    host = shell()
+    host.frame(9)
+    for key in (" ", ".", "ArrowRight", "s"):
+        host.tab.keyboard.press(key)
+    assert pressed(host) == ["start", "step", "step", "step_stage"]
+    host.tab.keyboard.press("?")
+    assert host.tab.get_by_role("dialog", name="Keys").is_visible()
+    host.tab.keyboard.press("Escape")
+    assert host.tab.get_by_role("dialog", name="Keys").is_hidden()
+    assert len(pressed(host)) == 4  # a simulation has nothing to stop
+
+
+def test_space_after_a_click_starts_and_tab_and_space_press(shell):
+    host = shell()
+    host.tab.click("[name=step]")
+    host.tab.keyboard.press(" ")
+    host.tab.locator("[name=step_stage]").focus()
+    host.tab.keyboard.press(" ")
+    assert pressed(host) == ["step", "start", "step_stage"]
+
+
+def test_in_a_notebook_keys_are_the_panels_only_under_the_pointer(shell):
+    host = shell(body="")
+    host.tab.evaluate("document.body.append(document.createElement('textarea'))")
+    host.tab.mouse.move(1, 1)
+    host.tab.evaluate("document.querySelector('main').style.marginTop = '60px'")
+    host.tab.keyboard.press(".")
+    assert pressed(host) == []
+    view = box(host, ".robsim-view")
+    host.tab.mouse.move(view["x"] + 5, view["y"] + 5)
+    host.tab.keyboard.press(".")
+    assert pressed(host) == ["step"]
+    host.tab.locator("textarea").focus()
+    host.tab.keyboard.type(". s")
+    assert pressed(host) == ["step"]
+    assert host.tab.locator("textarea").input_value() == ". s"
+
+
+# Looks.
+
+
+@pytest.mark.parametrize(
+    ("name", "dark", "light"),
+    [
+        ("body.dataset.jpThemeLight", "false", "true"),
+        ("body.dataset.vscodeThemeKind", "vscode-dark", "vscode-light"),
+        ("documentElement.attributes.theme.value", "dark", ""),
+    ],
+    ids=["jupyterlab", "vscode", "colab"],
+)
+def test_the_theme_is_the_notebooks(shell, name, dark, light):
+    host = shell(body="", theme="light")
+    host.tab.evaluate("document.documentElement.setAttribute('theme', 'light')")
+    main = host.tab.locator("main")
+    for value, theme in ((dark, "dark"), (light, "light")):
+        host.tab.evaluate(f"document.{name} = '{value}'")
+        host.paint()
+        assert main.get_attribute("data-theme") == theme
+    assert host.tab.locator(".robsim-title-looks [name=auto]").is_hidden()
+
+
+def test_the_page_keeps_theme_colours_and_tab(shell):
+    host = shell(theme="dark")
+    main = host.tab.locator("main")
+    assert main.get_attribute("data-theme") == "dark"
+    host.tab.click(".robsim-title-looks [name=auto]")
+    assert main.get_attribute("data-theme") == "light"
+    host.tab.click(".robsim-title-looks [name=palette]")
+    host.tab.get_by_role("tab", name="Inspector").click()
+    host.load()
+    assert main.get_attribute("data-theme") == "light"
+    assert main.get_attribute("data-palette") == "distinct"
+    assert host.tab.get_by_role("tab", name="Inspector").get_attribute("aria-selected") == "true"
+
+
+def test_fingers_find_room(shell):
+    host = shell(has_touch=True, is_mobile=True, size=(900, 700), setup={"motors": True})
+    small = host.tab.evaluate(
+        """[...document.querySelectorAll("button, select, input, [role=radiogroup]")]
+          .filter((e) => e.checkVisibility() && e.role != "radio")
+          .map((e) => [e.name || e.className, (e.labels?.[0] ?? e).getBoundingClientRect()])
+          .filter(([, { width, height }]) => width < 36 || height < 36)
+          .map(([name]) => name)"""
+    )
+    assert small == []
+
+
+def test_every_control_has_a_name(shell):
+    host = shell(setup={"motors": True}, state={"k": 5, "steps": 6})
+    nameless = host.tab.evaluate(
+        """[...document.querySelectorAll("button, input, select")]
+          .filter((e) => e.checkVisibility())
+          .filter((e) => !(e.ariaLabel || (e.labels?.[0] ?? e).textContent.trim()))
+          .map((e) => e.outerHTML)"""
+    )
+    assert nameless == []
+
+
+def test_a_view_that_ends_leaves_nothing_behind(shell):
+    host = shell(setup={"motors": True})
+    host.tab.evaluate("host.end()")
+    host.forget()
+    host.tab.keyboard.press("Escape")
+    host.tab.keyboard.press(" ")
+    assert host.sent() == []

@@ -1,0 +1,121 @@
+"""The histograms of the errors, over the longest valid record."""
+
+import math
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import robsim
+from browsers import panel_of
+from robsim.gui._panel.analysis.parameters import Parameters
+from robsim.gui._panel.analysis.statistics import Statistics
+from robsim.reference import ExtendedKalmanFilter
+
+
+def statistics_of(trace):
+    return Statistics(None).message(trace)
+
+
+def trace_with(measured, true=None, **groups):
+    n = len(measured)
+    true = np.zeros((n, 3)) if true is None else true
+    info = robsim.trace.RunInfo(dt=0.2, theta_true=np.ones((3, 5)))
+    columns = {"pose_true": true, "u": np.zeros((n, 2)), "bounced": np.zeros(n)}
+    return robsim.Trace({**columns, "pose_measured": measured, **groups}, info)
+
+
+def test_errors_are_those_of_the_longest_record_without_a_gap():
+    measured = np.zeros((12, 3))
+    measured[:, 0] = [9, 9, 0, 1, 2, 3, 4, 2, 2, 2, 9, 9]
+    measured[:, 2] = np.deg2rad(2)
+    measured[[1, 10]] = np.nan
+    found = statistics_of(trace_with(measured))
+    assert (found["first"], found["last"]) == (2, 9)
+    x, _, heading = found["errors"]
+    assert (x["of"], x["name"], x["unit"], x["n"]) == ("measurement", "x", "px", 8)
+    assert (x["mean"], x["std"]) == (2.0, np.std([0, 1, 2, 3, 4, 2, 2, 2]))
+    assert sum(x["counts"]) == 8
+    assert x["low"] <= 0
+    assert x["high"] >= 4
+    assert (heading["unit"], heading["mean"]) == ("deg", pytest.approx(2))
+
+
+def test_headings_are_compared_across_half_a_turn():
+    measured, true = np.zeros((5, 3)), np.zeros((5, 3))
+    measured[:, 2], true[:, 2] = np.deg2rad(-179), np.deg2rad(179)
+    heading = statistics_of(trace_with(measured, true))["errors"][2]
+    assert heading["mean"] == pytest.approx(2)
+
+
+def test_the_estimate_has_errors_of_its_own():
+    measured = np.ones((6, 3))
+    cov = np.tile(np.eye(3).ravel(), (6, 1))
+    trace = trace_with(measured, pose_estimated=np.full((6, 3), 0.5), covariance=cov)
+    errors = statistics_of(trace)["errors"]
+    assert [(e["of"], e["name"], e["mean"]) for e in errors[:4:3]] == [
+        ("measurement", "x", 1.0),
+        ("estimate", "x", 0.5),
+    ]
+
+
+def test_without_a_truth_or_a_measurement_there_are_none():
+    unseen = trace_with(np.full((3, 3), np.nan))
+    assert statistics_of(unseen) == {
+        "type": "statistics",
+        "first": None,
+        "last": None,
+        "errors": [],
+    }
+    frames = [robsim.Simulation(seed=1).frame]
+    assert statistics_of(robsim.Experiment(frames).run())["errors"] == []
+
+
+def test_they_come_once_a_second_while_it_runs_and_at_once_on_pause():
+    trace = trace_with(np.zeros((9, 3)))
+    record = SimpleNamespace(n_steps=4, trace=trace)
+    sent = []
+    links = [SimpleNamespace(is_watched=True)]
+    panel = SimpleNamespace(record=record, is_running=True, links=links, send=sent.append)
+    statistics = Statistics(panel)
+    assert statistics.look(10.0) == 11.0
+    record.n_steps = 5
+    assert statistics.look(10.5) == 11.0
+    assert len(sent) == 1
+    assert statistics.look(11.0) == 12.0
+    assert len(sent) == 2
+    assert statistics.look(12.0) == 13.0  # nothing is new
+    assert len(sent) == 2
+    record.n_steps = 6
+    panel.is_running = False
+    statistics.look(12.1)
+    assert len(sent) == 3
+    assert statistics.look(12.2) == math.inf
+    assert len(sent) == 3
+
+
+def test_a_new_view_is_told_them_too():
+    simulation = robsim.Simulation(
+        measure=True, seed=1, estimate_state=ExtendedKalmanFilter(), control=robsim.DriveAround()
+    )
+    with panel_of(simulation) as (_, browser):
+        for _ in range(3):
+            browser.say("press", button="step")
+        found, _ = browser.take("statistics", last=2)
+        assert len(found["errors"]) == 6
+        browser.say("hello", width=300)
+        assert browser.take("statistics", last=2)[0] == found
+
+
+@pytest.mark.slow
+def test_a_long_run_takes_a_fraction_of_a_second(rng):
+    n = 100_000
+    parameters = rng.normal(size=(n, 15))
+    trace = trace_with(
+        rng.normal(size=(n, 3)), parameters=parameters, standard_errors_unscaled=parameters**2
+    )
+    for part in (Statistics(None), Parameters(None)):
+        started = time.thread_time()
+        part.message(trace)
+        assert time.thread_time() - started < 0.5

@@ -1,0 +1,218 @@
+"""Whom the page's server refuses, and what it lets pass: others on this machine, other sites."""
+
+import json
+import logging
+import random
+import socket
+from contextlib import ExitStack
+
+import pytest
+
+import robsim
+from page_client import BINARY, Client, connected, framed, greeted, request
+from robsim.gui._page import Page
+from robsim.gui._panel.view import PanelView
+from waiting import wait_for
+
+
+@pytest.fixture
+def page(caplog):
+    """A page; nothing that strangers do is worth a line of a log."""
+    view = PanelView(robsim.Simulation(area=(300, 300), seed=1))
+    served = Page(view)
+    yield served
+    served.close()
+    view.close()
+    assert [one for one in caplog.records if one.levelno >= logging.WARNING] == []
+
+
+def paths(page):
+    other = page.secret[:-1] + ("A" if page.secret[-1] != "A" else "B")
+    return [
+        *(
+            "/",
+            "//",
+            f"/{other}/",
+            f"/{other}/socket",
+            f"/{other}/nothing",
+            f"/{page.secret[:-1]}/",
+        ),
+        *(f"/{page.secret}", f"/{page.secret}/nothing", f"/{page.secret}//socket", "/favicon.ico"),
+        *(f"/{page.secret}/../view.js", f"/{page.secret}/static/texts.json", "/%ff/", "/\xe4/x"),
+        f"/{page.secret.swapcase()}/",
+    ]
+
+
+def told(answer):
+    """What an answer gives away: all but the time."""
+    status, headers, body = answer
+    return status, {k: v for k, v in headers.items() if k != "Date"}, body
+
+
+def test_a_wrong_secret_and_a_wrong_path_look_the_same(page):
+    answers = [told(request(page, path)) for path in paths(page)]
+    assert answers[0][0] == 404
+    assert answers[0][2] == b""
+    assert all(answer == answers[0] for answer in answers)
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:{port}", "127.0.0.1", "localhost:1"]
+)
+@pytest.mark.parametrize("name", ["", "socket"])
+def test_a_name_that_was_bent_to_this_machine(page, host, name):
+    assert request(page, f"/{page.secret}/{name}", Host=host.format(port=page.port))[0] == 403
+
+
+@pytest.mark.parametrize(
+    "origin",
+    ["http://evil.example", "https://127.0.0.1:{port}", "null", "127.0.0.1:{port}", "", "file://"],
+)
+@pytest.mark.parametrize("name", ["", "view.js"])
+def test_another_site(page, origin, name):
+    origin = origin.format(port=page.port)
+    assert request(page, f"/{page.secret}/{name}", Origin=origin)[0] == 403
+    with Client(page, Origin=origin) as client:
+        assert client.status == 403
+
+
+def test_our_own_pages_may_come(page):
+    for host in ("127.0.0.1", "localhost"):
+        place = f"{host}:{page.port}"
+        with Client(page, Host=place, Origin=f"http://{place}") as client:
+            assert client.status == 101
+        assert request(page, f"/{page.secret}/", Host=place)[0] == 200
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS", "HEAD", "PATCH", "BREW"])
+def test_there_is_nothing_but_get(page, method):
+    status, _, body = request(page, f"/{page.secret}/", method=method)
+    assert (status, body) == (405, b"")
+    assert request(page, "/wrong/", method=method)[0] in (404, 405)
+
+
+def test_a_body_of_any_size_is_not_waited_for(page):
+    length = {"Content-Length": str(1 << 40)}
+    assert request(page, f"/{page.secret}/", method="POST", **length)[0] == 400
+
+
+MALFORMED = [
+    *(b"", b"{", b"[]", b"null", b"1e999", b'"text"', b"{}", b'{"type":"hello"}', b"[" * 100_000),
+    *(b'{"type":["hello"]}', b'{"type":{}}', b"9" * 5000, b'{"id":"me","type":"go"}'),
+    *(b'{"id":"me","type":"grant","upto":NaN,"late":true}', b'{"id":1,"type":"bye"}'),
+    *(b'{"id":"me","type":"hello","width":-1}', b'{"id":"me","type":"hello","width":true}'),
+    json.dumps({"id": "me", "type": "set", "name": "speed", "value": "x" * 201}).encode(),
+    json.dumps({"id": "me", "type": "path", "points": [[1, 2]] * 1001}).encode(),
+    json.dumps({"id": "me" * 200, "type": "bye"}).encode(),
+]
+
+
+@pytest.mark.parametrize("message", MALFORMED, ids=lambda text: text[:30].decode())
+def test_a_malformed_message_is_told_and_forgotten(page, message):
+    with greeted(page) as client:
+        client.send(message)
+        assert client.hear("note")[0]["level"] == "error"
+        client.say(type="press", button="step")
+        assert client.hear("frame")
+
+
+def test_no_message_is_binary(page):
+    with greeted(page) as client:
+        client.send(b'{"id":"me","type":"press","button":"start"}', BINARY)
+        assert client.hear("note")[0]["level"] == "error"
+        assert page.view.driver.state == "paused"
+
+
+def test_text_that_is_no_text_ends_the_line(page):
+    with greeted(page) as client, greeted(page) as other:
+        client.send(b"\xff\xfe")
+        assert client.is_closed()
+        other.say(type="press", button="step")
+        assert other.hear("frame")
+
+
+@pytest.mark.parametrize(("length", "is_taken"), [(1 << 20, True), ((1 << 20) + 1, False)])
+def test_the_largest_message(page, length, is_taken):
+    with greeted(page) as client:
+        client.send(b" " * length)
+        if is_taken:
+            assert client.hear("note")
+        else:
+            assert client.is_closed()
+            wait_for(lambda: not page.pages)
+
+
+@pytest.mark.long
+def test_ten_thousand_messages_stop_neither_the_run_nor_other_pages(page):
+    rng = random.Random(1)
+    texts = [b'{"id":"me","type":"press","button":"pause"}', *MALFORMED[:8]]
+    flood = b"".join(framed(rng.choice(texts)) for _ in range(10_000))
+    with greeted(page) as client, greeted(page) as other:
+        client.line.sendall(flood)
+        assert len(page.view._jobs) < 2000
+        other.say(type="press", button="step")
+        while other.hear("frame")[0]["k"] < 0:
+            pass
+
+
+def test_there_are_not_too_many_pages(page):
+    with ExitStack() as stack:
+        clients = [stack.enter_context(greeted(page)) for _ in range(16)]
+        with Client(page) as one_more:
+            assert one_more.status == 503
+        clients[0].line.close()
+        wait_for(lambda: len(page.pages) == 15)
+        stack.enter_context(greeted(page))
+
+
+@pytest.mark.slow
+def test_a_thousand_half_open_requests_keep_no_page_out(page):
+    held = []
+    with greeted(page) as early:
+        for i in range(1000):
+            held.append(connected(page))
+            held[-1].sendall(b"GET / HTTP/1.1\r\nHost: " + b"x" * (i % 3))
+        assert request(page, f"/{page.secret}/view.js")[0] == 200
+        with greeted(page) as late:
+            for client in (early, late):
+                client.say(type="press", button="step")
+                assert client.hear("frame")
+    for line in held:
+        line.close()
+
+
+@pytest.mark.parametrize(
+    "start", [b"", b"GET /", b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n1"]
+)
+def test_a_request_that_never_ends_is_ended(monkeypatch, page, start):
+    monkeypatch.setattr("robsim.gui._serving._PATIENCE", 0.2)
+    hasty = Page(page.view)
+    with connected(hasty) as line:
+        line.sendall(start)
+        while line.recv(4096):
+            pass
+    hasty.close()
+
+
+@pytest.mark.parametrize("size", [100, 1 << 14, 1 << 20])
+def test_noise_in_place_of_a_request(page, size):
+    noise = random.Random(size).randbytes(size)
+    with connected(page) as line:
+        try:
+            line.sendall(noise)
+            line.shutdown(socket.SHUT_WR)
+            while line.recv(4096):
+                pass
+        except OSError:
+            pass  # the line is closed, and the rest not read
+    assert request(page, f"/{page.secret}/")[0] == 200
+
+
+def test_noise_in_place_of_frames(page):
+    with greeted(page) as other:
+        for seed in range(20):
+            with greeted(page) as client:
+                client.line.sendall(random.Random(seed).randbytes(2000))
+                client.line.shutdown(socket.SHUT_WR)
+        other.say(type="press", button="step")
+        assert other.hear("frame")

@@ -1,0 +1,254 @@
+"""The tabs with callbacks, with a step as a tree, and with the estimate; with a fake host."""
+
+import io
+
+import pytest
+from PIL import Image
+
+pytestmark = pytest.mark.slow
+
+FILE = "/home/ann/lesson.py"
+ERROR = {"text": "ValueError: the pose is upside down", "line": 44, "k": 212}
+
+
+def slot(kind, *, when="step", owner="default", **fields):
+    facts = {"slot": kind, "when": when, "owner": owner, "name": f"default_{kind}", "file": None}
+    facts |= {"line": None, "link": None, "can_edit": False, "ms": None, "calls": 0, "error": None}
+    return facts | fields
+
+
+SLOTS = [
+    slot("define_model", when="once"),
+    slot("measure", ms=0.5, calls=212),
+    slot("estimate_state", owner="mine", file=FILE, line=41, can_edit=True, ms=2.0, error=ERROR),
+    slot("control", owner="off", name=None),
+]
+
+
+@pytest.fixture
+def tab_of(open_fake):
+    """Return a function that shows a tab; the host."""
+
+    def show(name, **options):
+        host = open_fake(**options)
+        host.setup()
+        host.state(k=212, steps=213)
+        host.frame(212)
+        host.tab.click(f"button[role=tab][value={name}]")
+        host.emit({"type": "callbacks", "slots": SLOTS})
+        return host
+
+    return show
+
+
+def node(name, *, text="1", kind="number", more=False):
+    return {"name": name, "text": text, "kind": kind, "more": more}
+
+
+def tell_tree(host, path, *nodes, k=212):
+    host.emit({"type": "tree", "k": k, "path": path, "nodes": nodes})
+
+
+def wait_sent(host, kind, count=1):
+    for _ in range(100):
+        if len(host.sent(kind)) >= count:
+            return host.sent(kind)
+        host.tab.wait_for_timeout(20)
+    raise AssertionError(f"{kind} was not sent {count} times")
+
+
+def test_callbacks_stand_in_two_groups_with_owner_place_and_time(tab_of):
+    host = tab_of("callbacks")
+    once, each = (
+        group.inner_text() for group in host.tab.locator(".robsim-callbacks ol").all()[:2]
+    )
+    assert "default_define_model" in once
+    assert "default_measure" in each
+    for words in ("yours", "lesson.py:41", "2.00 ms", "off"):
+        assert words in each
+    bars = ".robsim-slot-time >> visible=true"
+    parts = [
+        bar.evaluate("bar => bar.style.getPropertyValue('--robsim-part')")
+        for bar in host.tab.locator(bars).all()
+    ]
+    assert parts == ["25%", "100%"]
+
+
+def test_the_running_callback_is_yellow(tab_of):
+    host = tab_of("callbacks")
+    host.tab.check("input[name=animate]")
+    assert host.sent("animate") == [{"type": "animate", "on": True}]
+    host.state(k=212, steps=213, state="running", animate=True)
+    host.emit({"type": "stages", "stage": "measure"})
+    running = host.tab.locator("[aria-current=step]")
+    assert "default_measure" in running.inner_text()
+    host.emit({"type": "stages", "stage": "send"})
+    assert running.count() == 0
+    host.emit({"type": "stages", "stage": "estimate_state"})
+    assert "lesson.py" in running.inner_text()
+    host.state(k=213, steps=214, state="running", animate=False)
+    assert running.count() == 0
+
+
+def test_the_last_error_is_one_line_that_opens(tab_of):
+    host = tab_of("callbacks")
+    error = host.tab.locator(".robsim-slot-error >> visible=true")
+    assert error.inner_text() == "Step 212, line 44: ValueError: the pose is upside down"
+    error.locator("summary").click()
+    assert error.locator("pre").is_visible()
+
+
+def test_edit_asks_python_or_is_a_link(tab_of):
+    host = tab_of("callbacks")
+    host.tab.click("button[name=edit_estimate_state]")
+    assert host.sent("edit") == [{"type": "edit", "slot": "estimate_state"}]
+    linked = [{**one, "link": "http://robsim.test/lab"} if one["file"] else one for one in SLOTS]
+    host.emit({"type": "callbacks", "slots": linked})
+    assert not host.tab.is_visible("button[name=edit_estimate_state]")
+    link = host.tab.locator(".robsim-slot a >> visible=true")
+    assert link.get_attribute("href") == "http://robsim.test/lab"
+
+
+def test_a_source_shows_the_line_that_failed(tab_of):
+    host = tab_of("callbacks")
+    host.tab.click("button[name=source_estimate_state]")
+    assert host.sent("source") == [{"type": "source", "slot": "estimate_state"}]
+    text = "def f(step):\n    a = 1\n    b = 2\n    raise ValueError\n"
+    message = {"type": "source", "slot": "estimate_state", "text": text, "file": FILE, "first": 41}
+    host.emit(message)
+    assert host.tab.inner_text(".robsim-failed").strip() == "raise ValueError"
+    assert host.tab.locator(".robsim-lines li").count() == 4
+    host.tab.keyboard.press("Escape")
+    assert not host.tab.is_visible(".robsim-source")
+    focused = "document.activeElement.name"
+    assert host.tab.evaluate(focused) == "source_estimate_state"
+
+
+def test_a_source_is_copied(tab_of):
+    host = tab_of("callbacks", permissions=["clipboard-read", "clipboard-write"])
+    host.tab.evaluate(
+        "Object.defineProperty(navigator, 'clipboard',"
+        " { value: { writeText: async (text) => { window.copied = text; } } })"
+    )
+    text = "def f(step):\n    return 1\n"
+    host.emit({"type": "source", "slot": "measure", "text": text, "file": None, "first": 1})
+    host.tab.click(".robsim-source button[name=copy]")
+    assert host.tab.evaluate("copied") == text
+
+
+def test_a_level_of_the_tree_is_asked_for_when_it_is_opened(tab_of):
+    host = tab_of("inspector")
+    assert wait_sent(host, "inspect")[0] == {"type": "inspect", "k": None, "path": []}
+    measurement = node("measurement", kind="object", more=True)
+    tell_tree(host, [], node("k"), measurement)
+    host.tab.focus("[role=treeitem][tabindex='0']")
+    for key in ["ArrowDown", "ArrowRight"]:
+        host.tab.keyboard.press(key)
+    assert host.sent("inspect")[-1] == {"type": "inspect", "k": None, "path": ["measurement"]}
+    tell_tree(host, ["measurement"], node("pose", text="3: 1, 2, 3", kind="array"))
+    host.tab.keyboard.press("ArrowRight")
+    assert host.tab.inner_text(".robsim-inspector-path") == "step.measurement.pose"
+    host.tab.keyboard.press("ArrowLeft")
+    host.tab.keyboard.press("ArrowLeft")
+    assert not host.tab.get_by_text("3: 1, 2, 3").is_visible()
+
+
+def test_items_of_dicts_and_lists_are_named_as_in_python(tab_of):
+    host = tab_of("inspector")
+    tell_tree(host, [], node("blobs", kind="list", more=True))
+    host.tab.click(".robsim-node")
+    tell_tree(host, ["blobs"], node("red", kind="list", more=True))
+    host.tab.locator(".robsim-node").nth(1).click()
+    tell_tree(host, ["blobs", "red"], node("0"))
+    host.tab.locator(".robsim-node").nth(2).click()
+    assert host.tab.inner_text(".robsim-inspector-path") == 'step.blobs["red"][0]'
+
+
+def test_what_is_open_stays_open_and_is_asked_for_again(tab_of):
+    host = tab_of("inspector")
+    wait_sent(host, "inspect")
+    tell_tree(host, [], node("measurement", kind="object", more=True))
+    host.tab.click(".robsim-node")
+    tell_tree(host, ["measurement"], node("pose", text="old"))
+    host.forget()
+    for k in range(213, 219):
+        host.frame(k)
+    host.tab.wait_for_timeout(500)
+    asked = [message["path"] for message in host.sent("inspect")]
+    assert 2 <= len(asked) <= 8  # two levels, at most 5 times a second
+    assert ["measurement"] in asked
+    tell_tree(host, [], node("measurement", kind="object", more=True), k=218)
+    tell_tree(host, ["measurement"], node("pose", text="new"), k=218)
+    assert host.tab.get_by_text("new", exact=True).is_visible()
+    assert not host.tab.get_by_text("old", exact=True).is_visible()
+
+
+def test_the_tree_rests_while_it_is_hidden_or_the_steps_rush_by(tab_of):
+    host = tab_of("callbacks")
+    host.frame(213)
+    host.tab.wait_for_timeout(300)
+    assert host.sent("inspect") == []
+    host.tab.click("button[role=tab][value=inspector]")
+    wait_sent(host, "inspect")
+    host.state(k=213, steps=214, state="running", speed=20)
+    host.tab.wait_for_timeout(300)
+    host.forget()
+    host.frame(214)
+    host.tab.wait_for_timeout(300)
+    assert host.sent("inspect") == []
+
+
+def test_a_past_step_is_inspected(tab_of):
+    host = tab_of("inspector")
+    wait_sent(host, "inspect")
+    host.forget()
+    host.tab.click(".robsim-camera canvas")
+    host.tab.keyboard.press("ArrowLeft")
+    (look,) = wait_sent(host, "look")
+    assert wait_sent(host, "inspect")[0]["k"] == look["k"] == 211
+
+
+def figure():
+    out = io.BytesIO()
+    Image.new("RGB", (90, 30), "white").save(out, "PNG")
+    return out.getvalue()
+
+
+def test_finish_is_offered_and_its_result_shown(tab_of):
+    host = tab_of("result", theme="dark")
+    host.tab.click("button[name=finish_result]")
+    assert host.sent("press") == [{"type": "press", "button": "finish"}]
+    assert host.tab.is_disabled("button[name=finish_result]")
+    rows = [["a1X", 2.0, 2.1, 0.05, 1.9], ["b1X", 0.2, -0.4, 0.1, None]]
+    message = {"type": "result", "rows": rows, "text": "from 213 steps", "verdict": "weak"}
+    host.emit(message, [figure()])
+    sheet = host.tab.inner_text(".robsim-result")
+    for words in ("a1X", "2.1", "\u22120.4", "from 213 steps", "weak"):
+        assert words in sheet
+    far = [one.get_attribute("aria-label") for one in host.tab.locator(".robsim-deviation").all()]
+    assert far[0].startswith("Batch 2.0, online \u22122.0")
+    assert far[1].startswith("Batch \u22126.0, online \u2013")
+    host.tab.wait_for_timeout(100)
+    assert host.tab.locator(".robsim-result img").evaluate("image => image.naturalWidth") == 90
+    assert host.tab.is_enabled("button[name=finish_result]")
+
+
+def test_what_differs_by_rounding_alone_is_called_exact(tab_of):
+    host = tab_of("result")
+    rows = [["a1X", 1.9375, 1.9375 - 1e-13, 1e-15, 1.9375], ["d1X", 0.0, 0.1, 1e-15, 0.0]]
+    host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
+    exact, far = (row.inner_text() for row in host.tab.locator(".robsim-result tbody tr").all())
+    assert "exact" in exact
+    assert "exact" not in far
+    assert host.tab.locator(".robsim-deviation-bar.robsim-bad").count() == 1
+
+
+def test_without_the_truth_there_are_no_deviations(tab_of):
+    host = tab_of("result")
+    rows = [["a1X", None, 2.1, 0.05, 1.9]]
+    host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
+    assert host.tab.locator(".robsim-result th[scope=col]").count() == 4
+    assert host.tab.locator(".robsim-deviation").count() == 0
+    host.emit({"type": "result", "rows": [], "text": "too short", "verdict": "no estimate"}, [])
+    assert host.tab.locator(".robsim-result table").count() == 0
+    assert "too short" in host.tab.inner_text(".robsim-result")

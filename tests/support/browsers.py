@@ -1,0 +1,65 @@
+"""A browser for tests of what a panel says: it says hello, and keeps what it is told."""
+
+import json
+import threading
+import time
+from contextlib import contextmanager
+
+from robsim.gui._link import Link
+from robsim.gui._panel.view import PanelView
+
+_PATIENCE = 20  # s
+
+
+class FakeBrowser(Link):
+    """The only view on its line; it has room for so many frames, and grants no more by itself."""
+
+    def __init__(self, view, width=300, *, name="fake", room=10**9):
+        super().__init__()
+        self.name = name
+        self._view = view
+        self._told = []
+        self._news = threading.Condition()
+        view.connect(self)
+        self.say("hello", width=width)
+        self.say("grant", upto=room, late=False)
+
+    def transmit(self, head, buffers):
+        json.dumps(head, allow_nan=False)  # as the hosts do
+        with self._news:
+            self._told.append((dict(head), list(buffers)))
+            self._news.notify()
+
+    def say(self, kind, **fields):
+        self._view.receive(self, {"type": kind, "id": self.name, **fields})
+
+    def press(self, button):
+        self.say("press", button=button)
+
+    def take(self, kind, **fields):
+        """Wait for a message with these fields; what came before it is forgotten."""
+        end = time.monotonic() + _PATIENCE
+        with self._news:
+            while True:
+                while self._told:
+                    head, buffers = self._told.pop(0)
+                    if {"type": kind, **fields}.items() <= head.items():
+                        return head, buffers
+                left = end - time.monotonic()
+                assert left > 0, f"no {kind} came"
+                self._news.wait(left)
+
+    def all_of(self, kind):
+        """What came of this type and was not taken yet."""
+        with self._news:
+            return [head for head, _ in self._told if head["type"] == kind]
+
+
+@contextmanager
+def panel_of(shown, *, width=300, **options):
+    """Show something in a panel with one browser: the view and the browser."""
+    view = PanelView(shown, **options)
+    try:
+        yield view, FakeBrowser(view, width)
+    finally:
+        view.close()
