@@ -2,7 +2,7 @@
 
 What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `trace`,
 `vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
-`capture`, `motors`, `sessions`, `live`, `plotting`, `doctor`, `bench`.
+`capture`, `motors`, `sessions`, `live`, `plotting`, `gui`, `doctor`, `bench`.
 """
 
 import importlib as _importlib
@@ -43,6 +43,7 @@ if _TYPE_CHECKING:
     from robsim import plotting as plotting
     from robsim import reference as reference
     from robsim.doctor import check_estimator, check_parameter_estimator
+    from robsim.gui import panel
     from robsim.plotting import (
         play,
         plot_batch,
@@ -92,6 +93,7 @@ __all__ = [
     "load_colors",
     "load_robot",
     "locate",
+    "panel",
     "play",
     "plot_batch",
     "plot_consistency",
@@ -108,13 +110,13 @@ __all__ = [
 
 # Loaded when asked for: `import robsim` needs no matplotlib, and is quick.
 _LATE_ROOMS = (
-    *("bench", "digests", "doctor", "live", "motors", "plotting", "reference", "sessions"),
+    *("bench", "digests", "doctor", "gui", "live", "motors", "plotting", "reference", "sessions"),
 )
 _LATE_NAMES = {
     name: "plotting" if name.startswith("pl") else "doctor"
     for name in __all__
     if name == "play" or name.startswith(("plot_", "check_"))
-}
+} | {"panel": "gui"}
 
 _ROOMS = (
     *(

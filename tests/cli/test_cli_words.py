@@ -15,7 +15,7 @@ pytestmark = pytest.mark.long
 
 COMMANDS = [
     (), ("run",), ("track",), ("new",), ("demo",), ("bench",), ("notebooks",), ("robots",),
-    ("live",), ("cameras",), ("colors",), ("robots", "add"), ("robots", "rotate"),
+    ("gui",), ("live",), ("cameras",), ("colors",), ("robots", "add"), ("robots", "rotate"),
     ("colors", "train"), ("colors", "frame"),
 ]  # fmt: skip
 

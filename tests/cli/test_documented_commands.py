@@ -48,7 +48,7 @@ SHORTER = {
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-@pytest.mark.usefixtures("user_folder", "small_bench")
+@pytest.mark.usefixtures("user_folder", "small_bench", "closed_page")
 def test_all_of_them_work_one_after_the_other(tmp_path):
     shutil.copy(ASSETS / "robots/sheep/robot.png", tmp_path / "photo.png")
     for line in typed([*SHELL.splitlines(), *examples()]):

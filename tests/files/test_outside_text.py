@@ -218,8 +218,10 @@ def test_reports_alone_make_html():
             (PACKAGE / name).read_text(),
         )
     }
-    # A clip has numbers in its HTML; a trace shows its summary, which is a report.
-    assert found == {"_base/report/report.py", "imaging/_clip.py", "trace/_trace.py"}
+    # A clip has numbers in its HTML; a trace shows its summary, which is a report; a panel gives a
+    # picture, and its repr as plain text.
+    others = {"gui/_facade.py", "imaging/_clip.py", "trace/_trace.py"}
+    assert found == {"_base/report/report.py", *others}
 
 
 @pytest.fixture(scope="module")

@@ -250,6 +250,7 @@ EXAMPLES = {
     "value": lambda: 1.0,
     "verdict": lambda: "well",
     "x": lambda: 1.0,
+    "what": lambda: robsim.Simulation(area=(300, 300), seed=1),
     "y": lambda: 2.0,
     "z": lambda: (1, 2, 0.1),
 }
@@ -271,6 +272,7 @@ def session():
 #: What methods are called on, where the class cannot be made of the examples alone.
 OBJECTS = {
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
+    "Panel": lambda: robsim.panel(run()),
     "Identifiability": lambda: robsim.identifiability(trace()),
     "Report": report,
     "Session": session,

@@ -15,7 +15,7 @@ from robsim.cli import bench, check, colors, errors, notebooks, robots, track
 from robsim.cli.command import Command, Group
 from robsim.cli.live import cameras, live
 from robsim.cli.shared import SWITCH
-from robsim.cli.simulated import demo, run
+from robsim.cli.simulated import demo, gui, run
 
 app = typer.Typer(
     cls=Group,
@@ -29,6 +29,7 @@ app = typer.Typer(
 app.command(cls=Command, help=demo.HELP, epilog=demo.EXAMPLE)(demo.demo)
 app.command(cls=Command, help=run.NEW_HELP, epilog=run.NEW_EXAMPLE)(run.new)
 app.command(cls=Command, help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
+app.command(cls=Command, help=gui.HELP, epilog=gui.EXAMPLE)(gui.gui)
 app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
 app.command(cls=Command, help=track.HELP, epilog=track.EXAMPLE)(track.track)
 app.command(cls=Command, help=cameras.HELP, epilog=cameras.EXAMPLE)(cameras.cameras)

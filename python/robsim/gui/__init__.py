@@ -1,3 +1,8 @@
 """The face: panels of a run in a notebook, or in a browser window of their own."""
 
-__all__: list[str] = []
+from robsim._base.public import present as _present
+from robsim.gui._facade import Panel, panel
+
+__all__ = ["Panel", "panel"]
+
+_present(globals())

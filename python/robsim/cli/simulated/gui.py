@@ -1,0 +1,161 @@
+"""The command ``robsim gui``: the panel in a window of the browser."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import socket
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.shared import SWITCH, CallLimit, Colors, Noise, Robot, Seed
+from robsim.cli.simulated.options import (
+    Control,
+    HowHidden,
+    ScenarioFile,
+    WorkArea,
+    shared_options,
+    simulation_of,
+)
+from robsim.cli.text import parse_speed, whole_number
+
+if TYPE_CHECKING:
+    from robsim.gui._page import Page
+    from robsim.gui._panel.view import Shown
+    from robsim.imaging import Recording
+    from robsim.sessions import Session
+    from robsim.trace import Trace
+
+EXAMPLE = "Example: robsim gui mine"
+HELP = (
+    "Open the panel in the browser: camera view, controls, traces, callbacks.\n\n"
+    "With a folder it runs the callbacks there, and takes in what you change in them. A trace, a "
+    "session or a video is played back. Without any of these there is a simulation to play "
+    "with.\n\n"
+    "It ends with its last page, or with Ctrl-C. The page is for this machine's browsers alone."
+)
+
+# What there is to see at first, unless a folder or an option says otherwise.
+_STAGES = {"measure": True, "estimate_parameters": True}
+_CONTROL = "drive-around"
+
+_PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded anew
+
+
+def gui(
+    path: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="PATH",
+            help="Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder "
+            "of a session, a video.",
+        ),
+    ] = None,
+    scenario: ScenarioFile = None,
+    control: Control = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            "--speed",
+            metavar="FACTOR",
+            help="Multiple of real time, such as 1; max = as fast as it goes. Default: 5.",
+        ),
+    ] = None,
+    robot: Robot = None,
+    noise: Noise = None,
+    dropout: HowHidden = None,
+    area: WorkArea = None,
+    colors: Colors = None,
+    seed: Seed = None,
+    time_limit: CallLimit = None,
+    port: Annotated[
+        int,
+        typer.Option(
+            "--port",
+            parser=whole_number,
+            metavar="N",
+            help="Port of the page on this machine. Default: any that is free.",
+            show_default=False,
+        ),
+    ] = 0,
+    no_browser: Annotated[
+        bool,
+        typer.Option(
+            "--no-browser", metavar=SWITCH, help="Start no browser, print the address only."
+        ),
+    ] = False,
+) -> None:
+    """Open the panel in the browser."""
+    from robsim.gui import panel
+
+    with errors.report_errors(path):
+        factor = parse_speed("--speed", speed)
+        if path is None and scenario is None and control is None:
+            control = _CONTROL
+        options = shared_options(
+            path,
+            scenario=scenario,
+            control=control,
+            noise=noise,
+            dropout=dropout,
+            area=area,
+            time_limit=time_limit,
+            robot=robot,
+            colors=colors,
+            seed=seed,
+        )
+        with panel(_shown(path, options), speed=factor) as opened:
+            page = opened._serve(port)
+            _tell(page, is_shown=not no_browser and page.open(), is_wanted=not no_browser)
+            _wait(page)
+
+
+def _shown(path: Path | None, options: dict[str, Any]) -> Shown:
+    """Return a saved run, or the simulation that the options describe."""
+    saved = None if path is None else _saved(path)
+    if saved is None:
+        stages = {} if "scenario" in options else _STAGES
+        return simulation_of(path, stages | options)
+    if options:
+        name = next(iter(options)).replace("_", "-")
+        raise ValueError(f"{path} is what has been recorded: --{name} cannot change it")
+    return saved
+
+
+def _saved(path: Path) -> Recording | Session | Trace | None:
+    from robsim.imaging import Recording
+    from robsim.sessions import Session
+    from robsim.trace import Trace
+
+    if path.suffix == ".npz":
+        return Trace.load(path)
+    if (path / "setup.toml").is_file():
+        return Session(path)
+    return Recording(path) if path.is_file() else None
+
+
+def _tell(page: Page, *, is_shown: bool, is_wanted: bool) -> None:
+    errors.say(f"the panel is at {page.url}")
+    if is_wanted and not is_shown:
+        errors.print_note("no browser could be started: open this address in one")
+    if not is_shown and "SSH_CONNECTION" in os.environ:
+        login = f"{getpass.getuser()}@{socket.gethostname()}"
+        errors.print_note(
+            "to see it on the machine before you, type there: "
+            f"ssh -N -L {page.port}:127.0.0.1:{page.port} {login}; then open the address there"
+        )
+    errors.say("Ctrl-C ends it")
+    sys.stdout.flush()
+
+
+def _wait(page: Page) -> None:
+    try:
+        page.wait(_PATIENCE)
+    except KeyboardInterrupt:
+        errors.print_note("ended")
+    else:
+        errors.say("its last page was closed: ended")

@@ -1,0 +1,343 @@
+"""What users hold of a panel: `panel` opens one, `Panel` is its remote control."""
+
+from __future__ import annotations
+
+import atexit
+import base64
+import threading
+import warnings
+from concurrent.futures import CancelledError, Future
+from io import BytesIO
+from os import PathLike
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from PIL import Image
+
+from robsim._core import Step
+from robsim.gui._driver import SPEED, State
+from robsim.gui._panel.view import PanelView, Shown
+from robsim.identification import BatchEstimate, batch_estimate
+from robsim.imaging import save_image
+from robsim.trace import Trace
+
+if TYPE_CHECKING:
+    from robsim.gui._page import Page
+
+_PATIENCE = 3.0  # s that a page may be away, such as while it is loaded anew
+_AT_EXIT = 1.0  # s for each panel to end
+
+_open: list[Panel] = []
+_lock = threading.RLock()
+
+
+def panel(what: Shown, *, speed: float | None = None) -> Panel:
+    """Open the panel of a run: camera view, controls, traces, callbacks.
+
+    In a notebook it is shown as the last line of a cell, and runs beside other cells. In a script
+    `Panel.open` shows it in a browser window; without Python, ``robsim gui`` does.
+
+    Parameters
+    ----------
+    what : Simulation, Experiment, Recording, Trace or Session
+        What the panel runs and shows. A simulation or an experiment belongs to it until it is
+        closed: pause before you look at its frames or change it. A recording is measured frame by
+        frame; a trace or a session is played back.
+    speed : float, optional
+        Multiple of real time, above 0; ``float("inf")`` = as fast as it goes. A live camera sets
+        the pace itself. Default: 5, or as it is if the panel is open.
+
+    Returns
+    -------
+    Panel
+        The panel. The same one if `what` has one that is open.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type, or is out of range; the message names it.
+
+    Notes
+    -----
+    A notebook needs ``pip install "robsim[notebook]"``. Saved, it keeps a picture of the last
+    pause, for readers without Python. JupyterLab and Jupyter Notebook 7 show the panel at full
+    speed. Colab delivers a few pictures a second. VS Code loads a part of its widgets from the
+    internet, and asks you once. Where the panel does not appear, ``panel.open()`` and
+    ``robsim gui`` show it in a browser window.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(measure=True, seed=1)
+    >>> with robsim.panel(sim) as panel:
+    ...     step = panel.step()
+    ...     panel.save("panel.png")
+    """
+    with _lock:
+        found = next((one for one in _open if one._what is what), None)
+        if found is None:
+            found = Panel(what, SPEED if speed is None else speed)
+            _open.append(found)
+        elif speed is not None:
+            found.speed = speed
+        return found
+
+
+class Panel:
+    """The panel of a run; `robsim.panel` makes it.
+
+    Its methods do what its buttons do, and return when it is done, between two steps: after
+    `pause` the simulation may be looked at. A context closes the panel at its end.
+    """
+
+    def __init__(self, what: Shown, speed: float) -> None:
+        self._what = what
+        self._view = PanelView(what, speed=speed)
+        self._page: Page | None = None
+
+    # What it does.
+
+    def start(self) -> None:
+        """Run on, until something ends it."""
+        self._do(self._view.driver.start())
+
+    def pause(self) -> None:
+        """Stop after the step under way; the robot of an experiment is stopped."""
+        if self.state != "closed":
+            self._do(self._view.driver.pause())
+
+    def step(self) -> Step:
+        """Pause, and do one step.
+
+        Returns
+        -------
+        Step
+            The step.
+
+        Raises
+        ------
+        Exception
+            Any exception of a callback, as from `Simulation.step`.
+        """
+        self._do(self._view.driver.step())
+        return self._newest()
+
+    def step_stage(self) -> str:
+        """Pause, and do one stage of a step.
+
+        Returns
+        -------
+        str
+            The stage that comes next.
+
+        Raises
+        ------
+        Exception
+            Any exception of a callback.
+        """
+        self._do(self._view.driver.step_stage())
+        self._raise_error()
+        return self._view.runner.stage
+
+    def reset(self) -> None:
+        """Pause, and go back to the start."""
+        self._do(self._view.driver.reset())
+        self._raise_error()
+
+    def finish(self) -> BatchEstimate:
+        """Pause, and estimate the parameters from all steps; the panel shows table and figure.
+
+        Returns
+        -------
+        BatchEstimate
+            As from `robsim.batch_estimate`.
+
+        Raises
+        ------
+        ValueError
+            If there are not enough steps in which the robot was seen.
+        """
+        self._check_open()
+        self._view.finish()
+        self.pause()
+        return batch_estimate(self.trace)
+
+    def close(self) -> None:
+        """End the run's thread and the page; what is shown in a notebook stays as it is."""
+        self._close(timeout=5.0)
+
+    def _close(self, timeout: float) -> None:
+        with _lock:
+            page, self._page = self._page, None
+            if self in _open:
+                _open.remove(self)
+        self._view.close(timeout)
+        if page is not None:
+            page.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # What it tells.
+
+    @property
+    def state(self) -> State:
+        """``"paused"``, ``"running"``, ``"ended"`` (no more frames), ``"failed"``, ``"closed"``."""
+        return self._view.driver.state
+
+    @property
+    def error(self) -> BaseException | None:
+        """What ended the run if `state` is ``"failed"``."""
+        return self._view.driver.error
+
+    @property
+    def speed(self) -> float:
+        """Multiple of real time; inf = as fast as it goes. It can be set."""
+        return self._view.driver.speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._view.driver.speed = speed
+        self._view.post(self._view.tell_state)
+
+    @property
+    def last_step(self) -> Step:
+        """The newest step; pause before you look at its frame."""
+        return self._view.driver.ask(lambda: self._view.runner.last_step)
+
+    @property
+    def trace(self) -> Trace:
+        """All steps up to now; the run may go on meanwhile."""
+        return self._view.record.trace
+
+    def snapshot(self) -> bytes:
+        """Return a picture of the camera view and the traces, a PNG."""
+        return self._view.snapshot()
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write a picture of the camera view and the traces.
+
+        Parameters
+        ----------
+        path : path
+            The file to write, such as ``panel.png``.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        TypeError, ValueError
+            If `path` is no path, or its suffix names no known format.
+        """
+        save_image(path, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
+
+    def __repr__(self) -> str:
+        what, steps = type(self._what).__name__, self._view.record.n_steps
+        where = f"at step {steps - 1}" if steps else "at the start"
+        return f"<robsim.gui.Panel: {what}, {self.state} {where}>"
+
+    # Where it is shown.
+
+    @property
+    def url(self) -> str:
+        """The address of its page, for browsers on this machine; it holds a secret."""
+        return self._serve().url
+
+    def open(self, *, port: int = 0) -> None:
+        """Show it in a window of the browser, beside a notebook or without one.
+
+        Parameters
+        ----------
+        port : int
+            Where its page is served, on this machine alone; 0 = any port that is free.
+
+        Raises
+        ------
+        OSError
+            If the port cannot be used.
+        TypeError, ValueError
+            If `port` is no port.
+
+        Warns
+        -----
+        UserWarning
+            If there is no browser that could be started: it tells the address.
+        """
+        page = self._serve(port)
+        if not page.open():
+            warnings.warn(f"no browser could be started: open {page.url}", stacklevel=2)
+
+    def wait(self) -> None:
+        """Wait until its page has been opened, and closed again; Ctrl-C ends that, too.
+
+        For the end of a script, which otherwise ends its panels.
+        """
+        self._serve().wait(_PATIENCE)
+
+    def _serve(self, port: int = 0) -> Page:
+        from robsim.gui._page import Page  # loads tornado
+
+        with _lock:
+            self._check_open()
+            if self._page is not None and port not in (0, self._page.port):
+                self._page.close()
+                self._page = None
+            if self._page is None:
+                self._page = Page(self._view, port=port)
+            return self._page
+
+    def _ipython_display_(self) -> None:
+        try:
+            from robsim.gui import _notebook
+        except ImportError:
+            print(f'{self!r}\nTo see it here: pip install "robsim[notebook]". Else: panel.open()')
+        else:
+            _notebook.show(self)
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
+        picture = base64.b64encode(self.snapshot()).decode()
+        return {"text/plain": repr(self), "image/png": picture}
+
+    # How.
+
+    def _leave_cell(self) -> None:
+        """Close it, if no cell shows it any more, unless its page does."""
+        if self._page is None or not self._page.pages:
+            self.close()
+
+    def _do(self, command: Future[Any]) -> None:
+        """Wait for a command, but not in a callback, which it waits for."""
+        if self._view.driver.is_here:
+            return
+        try:
+            command.result()
+        except CancelledError:
+            self._check_open()
+            raise
+
+    def _newest(self) -> Step:
+        self._raise_error()
+        return self.last_step
+
+    def _raise_error(self) -> None:
+        if self.error is not None and not self._view.driver.is_here:
+            raise self.error
+
+    def _check_open(self) -> None:
+        if self.state == "closed":
+            raise RuntimeError("the panel is closed: robsim.panel opens another one")
+
+
+@atexit.register
+def _close_all() -> None:
+    """End all threads while there still is a Python for them."""
+    for one in [*_open]:
+        one._close(_AT_EXIT)

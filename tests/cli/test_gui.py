@@ -1,0 +1,177 @@
+"""``robsim gui``: what it shows, what it says, how it ends."""
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+import robsim
+from commands import command
+from page_client import greeted
+from robsim.gui._page import Page
+from robsim.imaging import save_video
+from robsim.simulation._folders.callback_folder import new_folder
+
+pytestmark = pytest.mark.long
+
+ADDRESS = r"the panel is at (http://127\.0\.0\.1:(\d+)/([\w-]+)/)\n"
+
+
+@pytest.fixture
+def seen(monkeypatch):
+    """What there is while the command waits; it ends at once, or by Ctrl-C."""
+    found = SimpleNamespace(has_browser=True, is_interrupted=False)
+
+    def wait(page, patience):
+        found.view = page.view
+        found.view.driver.step().result()
+        found.state, found.error = found.view.driver.state, found.view.driver.error
+        if found.is_interrupted:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Page, "wait", wait)
+    monkeypatch.setattr(Page, "open", lambda page: found.has_browser)
+    monkeypatch.delenv("SSH_CONNECTION", raising=False)
+    return found
+
+
+def test_without_a_folder_there_is_something_to_play_with(seen):
+    run = command("gui", "--seed", "1")
+    assert run.exit_code == 0
+    assert run.stderr == ""
+    address, rest = re.fullmatch(ADDRESS + "(.*)", run.stdout, re.DOTALL).group(1, 4)
+    assert rest == "Ctrl-C ends it\nits last page was closed: ended\n"
+    assert len(address.split("/")[3]) == 24
+    columns = seen.view.record.columns()
+    assert {"pose_measured", "parameters"} <= set(columns)
+    assert seen.view.driver.speed == 5
+    assert seen.view.driver.state == "closed"
+
+
+def test_the_callbacks_of_a_folder(seen, tmp_path):
+    new_folder(tmp_path / "mine")
+    (tmp_path / "mine" / "control.py").write_text("def control(step):\n    return 0.25, 0.5\n")
+    assert command("gui", "mine", cwd=tmp_path).exit_code == 0
+    assert seen.view.record.columns()["u"].tolist() == [[0.25, 0.5]]
+
+
+def test_an_error_of_a_callback_is_the_panels_affair(seen, tmp_path):
+    (tmp_path / "control.py").write_text("def control(step):\n    return 1 / 0\n")
+    assert command("gui", str(tmp_path)).exit_code == 0
+    assert seen.state == "failed"
+    assert isinstance(seen.error, ZeroDivisionError)
+
+
+def test_what_was_saved_is_played_back(seen, tmp_path):
+    simulation = robsim.Simulation(area=(300, 300), measure=True, seed=1)
+    trace = simulation.run(4)
+    trace.save(tmp_path / "trace.npz")
+    save_video(tmp_path / "film.mkv", [simulation.render_step(k) for k in range(4)], fps=5)
+    frames = (simulation.render_step(k) for k in range(4))
+    with robsim.Experiment(frames, area=(300, 300), record=tmp_path / "session") as experiment:
+        experiment.run()
+    for name, steps in {"trace.npz": 4, "session": 4, "film.mkv": 1}.items():
+        run = command("gui", name, cwd=tmp_path)
+        assert (run.exit_code, run.stderr) == (0, ""), name
+        assert seen.view.record.n_steps == steps
+    refused = command("gui", "trace.npz", "--seed", "1", cwd=tmp_path)
+    assert refused.exit_code == 2
+    assert "trace.npz is what has been recorded: --seed cannot change it" in refused.stderr
+
+
+def test_the_options_of_a_run(seen, tmp_path):
+    options = ("--noise", "gaussian:5", "--dropout", "0.3:2", "--area", "400x300", "--seed", "4")
+    options += ("--control", "go-to-point:200,100", "--speed", "max", "--robot", "lab")
+    assert command("gui", *options).exit_code == 0
+    simulation = seen.view.runner
+    assert simulation.area == (400, 300)
+    assert simulation.noise.percent == 5
+    assert simulation.dropout.probability == 0.3
+    assert seen.view.driver.speed == float("inf")
+    simulation.scenario.save(tmp_path / "task.toml")
+    assert command("gui", "--scenario", str(tmp_path / "task.toml")).exit_code == 0
+    assert seen.view.runner.scenario == simulation.scenario
+
+
+@pytest.mark.slow
+def test_ctrl_c_is_a_good_end(seen):
+    seen.is_interrupted = True
+    run = command("gui")
+    assert (run.exit_code, run.stderr) == (0, "ended\n")
+
+
+def test_no_browser(seen, monkeypatch):
+    seen.has_browser = False
+    assert command("gui").stderr == "no browser could be started: open this address in one\n"
+    monkeypatch.setenv("SSH_CONNECTION", "10.0.0.1 5 10.0.0.2 22")
+    run = command("gui", "--no-browser")
+    port = re.match(ADDRESS, run.stdout)[2]
+    assert f"ssh -N -L {port}:127.0.0.1:{port} " in run.stderr
+    assert "browser could" not in run.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("nowhere",), "no folder nowhere: robsim new nowhere creates it"),
+        (("--speed", "0"), "--speed must be finite and above 0, got 0"),
+        (("--speed", "fast"), "--speed must be a number such as 2, or max, got 'fast'"),
+        (("--port", "70000"), "--port must lie within 0..65535, got 70000"),
+        (("--noise", "salt"), "--noise must be a noise such as gaussian:10"),
+        (("--control", "dance"), "--control must be one of spin, drive-around"),
+        (("--robot", "nobody"), "nobody"),
+        (("--scenario", "nowhere.toml"), "nowhere.toml"),
+    ],
+)
+def test_a_mistake_is_told_before_anything_opens(arguments, message, tmp_path):
+    run = command("gui", *arguments, cwd=tmp_path)
+    assert (run.exit_code, run.stdout) == (2, "")
+    assert message in run.stderr
+
+
+def test_a_file_with_a_mistake_is_shown_with_its_line(tmp_path):
+    (tmp_path / "control.py").write_text("def control(step):\n    return 0 0\n")
+    run = command("gui", str(tmp_path))
+    assert run.exit_code == 1
+    assert "control.py" in run.stderr
+    assert "line 2" in run.stderr
+
+
+def test_a_port_that_is_in_use():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        run = command("gui", "--port", str(port))
+    assert run.exit_code == 2
+    assert run.stderr == (
+        f"error: port {port} cannot be used: another program has it; 0 = any that is free\n"
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ends_by", ["page", "signal"])
+def test_it_ends_with_its_last_page_or_by_a_signal(ends_by):
+    process = subprocess.Popen(
+        [sys.executable, "-W", "error", "-m", "robsim", "gui", "--no-browser"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={k: v for k, v in os.environ.items() if k != "SSH_CONNECTION"},
+    )
+    _, port, secret = re.match(ADDRESS, process.stdout.readline()).groups()
+    assert process.stdout.readline() == "Ctrl-C ends it\n"
+    with greeted(SimpleNamespace(port=int(port), secret=secret)) as client:
+        client.say(type="press", button="start")
+        while client.hear("frame")[0]["k"] < 3:
+            pass
+        if ends_by == "signal":
+            process.send_signal(signal.SIGINT)
+            assert client.is_closed()
+    said, complaints = process.communicate(timeout=30)
+    assert process.returncode == 0
+    closed = "its last page was closed: ended\n"
+    assert (said, complaints) == ((closed, "") if ends_by == "page" else ("", "ended\n"))

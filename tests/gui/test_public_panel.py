@@ -1,0 +1,244 @@
+"""`robsim.panel` and what it returns, without a browser."""
+
+import base64
+import io
+import subprocess
+import sys
+import threading
+import time
+import urllib.request
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import robsim
+from robsim.gui import Panel
+from robsim.gui._page import Page
+from waiting import wait_for
+
+
+def simulation(**options):
+    return robsim.Simulation(area=(300, 300), measure=True, seed=1, **options)
+
+
+@pytest.fixture
+def panel():
+    with robsim.panel(simulation()) as opened:
+        yield opened
+    assert not [t.name for t in threading.enumerate() if t.name.startswith("robsim ")]
+
+
+def test_a_panel_of_the_same_run_is_the_same_until_it_is_closed():
+    sim = simulation()
+    with robsim.panel(sim, speed=20) as first:
+        assert isinstance(first, Panel)
+        assert robsim.panel(sim) is first
+        assert first.speed == 20
+        assert robsim.panel(sim, speed=7).speed == 7
+        with robsim.panel(simulation()) as other:
+            assert other is not first
+            assert other.speed == 5
+    with robsim.panel(sim) as second:
+        assert second is not first
+
+
+def test_every_command_is_done_when_it_returns(panel):
+    assert panel.state == "paused"
+    assert [panel.step().k, panel.step().k] == [0, 1]
+    panel.start()
+    assert panel.state == "running"
+    panel.speed = float("inf")
+    wait_for(lambda: len(panel.trace) > 50)
+    panel.pause()
+    assert panel.state == "paused"
+    done = len(panel.trace)
+    assert panel.last_step.k == done - 1
+    assert panel.last_step.frame.image.shape == (300, 300, 3)
+    time.sleep(0.05)
+    assert len(panel.trace) == done
+    panel.reset()
+    assert len(panel.trace) == 0
+
+
+def test_a_step_in_stages(panel):
+    stages = []
+    while not stages or stages[-1] != "world":
+        stages.append(panel.step_stage())
+    assert stages[-2:] == ["control", "world"]
+    assert "measure" in stages
+    assert panel.last_step.k == 0
+
+
+def test_finish_pauses_and_estimates():
+    with robsim.panel(simulation(control=robsim.DriveAround()), speed=float("inf")) as panel:
+        panel.start()
+        wait_for(lambda: len(panel.trace) > 100)
+        result = panel.finish()
+        assert panel.state == "paused"
+        assert str(result) == str(robsim.batch_estimate(panel.trace))
+
+
+def test_what_a_callback_raises_comes_out_of_the_step_and_stays_as_error():
+    sim = simulation()
+
+    @sim.control
+    def control(step):
+        return 1 / (2 - step.k), 0
+
+    with robsim.panel(sim, speed=float("inf")) as panel:
+        panel.step()
+        panel.start()
+        wait_for(lambda: panel.state == "failed")
+        assert isinstance(panel.error, ZeroDivisionError)
+        with pytest.raises(ZeroDivisionError):
+            panel.step()
+        with pytest.raises(ZeroDivisionError):
+            panel.step_stage()
+        assert len(panel.trace) == 2
+        panel.reset()
+        assert panel.error is None
+
+
+def test_a_callback_may_pause_its_own_run():
+    sim = simulation()
+
+    @sim.control
+    def control(step):
+        if step.k == 3:
+            robsim.panel(sim).pause()
+        return 0.5, 0.4
+
+    with robsim.panel(sim, speed=float("inf")) as panel:
+        panel.start()
+        wait_for(lambda: panel.state == "paused")
+        assert len(panel.trace) == 4
+
+
+def test_commands_from_many_threads(panel):
+    panel.speed = float("inf")
+    with ThreadPoolExecutor(4) as pool:
+        for _ in pool.map(lambda i: (panel.start(), panel.pause(), panel.step()), range(40)):
+            pass
+    assert panel.last_step.k == len(panel.trace) - 1
+
+
+def test_a_closed_panel_says_so_and_shows_its_end():
+    sim = simulation()
+    with robsim.panel(sim) as panel:
+        panel.step()
+    panel.close()
+    panel.pause()  # as before, harmless
+    assert panel.state == "closed"
+    for command in (panel.start, panel.step, panel.step_stage, panel.reset, panel.open, panel.wait):
+        with pytest.raises(RuntimeError, match=r"closed: robsim\.panel"):
+            command()
+    assert panel.last_step.k == 0
+    assert panel.snapshot().startswith(b"\x89PNG")
+    assert "closed at step 0" in repr(panel)
+    sim.run(3)  # the run is free again
+    assert len(panel.trace) == 4
+
+
+def test_the_repr_tells_what_and_where(panel):
+    assert repr(panel) == "<robsim.gui.Panel: Simulation, paused at the start>"
+    panel.step()
+    assert repr(panel) == "<robsim.gui.Panel: Simulation, paused at step 0>"
+
+
+def test_a_snapshot_shows_the_panel_as_it_is(panel, tmp_path):
+    before = panel.snapshot()
+    panel.step()
+    after = panel.snapshot()
+    assert before != after
+    panel.save(tmp_path / "panel.png")
+    saved, snapshot = (
+        np.asarray(Image.open(file).convert("RGB"))
+        for file in (tmp_path / "panel.png", io.BytesIO(after))
+    )
+    np.testing.assert_array_equal(saved, snapshot)
+    assert base64.b64decode(panel._repr_mimebundle_()["image/png"]) == after
+
+
+def test_a_snapshot_of_a_run_under_way(panel):
+    panel.start()
+    assert panel.snapshot()
+    assert panel.state == "running"
+
+
+def test_an_experiment_ends_and_gives_a_snapshot():
+    frames = [robsim.Frame(np.full((64, 48, 3), 90, np.uint8), t=0.1 * i) for i in range(4)]
+    with robsim.panel(robsim.Experiment(frames, area=(48, 64)), speed=float("inf")) as panel:
+        panel.start()
+        wait_for(lambda: panel.state == "ended")
+        assert len(panel.trace) == 4
+        assert panel.snapshot()
+
+
+def test_its_page_is_served_when_it_is_asked_for(panel):
+    assert "robsim page" not in {thread.name for thread in threading.enumerate()}
+    with urllib.request.urlopen(panel.url) as answer:
+        assert b"page.js" in answer.read()
+    assert panel.url == panel.url
+
+
+def test_open_starts_the_browser_or_tells_the_address(panel, monkeypatch):
+    opened = []
+    monkeypatch.setattr(Page, "open", lambda page: opened.append(page.url) or True)
+    panel.open()
+    assert opened == [panel.url]
+    monkeypatch.setattr(Page, "open", lambda page: False)
+    with pytest.warns(UserWarning, match=rf"no browser could be started: open {panel.url}"):
+        panel.open()
+
+
+def test_open_takes_a_port(panel, monkeypatch):
+    monkeypatch.setattr(Page, "open", lambda page: True)
+    port = int(panel.url.split(":")[2].split("/")[0])
+    panel.open(port=port)
+    with pytest.raises(ValueError, match="port must"):
+        panel.open(port=70000)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"what": 3}, "what must be"),
+        ({"what": robsim.Scenario()}, "what must be"),
+        ({"what": simulation(), "speed": 0}, "speed must"),
+        ({"what": simulation(), "speed": "fast"}, "speed must"),
+        ({"what": simulation(), "speed": float("nan")}, "speed must"),
+    ],
+)
+def test_wrong_arguments(arguments, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        robsim.panel(**arguments)
+    assert not [t.name for t in threading.enumerate() if t.name.startswith("robsim ")]
+
+
+def python(code):
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, timeout=60
+    )
+
+
+@pytest.mark.long
+def test_what_is_loaded_when():
+    run = python(
+        "import sys, robsim\n"
+        "def loaded(): print({'tornado', 'anywidget', 'IPython', 'matplotlib'} & {*sys.modules})\n"
+        "loaded(); robsim.panel; import robsim.gui; loaded()\n"
+        "robsim.panel(robsim.Simulation()).step(); loaded()"
+    )
+    assert (run.stdout, run.stderr) == ("set()\n" * 3, "")
+
+
+@pytest.mark.long
+def test_a_script_ends_with_its_panels():
+    run = python(
+        "import robsim, time\n"
+        "panel = robsim.panel(robsim.Simulation(), speed=float('inf')); panel.url; panel.start()\n"
+        "time.sleep(0.3)"
+    )
+    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
