@@ -6,8 +6,9 @@ from typing import Annotated
 
 import typer
 
+from robsim._base.report import Report
 from robsim.cli import errors
-from robsim.cli.shared import Json
+from robsim.cli.shared import SWITCH, Json
 from robsim.cli.text import whole_number
 
 EXAMPLE = "Example: robsim bench"
@@ -28,11 +29,29 @@ def bench(
             help="Number of timings of each case; the median is reported.",
         ),
     ] = 25,
+    panel: Annotated[
+        bool,
+        typer.Option(
+            "--panel",
+            metavar=SWITCH,
+            help="Measure the panel in Chromium instead, with Playwright.",
+        ),
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Measure how fast robsim is on this machine."""
+    with errors.report_errors():
+        result = _measured_panel() if panel else _measured_core(rounds)
+    errors.show(result.to_json() if as_json else result)
+
+
+def _measured_core(rounds: int) -> Report:
     from robsim.bench import run_bench
 
-    with errors.report_errors():
-        result = run_bench(rounds=rounds)
-    errors.show(result.to_json() if as_json else result)
+    return run_bench(rounds=rounds)
+
+
+def _measured_panel() -> Report:
+    from robsim.gui._bench.run import run_panel_bench
+
+    return run_panel_bench()

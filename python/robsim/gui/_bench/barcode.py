@@ -1,0 +1,53 @@
+"""A number in the picture that is read back from what the browser has painted."""
+
+from __future__ import annotations
+
+from robsim._core import reduced
+from robsim.gui._panel.run.pictures import Shot, jpeg
+from robsim.imaging._images import Pixels
+
+BITS = 16
+_CELL = 0.02  # of the picture's width
+
+# Reads the number in each animation frame, and notes when another one is seen. Of the canvas it
+# takes what shows the picture, which is the largest square in its middle.
+SAMPLER = (
+    """([bits, cell]) => {
+  const small = document.createElement("canvas");
+  small.width = bits; small.height = 1;
+  const context = small.getContext("2d", { willReadFrequently: true });
+  const seen = (window.robsimSeen = []);
+  let last = -1;
+  const look = () => {
+    const canvas = document.querySelector(".robsim-camera canvas");
+    if (canvas) {
+      const side = Math.min(canvas.width, canvas.height);
+      const left = (canvas.width - side) / 2, top = (canvas.height - side) / 2;
+      const [width, height] = [bits * cell * side, 0.4 * cell * side];
+      context.drawImage(canvas, left, top + 0.3 * cell * side, width, height, 0, 0, bits, 1);
+      const { data } = context.getImageData(0, 0, bits, 1);
+      let number = 0;
+      for (let i = 0; i < bits; i++) if (data[4 * i] > 127) number |= 1 << i;
+      if (number != last) seen.push([(last = number), Date.now()]);
+    }
+    requestAnimationFrame(look);
+  };
+  look();
+}""",
+    [BITS, _CELL],
+)
+
+
+def stamped_picture(shot: Shot, width: int) -> bytes:
+    """Return the picture of a step with its number at the top left: lowest bit first, white = 1."""
+    assert shot.frame is not None
+    pixels = reduced(shot.frame, width).copy()
+    _draw(pixels, shot.k & (1 << BITS) - 1)
+    return jpeg(pixels)
+
+
+def _draw(pixels: Pixels, number: int) -> None:
+    cell = _CELL * pixels.shape[1]
+    for bit in range(BITS):
+        columns = slice(round(bit * cell), round((bit + 1) * cell))
+        pixels[: round(cell), columns] = 255 if number >> bit & 1 else 0
