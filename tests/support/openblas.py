@@ -1,7 +1,7 @@
 """Which kernels the linear algebra of numpy and scipy has: those of OPENBLAS_CORETYPE?
 
-OpenBLAS picks them by the processor. As a program it prints them and fails unless they are those
-that were asked for, so that nobody takes the same kernels for four others.
+OpenBLAS picks them by the processor. As a program it prints them, and fails unless they are those
+that were asked for, if any were, so that nobody takes the same kernels for four others.
 """
 
 import ctypes
@@ -32,7 +32,7 @@ def kernels():
 if __name__ == "__main__":
     found = kernels()
     print(found)
-    wanted = os.environ["OPENBLAS_CORETYPE"]
+    wanted = os.environ.get("OPENBLAS_CORETYPE", "")
     same = {"Zen": {"Zen", "Haswell"}}  # builds without kernels of its own take Haswell's for Zen
-    if not found or not {*found.values()} <= same.get(wanted, {wanted}):
+    if wanted and (not found or not {*found.values()} <= same.get(wanted, {wanted})):
         sys.exit(f"OPENBLAS_CORETYPE={wanted} has no effect here")
