@@ -25,6 +25,7 @@ from robsim.plotting import _style as style
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "assets" / "readme"
+PANEL = "panel.png"
 
 
 def figures() -> dict[str, Figure]:
@@ -121,10 +122,16 @@ def main() -> None:
             image.quantize(128, dither=Image.Dither.NONE).save(FOLDER / name, optimize=True)
         else:  # noise, of which a PNG is large
             image.save(FOLDER / name, quality=80, subsampling=0, optimize=True)
-        print(f"{FOLDER / name}: {(FOLDER / name).stat().st_size / 1000:.0f} kB")
     contents = {
         name: {"texts": texts(figure), "marks": marks(figure)} for name, figure in drawn.items()
     }
+    import draw_panel  # needs Chromium
+
+    panel, words = draw_panel.panel_picture()
+    draw_panel.small(panel).save(FOLDER / PANEL, optimize=True)
+    contents[PANEL] = {"texts": words}
+    for name in contents:
+        print(f"{FOLDER / name}: {(FOLDER / name).stat().st_size / 1000:.0f} kB")
     text = json.dumps(contents, indent=1, ensure_ascii=False)
     (FOLDER / "contents.json").write_text(text + "\n")
 

@@ -4,6 +4,7 @@ import importlib.util
 import json
 import math
 import re
+import shutil
 from pathlib import Path
 
 import matplotlib.figure
@@ -27,12 +28,16 @@ NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 MOST_DIFFERENCE = 2.5
 
 
-@pytest.fixture(scope="module")
-def script():
-    spec = importlib.util.spec_from_file_location("draw_readme", ROOT / "assets/draw_readme.py")
+def loaded(name):
+    spec = importlib.util.spec_from_file_location(name, ROOT / f"assets/{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="module")
+def script():
+    return loaded("draw_readme")
 
 
 @pytest.fixture(scope="module")
@@ -67,12 +72,13 @@ def contents():
     return json.loads((FOLDER / "contents.json").read_text())
 
 
-def test_every_picture_has_its_contents_and_is_in_the_readme(figures, contents):
-    assert set(contents) == set(figures)
-    assert {file.name for file in FOLDER.iterdir()} == {*figures, "contents.json"}
+def test_every_picture_has_its_contents_and_is_in_the_readme(figures, script, contents):
+    drawn = {*figures, script.PANEL}
+    assert set(contents) == drawn
+    assert {file.name for file in FOLDER.iterdir()} == {*drawn, "contents.json"}
     shown = re.findall(r"!\[[^]]*\]\(assets/readme/([^)]+)\)", (ROOT / "README.md").read_text())
-    assert sorted(shown) == sorted(figures)
-    assert sum((FOLDER / name).stat().st_size for name in figures) < 300_000
+    assert sorted(shown) == sorted(drawn)
+    assert all((FOLDER / name).stat().st_size < 150_000 for name in drawn)
 
 
 @pytest.mark.parametrize("name", ["demo.jpg", "traces.png"])
@@ -98,6 +104,19 @@ def test_the_picture_looks_as_the_code_draws_it(name, pictures):
         assert abs(stored.width / drawn.width - 1) < 0.03, REMEDY.format(name)
         assert abs(stored.height / drawn.height - 1) < 0.03, REMEDY.format(name)
         assert difference(stored, drawn) < MOST_DIFFERENCE, REMEDY.format(name)
+
+
+@pytest.mark.slow
+def test_the_picture_of_the_panel_is_what_chromium_shows(script, contents):
+    pytest.importorskip("playwright")
+    if shutil.which("chromium") is None:
+        pytest.skip("needs chromium")
+    panel = loaded("draw_panel")
+    shown, texts = panel.panel_picture()
+    assert words(texts) == words(contents[script.PANEL]["texts"]), REMEDY.format(script.PANEL)
+    with Image.open(FOLDER / script.PANEL) as stored:
+        assert stored.size == shown.size
+        assert difference(stored, panel.small(shown)) < MOST_DIFFERENCE, REMEDY.format(script.PANEL)
 
 
 def test_a_line_or_a_colour_that_is_missing_is_noticed(script):
