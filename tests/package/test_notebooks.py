@@ -9,6 +9,10 @@ from commands import command
 from robsim._base.shipped import NOTEBOOKS, copy_notebooks
 
 SHIPPED = sorted(NOTEBOOKS.glob("*.ipynb"))
+LEFT_BEHIND = """
+import threading
+print([thread.name for thread in threading.enumerate() if thread.name.startswith("robsim")])
+"""
 each = pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
 
 
@@ -18,6 +22,7 @@ def code_cells(notebook):
 
 def test_there_are_notebooks():
     assert [file.name for file in SHIPPED] == [
+        "00_panel.ipynb",
         "01_first_drive.ipynb",
         "02_write_a_controller.ipynb",
         "03_identification.ipynb",
@@ -43,8 +48,10 @@ def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
     nbclient, nbformat = map(importlib.import_module, ("nbclient", "nbformat"))  # 2 s
     copy_notebooks(tmp_path)
     notebook = nbformat.read(tmp_path / file.name, as_version=4)
+    notebook.cells.append(nbformat.v4.new_code_cell(LEFT_BEHIND))
     place = {"metadata": {"path": str(tmp_path)}}
     nbclient.NotebookClient(notebook, timeout=100, resources=place).execute()
+    assert notebook.cells.pop()["outputs"][0]["text"] == "[]\n"
     outputs = [output for cell in code_cells(notebook) for output in cell["outputs"]]
     assert not [output["text"] for output in outputs if output.get("name") == "stderr"]
     kinds = [set(output["data"]) for output in outputs if "data" in output]
