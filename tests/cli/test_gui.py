@@ -119,7 +119,9 @@ def test_no_browser(seen, monkeypatch):
     ("arguments", "message"),
     [
         (("nowhere",), "no folder nowhere: robsim new nowhere creates it"),
-        (("--speed", "0"), "--speed must be finite and above 0, got 0"),
+        (("nowhere.mkv",), "there is no file or folder nowhere.mkv"),
+        (("--speed", "0"), "--speed must be above 0, or max, got 0"),
+        (("--speed", "inf"), "--speed must be above 0, or max, got inf"),
         (("--speed", "fast"), "--speed must be a number such as 2, or max, got 'fast'"),
         (("--port", "70000"), "--port must lie within 0..65535, got 70000"),
         (("--noise", "salt"), "--noise must be a noise such as gaussian:10"),
@@ -140,6 +142,23 @@ def test_a_file_with_a_mistake_is_shown_with_its_line(tmp_path):
     assert run.exit_code == 1
     assert "control.py" in run.stderr
     assert "line 2" in run.stderr
+
+
+def test_a_single_callback_is_not_its_folder(tmp_path):
+    new_folder(tmp_path / "mine")
+    run = command("gui", "mine/control.py", cwd=tmp_path)
+    assert run.exit_code == 2
+    assert run.stderr == "error: mine/control.py is a single file: give its folder, mine\n"
+
+
+def test_a_record_that_cannot_be_played_back(tmp_path):
+    trace = robsim.Simulation(area=(300, 300), seed=1).run(4)
+    trace[2:].save(tmp_path / "late.npz")
+    trace[:0].save(tmp_path / "none.npz")
+    for name, why in {"late": "it begins with step 2, not 0", "none": "it has no steps"}.items():
+        run = command("gui", f"{name}.npz", cwd=tmp_path)
+        assert run.exit_code == 2
+        assert run.stderr == f"error: the trace cannot be shown: {why}\n"
 
 
 def test_a_port_that_is_in_use():

@@ -152,9 +152,9 @@ def test_what_is_no_record_is_refused():
 
 
 def test_a_trace_must_be_whole_and_have_a_step(simulation):
-    with pytest.raises(ValueError, match="must begin with step 0"):
+    with pytest.raises(ValueError, match="it begins with step 3, not 0"):
         PanelView(simulation.trace[3:])
-    with pytest.raises(ValueError, match="must begin with step 0"):
+    with pytest.raises(ValueError, match="it has no steps"):
         PanelView(simulation.trace[:0])
 
 

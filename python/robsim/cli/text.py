@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from robsim._base.checks import check_float, check_size
+from robsim._base.checks import check_size
 from robsim._base.spelling import suggestion
 from robsim._base.text import quoted
 from robsim.control._by_name import NAMES, POINTS, controller_named
@@ -109,8 +109,9 @@ def parse_speed(option: str, text: str | None) -> float | None:
         return math.inf
     if not _is_number(text):
         raise ValueError(f"{option} must be a number such as 2, or max, got {quoted(text)}")
-    with about(option):
-        return check_float("speed", float(text), exclusive_minimum=0)
+    if not 0 < (speed := float(text)) < math.inf:
+        raise ValueError(f"{option} must be above 0, or max, got {text}")
+    return speed
 
 
 def _is_number(text: str) -> bool:

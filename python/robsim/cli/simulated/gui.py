@@ -135,6 +135,10 @@ def _saved(path: Path) -> Recording | Session | Trace | None:
         return Trace.load(path)
     if (path / "setup.toml").is_file():
         return Session(path)
+    if path.suffix and not path.exists():
+        raise FileNotFoundError(f"there is no file or folder {path}")
+    if path.suffix == ".py":
+        raise ValueError(f"{path} is a single file: give its folder, {path.parent}")
     return Recording(path) if path.is_file() else None
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._base.text import listed, quoted
+from robsim._base.text import listed
 from robsim._core import Blob, Frame, find_blobs
 from robsim.gui._panel.record import Record
 from robsim.robots import RobotDefinition, load_robot
@@ -37,10 +37,10 @@ class SavedRecord(Record):
 
     def __init__(self, saved: Trace | Session) -> None:
         self._trace = _trace_of(saved)
-        if not len(self._trace) or self._trace.k[0]:
-            raise ValueError(
-                f"a trace to be shown must begin with step 0, got {quoted(self._trace)}"
-            )
+        if not len(self._trace):
+            raise ValueError("the trace cannot be shown: it has no steps")
+        if first := int(self._trace.k[0]):
+            raise ValueError(f"the trace cannot be shown: it begins with step {first}, not 0")
         self._columns = self._trace._groups
         self._name = "Trace" if isinstance(saved, Trace) else f"Session {saved.folder.name}"
         self.area = self._trace.info.area
