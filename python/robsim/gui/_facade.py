@@ -68,10 +68,20 @@ def panel(what: Shown, *, speed: float | None = None) -> Panel:
 
     Examples
     --------
-    >>> sim = robsim.Simulation(measure=True, seed=1)
-    >>> with robsim.panel(sim) as panel:
-    ...     step = panel.step()
-    ...     panel.save("panel.png")
+    In a notebook, as the last lines of a cell:
+
+    >>> sim = robsim.Simulation(control=robsim.DriveAround(), measure=True, seed=1)
+    >>> panel = robsim.panel(sim)
+    >>> panel
+    <robsim.gui.Panel: Simulation, paused at the start>
+
+    In the next one, while it is shown:
+
+    >>> step = panel.step()
+    >>> panel.trace.seen
+    array([ True])
+    >>> panel.save("panel.png")
+    >>> panel.close()
     """
     with _lock:
         found = next((one for one in _open if one._what is what), None)
@@ -87,7 +97,26 @@ class Panel:
     """The panel of a run; `robsim.panel` makes it.
 
     Its methods do what its buttons do, and return when it is done, between two steps: after
-    `pause` the simulation may be looked at. A context closes the panel at its end.
+    `pause` the simulation may be looked at, and its callbacks may be set. Any thread may call them,
+    and `trace` may be read while the run goes on. A context closes the panel at its end.
+
+    Examples
+    --------
+    A script that shows a run in a browser window until that is closed:
+
+    >>> sim = robsim.Simulation(control=robsim.DriveAround(), measure=True, seed=1)
+    >>> with robsim.panel(sim, speed=1) as panel:
+    ...     panel.open()
+    ...     panel.wait()
+
+    Without a window:
+
+    >>> with robsim.panel(sim) as panel:
+    ...     panel.start()
+    ...     while len(panel.trace) < 20:
+    ...         time.sleep(0.1)
+    ...     panel.pause()
+    ...     frame = panel.last_step.frame
     """
 
     def __init__(self, what: Shown, speed: float) -> None:

@@ -324,21 +324,45 @@ class Experiment(Runner):
 
     @property
     def is_live(self) -> bool:
-        """Whether the frames come at their own pace, as from a camera."""
+        """Whether the frames come at their own pace, as from a camera.
+
+        False for a recording, a session and frames of your own: these wait until they are asked
+        for.
+        """
         return self._source.is_live
 
     def stop_robot(self) -> None:
-        """Stop the robot at once; any thread may call this.
+        """Stop the robot at once, whatever a callback is doing; any thread may call this.
 
-        A run under way ends after its step, and takes no input to the robot any more: where a
-        callback is still at work on one, that ends the run with a HaltedError. What brings the
-        inputs is called in this thread meanwhile, unless it needs no interpreter, as the motors of
-        `robsim.motors`.
+        A run under way sends nothing more to the robot, and ends after its step. If a callback
+        still decides on an input then, the run raises a `robsim.motors.HaltedError`. The next
+        `run` or `step` drives the robot again.
 
         Raises
         ------
         Exception
             What `send` raises, if nothing is running; otherwise the run raises it.
+
+        See Also
+        --------
+        stop : Ends a run after its step, which stops the robot, too, but not before.
+
+        Notes
+        -----
+        A `send` of your own is called in the thread that calls this, maybe while it is at work in
+        that of the run. The motors of `robsim.motors` need no interpreter to stop.
+
+        Examples
+        --------
+        >>> frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 3
+        >>> sent = []
+        >>> experiment = robsim.Experiment(
+        ...     frames, send=sent.append, control=lambda step: (0.5, 0.5), area=(64, 64)
+        ... )
+        >>> step = experiment.step()  # leaves the robot driving
+        >>> experiment.stop_robot()
+        >>> sent[-1]
+        array([0., 0.])
         """
         self._n_stops += 1
         with self._stopping:  # no run begins meanwhile
