@@ -16,8 +16,8 @@ HELP = (
     "Measure how fast robsim is on this machine.\n\n"
     "The alternatives, OpenCV and numpy, are timed in the same run on the same frames. OpenCV must "
     "be installed.\n\n"
-    "With --panel: how many different frames of a panel Chromium paints in a second, how long after "
-    "their step, and what that costs, beside matplotlib. It takes half a minute."
+    "With --panel: how many different frames of a panel Chromium paints in a second, how long "
+    "after their step, and what that costs, beside matplotlib. It takes half a minute."
 )
 
 
