@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from fake_host import FakeHost
+from fake_host import FakeHost, Tabs
 from robsim.gui._page import Page
 from robsim.gui._panel.view import PanelView
 
@@ -60,13 +60,21 @@ def open_panel(chromium):
         assert complaints == []
 
 
+@pytest.fixture(scope="module")
+def fake_tabs(chromium):
+    """Tabs for hosts with no Python behind them."""
+    tabs = Tabs(chromium)
+    yield tabs
+    tabs.close()
+
+
 @pytest.fixture
-def open_fake(chromium):
+def open_fake(fake_tabs):
     """Return a function that shows the module in a tab, with a `FakeHost` in Python's place."""
     hosts = []
 
     def open_it(**options):
-        hosts.append(FakeHost(chromium, **options))
+        hosts.append(FakeHost(fake_tabs, **options))
         return hosts[-1]
 
     yield open_it

@@ -58,12 +58,12 @@ def test_the_picture_fills_its_box_in_device_pixels(camera):
 
 def test_another_size_is_told(camera):
     host, _ = camera(frame={"image": np.full((1200, 1200, 3), 190, np.uint8)})
-    host.tab.wait_for_timeout(300)
+    host.rest(200)
     host.forget()
     for width in (500, 450, 400):
         host.tab.add_style_tag(content=f".robsim-view {{ width: {width}px !important; }}")
         host.paint()
-    host.tab.wait_for_timeout(600)
+    host.rest(200)
     told = [message["width"] for message in host.sent("size")]
     assert told[-1] == 400  # once it rests
     assert len(told) == len(set(told))
@@ -111,9 +111,18 @@ def test_overlays_follow_the_perspective_of_a_tilted_camera(camera):
 
 def test_columns_are_asked_for_when_they_are_shown(camera):
     columns = [{"name": name, "fields": [], "units": []} for name in ("pose_measured", "blobs_red")]
-    host, _ = camera(setup={"columns": columns})
-    asked = [name for message in host.sent("columns") for name in message["names"]]
-    assert sorted(set(asked)) == ["blobs_red", "pose_measured"]
+    choices = {"overlays": {"object_trace": False}}
+    host, _ = camera(setup={"columns": columns}, choices=choices)
+
+    def asked():
+        return sorted(name for message in host.sent("columns") for name in message["names"])
+
+    charts = ["covariance", "pose_estimated", "pose_held", "pose_measured", "pose_true", "t"]
+    assert asked() == charts  # each once, though the path driven and the time line need one, too
+    host.tab.click("button[name=show]")
+    host.tab.check("input[name=show_object_trace]")
+    host.paint()
+    assert asked() == ["blobs_red", *charts]
 
 
 def test_the_path_driven_is_drawn_up_to_the_step(camera):
@@ -164,8 +173,8 @@ def test_a_drawn_path_is_simplified(camera):
     host.tab.click("button[name=draw_path]")
     host.tab.mouse.move(*at(100, 100))
     host.tab.mouse.down()
-    host.tab.mouse.move(*at(400, 100), steps=40)
-    host.tab.mouse.move(*at(400, 400), steps=40)
+    host.tab.mouse.move(*at(400, 100), steps=10)
+    host.tab.mouse.move(*at(400, 400), steps=10)
     host.tab.mouse.up()
     (path,) = host.sent("path")
     expected = [(100, 100), (400, 100), (400, 400)]
@@ -178,8 +187,17 @@ def test_a_scribble_has_at_most_200_points(camera):
     host.tab.click("button[name=draw_path]")
     host.tab.mouse.move(*at(20, 300))
     host.tab.mouse.down()
-    for i in range(450):
-        host.tab.mouse.move(*at(20 + i * 1.2, 300 + (60 if i % 2 else -60)))
+    zigzag = [at(20 + i * 1.2, 300 + (60 if i % 2 else -60)) for i in range(450)]
+    host.tab.evaluate(
+        """points => {
+          const canvas = document.querySelector(".robsim-camera canvas");
+          for (const [clientX, clientY] of points) {
+            const place = { pointerId: 1, pointerType: "mouse", clientX, clientY };
+            canvas.dispatchEvent(new PointerEvent("pointermove", place));
+          }
+        }""",
+        zigzag,
+    )
     host.tab.mouse.up()
     assert 100 < len(host.sent("path")[0]["points"]) <= 200
 
@@ -253,7 +271,7 @@ def test_a_finger_taps_a_goal(camera):
 
 def test_two_fingers_zoom(camera):
     host, at = camera(has_touch=True)
-    talk = host.context.new_cdp_session(host.tab)
+    talk = host.tab.context.new_cdp_session(host.tab)
 
     def touch(kind, *points):
         touches = [{"x": at(*p)[0], "y": at(*p)[1], "id": i} for i, p in enumerate(points)]
@@ -313,9 +331,10 @@ def test_frames_that_come_while_one_is_decoded_do_not_pile_up(camera):
         " const head = (n) => ({ type: 'frame', n, k: n, t: 0, size: [600, 600],"
         "  map: [1, 0, 0, 0, 1, 0, 0, 0, 1], measured: [100 + n, 300, 0], held: null,"
         "  estimate: null, truth: null, boxes: [], missed: null, past: false, rows: [] });"
-        " for (let n = 100; n < 120; n++) host.emit(head(n), [btoa(text)]); })()"
+        " const numbers = Array.from({ length: 20 }, (_, i) => 100 + i);"
+        " return Promise.all(numbers.map((n) => host.emit(head(n), [btoa(text)]))); })()"
     )
     host.tab.evaluate(burst)
-    host.tab.wait_for_timeout(500)
+    host.paint()
     assert 1 <= host.tab.evaluate("painted") <= 3
     assert has_near(host, (219 + 40, 300), GREEN)  # the last one is what is seen

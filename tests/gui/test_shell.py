@@ -132,10 +132,12 @@ def test_nothing_jumps(shell):
     before = stays(host, *places)
     host.state(values=VALUES, state="running", k=0, steps=1)
     host.frame(0)
+    host.rest()
     assert stays(host, *places) == before
     host.frame(9999)
     host.state(values=VALUES, state="failed", k=9999, steps=10000, error=ERROR)
     host.emit({"type": "note", "level": "error", "text": "no"})
+    host.rest()
     assert stays(host, *places) == before
 
 
@@ -187,13 +189,16 @@ def test_stop_is_there_for_motors_by_button_and_key(shell):
 def test_the_time_line_shows_past_steps_and_the_newest_again(shell):
     host = shell()
     host.frame(99)
+    host.rest()
     slider = host.tab.locator(".robsim-timeline input")
     slider.fill("40")
     host.paint()
     assert host.sent("look") == [{"type": "look", "k": 40}]
     host.frame(40, past=True)
+    host.rest()
     assert host.tab.locator(".robsim-title-step").inner_text() == "step 40"
     host.rows({"pose_measured": np.ones((101, 3))})  # the run goes on: what is looked at stays
+    host.rest()
     assert host.tab.locator(".robsim-title-step").inner_text() == "step 40"
     assert slider.get_attribute("max") == "100"
     slider.press("ArrowLeft")
@@ -201,6 +206,7 @@ def test_the_time_line_shows_past_steps_and_the_newest_again(shell):
     host.tab.click(".robsim-timeline [name=newest]")
     assert host.sent("look")[1:] == [{"type": "look", "k": 39}, {"type": "look", "k": None}]
     host.frame(101)
+    host.rest()
     assert host.tab.locator(".robsim-title-step").inner_text() == "step 101"
     assert slider.input_value() == "101"
 
@@ -208,6 +214,7 @@ def test_the_time_line_shows_past_steps_and_the_newest_again(shell):
 def test_dragging_asks_once_per_animation_frame(shell):
     host = shell()
     host.frame(999)
+    host.rest()
     host.tab.evaluate(
         """const slider = document.querySelector(".robsim-timeline input");
         for (let k = 0; k < 50; k++) {
@@ -230,8 +237,8 @@ def test_moving_on_goes_back_to_the_newest(shell):
 
 def test_ticks_show_where_the_robot_was_not_seen(shell):
     host = shell()
-    wanted = [name for message in host.sent("columns") for name in message["names"]]
     host.frame(200, rows={"pose_measured": rows_with_gaps(201, (50, 60), (150, 151))})
+    host.rest()
     inked = host.tab.evaluate(
         """(() => {
           const canvas = document.querySelector(".robsim-timeline-ticks");
@@ -243,7 +250,6 @@ def test_ticks_show_where_the_robot_was_not_seen(shell):
     edges = np.flatnonzero(np.diff(np.array([False, *inked, False], int)))
     expected = np.array([50, 60, 150, 151]) / 200 * len(inked)
     assert edges == pytest.approx(expected, abs=4)
-    assert wanted in ([], ["pose_measured"])  # asked for at the setup, once at most
 
 
 def test_a_reset_ends_a_look_at_the_past(shell):
@@ -259,6 +265,7 @@ def test_a_trace_that_is_played_back_moves_the_time_line(shell):
     host = shell(setup={"source": "trace"})
     host.state(state="running", k=99, steps=100)
     host.frame(30, past=True)
+    host.rest()
     assert host.tab.locator(".robsim-timeline input").input_value() == "30"
     host.state(state="ended", k=99, steps=100)
     assert host.tab.locator(".robsim-transport [name=start]").is_enabled()
@@ -342,6 +349,7 @@ def test_an_older_state_does_not_move_what_is_being_dragged(shell):
     slider = host.tab.get_by_label("Noise level")
     track = slider.bounding_box()
     y = track["y"] + track["height"] / 2
+    host.stop_clock()  # Python has a second to answer
     host.tab.mouse.move(track["x"] + track["width"] / 3, y)
     host.tab.mouse.down()
     host.tab.mouse.move(track["x"] + track["width"] - 1, y)

@@ -22,6 +22,7 @@ _DOCUMENT = """<!doctype html>
 """
 _HOST = """
 import view from "./view.js";
+if (CHOICES) localStorage.robsim ??= CHOICES;
 const listeners = new Set();
 const sent = [];
 const model = {
@@ -30,7 +31,12 @@ const model = {
   on: (_, listener) => listeners.add(listener),
   off: (_, listener) => listeners.delete(listener),
 };
-const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+const bytes = (text) => {
+  const letters = atob(text);
+  const found = new Uint8Array(letters.length);
+  for (let i = 0; i < found.length; i++) found[i] = letters.charCodeAt(i);
+  return found;
+};
 const el = document.querySelector("main");
 window.host = {
   sent,
@@ -85,34 +91,67 @@ FRAME = {
 }
 
 
+class Tabs:
+    """Tabs of a browser that are used again: to open one takes longer than most tests."""
+
+    def __init__(self, chromium):
+        self._chromium = chromium
+        self._free = {}  # options of the context -> tabs
+
+    def take(self, **options):
+        """Return a tab with some options of `Browser.new_context`."""
+        free = self._free.setdefault(repr(options), [])
+        return free.pop() if free else self._chromium.new_context(**options).new_page()
+
+    def give_back(self, tab, **options):
+        """Take one back, as it was when it was new, but for what it shows."""
+        tab.evaluate("localStorage.clear()")
+        tab.mouse.up()
+        tab.mouse.move(-1, -1)  # nothing is to be hovered
+        self._free[repr(options)].append(tab)
+
+    def close(self):
+        """Close all."""
+        for free in self._free.values():
+            for tab in free:
+                tab.context.close()
+
+
 class FakeHost:
-    """The module in a tab of a browser."""
+    """The module in a tab of a browser; `choices` are what that remembers."""
 
     def __init__(
         self,
-        chromium,
+        tabs,
         *,
         kind="panel",
         size=(1440, 900),
         theme="light",
         body="robsim-page",
+        choices=None,
         **options,
     ):
         width, height = size
-        self.context = chromium.new_context(
-            viewport={"width": width, "height": height}, color_scheme=theme, **options
-        )
+        self._tabs, self._options = tabs, options
+        self.tab = tabs.take(**options)
+        self.tab.set_viewport_size({"width": width, "height": height})
+        self.tab.emulate_media(color_scheme=theme)
+        kept = None if choices is None else json.dumps(choices)
+        given = f"const KIND = {json.dumps(kind)}, CHOICES = {json.dumps(kept)};"
         self._files = {
             "": ("text/html", _DOCUMENT.format(body=body)),
             "view.css": ("text/css", style()),
             "view.js": ("text/javascript", script()),
-            "host.js": ("text/javascript", f"const KIND = {json.dumps(kind)};{_HOST}"),
+            "host.js": ("text/javascript", given + _HOST),
         }
-        self.context.route(ADDRESS + "**", self._answer)
-        self.tab = self.context.new_page()
+        self.tab.route(ADDRESS + "**", self._answer)
         self.complaints = []
-        self.tab.on("pageerror", lambda error: self.complaints.append(str(error)))
-        self.tab.on("console", lambda m: m.type == "error" and self.complaints.append(m.text))
+        self._listeners = {
+            "pageerror": lambda error: self.complaints.append(str(error)),
+            "console": lambda m: m.type == "error" and self.complaints.append(m.text),
+        }
+        for event, listener in self._listeners.items():
+            self.tab.on(event, listener)
         self._n = 0
         self.load()
 
@@ -142,6 +181,15 @@ class FakeHost:
         painted = "new Promise((done) => requestAnimationFrame(() => setTimeout(done)))"
         self.tab.evaluate(painted)
 
+    def rest(self, ms=100):
+        """Let timers of so long run, and what they want be painted: by default `calmPainter`'s."""
+        self.tab.evaluate("ms => new Promise((done) => setTimeout(done, ms))", ms + 1)
+        self.paint()
+
+    def stop_clock(self):
+        """Let no time pass for the module; timers run."""
+        self.tab.evaluate("(now => { performance.now = () => now })(performance.now())")
+
     def setup(self, **fields):
         """Say `SETUP` with other fields."""
         self.emit(SETUP | fields)
@@ -167,8 +215,11 @@ class FakeHost:
         self.emit({"type": "rows", "rows": entries}, blocks)
 
     def close(self):
-        """Close the tab; the browser must not have complained."""
-        self.context.close()
+        """Give the tab back; the browser must not have complained."""
+        self.tab.unroute(ADDRESS + "**")
+        for event, listener in self._listeners.items():
+            self.tab.remove_listener(event, listener)
+        self._tabs.give_back(self.tab, **self._options)
         assert self.complaints == []
 
     def _answer(self, route):
