@@ -4,6 +4,7 @@ import pytest
 
 import robsim
 from robsim.gui._page import Page
+from robsim.gui._panel import view as _panel_view
 from robsim.gui._panel.view import PanelView
 from waiting import wait_for
 
@@ -31,18 +32,31 @@ def shown(context, page, state="paused"):
     return tab
 
 
-def test_a_broken_line_is_mended(served):
+def test_a_broken_line_is_mended(served, monkeypatch):
+    monkeypatch.setattr(_panel_view, "_PATIENCE", 1000.0)  # s: the run goes on till it is back
     view, page, context = served
     tab = shown(context, page)
     tab.click("button[name=start]")
     tab.wait_for_selector(MAIN.format("running"))
     (socket,) = page.pages
     page._loop.call_soon_threadsafe(socket.cut)
-    tab.wait_for_selector(MAIN.format("lost"))
-    tab.wait_for_selector(MAIN.format("paused"))  # nobody looked
+    wait_for(lambda: page.pages and socket not in page.pages)
+    tab.wait_for_selector(MAIN.format("running"))
+    tab.click("button[name=pause]")
+    tab.wait_for_selector(MAIN.format("paused"))
+    assert len(view.links) == 1
+
+
+def test_a_line_that_is_broken_for_long_pauses_the_run(served, monkeypatch):
+    monkeypatch.setattr(_panel_view, "_PATIENCE", 0.0)
+    view, page, context = served
+    tab = shown(context, page)
     tab.click("button[name=start]")
     tab.wait_for_selector(MAIN.format("running"))
-    assert len(view.links) == 1
+    (socket,) = page.pages
+    page._loop.call_soon_threadsafe(socket.cut)
+    tab.wait_for_selector(MAIN.format("paused"))
+    assert view.driver.state == "paused"
 
 
 def test_a_page_that_is_loaded_anew_shows_the_run_as_it_is(served):
@@ -74,7 +88,7 @@ def test_a_page_tells_that_python_has_gone(served):
     tab.wait_for_selector(MAIN.format("paused"))
     page.close()
     tab.wait_for_selector(MAIN.format("lost"))
-    for _ in range(6):
+    while tab.locator(MAIN.format("lost")).count():  # each try takes a while
         tab.clock.run_for(10_000)
         tab.wait_for_timeout(50)
     tab.wait_for_selector(MAIN.format("gone"))

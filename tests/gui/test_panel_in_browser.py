@@ -1,23 +1,18 @@
 """The panel in a real browser."""
 
 import threading
-import time
 
 import pytest
 
 import robsim
+from robsim.gui._panel import view as _panel_view
+from waiting import wait_for
 
 pytestmark = pytest.mark.slow
 
 
-def wait_for(condition, seconds=10):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it took too long"
-        time.sleep(0.02)
-
-
-def test_start_runs_and_a_closed_page_pauses(open_panel):
+def test_start_runs_and_a_closed_page_pauses(open_panel, monkeypatch):
+    monkeypatch.setattr(_panel_view, "_PATIENCE", 0.1)
     simulation = robsim.Simulation(measure=True, seed=1)
     view, tab = open_panel(simulation, speed=20)
     tab.click("button[name=start]")
