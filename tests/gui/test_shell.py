@@ -1,9 +1,12 @@
 """The panel around the picture and the charts, with a fake host in Python's place."""
 
+import json
 import time
 
 import numpy as np
 import pytest
+
+from fake_host import STATE
 
 pytestmark = pytest.mark.slow
 
@@ -209,6 +212,25 @@ def test_the_time_line_shows_past_steps_and_the_newest_again(shell):
     host.rest()
     assert host.tab.locator(".robsim-title-step").inner_text() == "step 101"
     assert slider.input_value() == "101"
+
+
+def test_a_run_that_goes_on_does_not_take_the_slider_away(shell):
+    host = shell()
+    host.frame(99)
+    host.rest()
+    put = """async (value) => {
+      const paints = [];
+      window.requestAnimationFrame = (paint) => paints.push(paint);
+      host.emit({ ...STATE, k: 100 }, []);
+      await new Promise((done) => setTimeout(done, 101));  // it is to be painted anew
+      const slider = document.querySelector(".robsim-timeline input");
+      slider.value = value;
+      slider.dispatchEvent(new Event("input"));
+      paints.forEach((paint) => paint());
+    }""".replace("STATE", json.dumps(STATE | {"values": VALUES, "state": "running"}))
+    host.tab.evaluate(put, 40)
+    host.tab.evaluate(put, 100)
+    assert [message["k"] for message in host.sent("look")] == [40, None]
 
 
 def test_dragging_asks_once_per_animation_frame(shell):

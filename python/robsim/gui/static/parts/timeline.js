@@ -19,16 +19,23 @@ export function makeTimeline(context) {
   const element = make("div", { className: "robsim-timeline" },
     make("div", { className: "robsim-timeline-track" }, slider, ticks), place, newest);
 
+  let moved = null; // where the slider was just put; Infinity = at its end, though the run goes on
+
   const last = () => Math.max(context.newest, 0);
   const shown = () => {
     const { frame, looking } = context;
-    return looking ?? (frame?.past ? frame.k : last()); // of a trace that is played back
+    const past = frame?.past ? frame.k : last(); // of a trace that is played back
+    return Math.min(moved ?? looking ?? past, last());
   };
   const look = painter(() => {
-    const k = Number(slider.value);
+    const k = moved;
+    moved = null;
     context.look(k >= last() ? null : k);
   });
-  slider.addEventListener("input", look);
+  slider.addEventListener("input", () => {
+    moved = slider.value == slider.max ? Infinity : Number(slider.value);
+    look();
+  });
 
   const show = calmPainter(() => {
     const [to, k] = [last(), shown()];
