@@ -13,6 +13,7 @@ import pytest
 
 import robsim
 from panel_watcher import Watcher, wait_for
+from robsim.gui._panel.run import callbacks as _callbacks
 from robsim.gui._panel.run.code import lab
 from robsim.gui._panel.view import PanelView
 from robsim.simulation._folders.callback_folder import new_folder
@@ -126,7 +127,8 @@ def test_calls_are_counted_and_timed(watch):
     assert (slot(watcher, "measure")["calls"], slot(watcher, "measure")["ms"]) == (0, None)
 
 
-def test_times_are_told_while_it_runs(watch):
+def test_times_are_told_while_it_runs(watch, monkeypatch):
+    monkeypatch.setattr(_callbacks, "_GAP", 0.1)
     watcher = watch(small(control=control))
     press(watcher, "start")
     seen = len(watcher.of("callbacks"))
@@ -215,7 +217,8 @@ def test_a_source_that_nobody_knows(watch):
     assert "not known" in source(watch(small(control=made["control"])), "control")["text"]
 
 
-def test_the_source_of_a_cell(watch):
+@pytest.mark.slow
+def test_the_source_of_a_cell():
     pytest.importorskip("ipykernel")
     code = """
         from IPython.core.interactiveshell import InteractiveShell
@@ -311,6 +314,7 @@ def test_edit_opens_the_file_at_its_line(watch, tmp_path, monkeypatch):
 @posix
 def test_an_editor_that_fails_is_told(watch, tmp_path, monkeypatch):
     monkeypatch.setenv("VISUAL", str(editor(tmp_path, "gedit", "raise SystemExit(4)")))
+    monkeypatch.setattr(_callbacks, "_GAP", 0.05)
     watcher = watch(small(control=control))
     watcher.say("edit", slot="control")
     wait_for(lambda: watcher.notes())

@@ -221,18 +221,32 @@ def test_a_terminal_says_what_shows_it(panel, capsys):
 
 CODE = [
     "import robsim\npanel = robsim.panel(robsim.Simulation(measure=True, seed=1))\npanel",
-    "import time\npanel.step(); time.sleep(1.2)",
+    """
+import math, threading, time
+def settle():
+    done = threading.Event()
+    panel._view.post(done.set)
+    done.wait()
+panel.step()
+still = panel._view.still
+settle()
+while still._due < math.inf:
+    time.sleep(0.02)
+settle()
+still._thread.join()
+""",
     "panel",
     "panel.start()",  # and leave it so
 ]
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(300)
 def test_a_saved_notebook_keeps_the_picture_of_the_last_pause():
     nbclient, nbformat = map(pytest.importorskip, ("nbclient", "nbformat"))
     cells = [nbformat.v4.new_code_cell(code) for code in CODE]
     notebook = nbformat.v4.new_notebook(cells=cells)
-    nbclient.NotebookClient(notebook, timeout=60).execute()
+    nbclient.NotebookClient(notebook, timeout=250).execute()
     widget, still = (output["data"] for output in cells[0]["outputs"])
     assert "application/vnd.jupyter.widget-view+json" in widget
     # Drawn after the step, in another thread, into the output of the first cell.

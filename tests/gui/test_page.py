@@ -10,6 +10,7 @@ import pytest
 import robsim
 from page_client import Client, connected, greeted, request
 from robsim.gui._page import Page
+from robsim.gui._panel import view as _panel_view
 from robsim.gui._panel.view import PanelView
 from waiting import wait_for
 
@@ -68,7 +69,8 @@ def test_a_page_that_does_not_read_is_cut_off_and_nothing_waits(page, monkeypatc
         assert page.view.driver.state == "running"
 
 
-def test_a_page_that_is_cut_off_pauses_nothing_that_others_look_at(page):
+def test_a_page_that_is_cut_off_pauses_nothing_that_others_look_at(page, monkeypatch):
+    monkeypatch.setattr(_panel_view, "_PATIENCE", 0.1)
     with greeted(page) as reader:
         greeted(page).line.close()
         wait_for(lambda: len(page.pages) == 1)

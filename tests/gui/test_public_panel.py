@@ -11,16 +11,23 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 import robsim
 from robsim.gui import Panel
 from robsim.gui._page import Page
+from robsim.gui._panel import still_picture
 from waiting import wait_for
 
 
 def simulation(**options):
     return robsim.Simulation(area=(300, 300), measure=True, seed=1, **options)
+
+
+def quick_figure(record, shot, state):
+    """The real one takes half a second."""
+    return Figure(figsize=(0.5, 0.1 * (1 + record.n_steps)))
 
 
 @pytest.fixture
@@ -71,7 +78,8 @@ def test_a_step_in_stages(panel):
     assert panel.last_step.k == 0
 
 
-def test_finish_pauses_and_estimates():
+def test_finish_pauses_and_estimates(monkeypatch):
+    monkeypatch.setattr("robsim.gui._panel.analysis.result._figure_of", lambda report: b"")
     with robsim.panel(simulation(control=robsim.DriveAround()), speed=float("inf")) as panel:
         panel.start()
         wait_for(lambda: len(panel.trace) > 100)
@@ -124,7 +132,8 @@ def test_commands_from_many_threads(panel):
     assert panel.last_step.k == len(panel.trace) - 1
 
 
-def test_a_closed_panel_says_so_and_shows_its_end():
+def test_a_closed_panel_says_so_and_shows_its_end(monkeypatch):
+    monkeypatch.setattr(still_picture, "_figure", quick_figure)
     sim = simulation()
     with robsim.panel(sim) as panel:
         panel.step()
@@ -147,7 +156,8 @@ def test_the_repr_tells_what_and_where(panel):
     assert repr(panel) == "<robsim.gui.Panel: Simulation, paused at step 0>"
 
 
-def test_a_snapshot_shows_the_panel_as_it_is(panel, tmp_path):
+def test_a_snapshot_shows_the_panel_as_it_is(panel, tmp_path, monkeypatch):
+    monkeypatch.setattr(still_picture, "_figure", quick_figure)
     before = panel.snapshot()
     panel.step()
     after = panel.snapshot()
@@ -161,7 +171,8 @@ def test_a_snapshot_shows_the_panel_as_it_is(panel, tmp_path):
     assert base64.b64decode(panel._repr_mimebundle_()["image/png"]) == after
 
 
-def test_a_snapshot_of_a_run_under_way(panel):
+def test_a_snapshot_of_a_run_under_way(panel, monkeypatch):
+    monkeypatch.setattr(still_picture, "_figure", quick_figure)
     panel.start()
     assert panel.snapshot()
     assert panel.state == "running"

@@ -5,8 +5,12 @@ import io
 import pytest
 from PIL import Image
 
+from fake_host import STATE
+from waiting import wait_for
+
 pytestmark = pytest.mark.slow
 
+ASK_GAP = 200  # ms, as in inspector.js
 FILE = "/home/ann/lesson.py"
 ERROR = {"text": "ValueError: the pose is upside down", "line": 44, "k": 212}
 
@@ -50,11 +54,8 @@ def tell_tree(host, path, *nodes, k=212):
 
 
 def wait_sent(host, kind, count=1):
-    for _ in range(100):
-        if len(host.sent(kind)) >= count:
-            return host.sent(kind)
-        host.tab.wait_for_timeout(20)
-    raise AssertionError(f"{kind} was not sent {count} times")
+    wait_for(lambda: len(host.sent(kind)) >= count)
+    return host.sent(kind)
 
 
 def test_callbacks_stand_in_two_groups_with_owner_place_and_time(tab_of):
@@ -170,13 +171,14 @@ def test_what_is_open_stays_open_and_is_asked_for_again(tab_of):
     tell_tree(host, [], node("measurement", kind="object", more=True))
     host.tab.click(".robsim-node")
     tell_tree(host, ["measurement"], node("pose", text="old"))
+    host.rest(ASK_GAP)
     host.forget()
-    for k in range(213, 219):
-        host.frame(k)
-    host.tab.wait_for_timeout(500)
+    steps = [STATE | {"k": k, "steps": k + 1} for k in range(213, 218)]
+    host.tab.evaluate("steps => steps.forEach((step) => host.emit(step, []))", steps)
+    host.frame(218)
+    host.rest(2 * ASK_GAP)
     asked = [message["path"] for message in host.sent("inspect")]
-    assert 2 <= len(asked) <= 8  # two levels, at most 5 times a second
-    assert ["measurement"] in asked
+    assert asked in ([[], ["measurement"]], [[], ["measurement"]] * 2)  # not with each step
     tell_tree(host, [], node("measurement", kind="object", more=True), k=218)
     tell_tree(host, ["measurement"], node("pose", text="new"), k=218)
     assert host.tab.get_by_text("new", exact=True).is_visible()
@@ -186,15 +188,15 @@ def test_what_is_open_stays_open_and_is_asked_for_again(tab_of):
 def test_the_tree_rests_while_it_is_hidden_or_the_steps_rush_by(tab_of):
     host = tab_of("callbacks")
     host.frame(213)
-    host.tab.wait_for_timeout(300)
+    host.rest(ASK_GAP)
     assert host.sent("inspect") == []
     host.tab.click("button[role=tab][value=inspector]")
     wait_sent(host, "inspect")
     host.state(k=213, steps=214, state="running", speed=20)
-    host.tab.wait_for_timeout(300)
+    host.rest(ASK_GAP)
     host.forget()
     host.frame(214)
-    host.tab.wait_for_timeout(300)
+    host.rest(ASK_GAP)
     assert host.sent("inspect") == []
 
 
@@ -228,8 +230,8 @@ def test_finish_is_offered_and_its_result_shown(tab_of):
     far = [one.get_attribute("aria-label") for one in host.tab.locator(".robsim-deviation").all()]
     assert far[0].startswith("Batch 2.0, online \u22122.0")
     assert far[1].startswith("Batch \u22126.0, online \u2013")
-    host.tab.wait_for_timeout(100)
-    assert host.tab.locator(".robsim-result img").evaluate("image => image.naturalWidth") == 90
+    width = "image => image.decode().then(() => image.naturalWidth)"
+    assert host.tab.locator(".robsim-result img").evaluate(width) == 90
     assert host.tab.is_enabled("button[name=finish_result]")
 
 
