@@ -5,11 +5,13 @@ import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
 
 const isOver = ({ state }) => ["ended", "closed"].includes(state);
+// While it runs, `steps` are those with which it started: Python pauses before these.
+const hasRun = ({ state, steps }) => state != "closed" && (steps > 0 || state == "running");
 const NEEDS = {
   step: (state) => !isOver(state),
   step_stage: (state) => !isOver(state),
-  reset: ({ state, steps }) => state != "closed" && (steps > 0 || state == "failed"),
-  finish: ({ state, steps }) => state != "closed" && steps > 0,
+  reset: (state) => hasRun(state) || state.state == "failed",
+  finish: hasRun,
 };
 
 const MOVES_ON = ["start", "step", "step_stage", "reset"];
