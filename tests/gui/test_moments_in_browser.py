@@ -4,6 +4,8 @@ import pytest
 
 pytestmark = pytest.mark.slow
 
+RESULT = {"type": "result", "rows": [], "text": "too short", "verdict": "no estimate"}
+
 
 def disabled(host):
     buttons = host.tab.locator(".robsim-transport button >> visible=true").all()
@@ -26,3 +28,66 @@ def test_reset_and_finish_can_be_pressed_while_the_first_run_goes_on(open_fake):
     assert disabled(host) == {"start", "step", "step_stage"}
     host.state(state="closed", k=9, steps=10)
     assert disabled(host) == {"start", "step", "step_stage", "reset", "finish"}
+
+
+def test_a_result_from_before_does_not_take_the_tab(open_fake):
+    host = open_fake()
+    host.setup()
+    host.state(k=9, steps=10)
+    chosen = "button[role=tab][aria-selected=true]"
+    host.emit({**RESULT, "again": True})
+    assert host.tab.get_attribute(chosen, "value") == "traces"
+    assert "too short" in host.tab.text_content(".robsim-result")
+    host.emit({**RESULT, "again": False})
+    assert host.tab.get_attribute(chosen, "value") == "result"
+
+
+TICKS = """
+(() => {
+  const canvas = document.querySelector(".robsim-timeline-ticks");
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  return data.some((value, i) => i % 4 == 3 && value > 0);
+})()
+"""
+DRAWN = """
+(at) => { // something other than the gray picture, in a column of it
+  const canvas = document.querySelector(".robsim-camera canvas");
+  const side = Math.min(canvas.width, canvas.height);
+  const x = (canvas.width - side) / 2 + (at / 600) * side;
+  const { data } = canvas.getContext("2d").getImageData(x - 4, canvas.height / 2, 8, 40);
+  return data.some((value, i) => i % 4 < 3 && Math.abs(value - 190) > 20);
+}
+"""
+
+
+def test_a_run_as_long_as_the_one_before_has_ticks_and_a_trail_of_its_own(open_fake):
+    host = open_fake()
+    host.setup(columns=[{"name": "pose_measured", "fields": ["x"] * 3, "units": [""] * 3}])
+    before, after = ([[x, y, 0] for y in range(20, 580, 14)] for x in (150, 450))
+    before[:10] = [[float("nan")] * 3] * 10
+
+    def drawn():
+        host.tab.wait_for_timeout(150)  # the time line is calm
+        return [host.tab.evaluate(DRAWN, x) for x in (150, 450)], host.tab.evaluate(TICKS)
+
+    host.state(k=39, steps=40)
+    host.frame(39, rows={"pose_measured": before})
+    assert drawn() == ([True, False], True)
+    host.state(k=39, steps=40, resets=1)
+    host.frame(39, rows={"pose_measured": after})
+    assert drawn() == ([False, True], False)
+
+
+def test_a_reset_lets_the_charts_follow_and_ends_a_look_at_the_past(open_fake):
+    host = open_fake()
+    host.setup(columns=[{"name": "pose_true", "fields": ["x"] * 3, "units": [""] * 3}])
+    host.state(k=299, steps=300)
+    host.frame(299, rows={"pose_true": [[k, k, 0] for k in range(300)]})
+    host.tab.keyboard.press("ArrowLeft")
+    follow = host.tab.locator(".robsim-traces button[name=follow]")
+    follow.click()
+    assert follow.get_attribute("aria-pressed") == "false"
+    host.forget()
+    host.state(k=349, steps=350, resets=1)
+    assert host.sent("look") == [{"type": "look", "k": None}]
+    assert follow.get_attribute("aria-pressed") == "true"

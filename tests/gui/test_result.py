@@ -55,9 +55,9 @@ def test_finish_pauses_and_a_new_view_is_told_the_result_too():
         browser.take("state", state="running")
         browser.say("press", button="finish")
         browser.take("state", state="paused")
-        head, _ = browser.take("result")
+        head, _ = browser.take("result", again=False)
         browser.say("hello", width=300)
-        assert browser.take("result")[0] == head
+        assert browser.take("result")[0] == {**head, "again": True}
         browser.say("press", button="step")
         browser.take("state", k=simulation.n_steps)
         browser.say("hello", width=300)

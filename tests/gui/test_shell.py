@@ -277,7 +277,7 @@ def test_a_reset_ends_a_look_at_the_past(shell):
     host = shell()
     host.frame(20)
     host.tab.keyboard.press("ArrowLeft")
-    host.state(values=VALUES, k=-1, steps=0)
+    host.state(values=VALUES, k=-1, steps=0, resets=1)
     host.frame(0)
     assert host.tab.locator("main").get_attribute("data-looking") == "newest"
 

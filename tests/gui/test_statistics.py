@@ -74,7 +74,7 @@ def test_without_a_truth_or_a_measurement_there_are_none():
 
 def test_they_come_once_a_second_while_it_runs_and_at_once_on_pause():
     trace = trace_with(np.zeros((9, 3)))
-    record = SimpleNamespace(n_steps=4, trace=trace)
+    record = SimpleNamespace(n_resets=0, n_steps=4, trace=trace)
     sent = []
     links = [SimpleNamespace(is_watched=True)]
     panel = SimpleNamespace(record=record, is_running=True, links=links, send=sent.append)

@@ -68,6 +68,7 @@ STATE = {
     "state": "paused",
     "k": -1,
     "steps": 0,
+    "resets": 0,
     "t": 0.0,
     "speed": 5,
     "values": {},

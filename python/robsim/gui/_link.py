@@ -28,6 +28,7 @@ class Link:
     def __init__(self) -> None:
         self.sent = 0  # frames
         self.rows: dict[str, int] = {}  # group of columns -> the next row to be sent
+        self.n_resets = 0  # of the record, when the last ones were sent
         self.width = 600  # of the picture on the screen (px)
         self.shown: object = None  # what was sent as the newest frame
         self.looking: int | None = None  # the past step that it shows; None = the newest

@@ -62,6 +62,7 @@ class Runner(Slotted):
         self._seed = seed
         self._rng: np.random.Generator | None = None
         self._run_info: list[RunInfo] = []  # empty, or the one that is known by now
+        self._n_resets = 0  # counted once the steps are gone
         self._is_marker_size_known = False
         self._changed: tuple[str, ...] = ()  # options, in the middle of the run
         self._world_half = world  # here the garbage collector sees into it
@@ -260,6 +261,7 @@ class Runner(Slotted):
         new_seed = None if seed is None else seed_sequence(seed)
         callbacks = self._folder.load() if self._folder else None
         self._core.reset()
+        self._n_resets += 1
         if new_seed is not None:
             self._seed = new_seed
             self._seed_core()

@@ -67,6 +67,14 @@ class Record(ABC):
     def n_steps(self) -> int:
         """Number of steps; any thread may ask."""
 
+    @property
+    def n_resets(self) -> int:
+        """How often the steps have begun anew; any thread may ask.
+
+        What is asked for after it is of that run, or of a later one.
+        """
+        return 0
+
     @abstractmethod
     def columns(self) -> Mapping[str, Floats]:
         """Return the groups of columns of the trace by now; any thread may ask."""
@@ -179,6 +187,10 @@ class RunRecord(Record):
     def n_steps(self) -> int:
         return self._runner.n_steps
 
+    @property
+    def n_resets(self) -> int:
+        return self._runner._n_resets
+
     def columns(self) -> Mapping[str, Floats]:
         return self._runner._core.columns()
 
@@ -190,7 +202,8 @@ class RunRecord(Record):
         return self._runner.find_blobs(frame)
 
     def shot(self, step: Step) -> Shot:
-        return shot_of(step, self.columns(), is_tracked=self._runner._is_on("measure"))
+        is_tracked = self._runner._is_on("measure")
+        return shot_of(step, self.columns(), self.n_resets, is_tracked=is_tracked)
 
 
 class SimulationRecord(RunRecord):

@@ -63,10 +63,12 @@ function layOut(context, camera) {
 }
 
 function takeState(context, head) {
+  const isAnew = head.resets != context.state.resets;
   context.state = head;
   context.newest = head.k;
   context.el.dataset.state = head.state;
-  if (head.k < 0 && context.looking != null) context.look(null);
+  if (isAnew) context.emit("reset");
+  if (isAnew && context.looking != null) context.look(null);
 }
 
 function takeRows(context, { rows, type }, buffers) {

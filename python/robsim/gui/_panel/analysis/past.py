@@ -35,13 +35,16 @@ class Past(Part):
         self._is_asking = False
         self._due = 0.0
         self._state: State = "paused"
+        self._n_resets = panel.record.n_resets  # when the pictures were shown
 
     def handlers(self) -> Handlers:
         return {"look": self._look}
 
     def keep(self, shot: Shot, pictures: Mapping[int, bytes]) -> None:
         """Keep the largest picture of a step that was shown, if its frame cannot be had again."""
-        if not self.panel.record.reads_in_run and shot.frame is not None:
+        if shot.frame is None or self.panel.record.reads_in_run:
+            return
+        if shot.n_resets == self._n_resets:
             self._kept.add(shot.head(self.panel.record.area), pictures[max(pictures)])
 
     def changed(self) -> None:
@@ -49,11 +52,13 @@ class Past(Part):
         self._state = state
         is_played = isinstance(self.panel.runner, Playback)
         begins = is_played and state == "running" and before != "running"
-        for link in self.panel.links:
-            if link.looking is not None and (begins or link.looking >= self.panel.record.n_steps):
-                self._release(link)
-        if not self.panel.record.n_steps:
+        n_resets = self.panel.record.n_resets
+        if n_resets != self._n_resets:
+            self._n_resets, begins = n_resets, True
             self._kept = KeptPictures(_MOST_KEPT)
+        for link in self.panel.links:
+            if begins and link.looking is not None:
+                self._release(link)
 
     def look(self, now: float) -> float:
         self._wanted = {link: k for link, k in self._wanted.items() if link in self.panel.links}

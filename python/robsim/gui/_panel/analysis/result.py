@@ -15,18 +15,21 @@ from robsim.trace import PARAMETER_NAMES, Trace
 class Result(Part):
     """Estimates the parameters from the whole record."""
 
-    _newest: tuple[int, dict[str, Any], list[bytes]] | None = None
+    _newest: tuple[dict[str, Any], list[bytes]] | None = None
+    _seen = (0, 0)  # resets and steps that it was estimated from
 
     def greet(self, link: Link) -> None:
-        if self._newest is not None and self._newest[0] == self.panel.record.n_steps:
-            link.send(*self._newest[1:])
+        record = self.panel.record
+        if self._newest is not None and self._seen == (record.n_resets, record.n_steps):
+            message, pictures = self._newest
+            link.send({**message, "again": True}, pictures)
 
     def tell(self) -> None:
         """Send the estimate to all who watch."""
-        trace = self.panel.record.trace
-        message, pictures = _result_of(trace)
-        self._newest = len(trace), message, pictures
-        self.panel.send(message, *pictures)
+        n_resets, trace = self.panel.record.n_resets, self.panel.record.trace
+        self._seen = n_resets, len(trace)
+        self._newest = message, pictures = _result_of(trace)
+        self.panel.send({**message, "again": False}, *pictures)
 
 
 def _result_of(trace: Trace) -> tuple[dict[str, Any], list[bytes]]:

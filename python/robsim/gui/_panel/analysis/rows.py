@@ -61,13 +61,15 @@ class Rows(Part):
 
     def new(self, link: Link) -> tuple[list[dict[str, Any]], list[bytes]]:
         """Return the rows that a line lacks, which it is taken to have now: entries and blocks."""
-        columns = self.panel.record.columns()
-        entries, blocks = [], []
+        record, entries, blocks = self.panel.record, [], []
+        before, link.n_resets = link.n_resets, record.n_resets
+        columns = record.columns()
         for name, sent in link.rows.items():
             rows = columns.get(name, _NONE)
-            if len(rows) == sent:
+            is_other = link.n_resets != before and sent > 0
+            if len(rows) == sent and not is_other:
                 continue
-            first = sent if len(rows) > sent else 0  # after a reset there are fewer
+            first = 0 if is_other or len(rows) < sent else sent
             block = np.ascontiguousarray(rows[first:], dtype="<f4")
             entries.append({"column": name, "first": first, "width": rows.shape[1]})
             blocks.append(block.tobytes())

@@ -22,7 +22,7 @@ class Summary(Part):
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         self._newest: dict[str, Any] | None = None
-        self._steps = -1  # that it was computed from
+        self._seen: tuple[int, int] | None = None  # resets and steps that it was computed from
         self._due = 0.0
 
     @abstractmethod
@@ -36,15 +36,16 @@ class Summary(Part):
             link.send(self._newest)
 
     def changed(self) -> None:
-        self._steps, self._due = -1, 0.0
+        self._seen, self._due = None, 0.0
 
     def look(self, now: float) -> float:
-        n_steps, is_running = self.panel.record.n_steps, self.panel.is_running
-        if now < self._due and (is_running or n_steps == self._steps):
+        record, is_running = self.panel.record, self.panel.is_running
+        seen = record.n_resets, record.n_steps
+        if now < self._due and (is_running or seen == self._seen):
             return self._due
-        if n_steps != self._steps and any(link.is_watched for link in self.panel.links):
-            self._steps = n_steps
-            self._newest = self.message(self.panel.record.trace)
+        if seen != self._seen and any(link.is_watched for link in self.panel.links):
+            self._seen = seen
+            self._newest = self.message(record.trace)
             self.panel.send(self._newest)
         self._due = now + _GAP if is_running else math.inf
         return self._due

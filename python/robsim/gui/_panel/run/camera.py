@@ -17,8 +17,7 @@ _GAP = 1 / 30  # s between two pictures
 class CameraView(Part):
     """Sends the newest step as a picture, with what is drawn over it."""
 
-    newest: Shot | None = None  # any thread may have it
-    _shot: Shot | None = None  # the one that is being sent
+    _newest: Shot | None = None
     _due = 0.0  # when the next picture may be sent
 
     def handlers(self) -> Handlers:
@@ -34,7 +33,7 @@ class CameraView(Part):
     def take(self, step: Step) -> None:
         if self.panel.is_running and time.monotonic() < self._due:
             return
-        self.newest = shot = self.panel.record.shot(step)
+        shot = self.panel.record.shot(step)
         self.panel.post(lambda: self._show(shot))
 
     def greet(self, link: Link) -> None:
@@ -42,15 +41,22 @@ class CameraView(Part):
         if self._shot is None:
             self.panel.driver.prepare()
 
+    @property
+    def _shot(self) -> Shot | None:
+        """What is to be shown; None if that is of a run before a reset."""
+        shot = self._newest
+        return shot if shot and shot.n_resets == self.panel.record.n_resets else None
+
     def look(self, now: float) -> float:
+        shot = self._shot
         links = [link for link in self.panel.links if link.looking is None]
-        lacking = [link for link in links if link.lacks(self._shot)]
-        if self._shot is None or not lacking:
+        lacking = [link for link in links if link.lacks(shot)]
+        if shot is None or not lacking:
             return math.inf
         if ready := [link for link in lacking if link.has_room(now)]:
             # By a due time: "30 ms since the last one" would beat against the clock of the steps.
             self._due = max(self._due + _GAP, now + 0.5 * _GAP)
-            self._send(self._shot, ready, now)
+            self._send(shot, ready, now)
         return math.inf if len(ready) == len(lacking) else now + SLOW
 
     def encode(self, shot: Shot, width: int) -> bytes:
@@ -58,7 +64,7 @@ class CameraView(Part):
         return picture_of(shot.frame, width)
 
     def _show(self, shot: Shot) -> None:
-        self._shot = shot
+        self._newest = shot
 
     def _send(self, shot: Shot, links: list[Link], now: float) -> None:
         pictures: dict[int, bytes] = {}

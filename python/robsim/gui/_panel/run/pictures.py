@@ -37,6 +37,8 @@ class Shot:
         Why the robot was not found.
     past : bool
         Whether it is not the newest.
+    n_resets : int
+        That of the record, when it was taken.
     """
 
     k: int
@@ -49,6 +51,7 @@ class Shot:
     boxes: Sequence[Sequence[Any]] = ()
     missed: str | None = None
     past: bool = False
+    n_resets: int = 0
 
     def head(self, area: tuple[int, int]) -> dict[str, Any]:
         """Return the message about it; without a picture it shows the bare work area."""
@@ -72,7 +75,7 @@ class Shot:
         }
 
 
-def shot_of(step: Step, columns: Mapping[str, Floats], *, is_tracked: bool) -> Shot:
+def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_tracked: bool) -> Shot:
     """Return what is shown of the newest step."""
     measurement = step.measurement
     estimate = step.estimate
@@ -88,6 +91,7 @@ def shot_of(step: Step, columns: Mapping[str, Floats], *, is_tracked: bool) -> S
         estimate=None if estimate is None else _estimate(estimate.pose, estimate.covariance),
         boxes=boxes_of(blobs),
         missed=None if measurement or detection is None else detection.explanation,
+        n_resets=n_resets,
     )
 
 

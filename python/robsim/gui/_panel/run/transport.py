@@ -37,11 +37,12 @@ class Transport(Part):
 
     def state(self) -> dict[str, Any]:
         driver, record = self.panel.driver, self.panel.record
-        steps, error = record.n_steps, driver.error
+        n_resets, steps, error = record.n_resets, record.n_steps, driver.error
         return {
             "state": driver.state,
             "k": steps - 1,
             "steps": steps,
+            "resets": n_resets,
             "t": self._time(),
             "speed": 0 if math.isinf(driver.speed) else driver.speed,
             "animate": driver.animates,

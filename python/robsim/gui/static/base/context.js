@@ -13,7 +13,7 @@ const CHOICES = {
 /**
  * Events: each type of message from Python, with (head, buffers), after the context has taken it in;
  * "local" (name) when a choice of this view was made; "theme" when the colours have changed;
- * "looking" when another step is looked at; "frame" for those that are shown, "arrived" for all;
+ * "reset" when the steps begin anew; "looking" when another step is looked at; "frame" for those that are shown, "arrived" for all;
  * "axis" and "cursor" of the charts.
  */
 export function makeContext(el, send) {
@@ -26,7 +26,7 @@ export function makeContext(el, send) {
     el,
     send,
     setup: null, // the newest messages
-    state: { state: "paused", k: -1, steps: 0, values: {} },
+    state: { state: "paused", k: -1, steps: 0, resets: 0, values: {} },
     frame: null, // the head that is shown, with `picture`, an ImageBitmap
     store: new Store(), // rows of the trace
     newest: -1, // the newest step

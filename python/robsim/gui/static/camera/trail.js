@@ -10,16 +10,17 @@ export function makeTrail() {
   const pen = layer.getContext("2d");
   let first = 0; // row that is drawn
   let drawn = 0; // rows up to which it is
-  let newest = 0; // step
+  let known = null; // rows of which it is
   let key = "";
 
-  const prepare = (scene, upto) => {
+  const prepare = (scene, rows, upto) => {
     const { canvas } = scene.pen;
     const { scale, left, top } = scene.lens;
     const view = [canvas.width, canvas.height, scale, left, top, ...scene.frame.map];
-    const now = [...view, scene.colors.measured].join();
+    const now = [...view, scene.colors.measured, rows.epoch].join();
     const isShort = upto - first <= 1.25 * LONGEST_TRAIL;
-    if (now == key && drawn <= upto && newest <= scene.frame.k && isShort) return;
+    if (now == key && rows == known && drawn <= upto && isShort) return;
+    known = rows;
     [layer.width, layer.height] = [canvas.width, canvas.height]; // clears it
     [key, first] = [now, Math.max(0, upto - LONGEST_TRAIL)];
     drawn = first;
@@ -45,9 +46,9 @@ export function makeTrail() {
     const rows = scene.context.store.get("pose_measured");
     if (!rows) return;
     const upto = Math.min(rows.count, scene.frame.k + 1);
-    prepare(scene, upto);
+    prepare(scene, rows, upto);
     if (upto > drawn) add(scene, rows, upto);
-    [drawn, newest] = [upto, scene.frame.k];
+    drawn = upto;
     scene.pen.globalAlpha = 0.8;
     scene.pen.drawImage(layer, 0, 0);
     scene.pen.globalAlpha = 1;

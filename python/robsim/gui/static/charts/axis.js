@@ -20,10 +20,7 @@ class StepAxis {
   }
 
   grow(count) {
-    if (count < this.count) {
-      this.follows = true; // it was reset
-      if (this.cursor >= count) this.cursor = null;
-    }
+    if (this.cursor >= count) this.cursor = null; // it was reset
     this.count = count;
     if (this.follows) this.toNewest();
   }
@@ -91,6 +88,7 @@ export function axisOf(context) {
     const axis = new StepAxis(context);
     axes.set(context, axis);
     context.on("rows", () => axis.grow(context.store.count));
+    context.on("reset", () => axis.follow());
     context.on("local", (name) => name == "window" && axis.follow());
   }
   return axes.get(context);

@@ -32,7 +32,7 @@ export function makeTabs(context, sheets) {
   context.on("local", (name) => name == "tab" && show());
   const callbacks = tabs[names.indexOf("callbacks")];
   context.on("state", ({ error }) => (callbacks.dataset.mark = error ? "bad" : ""));
-  context.on("result", () => choose("result"));
+  context.on("result", ({ again }) => again || choose("result")); // not one from before
   show();
   return { elements: [list, make("div", { className: "robsim-sheets" }, ...elements)] };
 }

@@ -64,9 +64,10 @@ export function makeTimeline(context) {
 
 /** Return a function of rows of poses: where they have no value, [[first, last], ...]. */
 function makeUnseen() {
-  let [known, done, runs] = [null, 0, []];
+  let [known, epoch, done, runs] = [null, 0, 0, []];
   return (rows) => {
-    if (rows != known || (rows?.count ?? 0) < done) [known, done, runs] = [rows, 0, []];
+    if (rows != known || rows?.epoch != epoch) [done, runs] = [0, []]; // it was reset
+    [known, epoch] = [rows, rows?.epoch];
     for (; done < (rows?.count ?? 0); done++) {
       if (!Number.isNaN(rows.get(done, 0))) continue;
       const run = runs.at(-1);

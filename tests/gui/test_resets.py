@@ -1,0 +1,176 @@
+"""A run that begins anew, and is as long as the one before when the panel looks again."""
+
+import threading
+
+import numpy as np
+import pytest
+
+import robsim
+from browsers import panel_of
+
+pytestmark = pytest.mark.threads
+
+SMALL = {"area": (300, 300), "resolution": (75, 75), "seed": 1}
+SOON = 20  # s
+
+
+def simulation(**options):
+    return robsim.Simulation(**{"control": robsim.DriveAround(), **SMALL, **options})
+
+
+def run_anew(view, steps):
+    """Reset and run as many steps, while the panel has no time to look."""
+    inside, may_go_on = threading.Event(), threading.Event()
+    view.post(lambda: (inside.set(), may_go_on.wait(SOON)))
+    assert inside.wait(SOON)
+    view.driver.reset().result(SOON)
+    for _ in range(steps):
+        view.driver.step().result(SOON)
+    may_go_on.set()
+
+
+def seed_anew(view, steps):
+    """Do the same in between two steps, as a cell of a notebook does while the run is paused."""
+
+    def begin():
+        view.runner.reset(seed=7)
+        view.runner.run(steps)
+
+    view.driver.call(begin).result(SOON)
+
+
+def settle(view):
+    """Wait until all that was asked for is done and told."""
+    view.driver.call(lambda: None).result(SOON)
+    for _ in range(2):  # it looks what is due after a job
+        done = threading.Event()
+        view.post(done.set)
+        assert done.wait(SOON)
+
+
+def rows_of(head, buffers, name):
+    entries = [entry["column"] for entry in head["rows"]]
+    at = entries.index(name)
+    block = np.frombuffer(buffers[at - len(entries)], "<f4")
+    return head["rows"][at]["first"], block.reshape(-1, head["rows"][at]["width"])
+
+
+@pytest.mark.parametrize("anew", [run_anew, seed_anew])
+@pytest.mark.parametrize("longer", [-2, 0, 3])
+def test_rows_begin_with_the_first_one_however_many_there_are(anew, longer):
+    sim = simulation()
+    sim.run(5)
+    with panel_of(sim) as (view, browser):
+        browser.say("columns", names=["pose_true", "pose_measured"])
+        browser.take("rows")
+        anew(view, 5 + longer)
+        browser.press("step")
+        head = {"rows": []}
+        while not head["rows"]:
+            head, buffers = browser.take("frame")
+        first, rows = rows_of(head, buffers, "pose_true")
+    assert first == 0
+    np.testing.assert_array_equal(rows, sim.trace.pose_true[: len(rows)].astype("f4"))
+    assert "pose_measured" not in [entry["column"] for entry in head["rows"]]  # there was none
+
+
+def test_a_column_that_the_new_run_lacks_is_empty():
+    sim = simulation(measure=True)
+    sim.run(5)
+    with panel_of(sim) as (view, browser):
+        browser.say("columns", names=["pose_measured"])
+        browser.take("rows")
+
+        def begin():
+            sim.reset()
+            sim.measure = None
+            sim.run(8)
+
+        view.driver.call(begin).result(SOON)
+        browser.press("pause")
+        head, buffers = browser.take("rows")
+    assert head["rows"] == [{"column": "pose_measured", "first": 0, "width": 0}]
+    assert buffers == [b""]
+
+
+def test_the_state_tells_how_often_it_was_reset():
+    with panel_of(simulation()) as (view, browser):
+        assert browser.take("state")[0]["resets"] == 0
+        run_anew(view, 2)
+        browser.take("state", resets=1, steps=2)
+
+
+def test_who_looks_back_sees_the_newest_step_of_the_new_run():
+    sim = simulation(measure=True)
+    sim.run(6)
+    with panel_of(sim) as (view, browser):
+        browser.say("look", k=4)
+        browser.take("frame", k=4, past=True)
+        run_anew(view, 9)
+        browser.take("frame", k=8, past=False)
+
+
+@pytest.mark.parametrize("kind", ["statistics", "parameters"])
+def test_what_is_told_of_the_whole_record_is_of_the_new_run(kind):
+    sim = simulation(measure=True, estimate_parameters=True, noise=robsim.GaussianNoise(20))
+    sim.run(40)
+    with panel_of(sim) as (view, browser):
+        before, _ = browser.take(kind)
+        settle(view)
+        for _ in browser.all_of(kind):
+            before, _ = browser.take(kind)
+        seed_anew(view, 40)
+        browser.say("grant", upto=10**9, late=False)  # it looks again
+        after, _ = browser.take(kind)
+    told = {"statistics": "errors", "parameters": "values"}[kind]
+    assert before[told]
+    assert after[told] != before[told]
+
+
+def test_a_result_of_the_run_before_is_not_told_to_a_new_view():
+    sim = simulation()
+    sim.run(3)
+    with panel_of(sim) as (view, browser):
+        browser.press("finish")
+        browser.take("result")
+        seed_anew(view, 3)
+        browser.say("hello", width=300)
+        browser.take("setup")
+        settle(view)
+        assert browser.all_of("state")
+        assert browser.all_of("result") == []
+
+
+class Frames:
+    """Frames that cannot be had again, but in a run from the first one on."""
+
+    def __iter__(self):
+        return iter([robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 20)
+
+
+def test_pictures_that_were_kept_are_those_of_the_new_run():
+    experiment = robsim.Experiment(Frames(), area=(64, 64), measure=False)
+    with panel_of(experiment) as (view, browser):
+        for k in range(3):
+            browser.press("step")
+            browser.take("frame", k=k)
+        run_anew(view, 3)
+        browser.take("frame", k=2)
+        browser.say("look", k=0)  # which nobody has seen
+        assert browser.take("frame", k=0, past=True)[1] == [b""]
+
+
+def test_the_last_picture_before_a_reset_is_not_sent_after_it():
+    frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 5
+    with panel_of(robsim.Experiment(frames, area=(64, 64), measure=False)) as (_, browser):
+        browser.press("step")
+        browser.press("step")
+        browser.take("frame", k=1)
+        browser.press("reset")
+        browser.take("state", steps=0, resets=1)
+        browser.say("hello", width=300)
+        browser.take("setup")
+        browser.press("step")
+        browser.take("state", steps=1)
+        assert {head["k"] for head in browser.all_of("frame")} <= {0}
+        browser.take("frame", k=0)
