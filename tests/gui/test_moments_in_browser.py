@@ -91,3 +91,17 @@ def test_a_reset_lets_the_charts_follow_and_ends_a_look_at_the_past(open_fake):
     host.state(k=349, steps=350, resets=1)
     assert host.sent("look") == [{"type": "look", "k": None}]
     assert follow.get_attribute("aria-pressed") == "true"
+
+
+def test_a_camera_that_hangs_is_seen(open_fake):
+    host = open_fake()
+    host.setup(live=True)
+    rate = host.tab.locator(".robsim-field", has_text="Camera").locator(".robsim-number")
+    for camera, words, hangs in [
+        ({"rate": None, "age": None, "dropped": 0}, "0 dropped", False),
+        ({"rate": 29.96, "age": 0.031, "dropped": 2}, "30.0 fps, 31 ms old, 2 dropped", False),
+        ({"rate": 0.0, "age": 12.4, "dropped": 2}, "0.0 fps, none for 12 s, 2 dropped", True),
+    ]:
+        host.state(state="running", camera=camera)
+        assert rate.inner_text() == words
+        assert ("robsim-hangs" in rate.get_attribute("class")) == hangs

@@ -48,7 +48,7 @@ class Transport(Part):
             "animate": driver.animates,
             "stage": self.panel.runner.stage,
             "error": error and trouble_of(error),
-            "camera": self._camera and self._camera.told(),
+            "camera": self._camera and self._camera.told(driver.state == "running"),
             "stopped": driver.is_stopped,
         }
 
@@ -64,7 +64,8 @@ class Transport(Part):
             self._camera.take(step)
 
     def look(self, now: float) -> float:
-        if self._camera is None or not self.panel.is_running:
+        is_over = self.panel.driver.state == "closed" or not self.panel.is_watched
+        if self._camera is None or is_over:
             return math.inf
         if now >= self._camera.due:
             self._camera.count(now)
@@ -108,10 +109,8 @@ class Transport(Part):
         self.panel.tell_state()
 
     def _note_stage(self, stage: str, step: Step) -> None:
-        self.panel.post(self._tell_stage)
-
-    def _tell_stage(self) -> None:
-        self.panel.send({"type": "stages", "stage": self.panel.runner.stage})
+        message = {"type": "stages", "stage": self.panel.runner.stage}  # none is left out
+        self.panel.post(lambda: self.panel.send(message))
 
 
 class CameraRate:
@@ -119,9 +118,12 @@ class CameraRate:
 
     def __init__(self, experiment: Any) -> None:
         self._source = experiment._source
-        self._exposed: float | None = None  # the newest frame, by the monotonic clock
+        self._exposed = -math.inf  # the newest frame, by the monotonic clock
+        self._began: float | None = None  # when the run went on; None = it does not
         self._grabbed: tuple[float, int] | None = None  # when, how many
         self._rate: float | None = None  # 1/s
+        self._dropped = 0  # while it ran
+        self._dropped_before = 0  # by the camera, when that was counted
         self.due = 0.0
 
     def take(self, step: Step) -> None:
@@ -135,15 +137,23 @@ class CameraRate:
         self.due = now + _GAP
         if (counts := self._source.counts) is None:
             return
-        if self._grabbed is not None and now - self._grabbed[0] < 2 * _GAP:
+        if self._grabbed is not None:
             self._rate = (counts.grabbed - self._grabbed[1]) / (now - self._grabbed[0])
         self._grabbed = now, counts.grabbed
 
-    def told(self) -> dict[str, Any]:
+    def told(self, is_running: bool) -> dict[str, Any]:
         """Return the field ``camera`` of the message ``state``."""
-        counts, exposed = self._source.counts, self._exposed
-        return {
-            "rate": self._rate,
-            "age": None if exposed is None else max(0.0, time.monotonic() - exposed),
-            "dropped": None if counts is None else counts.dropped,
-        }
+        self._count_dropped()
+        now = time.monotonic()
+        if is_running != (self._began is not None):
+            self._began = now if is_running else None
+        # Where none has come since the start: how long it has been waited for.
+        age = None if self._began is None else max(0.0, now - max(self._exposed, self._began))
+        return {"rate": self._rate, "age": age, "dropped": self._dropped}
+
+    def _count_dropped(self) -> None:
+        """Count what was dropped in a run; otherwise nobody takes the frames."""
+        if (counts := self._source.counts) is not None:
+            if self._began is not None:
+                self._dropped += counts.dropped - self._dropped_before
+            self._dropped_before = counts.dropped

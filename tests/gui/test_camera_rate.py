@@ -1,0 +1,88 @@
+"""What is told of a live camera: its rate, how old its newest frame is, how many were dropped."""
+
+import time
+
+import numpy as np
+import pytest
+
+import robsim
+from browsers import panel_of
+from python_cameras import EndlessCamera, SteppedCamera
+from robsim.gui._panel.run import transport
+from waiting import wait_for
+
+pytestmark = pytest.mark.threads
+
+IMAGE = np.zeros((64, 64, 3), np.uint8)
+SOON = 20  # s
+
+
+@pytest.fixture(autouse=True)
+def often(monkeypatch):
+    monkeypatch.setattr(transport, "_GAP", 0.02)
+
+
+def watched(camera):
+    return panel_of(robsim.Experiment(camera, area=(64, 64), measure=False))
+
+
+def told(browser, **state):
+    return browser.take("state", **state)[0]["camera"]
+
+
+def test_the_age_grows_while_a_camera_hangs():
+    source = SteppedCamera([IMAGE] * 20)
+    source.permits.release()
+    with robsim.Camera(source, open_timeout=SOON) as camera, watched(camera) as (view, browser):
+        assert told(browser) == {"rate": None, "age": None, "dropped": 0}
+        browser.press("start")
+        wait_for(lambda: view.runner.n_steps == 1)
+        states = [told(browser, state="running") for _ in range(6)]
+        ages = [state["age"] for state in states]
+        assert ages == sorted(set(ages))
+        assert states[-1]["rate"] == 0
+        assert view.runner.n_steps == 1
+        released = time.monotonic()
+        source.permits.release()
+        wait_for(lambda: told(browser, state="running")["age"] <= time.monotonic() - released)
+
+
+def test_a_camera_that_hangs_from_the_start_of_a_run_is_seen():
+    source = SteppedCamera([IMAGE] * 20)
+    source.permits.release()
+    with robsim.Camera(source, open_timeout=SOON) as camera:
+        camera.read(SOON)
+        with watched(camera) as (view, browser):
+            browser.press("start")
+            ages = [told(browser, state="running")["age"] for _ in range(5)]
+            assert ages == sorted(set(ages))
+            assert view.runner.n_steps == 0
+
+
+def test_while_it_is_paused_the_rate_is_told_and_nothing_counts_as_dropped():
+    endless = EndlessCamera(IMAGE)
+    with robsim.Camera(endless, open_timeout=SOON) as camera, watched(camera) as (view, browser):
+        states = [told(browser, state="paused")]
+        wait_for(lambda: camera.counts.dropped > 100)
+        states += [told(browser, state="paused") for _ in range(6)]
+        assert states[-1]["rate"] > 0
+        assert {state["age"] for state in states} == {None}
+        assert {state["dropped"] for state in states} == {0}
+        view.driver.on_step.append(lambda step: wait_for(lambda: camera.counts.dropped > 10**3))
+        browser.press("start")
+        while not told(browser, state="running")["dropped"]:
+            pass
+        browser.press("pause")
+        before = told(browser, state="paused")["dropped"]
+        dropped = camera.counts.dropped
+        wait_for(lambda: camera.counts.dropped > dropped + 100)
+        assert {told(browser, state="paused")["dropped"] for _ in range(3)} == {before}
+
+
+def test_nothing_is_told_when_nobody_looks():
+    source = SteppedCamera([IMAGE] * 20)
+    source.permits.release()
+    with robsim.Camera(source, open_timeout=SOON) as camera, watched(camera) as (view, browser):
+        told(browser)
+        browser.say("bye")
+        wait_for(lambda: view._next_look > 10**9)
