@@ -1,6 +1,10 @@
 """What the browser makes of messages at odd moments: while it runs, after a reload, a reset."""
 
+import numpy as np
 import pytest
+
+import robsim
+from robsim._core import reduced
 
 pytestmark = pytest.mark.slow
 
@@ -105,3 +109,34 @@ def test_a_camera_that_hangs_is_seen(open_fake):
         host.state(state="running", camera=camera)
         assert rate.inner_text() == words
         assert ("robsim-hangs" in rate.get_attribute("class")) == hangs
+
+
+WHITE = """
+(() => { // the middle of what is white
+  const canvas = document.querySelector(".robsim-camera canvas");
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  const sums = [0, 0, 0];
+  for (let i = 0; i < canvas.width * canvas.height; i++) {
+    const white = Math.max(0, data[4 * i] - 128);
+    sums[0] += white;
+    sums[1] += white * ((i % canvas.width) + 0.5);
+    sums[2] += white * (Math.floor(i / canvas.width) + 0.5);
+  }
+  return [sums[1] / sums[0], sums[2] / sums[0]];
+})()
+"""
+
+
+def test_a_picture_that_lacks_the_last_pixels_lies_where_its_overlays_do(open_fake):
+    image = np.zeros((1003, 1201, 3), np.uint8)
+    image[980:992, 1180:1192] = 255
+    host = open_fake(size=(2400, 1400), theme="dark")
+    host.tab.add_style_tag(
+        content=".robsim-view { width: 1201px !important; height: 1003px !important; "
+        "flex: none !important; border: 0 !important; aspect-ratio: auto !important; }"
+    )
+    host.setup(area=[1201, 1003])
+    host.state()
+    host.frame(0, image=reduced(robsim.Frame(image), 300), size=[1201, 1003])
+    host.paint()
+    assert host.tab.evaluate(WHITE) == pytest.approx([1186, 986], abs=0.5)

@@ -3,10 +3,12 @@
 import io
 import queue
 
+import numpy as np
 import pytest
 from PIL import Image
 
 import robsim
+from browsers import panel_of
 from robsim.gui._link import Link
 from robsim.gui._panel.view import PanelView
 
@@ -37,3 +39,12 @@ def test_a_paused_picture_comes_again_in_the_new_size(view):
     assert link.pictures.get(timeout=10).size == (600, 600)
     view.receive(link, {"type": "size", "id": "a", "width": 1200})
     assert link.pictures.get(timeout=10).size == (1200, 1200)
+
+
+def test_a_picture_is_reduced_by_a_whole_factor_and_its_message_has_the_cameras_size():
+    frames = [robsim.Frame(np.zeros((1003, 1201, 3), np.uint8))]
+    with panel_of(robsim.Experiment(frames, area=(1201, 1003), measure=False)) as (_, browser):
+        browser.press("step")
+        head, (picture,) = browser.take("frame")
+    assert head["size"] == [1201, 1003]
+    assert Image.open(io.BytesIO(picture)).size == (1201 // 4, 1003 // 4)  # not less than 300

@@ -91,7 +91,7 @@ function paintCamera(context, { canvas, lens, projection, overlays, tools, reado
   lens.fit([canvas.width, canvas.height], frame.size);
   const [width, height] = frame.size.map((side) => side * lens.scale);
   pen.imageSmoothingEnabled = width < COARSE_PIXELS * frame.picture.width;
-  pen.drawImage(frame.picture, lens.left, lens.top, width, height);
+  drawPicture(pen, frame, lens);
 
   const scene = {
     pen, context, frame, lens,
@@ -110,6 +110,12 @@ function paintCamera(context, { canvas, lens, projection, overlays, tools, reado
   tools.draw(scene, hovered);
   pen.restore();
   readout.show(tools.cross() ?? hovered);
+}
+
+/** Draw the picture, of which each pixel is some whole number of the camera's, without a rest. */
+function drawPicture(pen, { picture, size }, { left, top, scale }) {
+  const side = Math.floor(size[0] / picture.width) * scale;
+  pen.drawImage(picture, left, top, picture.width * side, picture.height * side);
 }
 
 function listenTo(canvas, { context, lens, projection, tools, zoomed, hover }) {
