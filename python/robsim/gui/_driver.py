@@ -232,7 +232,10 @@ class Driver(Worker):
             self._attempt(self._advance)
 
     def _finish(self) -> None:
-        self.guarded(self._stop_robot)
+        try:
+            self._stop_robot()
+        except BaseException as error:  # whatever the user's motors raise
+            self.report(error)
         self._set("closed")
 
     def _attempt(self, advance: Callable[[], None]) -> None:

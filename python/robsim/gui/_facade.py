@@ -6,6 +6,7 @@ import atexit
 import base64
 import threading
 import warnings
+from concurrent import futures
 from concurrent.futures import CancelledError, Future
 from io import BytesIO
 from os import PathLike
@@ -305,11 +306,16 @@ class Panel:
             warnings.warn(f"no browser could be started: open {page.url}", stacklevel=2)
 
     def wait(self) -> None:
-        """Wait until its page has been opened, and closed again; Ctrl-C ends that, too.
+        """Wait until its page has been opened, and closed again.
 
-        For the end of a script, which otherwise ends its panels.
+        For the end of a script, which otherwise ends its panels. Ctrl-C pauses the run, and ends
+        the wait; so does `close` in another thread.
         """
-        self._serve().wait(_PATIENCE)
+        page = self._serve()
+        try:
+            page.wait(_PATIENCE)
+        except KeyboardInterrupt:
+            futures.wait([self._view.driver.pause()], _AT_EXIT)  # a callback may hang
 
     def _serve(self, port: int = 0) -> Page:
         from robsim.gui._page import Page  # loads tornado

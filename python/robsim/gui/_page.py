@@ -12,6 +12,7 @@ import threading
 import time
 import webbrowser
 from concurrent.futures import Future
+from contextlib import suppress
 
 from robsim._base.checks import check_int
 from robsim.gui._serving import Server, Socket
@@ -41,9 +42,8 @@ class Page:
         self._change = threading.Condition()
         self._left: float | None = None  # when the last page went
         started: Future[None] = Future()
-        run = self._serve(started)
         self._thread = threading.Thread(
-            target=asyncio.run, args=(run,), name="robsim page", daemon=True
+            target=self._run, args=(started,), name="robsim page", daemon=True
         )
         self._thread.start()
         started.result()
@@ -55,17 +55,19 @@ class Page:
     def wait(self, patience: float) -> None:
         """Wait until pages have come, and the last one has been gone for some seconds.
 
-        A page that is loaded anew, or has lost its line, is back before.
+        A page that is loaded anew, or has lost its line, is back before. Closing ends it, too.
         """
         with self._change:
-            while self._left is None or time.monotonic() < self._left + patience:
+            while self._thread.is_alive() and (
+                self._left is None or time.monotonic() < self._left + patience
+            ):
                 self._change.wait(0.2)  # short: on Windows nothing else lets Ctrl-C in
 
     def close(self) -> None:
         """End the server; the view goes on."""
-        if self._thread.is_alive():
+        with suppress(RuntimeError):  # it has ended
             self._loop.call_soon_threadsafe(self._end.set)
-            self._thread.join(5)
+        self._thread.join(5)
 
     # In the thread.
 
@@ -81,6 +83,15 @@ class Page:
             self.pages.discard(page)
             if not self.pages:
                 self._left = time.monotonic()
+
+    def _run(self, started: Future[None]) -> None:
+        try:
+            asyncio.run(self._serve(started))
+        except BaseException as error:
+            self._listening.close()
+            if started.done():
+                raise
+            started.set_exception(error)
 
     async def _serve(self, started: Future[None]) -> None:
         self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()

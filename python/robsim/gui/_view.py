@@ -107,7 +107,7 @@ class View(Worker):
                 job for job in self._jobs if not (isinstance(job, _Received) and job.is_of(kind))
             )
 
-    def report(self, error: Exception) -> bool:
+    def report(self, error: BaseException) -> bool:
         """Tell of a mistake of ours, the browsers too."""
         is_new = super().report(error)
         if is_new:

@@ -97,7 +97,7 @@ class Worker(ABC):
             self.report(error)
             return None
 
-    def report(self, error: Exception) -> bool:
+    def report(self, error: BaseException) -> bool:
         """Tell of an exception that nobody waits for, as Python does of one that ends a thread.
 
         Returns

@@ -113,10 +113,13 @@ class PanelView(View):
     def _tell_browsers(self, driver: Driver) -> None:
         was_running, self._was_running = self._was_running, driver.state == "running"
         is_over = (was_running and not self._was_running) or driver.state == "failed"
-        if is_over and self.record.n_steps:
-            self._take(self.runner.last_step)  # while it ran it may have been left out
-        else:
+        last = None
+        if is_over and self.record.n_steps:  # while it ran it may have been left out
+            last = self.guarded(lambda: self.runner.last_step)
+        if last is None:
             self._tell_change()
+        else:
+            self._take(last)
 
     def _tell_change(self) -> None:
         if not self._is_change_waiting:  # of several changes the last one is told

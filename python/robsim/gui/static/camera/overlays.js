@@ -75,7 +75,7 @@ export function drawDot({ pen, unit }, [x, y], color, radius = 2.5) {
 }
 
 /** Draw a goal: a ring around a dot, at a point of the canvas. */
-export function drawGoal(scene, [x, y], color) {
+function drawGoal(scene, [x, y], color) {
   const radius = 8 * scene.unit;
   const ring = Array.from({ length: 32 }, (_, i) => fromRobot([x, y, (i * Math.PI) / 16], [radius, 0]));
   drawLine(scene, ring, color, { width: 2, isClosed: true });
