@@ -1,10 +1,13 @@
 """What Finish gives."""
 
+import threading
+
 import numpy as np
 import pytest
 
 import robsim
 from browsers import panel_of
+from robsim.gui._panel.analysis import result as _result
 
 PNG = b"\x89PNG"
 
@@ -63,3 +66,23 @@ def test_finish_pauses_and_a_new_view_is_told_the_result_too():
         browser.say("hello", width=300)
         browser.take("frame")
         assert browser.all_of("result") == []
+
+
+def test_the_panel_answers_while_it_is_estimated(monkeypatch):
+    inside, may_go_on = threading.Event(), threading.Event()
+
+    def slow(trace):
+        inside.set()
+        may_go_on.wait(20)
+        return {"type": "result", "rows": [], "text": str(len(trace)), "verdict": ""}, []
+
+    monkeypatch.setattr(_result, "_result_of", slow)
+    with panel_of(robsim.Simulation(seed=1)) as (_, browser):
+        for _ in range(2):
+            browser.press("finish")
+        assert inside.wait(20)
+        browser.press("step")
+        browser.take("frame", k=0)
+        browser.press("finish")
+        may_go_on.set()
+        assert [browser.take("result")[0]["text"] for _ in range(3)] == ["0", "0", "1"]

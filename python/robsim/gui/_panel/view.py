@@ -90,6 +90,7 @@ class PanelView(View):
         has_ended = self.driver.close(timeout)
         has_ended = super().close(timeout) and has_ended
         self.still.close(timeout)
+        self._result.close(timeout)
         return has_ended
 
     def is_urgent(self, message: Any) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 from robsim.gui._link import Link
@@ -13,10 +14,14 @@ from robsim.trace import PARAMETER_NAMES, Trace
 
 
 class Result(Part):
-    """Estimates the parameters from the whole record."""
+    """Estimates the parameters from the whole record.
+
+    That takes a second or so, in a thread of its own: meanwhile the panel answers, to Stop too.
+    """
 
     _newest: tuple[dict[str, Any], list[bytes]] | None = None
     _seen = (0, 0)  # resets and steps that it was estimated from
+    _thread: threading.Thread | None = None
 
     def greet(self, link: Link) -> None:
         record = self.panel.record
@@ -25,10 +30,28 @@ class Result(Part):
             link.send({**message, "again": True}, pictures)
 
     def tell(self) -> None:
-        """Send the estimate to all who watch."""
-        n_resets, trace = self.panel.record.n_resets, self.panel.record.trace
-        self._seen = n_resets, len(trace)
-        self._newest = message, pictures = _result_of(trace)
+        """Send the estimate to all who watch, once it is there."""
+        record = self.panel.record
+        n_resets, trace = record.n_resets, record.trace
+        before = self._thread
+
+        def estimate() -> None:
+            if before is not None:
+                before.join()  # one after another: the last one counts
+            result = self.panel.guarded(_result_of, trace)
+            if result is not None:
+                self.panel.post(lambda: self._tell((n_resets, len(trace)), *result))
+
+        self._thread = threading.Thread(target=estimate, name="robsim result", daemon=True)
+        self._thread.start()
+
+    def close(self, timeout: float) -> None:
+        """Wait for the estimate that is being made; any thread may call this."""
+        if self._thread is not None:
+            self._thread.join(timeout)
+
+    def _tell(self, seen: tuple[int, int], message: dict[str, Any], pictures: list[bytes]) -> None:
+        self._seen, self._newest = seen, (message, pictures)
         self.panel.send({**message, "again": False}, *pictures)
 
 
