@@ -42,11 +42,16 @@ export function makeKeyboard(context, transport, timeline) {
     if (context.setup?.motors) transport.press("stop");
   };
 
+  // JupyterLab would take the keys itself; Ctrl+S and its like are to stay its own.
+  const first = ({ ctrlKey, metaKey, altKey }) =>
+    el.toggleAttribute("data-lm-suppress-shortcuts", !(ctrlKey || metaKey || altKey));
+
+  addEventListener("keydown", first, { capture: true });
   addEventListener("keydown", down);
+  context.onEnd(() => removeEventListener("keydown", first, { capture: true }));
   context.onEnd(() => removeEventListener("keydown", down));
   el.addEventListener("pointerenter", () => (isOver = true));
   el.addEventListener("pointerleave", () => (isOver = isPage()));
-  el.dataset.lmSuppressShortcuts = "true"; // JupyterLab would take the keys itself
   el.addEventListener("click", (event) => {
     // After a click Space starts and pauses again, and does not press the same button once more.
     const button = event.detail && event.target.closest(".robsim-button");
