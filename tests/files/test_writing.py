@@ -294,6 +294,7 @@ ALLOWED = {
     "capture/_worker.py": "opens a camera",
     "robots/_files.py": "packs in memory",
     "plotting/_style.py": "packs in memory",
+    "gui/_bench/lab.py": "of a server, in a folder that is removed",
     "gui/_bench/with_matplotlib.py": "packs in memory",
     "gui/_panel/still_picture.py": "packs in memory",
     "gui/_facade.py": "opens a page",

@@ -1,160 +1,169 @@
 """The panel in a real JupyterLab: shown, beside other cells, interrupted, run again, saved."""
 
+import json
 import os
 import re
 import time
+from urllib.request import Request, urlopen
 
 import pytest
 
-pytest.importorskip("jupyterlab")
-pytest.importorskip("anywidget")
+from painted_frames import assert_order
+from robsim.gui._bench import in_lab
+from robsim.gui._bench.lab import Lab, lab_server, write_notebook
 
-from lab import Lab, lab_server, write_notebook
+pytest.importorskip("jupyterlab")
+nbconvert = pytest.importorskip("nbconvert")  # both come with it
+nbformat = pytest.importorskip("nbformat")
+pytest.importorskip("anywidget")
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 
-SHOW = """import robsim, threading, time
+SHOW = """import os, robsim, threading, time
 panel = robsim.panel(robsim.Simulation(measure=True, seed=1))
 panel"""
-THREADS = "print(sorted(t.name for t in threading.enumerate() if t.name.startswith('robsim ')))"
+TELL = """names = [thread.name for thread in threading.enumerate()]
+print(panel)
+print(os.getpid(), names.count("robsim driver"), names.count("robsim view"))"""
+CELLS = [SHOW, TELL, "time.sleep(60)"]
 PANEL = ".robsim[data-state='{}']"
+STILL = "img[class^=robsim-still]"
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("lab")
-
-
-@pytest.fixture(scope="module")
-def server(folder):
-    with lab_server(folder) as running:
+def server(tmp_path_factory):
+    with lab_server(tmp_path_factory.mktemp("lab")) as running:
         yield running
 
 
+@pytest.fixture(scope="module")
+def file(server):
+    file = server.folder / "panel.ipynb"
+    write_notebook(file, CELLS)
+    return file
+
+
+@pytest.fixture(scope="module")
+def opened(chromium, server, file):
+    context = chromium.new_context(viewport={"width": 1500, "height": 1000})
+    yield Lab(context, server, file)
+    context.close()
+
+
 @pytest.fixture
-def open_notebook(chromium, server, folder, request):
-    contexts = []
-
-    def open_it(*cells):
-        name = f"{request.node.name}.ipynb"
-        write_notebook(folder / name, cells)
-        contexts.append(chromium.new_context(viewport={"width": 1500, "height": 1000}))
-        return Lab(contexts[-1], server, name), folder / name
-
-    yield open_it
-    for context in contexts:
-        context.close()
+def lab(opened):
+    """The notebook, in which the panel has just been shown."""
+    opened.run(0)
+    shown(opened, "paused")
+    return opened
 
 
 def shown(lab, state):
     lab.page.wait_for_selector(PANEL.format(state))
 
 
-def picture(lab):
-    """The picture that is on the screen now."""
-    script = "document.querySelector('.robsim-camera canvas').toDataURL('image/jpeg', 0.5)"
-    return lab.page.evaluate(script)
+def start(lab):
+    lab.page.click("button[name=start]")
+    shown(lab, "running")
+
+
+def told(lab):
+    """What Python says of the panel; its process, and how many threads of each kind there are."""
+    lab.run(1)
+    *text, numbers = lab.output(1).strip().splitlines()
+    process, *threads = map(int, numbers.split())
+    return " ".join(text), process, threads
 
 
 def count_pictures(lab, seconds):
+    script = "document.querySelector('.robsim-camera canvas').toDataURL('image/jpeg', 0.5)"
     end = time.monotonic() + seconds
     seen = set()
     while time.monotonic() < end:
-        seen.add(picture(lab))
+        seen.add(lab.page.evaluate(script))
         lab.page.wait_for_timeout(20)
     return len(seen)
 
 
-def test_it_runs_beside_a_busy_cell_until_that_is_interrupted(open_notebook):
-    lab, _ = open_notebook(SHOW, "time.sleep(60)", "print(panel)")
-    lab.run(0)
-    shown(lab, "paused")
-    assert not lab.page.locator("[class^=robsim-still]").is_visible()
-    lab.page.click("button[name=start]")
-    shown(lab, "running")
-    lab.run(1, until_done=False)
-    assert count_pictures(lab, 3) > 3
+def test_it_runs_beside_a_busy_cell_until_that_is_interrupted(lab):
+    assert not lab.page.locator(STILL).is_visible()
+    start(lab)
+    lab.run(2, until_done=False)
+    assert count_pictures(lab, 2) > 3
     lab.page.click("button[name=pause]")
     shown(lab, "paused")
-    lab.page.click("button[name=start]")
-    shown(lab, "running")
-    assert count_pictures(lab, 2) > 1
-    assert lab.is_busy(1)
+    start(lab)
+    assert count_pictures(lab, 1) > 1
+    assert lab.is_busy(2)
     lab.command("notebook:interrupt-kernel")
     shown(lab, "paused")
-    assert "KeyboardInterrupt" in lab.output(1)
-    lab.run(2)
-    assert "Simulation, paused at step" in lab.output(2)
+    assert "KeyboardInterrupt" in lab.output(2)
+    assert "Simulation, paused at step" in told(lab)[0]
 
 
-def test_a_cell_that_is_run_again_leaves_one_thread(open_notebook):
-    lab, _ = open_notebook(SHOW, THREADS)
-    for _ in range(2):
-        lab.run(0)
-        shown(lab, "paused")
-        lab.page.click("button[name=start]")
-        shown(lab, "running")
-    lab.run(1)
-    assert "['robsim driver', 'robsim panel']" in lab.output(1)
-
-
-def still_in(notebook):
-    """The picture that a notebook keeps below its first cell."""
-    _, output = notebook.cells[0]["outputs"]
-    return re.search(r"base64,([^\"]+)", output["data"]["text/html"])[1]
-
-
-def test_a_saved_notebook_keeps_a_picture_and_comes_back(open_notebook, chromium):
-    lab, file = open_notebook(SHOW, f"print(panel)\n{THREADS}")
+def test_a_cell_that_is_run_again_leaves_one_thread_of_each_kind(lab):
+    start(lab)
     lab.run(0)
     shown(lab, "paused")
-    first = still_in(lab.saved(file))
-    for _ in range(3):
-        lab.page.click("button[name=step]")
-    lab.page.wait_for_timeout(3000)
-    last = still_in(lab.saved(file))
-    assert last != first
-    assert shows_picture(chromium, file, last)
-    lab.page.reload()
-    lab.wait_until_idle()
-    shown(lab, "paused")
-    lab.page.click("button[name=step]")
-    lab.run(1)
-    assert "Simulation, paused at step 3" in lab.output(1)
-    assert "['robsim driver', 'robsim panel']" in lab.output(1)
+    start(lab)
+    assert told(lab)[2] == [1, 1]
 
 
-def shows_picture(chromium, file, picture):
-    """Whether the notebook, converted for people without Python, shows it."""
-    exporter = pytest.importorskip("nbconvert").HTMLExporter()
-    page, _ = exporter.from_filename(file)
-    assert picture in page
-    html = file.with_suffix(".html")
-    html.write_text(page)
-    context = chromium.new_context(offline=True)
-    tab = context.new_page()
-    tab.goto(html.as_uri(), wait_until="commit")
-    tab.wait_for_selector("[class^=robsim-still]")
-    width = tab.locator("[class^=robsim-still]").evaluate("image => image.naturalWidth")
-    context.close()
-    return width == 1082
-
-
-def test_a_kernel_that_is_restarted_ends_the_run(open_notebook):
-    lab, _ = open_notebook(SHOW, THREADS + "; import os; print(os.getpid())")
-    lab.run(0)
-    shown(lab, "paused")
-    lab.page.click("button[name=start]")
-    shown(lab, "running")
-    lab.run(1)
-    (old,) = re.findall(r"\d+$", lab.output(1).strip())
+def test_a_kernel_that_is_restarted_ends_the_run(lab):
+    start(lab)
+    old = told(lab)[1]
     lab.command("notebook:restart-kernel")
     lab.page.click(".jp-Dialog .jp-mod-accept")
     lab.wait_until_idle()
     lab.run(0)
     shown(lab, "paused")
-    lab.run(1)
-    (new,) = re.findall(r"\d+$", lab.output(1).strip())
-    assert new != old
+    assert told(lab)[1] != old
     with pytest.raises(ProcessLookupError):
-        os.kill(int(old), 0)
+        os.kill(old, 0)
+
+
+def test_a_saved_notebook_keeps_the_picture_of_the_last_pause(lab, file, server):
+    first = still_in(lab.saved())
+    last = still_after_steps(lab, 3)
+    assert last != first
+    assert last in nbconvert.HTMLExporter().from_filename(file)[0]
+
+    lab.open()  # its kernel has gone on
+    shown(lab, "paused")
+    assert "Simulation, paused at step 2" in told(lab)[0]
+
+    end_kernels(server)
+    lab.open()
+    picture = lab.page.locator(STILL)
+    picture.wait_for()
+    assert last in picture.get_attribute("src")
+    assert picture.evaluate("image => image.complete && image.naturalWidth") == 1000
+
+
+def still_in(notebook):
+    """The picture that a notebook keeps below its first cell."""
+    _, output = nbformat.reads(notebook, 4).cells[0]["outputs"]
+    return re.search(r"base64,([^\"]+)", output["data"]["text/html"])[1]
+
+
+def still_after_steps(lab, n):
+    """Do steps with the mouse; return the picture that the notebook keeps then."""
+    before = lab.page.locator(STILL).get_attribute("src")
+    for _ in range(n):
+        lab.page.click("button[name=step]")
+    lab.page.wait_for_selector(f"{STILL}:not([src='{before}'])", state="attached")
+    return still_in(lab.saved())  # by its key: the panel has the focus, and leaves that to Lab
+
+
+def end_kernels(server):
+    for session in json.load(ask(server, "GET", "api/sessions")):
+        ask(server, "DELETE", f"api/sessions/{session['id']}")
+
+
+def ask(server, method, path):
+    headers = {"Authorization": f"token {server.token}"}
+    return urlopen(Request(f"{server.address}/{path}", headers=headers, method=method))
+
+
+def test_what_is_measured_are_frames_in_their_order(chromium, server, monkeypatch):
+    assert_order(monkeypatch, in_lab, lambda: in_lab.measure_notebook(chromium, server, 2.0))

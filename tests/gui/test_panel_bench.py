@@ -1,6 +1,8 @@
 """The measurement of the panel: what is read back from the screen is what was sent."""
 
 import io
+from contextlib import nullcontext
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,15 +10,16 @@ import pytest
 from PIL import Image
 
 import robsim
-from robsim.gui._bench import in_page
+from painted_frames import assert_order
+from robsim.gui._bench import in_page, run
 from robsim.gui._bench.barcode import BITS, stamped_picture
-from robsim.gui._bench.figures import PanelBench, painted
+from robsim.gui._bench.figures import Painted, PanelBench, Watched, painted
 
 
 def test_figures_are_of_the_frames_that_were_seen():
-    done = {k: 100.0 * k for k in range(11)}
+    steps = {k: (100.0 * k, 0.025 * k) for k in range(-5, 30)}
     seen = [(k, 100.0 * k + (20 if k < 10 else 70)) for k in range(11)] + [(999, 0.0)]
-    page = painted("page", seen, done, span=2.0, busy=0.5)
+    page = painted("page", Watched(seen=seen, began=0.0, ended=2000.0), steps)
     assert page.rate == 5.5
     assert page.latency_median == 20
     assert page.latency_p95 == pytest.approx(45)
@@ -29,24 +32,25 @@ def test_figures_are_of_the_frames_that_were_seen():
 
 def test_nothing_painted_is_no_result():
     with pytest.raises(RuntimeError, match="the page painted no frames"):
-        painted("page", [(1, 2.0)], {}, span=1.0, busy=0.0)
+        painted("page", Watched(seen=[(1, 2.0)], began=0.0, ended=9.0), {})
+
+
+def test_a_machine_without_jupyterlab_is_told(monkeypatch):
+    page = Painted(host="page", rate=30.0, latency_median=9.0, latency_p95=20.0, busy=20.0)
+    monkeypatch.setattr(run, "open_chromium", nullcontext)
+    monkeypatch.setattr(run, "measure_page", lambda browser, seconds: page)
+    monkeypatch.setattr(run, "measure_matplotlib", lambda: 500.0)
+    monkeypatch.setattr(run, "is_lab_there", lambda: False)
+    assert "JupyterLab is left out" in str(run.run_panel_bench())
+    monkeypatch.setattr(run, "is_lab_there", lambda: True)
+    lab = replace(page, host="JupyterLab")
+    monkeypatch.setattr(run, "measure_lab", lambda browser, seconds: lab)
+    assert "left out" not in str(run.run_panel_bench())
 
 
 @pytest.mark.slow
 def test_frames_are_painted_in_their_order(chromium, monkeypatch):
-    found = {}
-
-    def keep(host, seen, done, span, busy):
-        found.update(seen=seen, done=done)
-        return painted(host, seen, done, span, busy)
-
-    monkeypatch.setattr(in_page, "painted", keep)
-    monkeypatch.setattr(in_page, "_WARM_UP", 0.5)
-    page = in_page.measure_in(chromium, 2.0)
-    numbers = np.array([k for k, _ in found["seen"] if k in found["done"]])
-    assert len(numbers) > 3
-    assert (np.diff(numbers) > 0).all()
-    assert page.latency_median > 0
+    assert_order(monkeypatch, in_page, lambda: in_page.measure_page(chromium, 2.0))
 
 
 def test_the_number_is_in_the_picture():

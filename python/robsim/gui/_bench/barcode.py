@@ -17,6 +17,7 @@ SAMPLER = (
   small.width = bits; small.height = 1;
   const context = small.getContext("2d", { willReadFrequently: true });
   const seen = (window.robsimSeen = []);
+  window.robsimBegan = Date.now();
   let last = -1;
   const look = () => {
     const canvas = document.querySelector(".robsim-camera canvas");

@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from robsim._base.report import Column, Quantity, Report, Row, Table
+
+
+@dataclass(frozen=True, kw_only=True)
+class Watched:
+    """What was seen on the screen, by the browser's clock.
+
+    Attributes
+    ----------
+    seen : list of (int, float)
+        Step, and when it was first seen (ms).
+    began, ended : float
+        From when to when somebody looked (ms).
+    """
+
+    seen: list[tuple[int, float]]
+    began: float
+    ended: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,12 +63,15 @@ class PanelBench(Report):
     ----------
     hosts : tuple of Painted
         What was painted.
+    lacks_lab : bool
+        Whether there was no JupyterLab to measure.
     matplotlib : float
         Time to draw camera view and traces anew with matplotlib (ms).
     """
 
     hosts: tuple[Painted, ...]
     matplotlib: float
+    lacks_lab: bool = False
 
     @property
     def title(self) -> str:
@@ -87,38 +107,37 @@ class PanelBench(Report):
         ]
         return (Table(key="hosts", columns=columns, rows=rows),)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is left out."""
+        if not self.lacks_lab:
+            return ()
+        return ("JupyterLab is left out: pip install jupyterlab anywidget, to measure it too.",)
 
-def painted(
-    host: str,
-    seen: Sequence[tuple[int, float]],
-    done: Mapping[int, float],
-    span: float,
-    busy: float,
-) -> Painted:
+
+def painted(host: str, watched: Watched, steps: Mapping[int, tuple[float, float]]) -> Painted:
     """Return the figures of a host.
 
     Parameters
     ----------
     host : str
         Its name.
-    seen : sequence of (int, float)
-        Step and the time at which it was first on the screen (ms).
-    done : mapping
-        Step -> the time at which it was done (ms).
-    span : float
-        How long was looked (s).
-    busy : float
-        Processor time of the Python process (s).
+    watched : Watched
+        What was seen of it.
+    steps : mapping
+        Step -> when it was done (ms), and the processor time of the Python process by then (s).
     """
-    known = [(k, at) for k, at in seen if k in done]
-    if len(known) < 2:
+    known = [(k, at) for k, at in watched.seen if k in steps]
+    within = [done for done in steps.values() if watched.began <= done[0] <= watched.ended]
+    if min(len(known), len(within)) < 2:
         raise RuntimeError(f"the {host} painted no frames that could be read back")
-    latencies = [at - done[k] for k, at in known]
+    (first, busy_by_then), (last, busy_by_now) = within[0], within[-1]
+    latencies = [at - steps[k][0] for k, at in known]
     median, late = np.percentile(latencies, (50, 95))
     return Painted(
         host=host,
-        rate=len(known) / span,
+        rate=1000 * len(known) / (watched.ended - watched.began),
         latency_median=float(median),
         latency_p95=float(late),
-        busy=100 * busy / span,
+        busy=100_000 * (busy_by_now - busy_by_then) / (last - first),
     )

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib.util
 
+from robsim.gui._bench.browser import open_chromium
 from robsim.gui._bench.figures import PanelBench
+from robsim.gui._bench.in_lab import is_lab_there, measure_lab
 from robsim.gui._bench.in_page import measure_page
 from robsim.gui._bench.with_matplotlib import measure_matplotlib
 
@@ -29,5 +31,8 @@ def run_panel_bench(*, seconds: float = 8.0) -> PanelBench:
     """
     if importlib.util.find_spec("playwright") is None:
         raise ImportError("the panel is measured with Playwright: pip install playwright")
-    page = measure_page(seconds)
-    return PanelBench(hosts=(page,), matplotlib=measure_matplotlib())
+    measured = [measure_page, measure_lab] if is_lab_there() else [measure_page]
+    with open_chromium() as browser:
+        hosts = tuple(measure(browser, seconds) for measure in measured)
+    lacks_lab = len(hosts) < 2
+    return PanelBench(hosts=hosts, matplotlib=measure_matplotlib(), lacks_lab=lacks_lab)

@@ -1,0 +1,47 @@
+"""The panel in a JupyterLab, measured."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from robsim.gui._bench.browser import new_context, watch
+from robsim.gui._bench.figures import Painted, painted
+from robsim.gui._bench.lab import Lab, Server, lab_server, write_notebook
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+_SHOW = """from robsim.gui._bench.scene import measured_view
+from robsim.gui._notebook import NotebookLink
+view, steps = measured_view()
+NotebookLink(view).display(view.snapshot)"""
+_TELL = """import json
+print(json.dumps(list(steps.items())))"""
+
+
+def is_lab_there() -> bool:
+    """Return whether there is a JupyterLab that can show a panel."""
+    return all(importlib.util.find_spec(name) for name in ("jupyterlab", "anywidget"))
+
+
+def measure_lab(browser: Browser, seconds: float) -> Painted:
+    """Return what a notebook paints."""
+    with TemporaryDirectory() as folder, lab_server(Path(folder)) as server:
+        return measure_notebook(browser, server, seconds)
+
+
+def measure_notebook(browser: Browser, server: Server, seconds: float) -> Painted:
+    """Return what a new notebook of a server paints."""
+    with new_context(browser) as context:
+        file = server.folder / "measured.ipynb"
+        write_notebook(file, [_SHOW, _TELL])
+        lab = Lab(context, server, file)
+        lab.run(0)
+        watched = watch(lab.page, seconds)
+        lab.run(1)
+        steps = dict(json.loads(lab.output(1)))
+    return painted("JupyterLab", watched, steps)

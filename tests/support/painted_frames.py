@@ -1,0 +1,23 @@
+"""What must be true of a measurement of the panel on any machine: order and freshness."""
+
+import numpy as np
+
+from robsim.gui._bench.figures import painted
+
+
+def assert_order(monkeypatch, module, measure):
+    """Assert that what is read back are frames of the run, one after the other."""
+    found = {}
+
+    def keep(host, watched, steps):
+        found.update(watched=watched, steps=steps)
+        return painted(host, watched, steps)
+
+    monkeypatch.setattr(module, "painted", keep)
+    figures = measure()
+    numbers = [k for k, _ in found["watched"].seen]
+    assert len(numbers) > 3
+    assert set(numbers) <= set(found["steps"])
+    assert (np.diff(numbers) > 0).all()
+    assert figures.latency_median > 0  # none is seen before it was there
+    assert figures.busy > 0
