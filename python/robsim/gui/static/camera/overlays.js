@@ -162,17 +162,18 @@ function drawCovariance(scene) {
   if (!frame.estimate) return;
   const { pose, covariance } = frame.estimate;
   const center = scene.place(pose);
+  const reach = [1.6 * robotReach(scene), 0];
   if (covariance) {
     const edge = ellipse(covariance, ELLIPSE_SIGMAS);
     const around = edge.map(([x, y]) => scene.place([pose[0] + x, pose[1] + y]));
     const turn = Math.min(ELLIPSE_SIGMAS * Math.sqrt(Math.max(covariance[8], 0)), Math.PI);
     const arc = Array.from({ length: 13 }, (_, i) =>
-      scene.place(fromRobot([pose[0], pose[1], pose[2] + turn * (i / 6 - 1)], [1.6 * robotReach(scene), 0])));
+      scene.place(fromRobot([pose[0], pose[1], pose[2] + turn * (i / 6 - 1)], reach)));
     fillArea(pen, [center, ...arc], colors["estimated-band"]);
     fillArea(pen, around, colors["estimated-band"]);
     drawLine(scene, around, colors.estimated, { isClosed: true });
   }
-  drawLine(scene, [center, scene.place(fromRobot(pose, [1.6 * robotReach(scene), 0]))], colors.estimated);
+  drawLine(scene, [center, scene.place(fromRobot(pose, reach))], colors.estimated);
   drawDot(scene, center, colors.estimated);
 }
 

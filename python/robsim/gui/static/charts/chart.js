@@ -43,6 +43,7 @@ export class Chart {
     this.beside = null;
     this.range = null; // of values, if the user has chosen one
     this.size = [0, 0]; // px
+    this.bare = ""; // the size for which nothing is drawn over it
     this.isSeen = false;
     this.reserved = 0;
     Object.assign(this, options);
@@ -98,10 +99,13 @@ export class Chart {
   /** Draw the cursor and the step that is looked at. */
   paintOver({ axis, ink, context }) {
     if (!this.plot) return;
+    const k = axis.cursor ?? context.looking ?? (this.readsNewest ? axis.count - 1 : null);
+    const bare = k === null ? String(this.size) : "";
+    if (bare && bare == this.bare) return; // a canvas that is touched is copied to the screen again
+    this.bare = bare;
     const g = cleanCanvas(this.over, this.size);
     if (context.looking !== null) this.drawLooked(g, context.looking, ink);
     if (axis.cursor !== null) this.drawCursor(g, axis.cursor, ink);
-    const k = axis.cursor ?? context.looking ?? (this.readsNewest ? axis.count - 1 : null);
     if (k !== null) drawReadings(g, this, this.shown, k, ink);
   }
 

@@ -27,9 +27,9 @@ export function makeInspector(context) {
   let asked = 0;
   let waiting = 0;
   const ask = () => {
-    note.textContent = isReadable() ? "" : text("inspector.too_fast");
-    const isVisible = element.offsetParent !== null;
-    if (!isVisible || !isReadable() || waiting) return;
+    const remark = isReadable() ? "" : text("inspector.too_fast");
+    if (note.textContent != remark) note.textContent = remark; // each change lays the page out
+    if (remark || waiting || element.offsetParent === null) return;
     waiting = setTimeout(() => {
       [waiting, asked] = [0, performance.now()];
       tree.opened().forEach(send);
