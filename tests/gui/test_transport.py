@@ -177,6 +177,22 @@ class Spiteful(Exception):
         raise RuntimeError("no words")
 
 
+class Noted(Exception):
+    __notes__ = 5
+
+
+class Nameless(type):
+    @property
+    def __name__(cls):
+        raise RuntimeError("no name")
+
+
+def broken_syntax():
+    error = SyntaxError("x")
+    error.filename, error.lineno, error.text = 5, "a", 7
+    return error
+
+
 def raised(error):
     try:
         raise error
@@ -193,6 +209,33 @@ def test_any_error_can_be_told(error):
     told = trouble_of(raised(error))
     assert type(error).__name__ in told["text"]
     assert len(told["text"]) + len(told["traceback"]) < 20_000
+
+
+HOSTILE = [
+    *(Spiteful(), Noted("why"), broken_syntax(), Nameless("Kind", (Exception,), {})("why")),
+    *(ValueError("x" * 10**6), ValueError("\x1b[31m\u202e\ud800</script>\0"), SystemExit(1)),
+]
+
+
+@pytest.mark.parametrize("error", HOSTILE, ids=range(len(HOSTILE)))
+def test_an_error_of_any_kind_stands_in_the_panel(error, capsys):
+    def control(step):
+        raise error
+
+    with panel_of(simulation(control=control)) as (_, browser):
+        browser.press("step")
+        told = browser.take("state", state="failed")[0]["error"]
+        assert (told["slot"], told["k"]) == ("control", 0)
+        assert 0 < len(told["text"]) < 20_000
+        browser.say("hello", width=300)  # it is told everything again
+        browser.take("setup")
+        slots = browser.take("callbacks")[0]["slots"]
+        error = next(one["error"] for one in slots if one["slot"] == "control")
+        assert 0 < len(error["text"]) <= 200
+        for text in (told["text"], told["traceback"], error["text"]):
+            assert text.replace("\n", "").isprintable()
+        assert not browser.all_of("note")
+    assert "robsim view" not in capsys.readouterr().err
 
 
 def test_the_traceback_of_an_endless_recursion_is_short():

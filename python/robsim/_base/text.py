@@ -6,6 +6,7 @@ import re
 import reprlib
 import unicodedata
 from collections.abc import Iterable
+from contextlib import suppress
 from itertools import islice
 from typing import Any
 
@@ -62,6 +63,15 @@ def cut(text: object) -> str:
     """Return a text in one line, cut to 200 characters: what a message says of another message."""
     line = one_line(text)
     return line if len(line) <= _LONGEST_MESSAGE else f"{line[: _LONGEST_MESSAGE - 4]} ..."
+
+
+def said_by(error: BaseException) -> str:
+    """Return kind and first line of an exception, cut; its class may be a user's, and refuse."""
+    kind, message = "an exception", ""
+    with suppress(BaseException):
+        kind = str(type(error).__name__)
+        message = str(error).partition("\n")[0]
+    return cut(f"{kind}: {message}" if message else kind)
 
 
 def listed(names: Iterable[str]) -> str:

@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
+from robsim._base.text import said_by
 from robsim.gui._link import Link
 from robsim.gui._messages import Refused, checked_message
 from robsim.gui._worker import Worker
@@ -111,7 +112,7 @@ class View(Worker):
         """Tell of a mistake of ours, the browsers too."""
         is_new = super().report(error)
         if is_new:
-            self.note(f"A mistake in the panel itself: {type(error).__name__}: {error}")
+            self.note(f"A mistake in the panel itself: {said_by(error)}")
         return is_new
 
     def _due(self) -> float:

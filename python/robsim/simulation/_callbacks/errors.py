@@ -102,13 +102,14 @@ def failed(error: BaseException, slot: str, what: str, k: int, function: object)
     inner = callback_of(error)  # of a simulation inside the callback, which comes first
     source = None if inner else line_of_error(error) or users_line_of_callable(function)
     record = FailedCallback(slot, None if k < 0 else k, source)
-    # A class of the user's own may refuse both: the exception itself is what counts.
+    # A class of the user's own may refuse either: the exception itself is what counts.
+    if inner is None:
+        with contextlib.suppress(Exception):
+            error.callback = record  # type: ignore[attr-defined]
+    # Of simulations without end, each in a callback of the one before, some say enough.
     with contextlib.suppress(Exception):
-        # Of simulations without end, each in a callback of the one before, some say enough.
         if inner is None or len(error.__notes__) < _MOST_NOTES:
             error.add_note(f"in {what} {record.when}")
-        if inner is None:
-            error.callback = record  # type: ignore[attr-defined]
 
 
 def note_failed_file(error: BaseException, slot: str, file: str) -> None:

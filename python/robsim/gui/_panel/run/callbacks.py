@@ -6,6 +6,7 @@ import math
 import subprocess
 from typing import TYPE_CHECKING, Any
 
+from robsim._base.text import said_by
 from robsim.gui._link import Link
 from robsim.gui._messages import Refused
 from robsim.gui._panel.part import Handlers, Part
@@ -114,11 +115,10 @@ class Callbacks(Part):
     def _error(self, slot: str) -> dict[str, Any] | None:
         error = self.panel.driver.error
         failed = None if error is None else callback_of(error)
-        if failed is None or failed.slot != slot:
+        if error is None or failed is None or failed.slot != slot:
             return None
         line = failed.source.number if failed.source else None
-        said = str(error).partition("\n")[0]
-        return {"text": f"{type(error).__name__}: {said}", "line": line, "k": failed.k}
+        return {"text": said_by(error), "line": line, "k": failed.k}
 
     def _source(self, link: Link, message: dict[str, Any]) -> None:
         slot = self._known(message)

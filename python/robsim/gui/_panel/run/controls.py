@@ -7,6 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
+from robsim._base.text import said_by
 from robsim.gui._link import Link
 from robsim.gui._messages import Refused
 from robsim.gui._panel.part import Handlers, Part
@@ -119,7 +120,7 @@ class Controls(Part):
         if future.cancelled():  # the panel is being closed
             return
         if (error := future.exception()) is not None:
-            text = str(error) if isinstance(error, Refused) else f"{type(error).__name__}: {error}"
+            text = str(error) if isinstance(error, Refused) else said_by(error)
             link.send({"type": "note", "level": "error", "text": text})
         else:
             for remark in future.result():

@@ -7,6 +7,7 @@ import time
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
+from robsim._base.text import said_by
 from robsim._core import Step
 from robsim.gui._link import Link
 from robsim.gui._messages import Refused
@@ -97,7 +98,7 @@ class Transport(Part):
         try:
             return self.panel.driver.stop_robot()
         except Exception as error:
-            self.panel.note(f"The robot could not be stopped: {type(error).__name__}: {error}")
+            self.panel.note(f"The robot could not be stopped: {said_by(error)}")
             return None
 
     def _tell_failure(self, future: Future[None]) -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import traceback
+from contextlib import suppress
 from typing import Any
 
 from robsim._base.source_line import SourceLine
+from robsim._base.text import printable, said_by
 from robsim.simulation._callbacks.errors import FailedCallback, callback_of
 from robsim.simulation._slots import SLOTS
 
@@ -16,10 +18,23 @@ _MOST_FRAMES = 20
 def trouble_of(error: BaseException) -> dict[str, Any]:
     """Return the field ``error`` of the message ``state``."""
     failed = callback_of(error)
-    source = _source_of(error, failed)
-    return {
+    told = {
         "slot": failed.slot if failed else None,
         "k": failed.k if failed else None,
+        "text": said_by(error),
+        "file": None,
+        "line": None,
+        "code": None,
+        "traceback": "",
+    }
+    with suppress(Exception):  # what an exception holds may be anything, such as notes = 5
+        told |= _told_by(error, failed)
+    return told
+
+
+def _told_by(error: BaseException, failed: FailedCallback | None) -> dict[str, Any]:
+    source = _source_of(error, failed)
+    return {
         "text": _shortened(_text_of(error, failed)),
         "file": source.file if source else None,
         "line": source.number if source else None,
@@ -70,4 +85,4 @@ def _last_lines(error: BaseException) -> str:
 
 
 def _shortened(text: str) -> str:
-    return text if len(text) <= _LONGEST else text[:_LONGEST] + " ..."
+    return printable(text if len(text) <= _LONGEST else text[:_LONGEST] + " ...")
