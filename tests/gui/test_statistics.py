@@ -26,6 +26,21 @@ def trace_with(measured, true=None, **groups):
     return robsim.Trace({**columns, "pose_measured": measured, **groups}, info)
 
 
+@pytest.mark.filterwarnings("error")
+def test_an_estimate_that_runs_away_breaks_nothing():
+    def estimate_state(step):
+        return robsim.Estimate(np.full(3, -1.7e308 if step.k % 2 else 1.7e308), 1e308 * np.eye(3))
+
+    with panel_of(robsim.Simulation(measure=True, estimate_state=estimate_state)) as (_, browser):
+        browser.say("columns", names=["pose_estimated", "covariance"])
+        for _ in range(4):
+            browser.press("step")
+        browser.take("state", k=3)
+        errors = browser.take("statistics", last=3)[0]["errors"]
+        assert [one["name"] for one in errors] == ["x", "y", "heading", "heading"]  # it is wrapped
+        assert browser.all_of("note") == []
+
+
 def test_errors_are_those_of_the_longest_record_without_a_gap():
     measured = np.zeros((12, 3))
     measured[:, 0] = [9, 9, 0, 1, 2, 3, 4, 2, 2, 2, 9, 9]

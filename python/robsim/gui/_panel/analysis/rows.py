@@ -70,7 +70,8 @@ class Rows(Part):
             if len(rows) == sent and not is_other:
                 continue
             first = 0 if is_other or len(rows) < sent else sent
-            block = np.ascontiguousarray(rows[first:], dtype="<f4")
+            with np.errstate(over="ignore"):  # of an estimate that runs away: inf
+                block = np.ascontiguousarray(rows[first:], dtype="<f4")
             entries.append({"column": name, "first": first, "width": rows.shape[1]})
             blocks.append(block.tobytes())
             link.rows[name] = len(rows)

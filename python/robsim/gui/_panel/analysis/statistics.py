@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import Floats
 from robsim.evaluation import pose_errors
 from robsim.evaluation._histograms import number_of_bins, usual_limits
 from robsim.gui._panel.analysis.summary import Summary
@@ -25,7 +24,8 @@ class Statistics(Summary):
         part = trace[longest_valid(trace)]
         if not len(part):
             return {"type": "statistics", "first": None, "last": None, "errors": []}
-        errors = [*_errors(part, "measurement"), *_errors(part, "estimate")]
+        with np.errstate(over="ignore", invalid="ignore"):  # of an estimate that runs away
+            errors = [*_errors(part, "measurement"), *_errors(part, "estimate")]
         first, last = int(part.k[0]), int(part.k[-1])
         return {"type": "statistics", "first": first, "last": last, "errors": errors}
 
@@ -44,11 +44,11 @@ def _errors(trace: Trace, of: str) -> Iterator[dict[str, Any]]:
     for axis, (name, unit, factor) in enumerate(_NAMES):
         values = factor * report.error[0, :, axis]
         known = values[np.isfinite(values)]
-        moments = {"mean": factor * report.bias[axis], "std": factor * report.sd[axis]}
-        yield {"of": of, "name": name, "unit": unit, **moments, **_histogram(known)}
-
-
-def _histogram(values: Floats) -> dict[str, Any]:
-    low, high = usual_limits(values)
-    counts, _ = np.histogram(values, number_of_bins(len(values)), (low, high))
-    return {"n": len(values), "low": low, "high": high, "counts": counts.tolist()}
+        mean, std = factor * report.bias[axis], factor * report.sd[axis]
+        low, high = usual_limits(known)
+        if np.isfinite([mean, std, low, high]).all():
+            counts, _ = np.histogram(known, number_of_bins(len(known)), (low, high))
+            yield {
+                **{"of": of, "name": name, "unit": unit, "n": len(known), "mean": mean},
+                **{"std": std, "low": low, "high": high, "counts": counts.tolist()},
+            }
