@@ -162,3 +162,12 @@ def test_kept_pictures_need_no_more_than_their_room():
         kept.add({"k": k}, b"y" * 30)
     assert [k for k in range(8) if kept.get(k)] == [5, 6, 7]
     assert kept.get(7) == ({"k": 7}, b"y" * 30)
+
+
+def test_a_robot_that_is_not_looked_for_has_no_last_seen_pose():
+    with panel_of(robsim.Simulation(area=(300, 300), measure=True, seed=1)) as (_, browser):
+        browser.press("step")
+        browser.take("state", steps=1)
+        browser.say("set", name="tracking", value="off")
+        browser.press("step")
+        assert browser.take("frame", k=1)[0]["held"] is None

@@ -86,7 +86,7 @@ def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_trac
         t=step.t,
         frame=step.frame,
         measured=None if measurement is None else numbers(measurement.pose),
-        held=row_of(columns, "pose_held", step.k),
+        held=row_of(columns, "pose_held", step.k) if is_tracked else None,
         truth=row_of(columns, "pose_true", step.k),
         estimate=None if estimate is None else _estimate(estimate.pose, estimate.covariance),
         boxes=boxes_of(blobs),

@@ -93,12 +93,16 @@ function drawOutline(scene) {
   if (scene.frame.measured) outlineAt(scene, scene.frame.measured, scene.colors.measured, { width: 2 });
 }
 
-function drawHeading(scene) {
-  const pose = scene.frame.measured;
-  if (!pose) return;
+/** Draw the centre of the robot, and a line from there to where it looks. */
+function headingAt(scene, pose, color, options) {
   const ends = [[0, 0], [1.35 * robotReach(scene), 0]].map((point) => scene.place(fromRobot(pose, point)));
-  drawLine(scene, ends, scene.colors.measured, { width: 2.5 });
-  drawDot(scene, ends[0], scene.colors.measured, 3);
+  drawLine(scene, ends, color, options);
+  drawDot(scene, ends[0], color, 3);
+}
+
+function drawHeading(scene) {
+  const { frame, colors } = scene;
+  if (frame.measured) headingAt(scene, frame.measured, colors.measured, { width: 2.5 });
 }
 
 function drawHeld(scene) {
@@ -108,7 +112,9 @@ function drawHeld(scene) {
 
 function drawTruth(scene) {
   const { frame, colors } = scene;
-  if (frame.truth) outlineAt(scene, frame.truth, colors.true, { dash: DASH }); // what is below shows
+  if (!frame.truth) return;
+  outlineAt(scene, frame.truth, colors.true, { dash: DASH }); // what is below shows
+  headingAt(scene, frame.truth, colors.true, { dash: DASH });
 }
 
 function drawBoxes(scene) {

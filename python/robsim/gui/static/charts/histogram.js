@@ -11,7 +11,7 @@ const TEXT_HEIGHT = 14; // px
 const SOURCE_LAYERS = { measurement: "measured", estimate: "estimated" }; // they are called as their inks
 
 export class Histogram {
-  element = make("canvas", { className: "robsim-histogram" });
+  element = make("canvas", { className: "robsim-histogram", role: "img" });
   errors = []; // {of, n, mean, std, low, high, counts}
 
   paint(chart, ink) {
@@ -26,8 +26,23 @@ export class Histogram {
       for (const error of shown) drawBell(g, plot, error, ink(SOURCE_LAYERS[error.of]));
     });
     if (shown.length) writeNumbers(g, box, shown, ink);
+    this.describe(chart.title, shown);
+  }
+
+  /** Say to a screen reader what is written. */
+  describe(title, shown) {
+    const words = shown.map(({ of, n, mean, std }) => text("chart.histogram_of", {
+      name: text(`chart.error_${SOURCE_LAYERS[of]}`),
+      n, mean: meanText(mean, std), std: numberText(std, 3),
+    }));
+    const label = [text("chart.histogram", { title }), ...words].join(", ");
+    if (this.element.ariaLabel != label) this.element.ariaLabel = label;
   }
 }
+
+/** Return a mean, without the places that say nothing beside such a deviation: there is no room. */
+const meanText = (mean, std) =>
+  numberText(Math.abs(mean) < 1e-3 && std > 0.01 ? 0 : mean, 3);
 
 /** Return the normal distribution's count in a bin at a value. */
 function bellOf({ n, mean, std, low, high, counts }) {
@@ -85,7 +100,7 @@ function writeNumbers(g, box, errors, ink) {
   write(TEXT_HEIGHT, text("chart.count"), String(errors[0].n), "text");
   errors.forEach(({ of, mean, std }, i) => {
     const y = box.top + TEXT_HEIGHT * (1 + 2 * i);
-    write(y, text("chart.mean"), numberText(mean, 3), SOURCE_LAYERS[of]);
+    write(y, text("chart.mean"), meanText(mean, std), SOURCE_LAYERS[of]);
     write(y + TEXT_HEIGHT, text("chart.std"), numberText(std, 3), SOURCE_LAYERS[of]);
   });
   g.restore();

@@ -12,6 +12,7 @@ const SPEEDS = [0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 
 export function makeSpeed(send) {
   const last = SPEEDS.length - 1;
   const slider = makeSlider("speed", { min: 0, max: last, step: 1 });
+  slider.ariaLabel = text("control.speed");
   const output = make("output");
   const name = make("span", { textContent: text("control.speed") });
   const about = { className: "robsim-field", title: text("control.speed.title") };

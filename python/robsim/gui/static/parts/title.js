@@ -18,7 +18,7 @@ export function makeTitle(context) {
 
   const count = calmPainter(() => {
     const { frame, newest } = context;
-    const isEmpty = newest < 0;
+    const isEmpty = newest < 0 && frame?.k != 0; // step 0 is shown before it is done
     step.textContent = text("step.number", { k: isEmpty ? "–" : (frame?.k ?? newest) });
     time.textContent = text("time", { t: isEmpty ? "–" : (frame?.t ?? context.state.t ?? 0).toFixed(1) });
   });
