@@ -1,0 +1,161 @@
+"""The main panel in a tab, as it is used with the mouse, and what it shows then."""
+
+import base64
+import re
+
+import numpy as np
+
+from waiting import wait_for
+
+INKS = {  # in the light theme
+    "true": (214, 33, 156),
+    "measured": (18, 161, 80),
+    "estimated": (31, 111, 235),
+    "held": (0, 0, 0),
+    "red": (229, 72, 77),
+    "blue": (59, 130, 246),
+}
+_BOX = {"left": 44, "right": 9}  # px beside the data of a chart
+_PIXELS = (
+    "c => [c.width, c.height, btoa(Array.from(c.getContext('2d')"
+    ".getImageData(0, 0, c.width, c.height).data, b => String.fromCharCode(b)).join(''))]"
+)
+_TIP = """new Promise((done) => requestAnimationFrame(() => setTimeout(() => {
+  const tip = [...document.querySelectorAll(".robsim-tip")].find((one) => one.checkVisibility());
+  const words = (row) => [row.querySelector("span").textContent, row.lastChild.textContent];
+  done([tip.querySelector("strong").textContent, ...[...tip.querySelectorAll("div")].map(words)]);
+})))"""
+
+
+def number(text):
+    """Return a number as the panel writes it: with a minus, a unit or an error behind it."""
+    return float(re.match(r"[-\d.e]+", text.replace("\u2212", "-")).group())
+
+
+class Mouse:
+    """A panel that `open_panel` has opened."""
+
+    def __init__(self, view, tab):
+        self.view = view
+        self.tab = tab
+
+    @property
+    def n_steps(self):
+        return self.view.record.n_steps
+
+    def press(self, name):
+        """Click a button of the tool bar."""
+        self.tab.click(f".robsim-transport [name={name}]")
+
+    def pause(self):
+        self.press("pause")
+        self.tab.wait_for_selector("main[data-state=paused]")
+        shown = self.tab.locator(".robsim-title-step")
+        wait_for(lambda: shown.inner_text() == f"step {self.n_steps - 1}")
+
+    def run(self, steps):
+        """Start if it does not run, let it do some steps more, and pause."""
+        if self.tab.get_attribute("main", "data-state") != "running":
+            self.press("start")
+        upto = self.n_steps + steps
+        wait_for(lambda: self.n_steps >= upto, 30)
+        self.pause()
+
+    def choose(self, group, choice):
+        """Click one of the choices that stand side by side, and wait until Python has it."""
+        segments = self.tab.get_by_role("radiogroup", name=group)
+        segments.get_by_role("radio", name=choice, exact=True).click()
+
+    def slide(self, label, value):
+        """Put a slider on a value with the mouse."""
+        slider = self.tab.get_by_label(label, exact=True)
+        low, high = (float(slider.get_attribute(name)) for name in ("min", "max"))
+        box = slider.bounding_box()
+        thumb = box["height"] * 0.8
+        x = box["x"] + thumb / 2 + (value - low) / (high - low) * (box["width"] - thumb)
+        self.tab.mouse.move(x, box["y"] + box["height"] / 2)
+        self.tab.mouse.down()
+        for _ in range(40):
+            off = float(slider.input_value()) - value
+            if abs(off) < 1e-9:
+                break
+            x -= 0.5 * np.sign(off)
+            self.tab.mouse.move(x, box["y"] + box["height"] / 2)
+        self.tab.mouse.up()
+        assert float(slider.input_value()) == value
+
+    def open(self, tab):
+        """Click a tab."""
+        self.tab.get_by_role("tab", name=tab, exact=True).click()
+
+    def show(self, *names, on=True):
+        """Switch overlays of the picture."""
+        self.tab.click("button[name=show]")
+        for name in names:
+            self.tab.set_checked(f"input[name=show_{name}]", on)
+        self.tab.click("button[name=show]")
+        self.paint()
+
+    def paint(self):
+        painted = "new Promise((done) => requestAnimationFrame(() => setTimeout(done)))"
+        self.tab.evaluate(painted)
+
+    def picture(self):
+        """Return what is painted of the camera's picture, int (H, W, 3)."""
+        return pixels(self.tab.locator(".robsim-camera > canvas"))[..., :3].astype(int)
+
+    def chart(self, label):
+        return Chart(self, label)
+
+    def histogram(self, name):
+        """Return n, mean and std that stand beside the error of x, y or heading."""
+        label = self.tab.locator(f".robsim-histogram[aria-label^='Histogram of \u0394{name}']")
+        words = label.get_attribute("aria-label").replace("\u2212", "-")
+        found = re.search(r"measured . true: n (\d+), mean (\S+), std (\S+)$", words)
+        return found and (int(found[1]), float(found[2]), float(found[3]))
+
+
+class Chart:
+    """A chart, by the beginning of its label."""
+
+    def __init__(self, mouse, label):
+        self.mouse = mouse
+        tab = mouse.tab
+        self.over = tab.locator(f'canvas[role=slider][aria-label^="{label}"]:visible')
+
+    def inked(self, ink):
+        """Return where pixels of a colour are below the title, bool (H, W)."""
+        painted = pixels(self.over.locator("xpath=preceding-sibling::canvas")).astype(int)
+        near = np.abs(painted[..., :3] - INKS[ink]).max(axis=2) < 40
+        near &= painted[..., 3] > 200
+        near[:22] = False
+        return near
+
+    def count(self, ink):
+        """Return how many pixels of a colour there are."""
+        return int(self.inked(ink).sum())
+
+    def place(self, ink):
+        """Return the place on the screen of the rightmost pixel of a colour."""
+        rows, columns = np.nonzero(self.inked(ink))
+        last = columns.argmax()
+        box = self.over.bounding_box()
+        return box["x"] + float(columns[last]) - 1, box["y"] + float(rows[last])
+
+    def at(self, part):
+        """Return the place on the screen at a part of the width."""
+        box = self.over.bounding_box()
+        width = box["width"] - _BOX["left"] - _BOX["right"]
+        return box["x"] + _BOX["left"] + part * width, box["y"] + box["height"] / 2
+
+    def read(self, part):
+        """Point somewhere; return the step there, and what the tip says: {name: text}."""
+        self.mouse.tab.mouse.move(*self.at(part))
+        step, *rows = self.mouse.tab.evaluate(_TIP)
+        return int(step.split()[1]), dict(rows)
+
+
+def pixels(canvas):
+    """Return the pixels of a canvas, uint8 (H, W, 4)."""
+    width, height, text = canvas.evaluate(_PIXELS)
+    return np.frombuffer(base64.b64decode(text), np.uint8).reshape(height, width, 4)
