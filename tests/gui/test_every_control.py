@@ -1,0 +1,377 @@
+"""Every control of the panel, used in a browser with Python behind it; and none is left out."""
+
+import os
+import time
+
+import numpy as np
+import pytest
+
+import robsim
+from panel_mouse import Mouse
+from python_cameras import SteppedCamera
+from waiting import wait_for
+
+pytestmark = pytest.mark.slow
+
+DRIVES = {
+    "off": "Spin",  # with 0 V
+    "spin": "Spin",
+    "drive-around": "DriveAround",
+    "pseudo-random-binary": "PseudoRandomBinary",
+    "multi-sine": "MultiSine",
+    "chirp": "Chirp",
+    "go-to-point": "GoToPoint",
+    "follow-path": "FollowPath",
+    "mine": "function",
+}
+
+#: Names what is used, and what there is: each choice of a group by itself.
+_USED = """(() => {
+  window.used = new Set();
+  window.keyOf = (e) => {
+    const sheet = e.closest("[role=tabpanel]")?.className.replace("robsim-", "") ?? "";
+    const group = e.closest("[role=radiogroup]")?.ariaLabel ?? (e.role == "tab" ? "tab" : "");
+    const own = e.name || e.value || e.className || e.tagName;
+    return [sheet, group, own].filter(Boolean).join(" ");
+  };
+  const note = ({ target, type }) => {
+    const e = target.closest?.("button, input, select, summary");
+    if (e && (type == "click") == !/range|select/.test(e.type)) used.add(keyOf(e));
+  };
+  for (const type of ["click", "input"]) document.addEventListener(type, note, true);
+})()"""
+_LEFT_OUT = """(except) => [...document.querySelectorAll("button, input, select, summary")]
+  .filter((e) => !e.closest(except)).map(keyOf).filter((key) => !used.has(key))"""
+
+
+def measure(step):
+    return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
+
+
+def estimate_parameters(step):
+    return np.zeros((3, 5))
+
+
+def estimate_state(step):
+    x, y, heading = (300, 300, 0) if step.measurement is None else step.measurement.pose
+    return robsim.Estimate((x, y, heading), np.eye(3))
+
+
+def control(step):
+    return 0.1, 0.2
+
+
+@pytest.fixture
+def editor(tmp_path, monkeypatch):
+    """The file into which the user's editor writes what it is to open."""
+    said = tmp_path / "said"
+    program = tmp_path / "code"
+    program.write_text(f'#!/bin/sh\necho "$@" > {said}\n')
+    program.chmod(0o755)
+    monkeypatch.setenv("VISUAL", str(program))
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    return said
+
+
+@pytest.fixture
+def mouse(open_panel):
+    """The panel of a simulation with callbacks of the user's."""
+    own = (measure, estimate_parameters, estimate_state, control)
+    simulation = robsim.Simulation(
+        robot="lab", area=(600, 600), seed=1, **{function.__name__: function for function in own}
+    )
+    mouse = Mouse(*open_panel(simulation))
+    mouse.tab.set_default_timeout(10_000)  # ms
+    mouse.tab.evaluate(_USED)
+    return mouse
+
+
+def told(mouse, name):
+    """Return what Python tells of its state."""
+    return mouse.view._gathered("state")[name]
+
+
+def wait_for_value(mouse, name, value):
+    """Wait until a control has a value in Python."""
+    wait_for(lambda: told(mouse, "values")[name] == pytest.approx(value))
+
+
+def use_settings(mouse):
+    stages = {
+        "Tracking": "tracking",
+        "Parameter estimation": "parameters",
+        "State estimation": "state",
+    }
+    for label, name in stages.items():
+        for choice in ("Off", "Mine", "Default"):
+            mouse.choose(label, choice)
+            wait_for_value(mouse, name, choice.lower())
+    drives = mouse.tab.get_by_label("Robot drives")
+    values = [one.get_attribute("value") for one in drives.locator("option").all()]
+    assert sorted(values) == sorted(DRIVES)
+    for value in [*values, "drive-around"]:
+        drives.select_option(value)
+        wait_for_value(mouse, "control", value)
+        assert type(mouse.view.runner._callbacks["control"]).__name__ == DRIVES[value]
+    kinds_of = {"Noise": ("Uniform", "Gaussian"), "Disturbance": ("Pose", "Wheels")}
+    for group, kinds in kinds_of.items():
+        for kind in (*kinds, "None", kinds[0]):
+            mouse.choose(group, kind)
+            wait_for_value(mouse, group.lower(), kind.lower())
+    sliders = {
+        "Noise level": ("noise_level", 12, 12),
+        "Level of the disturbance": ("disturbance_level", 0.1, 0.1),
+        "Dropout": ("dropout", 0.25, 0.25),
+        "Speed": ("speed", 16, 100),
+    }
+    for label, (name, at, value) in sliders.items():
+        mouse.slide(label, at)
+        wait_for_value(mouse, name, value)
+
+
+def use_transport(mouse):
+    tab = mouse.tab
+    tab.click("button[name=first]")
+    wait_for(lambda: mouse.n_steps > 5)
+    mouse.pause()
+    n = mouse.n_steps
+    mouse.press("step")
+    wait_for(lambda: mouse.n_steps == n + 1)
+    before = mouse.view.runner.stage
+    mouse.press("step_stage")
+    wait_for(lambda: mouse.view.runner.stage != before)
+    mouse.press("reset")
+    wait_for(lambda: mouse.n_steps == 0)
+    mouse.press("start")
+    wait_for(lambda: mouse.n_steps > 60)
+    mouse.pause()
+    place = tab.locator(".robsim-title-step")
+    slider = tab.locator("input[name=timeline]").bounding_box()
+    tab.mouse.click(slider["x"] + slider["width"] / 2, slider["y"] + slider["height"] / 2)
+    wait_for(lambda: 20 < int(place.inner_text().split()[1]) < mouse.n_steps - 20)
+    tab.click("button[name=newest]")
+    wait_for(lambda: place.inner_text() == f"step {mouse.n_steps - 1}")
+    tab.mouse.click(slider["x"] + 10, slider["y"] + slider["height"] / 2)
+    tab.click("button[name=past_step]")
+    wait_for(lambda: tab.get_attribute("main", "data-looking") == "newest")
+
+
+def use_picture(mouse):
+    tab = mouse.tab
+    canvas = tab.locator(".robsim-camera > canvas")
+    box = canvas.bounding_box()
+    scale = box["width"] / 600
+
+    def at(x, y):
+        return {"x": scale * x, "y": scale * y}
+
+    tab.click("button[name=go_to]")
+    canvas.click(position=at(150, 450))
+    wait_for(lambda: told(mouse, "goal"))
+    assert told(mouse, "goal") == pytest.approx([150, 450], abs=2)
+    tab.click("button[name=draw_path]")
+    canvas.click(position=at(100, 300))
+    canvas.click(position=at(300, 300))
+    tab.click("button[name=path_cancel]")
+    tab.click("button[name=draw_path]")
+    for point in ((100, 300), (300, 300), (450, 500)):
+        canvas.click(position=at(*point))
+    tab.click("button[name=path_done]")
+    path = wait_for(lambda: told(mouse, "path"))
+    np.testing.assert_allclose([path[0], path[-1]], [(100, 300), (450, 500)], atol=2)
+    tab.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    tab.mouse.wheel(0, -400)
+    whole = tab.locator("button[name=zoom_reset]")
+    assert whole.inner_text() > "1.5"
+    whole.click()
+    assert whole.is_hidden()
+    tab.click("button[name=show]")
+    for switch in tab.locator(".robsim-show-list input").all():
+        before = mouse.picture()
+        was = switch.is_checked()
+        switch.click()
+        assert switch.is_checked() != was
+        mouse.paint()
+        name = switch.get_attribute("name")
+        if name in ("show_truth", "show_planned", "show_object_trace", "show_covariance"):
+            assert (mouse.picture() != before).any(), name
+        switch.click()
+    tab.click("button[name=show]")
+
+
+def use_charts(mouse):
+    tab = mouse.tab
+    x = mouse.chart("x px")
+    for name in ("true", "measured", "estimated", "held"):
+        button = tab.locator(f".robsim-traces button[name=show_{name}]")
+        shown = x.count(name)
+        assert shown
+        button.click()
+        mouse.paint()
+        assert x.count(name) < shown / 2
+        button.click()
+    tab.get_by_label("Objects").check()
+    wait_for(lambda: x.count("blue"))
+    tab.get_by_label("Objects").uncheck()
+    tab.select_option("select[name=add_column]", "u1")
+    assert wait_for(lambda: mouse.chart("u1").count("true") == 0)
+    tab.click("button[name=remove_u1]")
+    assert tab.locator("canvas[aria-label^=u1]").count() == 0
+    for sheet in ("Traces", "Parameters"):
+        mouse.open(sheet)
+        follow = tab.locator("button[name=follow]:visible")
+        follow.click()
+        assert follow.get_attribute("aria-pressed") == "false"
+        for steps in ("200", "2000", "0", "600"):
+            tab.select_option("select[name=window]:visible", steps)
+            assert follow.get_attribute("aria-pressed") == "true"
+
+
+def use_callbacks(mouse, editor):
+    tab = mouse.tab
+    mouse.choose("Tracking", "Mine")
+    mouse.open("Callbacks")
+    switch = tab.get_by_role("switch", name="Animate")
+    for is_on in (True, False):
+        switch.click()
+        wait_for(lambda wanted=is_on: mouse.view.driver.animates == wanted)
+    sources = tab.locator(".robsim-slot button[name^=source_]:visible")
+    assert sources.count() >= 7
+    for source in sources.all():
+        source.click()
+        tab.locator(".robsim-source li").first.wait_for()
+        tab.click(".robsim-source button[name=copy]")
+        tab.click("button[name=close_source]")
+    for edit in tab.locator(".robsim-slot button[name^=edit_]:visible").all():
+        edit.click()
+        slot = edit.get_attribute("name").removeprefix("edit_")
+        place = f"{__file__}:{globals()[slot].__code__.co_firstlineno}"
+        wait_for(lambda place=place: editor.exists() and place in editor.read_text())
+
+
+def use_inspector_and_result(mouse):
+    tab = mouse.tab
+    mouse.open("Inspector")
+    for name in ("measurement", "pose"):
+        tab.locator(".robsim-tree").get_by_text(name, exact=True).click()
+    assert tab.inner_text(".robsim-inspector-path") == "step.measurement.pose"
+    tab.click(".robsim-inspector button[name=copy]")
+    mouse.open("Estimate")
+    tab.click("button[name=finish_result]")
+    tab.locator(".robsim-result tbody tr").first.wait_for()
+    assert tab.locator(".robsim-result tbody tr").count() == 15
+    mouse.open("Traces")
+    mouse.press("finish")  # nothing new: it shows what there is
+    tab.locator(".robsim-result table").wait_for()
+
+
+def use_title(mouse):
+    tab = mouse.tab
+    main = tab.locator("main")
+    for name, theme in (("auto", "light"), ("light", "dark"), ("dark", "light")):
+        tab.click(f".robsim-title-looks [name={name}]")
+        assert main.get_attribute("data-theme") == theme
+    tab.click("button[name=palette]")
+    assert main.get_attribute("data-palette") == "distinct"
+    tab.click("button[name=palette]")
+    tab.click("button[name=keys]")
+    assert tab.get_by_role("dialog", name="Keys").is_visible()
+    tab.click(".robsim-keys button[name=close]")
+    assert tab.get_by_role("dialog", name="Keys").is_hidden()
+
+
+def test_every_control_does_something_and_none_is_left_out(mouse, editor):
+    use_settings(mouse)
+    use_transport(mouse)
+    use_charts(mouse)
+    mouse.open("Traces")
+    use_picture(mouse)
+    use_callbacks(mouse, editor)
+    use_inspector_and_result(mouse)
+    use_title(mouse)
+    # An error, notes and motors are not there: see below. What is in no file has no Edit.
+    elsewhere = ".robsim-error, .robsim-slot-error, .robsim-toasts, [name=stop]"
+    assert mouse.tab.evaluate(_LEFT_OUT, f"{elsewhere}, [name^=edit_][hidden]") == []
+
+
+def test_the_keys_move_a_run(mouse):
+    keyboard, place = mouse.tab.keyboard, mouse.tab.locator(".robsim-title")
+    keyboard.press(" ")
+    wait_for(lambda: mouse.n_steps > 5)
+    keyboard.press(" ")
+    mouse.tab.wait_for_selector("main[data-state=paused]")
+    n = mouse.n_steps
+    for key, k in {".": n, "ArrowRight": n + 1, "ArrowLeft": n, "End": n + 1}.items():
+        keyboard.press(key)
+        place.get_by_text(f"step {k}", exact=True).wait_for()
+    assert mouse.n_steps == n + 2
+    before = mouse.view.runner.stage
+    keyboard.press("s")
+    wait_for(lambda: mouse.view.runner.stage != before)
+    keyboard.press("?")
+    assert mouse.tab.get_by_role("dialog", name="Keys").is_visible()
+    keyboard.press("Escape")
+    assert mouse.tab.get_by_role("dialog", name="Keys").is_hidden()
+
+
+def test_an_error_is_read_and_repeated(open_panel, editor):
+    broken = [True]
+
+    def measure(step):
+        if broken[0]:
+            raise ValueError("the camera is upside down")
+
+    mouse = Mouse(*open_panel(robsim.Simulation(area=(300, 300), seed=1, measure=measure)))
+    tab = mouse.tab
+    mouse.press("step")
+    error = tab.locator(".robsim-error")
+    error.wait_for()
+    assert "the camera is upside down" in error.inner_text()
+    error.locator("summary").click()
+    assert error.locator(".robsim-error-traceback").is_visible()
+    error.locator("[name=edit]").click()
+    wait_for(lambda: editor.exists() and __file__ in editor.read_text())
+    error.locator("[name=to_callbacks]").click()
+    failed = tab.locator(".robsim-slot-error:visible")
+    assert "upside down" in failed.inner_text()
+    failed.locator("summary").click()
+    stages = tab.get_by_role("radiogroup", name="State estimation")
+    stages.get_by_text("Mine").click(force=True)  # there is none: it says so
+    toast = tab.locator(".robsim-toast").first
+    toast.locator("[name=close]").click()
+    broken[0] = False
+    error.locator("[name=go_on]").click()
+    wait_for(lambda: mouse.n_steps > 1)
+    assert error.is_hidden()
+
+
+@pytest.mark.parametrize("how", ["button", "Esc"])
+def test_stop_stops_the_motors_while_a_callback_hangs(open_panel, how):
+    sent, hangs = [], [False]
+
+    def control(step):
+        while hangs[0]:
+            time.sleep(0.01)
+        return 1, 2
+
+    source = SteppedCamera([np.zeros((64, 64, 3), np.uint8)] * 50)
+    for _ in range(50):
+        source.permits.release()
+    options = {"area": (64, 64), "measure": False, "identify_from": "truth", "control": control}
+    with robsim.Camera(source) as camera:
+        experiment = robsim.Experiment(camera, send=lambda u: sent.append(tuple(u)), **options)
+        view, tab = open_panel(experiment)
+        tab.click("button[name=step]")
+        wait_for(lambda: sent[:1] == [(1, 2)])
+        hangs[0] = True
+        tab.click(".robsim-transport [name=start]")
+        tab.wait_for_selector("main[data-state=running]")
+        sent.clear()
+        if how == "Esc":
+            tab.keyboard.press("Escape")
+        else:
+            tab.click("button[name=stop]")
+        wait_for(lambda: (0, 0) in sent)
+        hangs[0] = False
+        tab.get_by_text("The motors were stopped. Start runs on.").wait_for()
+        assert view.driver.is_stopped
