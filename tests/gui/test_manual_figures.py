@@ -95,7 +95,7 @@ def test_2_2_traces_of_a_robot_that_spins(mouse):
         assert chart.count("true") > 50
         assert chart.count("measured") > 50
         assert chart.count("held") == 0
-    # The offset of the locator goes round with the robot.
+    # The offset of the markers goes round with the robot.
     assert abs(mean_x) < 0.1
     assert std_x < 0.1
     # One of 36 headings is shown: the error is a saw-tooth of 10 degrees.

@@ -106,7 +106,7 @@ def test_a_camera_that_hangs_is_seen(open_fake):
         ({"rate": 29.96, "age": 0.031, "dropped": 2}, "30.0 fps, 31 ms old, 2 dropped", False),
         ({"rate": 0.0, "age": 12.4, "dropped": 2}, "0.0 fps, none for 12 s, 2 dropped", True),
     ]:
-        host.state(state="running", camera=camera)
+        host.state(**{"state": "running", "camera": camera})
         assert rate.inner_text() == words
         assert ("robsim-hangs" in rate.get_attribute("class")) == hangs
 

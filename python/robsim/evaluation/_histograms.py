@@ -20,6 +20,8 @@ def usual_limits(values: Floats) -> tuple[float, float]:
     low, high = np.quantile(values, (0.05, 0.95))
     tolerance = 3.0 * (high - low)
     usual = values[(values >= low - tolerance) & (values <= high + tolerance)]
+    if not len(usual):  # their differences are beyond what numbers hold
+        usual = values
     low, high = min(float(usual.min()), 0.0), max(float(usual.max()), 0.0)
     # A minimum range: rounding errors must not look like measurement errors.
     margin = max(0.15 * (high - low), 1e-3)

@@ -16,10 +16,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from playwright.sync_api import BrowserContext, Locator
+    from playwright.sync_api import BrowserContext
 
 _PATIENCE = 60.0  # s
 _QUIET = {"fetchNews": "false", "checkForUpdates": False}
@@ -183,7 +183,7 @@ class Lab:
                 return text
         raise RuntimeError("the notebook is not saved")
 
-    def _cell(self, i: int) -> Locator:
+    def _cell(self, i: int) -> Any:
         return self.page.locator(".jp-Notebook .jp-CodeCell").nth(i)
 
     def _number(self, i: int) -> str:
