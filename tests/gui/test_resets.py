@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from browsers import panel_of
+from browsers import FakeBrowser, panel_of
 
 pytestmark = pytest.mark.threads
 
@@ -72,6 +72,23 @@ def test_rows_begin_with_the_first_one_however_many_there_are(anew, longer):
     assert first == 0
     np.testing.assert_array_equal(rows, sim.trace.pose_true[: len(rows)].astype("f4"))
     assert "pose_measured" not in [entry["column"] for entry in head["rows"]]  # there was none
+
+
+def test_each_of_two_browsers_is_told():
+    sim = simulation()
+    sim.run(5)
+    with panel_of(sim) as (view, browser):
+        other = FakeBrowser(view, name="other")
+        for one in (browser, other):
+            one.say("columns", names=["pose_true"])
+            one.take("rows")
+        run_anew(view, 8)
+        for one in (browser, other):
+            head, buffers = one.take("frame", k=7)
+            while not head["rows"]:
+                head, buffers = one.take("rows")
+            first, rows = rows_of(head, buffers, "pose_true")
+            assert (first, len(rows)) == (0, 8)
 
 
 def test_a_column_that_the_new_run_lacks_is_empty():

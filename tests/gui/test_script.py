@@ -20,6 +20,19 @@ def test_no_name_stands_in_two_files():
     assert [name for name, count in names.items() if count > 1] == []
 
 
+def test_lines_are_short():
+    files = [file for kind in ("*.js", "*.css") for file in STATIC.rglob(kind)]
+    assert len(files) > 50
+    long = [
+        f"{file.name}:{number}"
+        for file in files
+        if file.name != "icons.js"  # its paths
+        for number, line in enumerate(file.read_text("utf-8").splitlines(), 1)
+        if len(line) > 100
+    ]
+    assert long == []
+
+
 def test_the_module_imports_nothing():
     assert re.findall(r"^(?:import|export (?!default))", script(), re.MULTILINE) == []
 

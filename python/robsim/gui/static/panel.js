@@ -56,7 +56,8 @@ function layOut(context, camera) {
   });
   const view = make("div", { className: "robsim-view" }, camera.element, trouble.element);
   const left = [makeTitle(context), { element: view }, transport, timeline, makeControls(context)];
-  const over = [makeKeyboard(context, transport, timeline).element, makeNotes(context).element, trouble.lost];
+  const over = [makeKeyboard(context, transport, timeline).element, makeNotes(context).element,
+    trouble.lost];
   return make("div", { className: "robsim-panel", tabIndex: -1 },
     make("div", { className: "robsim-left" }, ...left.map((part) => part.element)),
     make("div", { className: "robsim-right" }, ...tabs.elements), ...over);

@@ -10,13 +10,15 @@ function render({ model, el }) {
   const still = model.get("still");
   el.classList.add("robsim");
   // The picture for those without a kernel, which lies below.
-  if (still) el.append(make("style", { textContent: `.robsim-still-${still} { display: none !important; }` }));
+  const hides = `.robsim-still-${still} { display: none !important; }`;
+  if (still) el.append(make("style", { textContent: hides }));
   const send = (message) => model.send({ ...message, id });
   const view = VIEWS[model.get("kind")]({ el, send });
   let queue = Promise.resolve();
   const receive = (head, buffers) => {
     view.arrived?.(head);
-    queue = queue.then(() => view.receive(head, buffers ?? [])).catch((error) => console.error(error));
+    const take = () => view.receive(head, buffers ?? []);
+    queue = queue.then(take).catch((error) => console.error(error));
     return queue; // for tests
   };
   const bye = () => send({ type: "bye" });

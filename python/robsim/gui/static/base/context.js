@@ -11,10 +11,10 @@ const CHOICES = {
 };
 
 /**
- * Events: each type of message from Python, with (head, buffers), after the context has taken it in;
- * "local" (name) when a choice of this view was made; "theme" when the colours have changed;
- * "reset" when the steps begin anew; "looking" when another step is looked at; "frame" for those that are shown, "arrived" for all;
- * "axis" and "cursor" of the charts.
+ * Events: each type of message from Python, with (head, buffers), after the context has taken it
+ * in; "local" (name) when a choice of this view was made; "theme" when the colours have changed;
+ * "reset" when the steps begin anew; "looking" when another step is looked at; "frame" for those
+ * that are shown, "arrived" for all; "axis" and "cursor" of the charts.
  */
 export function makeContext(el, send) {
   const listeners = new Map();
@@ -55,7 +55,8 @@ export function makeContext(el, send) {
     want(names) {
       const lacking = names.filter((name) => !wanted.has(name));
       if (!lacking.length) return;
-      if (!wanting.length) queueMicrotask(() => send({ type: "columns", names: wanting.splice(0) }));
+      if (!wanting.length)
+        queueMicrotask(() => send({ type: "columns", names: wanting.splice(0) }));
       lacking.forEach((name) => wanted.add(name));
       wanting.push(...lacking);
     },

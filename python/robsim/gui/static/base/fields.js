@@ -8,7 +8,9 @@ import { text } from "./texts.js";
 
 const MOST_SEGMENTS = 3; // more of them become a list that opens
 
-/** Make the field of a control: `show` a value that Python tells; `refuse` is called with why not. */
+/**
+ * Make the field of a control: `show` a value that Python tells; `refuse` is called with why not.
+ */
 export function makeField(control, send, refuse) {
   const { name, kind, choices } = control;
   const isShort = kind == "choice" && choices.length <= MOST_SEGMENTS;
@@ -26,7 +28,8 @@ export function makeField(control, send, refuse) {
 
 const MAKERS = { segments: makeSegments, choice: makeSelect, range: makeRange, switch: makeSwitch };
 
-const choiceText = (name, value) => text(`control.${name}.${value}`, {}, text(`choice.${value}`, {}, value));
+const choiceText = (name, value) =>
+  text(`control.${name}.${value}`, {}, text(`choice.${value}`, {}, value));
 
 function makeSegments({ name, choices }, refuse) {
   const buttons = choices.map(({ value, disabled }) => {
@@ -54,7 +57,8 @@ function makeSegments({ name, choices }, refuse) {
 function makeSelect({ name, choices }) {
   const options = choices.map(({ value, disabled }) => {
     const textContent = choiceText(name, value) + (disabled ? ` (${disabled})` : "");
-    return make("option", { value, disabled: disabled != null, title: disabled ?? "", textContent });
+    return make("option",
+      { value, disabled: disabled != null, title: disabled ?? "", textContent });
   });
   const element = make("select", { className: "robsim-select", name }, ...options);
   const listen = (set) => element.addEventListener("change", () => set(element.value));
@@ -74,7 +78,8 @@ function makeRange({ name, low, high, step, unit }) {
 }
 
 function makeSwitch({ name }) {
-  const element = make("input", { type: "checkbox", role: "switch", className: "robsim-switch", name });
+  const element = make("input",
+    { type: "checkbox", role: "switch", className: "robsim-switch", name });
   const listen = (set) => element.addEventListener("change", () => set(element.checked));
   return { element, listen, show: (value) => (element.checked = value) };
 }

@@ -16,7 +16,8 @@ export function makeFlow(context) {
     clearTimeout(late);
     granted = performance.now();
     context.send({ type: "grant", upto: number + FRAMES_AHEAD, late: isLate });
-    if (!context.setup || context.state.state == "running") late = setTimeout(() => grant(true), LATE);
+    if (!context.setup || context.state.state == "running")
+      late = setTimeout(() => grant(true), LATE);
   };
   context.on("frame", (head) => {
     number = head.n;

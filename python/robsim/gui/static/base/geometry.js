@@ -48,7 +48,10 @@ export function isInside(polygon, [x, y]) {
   return inside;
 }
 
-/** Return points of the ellipse so many standard deviations around the origin; `P` 3 x 3, row by row. */
+/**
+ * Return points of the ellipse so many standard deviations around the origin; `P` 3 x 3, row by
+ * row.
+ */
 export function ellipse(P, sigmas, count = 48) {
   const [xx, xy, yy] = [P[0], P[1], P[4]];
   const tilt = Math.atan2(2 * xy, xx - yy) / 2;
@@ -65,7 +68,8 @@ export function ellipse(P, sigmas, count = 48) {
 function distanceToEdge(point, a, b) {
   const length = distance(a, b);
   if (!length) return distance(point, a);
-  const along = ((point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])) / length ** 2;
+  const along =
+    ((point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])) / length ** 2;
   const t = Math.min(Math.max(along, 0), 1);
   return distance(point, [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]);
 }
@@ -81,8 +85,8 @@ function farthestBetween(points, first, last) {
 }
 
 /**
- * Return a line with fewer points, by Douglas and Peucker: the farthest ones come back first, until all
- * are within the tolerance, or there are so many.
+ * Return a line with fewer points, by Douglas and Peucker: the farthest ones come back first, until
+ * all are within the tolerance, or there are so many.
  */
 export function simplified(points, tolerance, most) {
   const kept = [0, points.length - 1];

@@ -5,8 +5,8 @@ import { painter } from "./dom.js";
 const ANSWER_TIME = 1000; // ms in which Python's answer to a value is to come
 
 /**
- * Keep a value: what was set here last is shown, not an older one that is still on its way from Python
- * (`tell`); it is sent once per animation frame at most.
+ * Keep a value: what was set here last is shown, not an older one that is still on its way from
+ * Python (`tell`); it is sent once per animation frame at most.
  */
 export function heldValue(element, show, send) {
   let [mine, told, isHeld, waitsUntil] = [undefined, undefined, false, 0];

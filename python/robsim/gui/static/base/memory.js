@@ -7,10 +7,12 @@ const MEMORY_KEY = "robsim";
 export function remembered(choices) {
   const known = { ...choices };
   try {
-    for (const [name, value] of Object.entries(JSON.parse(localStorage.getItem(MEMORY_KEY) ?? "{}")))
+    const kept = JSON.parse(localStorage.getItem(MEMORY_KEY) ?? "{}");
+    for (const [name, value] of Object.entries(kept))
       if (typeof value == typeof choices[name]) known[name] = value;
   } catch {
-    // A browser may forbid it, as in a notebook of a stranger; then everything begins as it stands here.
+    // A browser may forbid it, as in a notebook of a stranger; then everything begins as it stands
+    // here.
   }
   return known;
 }

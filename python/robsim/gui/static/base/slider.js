@@ -11,6 +11,7 @@ export function makeSlider(name, { min, max, step }) {
 export function showSlider(slider, value, words) {
   const [min, max] = [Number(slider.min), Number(slider.max)];
   slider.value = String(value);
-  slider.style.setProperty("--robsim-part", `${max > min ? (100 * (value - min)) / (max - min) : 0}%`);
+  const part = max > min ? (100 * (value - min)) / (max - min) : 0;
+  slider.style.setProperty("--robsim-part", `${part}%`);
   slider.setAttribute("aria-valuetext", words);
 }

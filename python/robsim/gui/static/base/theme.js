@@ -1,5 +1,6 @@
 // @ts-check
-// The colours, which stand in css/theme.css; light or dark follows the host, or a choice of the view.
+// The colours, which stand in css/theme.css; light or dark follows the host, or a choice of the
+// view.
 
 /** Return the value of a custom property such as "--robsim-true", for a canvas. */
 export const color = (el, name) => getComputedStyle(el).getPropertyValue(name).trim();
@@ -14,8 +15,8 @@ function isHostDark(media) {
 }
 
 /**
- * Keep the theme and the palette of `el` as the host and `local` have them: `theme` "auto", "light" or
- * "dark", and `palette`; call `changed` after a change.
+ * Keep the theme and the palette of `el` as the host and `local` have them: `theme` "auto", "light"
+ * or "dark", and `palette`; call `changed` after a change.
  */
 export function watchTheme(el, local, changed) {
   const media = matchMedia("(prefers-color-scheme: dark)");

@@ -5,7 +5,8 @@ import { text } from "../base/texts.js";
 
 export function makeBadges(context) {
   const words = text("past_step.title");
-  const past = make("button", { type: "button", name: "past_step", title: words, ariaLabel: words });
+  const past = make("button",
+    { type: "button", name: "past_step", title: words, ariaLabel: words });
   past.className = "robsim-chip robsim-active";
   past.onclick = () => context.look(null);
   const missed = make("div", { className: "robsim-chip robsim-warning" });

@@ -26,7 +26,8 @@ export function makeDraft() {
   draft.end = (size) => {
     const [before, drawn] = [draft.points.slice(0, stroke), draft.points.slice(stroke)];
     const room = MOST_PATH_POINTS - before.length;
-    draft.points = [...before, ...simplified(drawn, DRAW_TOLERANCE * size, Math.max(room, 2)).slice(0, room)];
+    const simple = simplified(drawn, DRAW_TOLERANCE * size, Math.max(room, 2));
+    draft.points = [...before, ...simple.slice(0, room)];
     stroke = null;
     return !before.length;
   };

@@ -15,9 +15,9 @@ function canScroll(element, amount) {
 }
 
 /**
- * Call handlers with what is done on a canvas: `click`, `doubleClick`, `dragStart`, `drag` (from, to),
- * `dragEnd`, `giveUp` (a drag turns into something else), `hover` (a point, or null), `zoom` (at, factor),
- * `move` (by); `isZoomed` says whether the wheel is ours for sure.
+ * Call handlers with what is done on a canvas: `click`, `doubleClick`, `dragStart`, `drag` (from,
+ * to), `dragEnd`, `giveUp` (a drag turns into something else), `hover` (a point, or null), `zoom`
+ * (at, factor), `move` (by); `isZoomed` says whether the wheel is ours for sure.
  */
 export function watchGestures(canvas, handlers) {
   const pointers = new Map(); // pointers that are down -> where
@@ -48,7 +48,10 @@ export function watchGestures(canvas, handlers) {
     }
     pointers.set(event.pointerId, point(event));
     if (pointers.size > 1) end();
-    else pressed = { at: point(event), slop: devicePixelRatio * (CLICK_SLOP[event.pointerType] ?? 4) };
+    else {
+      const slop = devicePixelRatio * (CLICK_SLOP[event.pointerType] ?? 4);
+      pressed = { at: point(event), slop };
+    }
   };
   canvas.onpointermove = (event) => {
     const to = point(event);

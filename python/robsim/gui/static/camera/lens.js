@@ -11,7 +11,8 @@ export function makeLens() {
   let middle = [0.5, 0.5]; // what of the picture is in the middle, as parts of it
 
   const hold = (i, zoomed) => {
-    const shown = Math.min(box[i] / zoomed, size[i]) / size[i] / 2; // half of what there is room for
+    // half of what there is room for
+    const shown = Math.min(box[i] / zoomed, size[i]) / size[i] / 2;
     return Math.min(Math.max(middle[i], shown), 1 - shown);
   };
   const place = () => {
@@ -25,8 +26,10 @@ export function makeLens() {
     [box, size] = [newBox, newSize];
     place();
   };
-  lens.toCanvas = ([u, v]) => [lens.left + (u + 0.5) * lens.scale, lens.top + (v + 0.5) * lens.scale];
-  lens.toPixel = ([x, y]) => [(x - lens.left) / lens.scale - 0.5, (y - lens.top) / lens.scale - 0.5];
+  lens.toCanvas = ([u, v]) =>
+    [lens.left + (u + 0.5) * lens.scale, lens.top + (v + 0.5) * lens.scale];
+  lens.toPixel = ([x, y]) =>
+    [(x - lens.left) / lens.scale - 0.5, (y - lens.top) / lens.scale - 0.5];
   lens.holds = ([x, y]) => {
     const [u, v] = lens.toPixel([x, y]);
     return u >= -0.5 && v >= -0.5 && u < size[0] - 0.5 && v < size[1] - 0.5;

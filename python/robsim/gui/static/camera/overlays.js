@@ -9,11 +9,12 @@ const DASH = [5, 4]; // px on the screen
 const OVERLAY_WIDTH = 1.5; // px on the screen
 
 /**
- * The overlays from the lowest to the highest: `shown` at first, the theme's `color`, what is drawn, the
- * `columns` of the trace that it needs, and whether there `is` such a thing in a run.
+ * The overlays from the lowest to the highest: `shown` at first, the theme's `color`, what is
+ * drawn, the `columns` of the trace that it needs, and whether there `is` such a thing in a run.
  *
- * A scene has `pen` (of the canvas), `lens`, `unit` (device pixels a px), `place` (work area to canvas),
- * `pixel` (camera to canvas), `frame`, `context`, `colors` (of the theme, by name), `classColors`.
+ * A scene has `pen` (of the canvas), `lens`, `unit` (device pixels a px), `place` (work area to
+ * canvas), `pixel` (camera to canvas), `frame`, `context`, `colors` (of the theme, by name),
+ * `classColors`.
  */
 export const makeOverlays = () => [
   { name: "path_driven", shown: true, color: "measured", columns: pathColumns, draw: makeTrail() },
@@ -35,12 +36,15 @@ export const isShown = (context, { name, shown }) => context.local.overlays[name
 
 const halos = new Map();
 
-/** Return what sets a colour off against any floor: black or white, whichever is farther from it. */
+/**
+ * Return what sets a colour off against any floor: black or white, whichever is farther from it.
+ */
 export function haloOf(pen, color) {
   if (!halos.has(color)) {
     pen.fillStyle = color; // comes back as #rrggbb
     const [r, g, b] = [1, 3, 5].map((at) => parseInt(String(pen.fillStyle).slice(at, at + 2), 16));
-    halos.set(color, 0.3 * r + 0.59 * g + 0.11 * b < 90 ? "rgb(255 255 255 / 0.75)" : "rgb(0 0 0 / 0.6)");
+    const isDark = 0.3 * r + 0.59 * g + 0.11 * b < 90;
+    halos.set(color, isDark ? "rgb(255 255 255 / 0.75)" : "rgb(0 0 0 / 0.6)");
   }
   return halos.get(color);
 }
@@ -77,25 +81,30 @@ export function drawDot({ pen, unit }, [x, y], color, radius = 2.5) {
 /** Draw a goal: a ring around a dot, at a point of the canvas. */
 function drawGoal(scene, [x, y], color) {
   const radius = 8 * scene.unit;
-  const ring = Array.from({ length: 32 }, (_, i) => fromRobot([x, y, (i * Math.PI) / 16], [radius, 0]));
+  const ring = Array.from({ length: 32 }, (_, i) =>
+    fromRobot([x, y, (i * Math.PI) / 16], [radius, 0]));
   drawLine(scene, ring, color, { width: 2, isClosed: true });
   drawDot(scene, [x, y], color);
 }
 
 function outlineAt(scene, pose, color, options) {
-  const points = scene.context.setup.robot.outline.map((point) => scene.place(fromRobot(pose, point)));
+  const points = scene.context.setup.robot.outline.map((point) =>
+    scene.place(fromRobot(pose, point)));
   drawLine(scene, points, color, { isClosed: true, ...options });
 }
 
-const robotReach = ({ context }) => Math.max(...context.setup.robot.outline.map(([forward]) => forward));
+const robotReach = ({ context }) =>
+  Math.max(...context.setup.robot.outline.map(([forward]) => forward));
 
 function drawOutline(scene) {
-  if (scene.frame.measured) outlineAt(scene, scene.frame.measured, scene.colors.measured, { width: 2 });
+  if (scene.frame.measured)
+    outlineAt(scene, scene.frame.measured, scene.colors.measured, { width: 2 });
 }
 
 /** Draw the centre of the robot, and a line from there to where it looks. */
 function headingAt(scene, pose, color, options) {
-  const ends = [[0, 0], [1.35 * robotReach(scene), 0]].map((point) => scene.place(fromRobot(pose, point)));
+  const reach = 1.35 * robotReach(scene);
+  const ends = [[0, 0], [reach, 0]].map((point) => scene.place(fromRobot(pose, point)));
   drawLine(scene, ends, color, options);
   drawDot(scene, ends[0], color, 3);
 }
@@ -107,7 +116,8 @@ function drawHeading(scene) {
 
 function drawHeld(scene) {
   const { frame, colors } = scene;
-  if (frame.held && !frame.measured) outlineAt(scene, frame.held, colors.held, { dash: DASH, width: 2 });
+  if (frame.held && !frame.measured)
+    outlineAt(scene, frame.held, colors.held, { dash: DASH, width: 2 });
 }
 
 function drawTruth(scene) {

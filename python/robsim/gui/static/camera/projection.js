@@ -5,7 +5,8 @@ import { distance, facing, inverseMap, project } from "../base/geometry.js";
 const middleOf = ({ size }) => [size[0] / 2, size[1] / 2];
 
 export function makeProjection(context, lens) {
-  const toArea = (at) => project(facing(context.frame.map, middleOf(context.frame)), lens.toPixel(at));
+  const toArea = (at) =>
+    project(facing(context.frame.map, middleOf(context.frame)), lens.toPixel(at));
   return {
     toArea,
     /** Where a point of the canvas is on the work area; null beside the picture. */

@@ -8,7 +8,8 @@ const toDegrees = (radians) => (radians * 180) / Math.PI;
 const digits = (value) => value.toFixed(1).replace("-", "\u2212");
 
 const placeCells = ([x, y]) => [`x ${digits(x)}`, `y ${digits(y)} px`, ""];
-const poseCells = ([x, y, heading]) => [digits(x), digits(y), `${digits(toDegrees(heading))}\u00b0`];
+const poseCells = ([x, y, heading]) =>
+  [digits(x), digits(y), `${digits(toDegrees(heading))}\u00b0`];
 
 function estimateCells({ pose, covariance }) {
   if (!covariance) return poseCells(pose);
@@ -28,7 +29,8 @@ function poseRows(frame) {
 
 export function makeReadout(context) {
   const element = make("div", { className: "robsim-camera-readout", role: "status" });
-  const row = (first, cells) => [first, ...cells.map((textContent) => make("span", { textContent }))];
+  const row = (first, cells) =>
+    [first, ...cells.map((textContent) => make("span", { textContent }))];
   const poseRow = ([name, cells]) => {
     const mark = make("span", { className: "robsim-swatch" });
     mark.style.setProperty("--robsim-swatch", `var(--robsim-${name})`);

@@ -16,12 +16,14 @@ export function makeShowMenu(context, overlays) {
   const classStripes = () => {
     const colors = (context.setup?.colors ?? []).map(({ css }) => css);
     const at = (i) => `${(100 * i) / colors.length}%`;
-    return `linear-gradient(to right, ${colors.map((css, i) => `${css} ${at(i)} ${at(i + 1)}`).join()})`;
+    const stripes = colors.map((css, i) => `${css} ${at(i)} ${at(i + 1)}`);
+    return `linear-gradient(to right, ${stripes.join()})`;
   };
   const entry = (overlay) => {
     const box = make("input", {
       type: "checkbox", name: `show_${overlay.name}`, checked: isShown(context, overlay),
-      onchange: () => context.choose("overlays", { ...context.local.overlays, [overlay.name]: box.checked }),
+      onchange: () =>
+        context.choose("overlays", { ...context.local.overlays, [overlay.name]: box.checked }),
     });
     const swatch = make("span", { className: "robsim-swatch" });
     const colors = overlay.color ? `var(--robsim-${overlay.color})` : classStripes();

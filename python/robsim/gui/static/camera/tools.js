@@ -11,8 +11,8 @@ const CROSS_MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], 
 const TOOLS = ["go_to", "draw_path"];
 
 /**
- * What the pointer does: "look", "go_to" or "draw_path". The `canvas` takes the keys; `changed` is called
- * when something is to be painted.
+ * What the pointer does: "look", "go_to" or "draw_path". The `canvas` takes the keys; `changed` is
+ * called when something is to be painted.
  */
 export function makeTools(context, canvas, changed) {
   const draft = makeDraft();
@@ -143,7 +143,8 @@ function makeHint(finish, leave) {
   const words = make("span");
   const done = makeTextButton("path_done", "robsim-primary", finish);
   const cancel = makeTextButton("path_cancel", "", leave);
-  const element = make("div", { className: "robsim-camera-hint", hidden: true }, words, done, cancel);
+  const element = make("div", { className: "robsim-camera-hint", hidden: true }, words, done,
+    cancel);
   const show = (tool, isPath) => {
     element.hidden = tool == "look";
     words.textContent = element.hidden ? "" : text(`tool.${tool}.hint`);

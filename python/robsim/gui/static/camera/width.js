@@ -12,7 +12,8 @@ export function makeWidthTeller(context, width) {
   const send = () => {
     if (!context.setup || known() == told) return;
     context.send({ type: "size", width: (told = known()) });
-    if (context.looking != null) context.send({ type: "look", k: context.looking }); // comes again too
+    // comes again too
+    if (context.looking != null) context.send({ type: "look", k: context.looking });
   };
   context.onEnd(() => clearTimeout(timer));
   return {

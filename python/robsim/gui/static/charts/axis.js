@@ -2,7 +2,8 @@
 // The steps that all charts of a panel show, and the one under the cursor.
 
 const SHORTEST_SPAN = 10; // steps on the whole width
-const FIRST_SPANS = [100, 200, 400, 600, 1000]; // widths at first, so that it does not grow with each step
+// widths at first, so that it does not grow with each step
+const FIRST_SPANS = [100, 200, 400, 600, 1000];
 
 /** Emits "axis" when other steps are shown, and "cursor". */
 class StepAxis {
@@ -69,7 +70,8 @@ class StepAxis {
 
   /** Put the cursor on a step, or away; `isKept`: where it can be seen. */
   point(k, isKept = false) {
-    const cursor = k === null || !this.count ? null : Math.min(Math.max(Math.round(k), 0), this.count - 1);
+    const isOff = k === null || !this.count;
+    const cursor = isOff ? null : Math.min(Math.max(Math.round(k), 0), this.count - 1);
     if (cursor === this.cursor) return;
     this.cursor = cursor;
     if (isKept && cursor !== null && (cursor < this.first || cursor > this.last)) {

@@ -1,5 +1,6 @@
 // @ts-check
-// Some charts that are painted together, at most once for each animation frame, and only if they are seen.
+// Some charts that are painted together, at most once for each animation frame, and only if they
+// are seen.
 import { painter } from "../base/dom.js";
 import { axisOf } from "./axis.js";
 import { layerName, layerText } from "./frame.js";

@@ -1,5 +1,6 @@
 // @ts-check
-// One chart over the steps: a canvas for what changes with the rows, and one over it for the cursor.
+// One chart over the steps: a canvas for what changes with the rows, and one over it for the
+// cursor.
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
 import { drawFrame, drawReadings } from "./frame.js";
@@ -12,10 +13,11 @@ const LINE_BELOW = 13; // px
 const STEPS_HEIGHT = 22; // px, below a chart that names the steps
 
 /**
- * A layer: `name` (of a text), `series`, `ink` (a custom property without "--robsim-", or "#..."), `kind`
- * "line", "stairs" or "dots", `size` (px) of its dots or line, `isJoined` if a thin line joins its dots,
- * `isAside` if it is not read off in the title; `spread`, a series of its standard deviation, or what
- * becomes that by the factor that `sigma()` returns: twice it is a band in `bandInk`.
+ * A layer: `name` (of a text), `series`, `ink` (a custom property without "--robsim-", or "#..."),
+ * `kind` "line", "stairs" or "dots", `size` (px) of its dots or line, `isJoined` if a thin line
+ * joins its dots, `isAside` if it is not read off in the title; `spread`, a series of its standard
+ * deviation, or what becomes that by the factor that `sigma()` returns: twice it is a band in
+ * `bandInk`.
  */
 export class Chart {
   /**
@@ -49,7 +51,8 @@ export class Chart {
     Object.assign(this, options);
     this.base = make("canvas");
     this.over = make("canvas", { tabIndex: 0, role: "slider" });
-    this.over.setAttribute("aria-label", text("chart.label", { title: this.title, unit: this.unit }));
+    this.over.setAttribute("aria-label",
+      text("chart.label", { title: this.title, unit: this.unit }));
     this.main = make("div", { className: "robsim-chart-main" }, this.base, this.over);
     this.element = make("div", { className: "robsim-chart" }, this.main);
     if (this.beside) this.element.append(this.beside.element);
@@ -64,7 +67,8 @@ export class Chart {
     const [width, height] = this.size;
     const top = CHART_MARGIN.top + (this.isNarrow ? LINE_BELOW : 0);
     const below = this.namesSteps(this) ? STEPS_HEIGHT : bottom;
-    return { left, top, width: Math.max(width - left - right, 1), height: Math.max(height - top - below, 1) };
+    return { left, top, width: Math.max(width - left - right, 1),
+      height: Math.max(height - top - below, 1) };
   }
 
   paint({ axis, ink, context }) {
@@ -138,7 +142,8 @@ export class Chart {
     g.stroke();
     g.strokeStyle = ink("raised");
     g.lineWidth = 1.5;
-    for (const { series, ink: name } of this.shown) this.drawPoint(g, x, plot.y(series.value(k)), ink(name));
+    for (const { series, ink: name } of this.shown)
+      this.drawPoint(g, x, plot.y(series.value(k)), ink(name));
   }
 
   drawPoint(g, x, y, fill) {
@@ -165,7 +170,8 @@ export function clipped(g, { left, top, width, height }, draw) {
 /** Make a canvas empty, and as fine as the screen; return what draws on it. */
 export function cleanCanvas(canvas, size) {
   const ratio = devicePixelRatio;
-  const [width, height] = size.map((length) => Math.round(length * ratio)); // whole ones: else it is blurred
+  // whole ones: else it is blurred
+  const [width, height] = size.map((length) => Math.round(length * ratio));
   if (canvas.width != width || canvas.height != height) {
     Object.assign(canvas, { width, height });
     Object.assign(canvas.style, { width: `${width / ratio}px`, height: `${height / ratio}px` });

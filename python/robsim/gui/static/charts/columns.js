@@ -50,8 +50,10 @@ function makeColumnMenu(add) {
   });
   const option = (field) => make("option", { value: field, textContent: field });
   const fill = (groups) => {
-    const lists = groups.map(({ name, fields }) => make("optgroup", { label: name }, ...fields.map(option)));
-    menu.replaceChildren(make("option", { value: "", textContent: text("chart.add_column") }), ...lists);
+    const lists = groups.map(({ name, fields }) =>
+      make("optgroup", { label: name }, ...fields.map(option)));
+    menu.replaceChildren(make("option", { value: "", textContent: text("chart.add_column") }),
+      ...lists);
   };
   return { menu, fill };
 }

@@ -50,7 +50,8 @@ export class Extremes {
       for (let block = Math.floor(begin / size); block * size < this.count; block++) {
         this.open(level, 2 * block);
         const last = Math.min(children, (block + 1) * BLOCK_RATIO);
-        for (let child = block * BLOCK_RATIO; child < last; child++) this.merge(level, block, child);
+        for (let child = block * BLOCK_RATIO; child < last; child++)
+          this.merge(level, block, child);
       }
     }
   }

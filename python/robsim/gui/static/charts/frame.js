@@ -79,7 +79,9 @@ export function layerText({ series, spread, sigma }, k) {
   return spread ? uncertainText(value, spread.value(k) * (sigma?.() ?? 1)) : numberText(value);
 }
 
-/** Write what the layers say of a step beside the title, from the right, as far as there is room. */
+/**
+ * Write what the layers say of a step beside the title, from the right, as far as there is room.
+ */
 export function drawReadings(g, chart, layers, k, ink) {
   const { box } = chart;
   g.font = ink("chart-font");

@@ -44,7 +44,8 @@ export function listenToGestures(chart, board) {
     if (event.pointerType == "mouse") board.point(null, null);
   });
   over.addEventListener("dblclick", () => resetChart(chart, board));
-  over.addEventListener("wheel", (event) => turnWheel(chart, board, event, at(event)), { passive: false });
+  const turned = (event) => turnWheel(chart, board, event, at(event));
+  over.addEventListener("wheel", turned, { passive: false });
   over.addEventListener("keydown", (event) => pressKey(chart, board, event));
   over.addEventListener("blur", () => board.point(null, null));
 }
@@ -70,7 +71,8 @@ function dragChart(chart, board, before, now) {
 function pinchSteps(chart, { axis }, touches, moving, now) {
   const resting = [...touches].find(([id]) => id != moving)[1];
   const before = touches.get(moving);
-  const factor = Math.max(Math.abs(before.x - resting.x), 1) / Math.max(Math.abs(now.x - resting.x), 1);
+  const apart = (one) => Math.max(Math.abs(one.x - resting.x), 1);
+  const factor = apart(before) / apart(now);
   axis.zoom(chart.plot.step(resting.x), factor);
 }
 

@@ -1,5 +1,6 @@
 // @ts-check
-// The histogram of an error, lying on its side: it shares the values of the chart that it stands beside.
+// The histogram of an error, lying on its side: it shares the values of the chart that it stands
+// beside.
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
 import { cleanCanvas, clipped } from "./chart.js";
@@ -8,7 +9,8 @@ import { numberText } from "./scale.js";
 const HISTOGRAM_WIDTH = 96; // px
 const LONGEST_BAR = HISTOGRAM_WIDTH - 14; // px
 const TEXT_HEIGHT = 14; // px
-const SOURCE_LAYERS = { measurement: "measured", estimate: "estimated" }; // they are called as their inks
+// they are called as their inks
+const SOURCE_LAYERS = { measurement: "measured", estimate: "estimated" };
 
 export class Histogram {
   element = make("canvas", { className: "robsim-histogram", role: "img" });
@@ -17,7 +19,8 @@ export class Histogram {
   paint(chart, ink) {
     const g = cleanCanvas(this.element, [HISTOGRAM_WIDTH, chart.size[1]]);
     const { box, plot } = chart;
-    const shown = this.errors.filter(({ of }) => chart.shown.some(({ name }) => name == SOURCE_LAYERS[of]));
+    const shown = this.errors.filter(({ of }) =>
+      chart.shown.some(({ name }) => name == SOURCE_LAYERS[of]));
     g.lineWidth = 1 / plot.ratio;
     g.strokeStyle = ink("line");
     g.strokeRect(plot.crisp(0), plot.crisp(box.top), HISTOGRAM_WIDTH - 10, box.height);
@@ -53,7 +56,8 @@ function bellOf({ n, mean, std, low, high, counts }) {
 /** Return px for a count, of bars as long as the bell is high, or longer. */
 function scaleOf(error) {
   const most = Math.max(...error.counts, 1);
-  return LONGEST_BAR / (error.std > 0 ? Math.max(most, Math.min(bellOf(error)(error.mean), 2 * most)) : most);
+  if (!(error.std > 0)) return LONGEST_BAR / most;
+  return LONGEST_BAR / Math.max(most, Math.min(bellOf(error)(error.mean), 2 * most));
 }
 
 function drawBars(g, plot, error, fill) {

@@ -33,7 +33,8 @@ export function makeParameterCharts(context) {
   context.on("parameters", (message) => {
     newest = message;
     const { weak } = message.excitation;
-    charts.forEach((chart) => (chart.remark = weak.includes(chart.title) ? text("chart.weak") : ""));
+    charts.forEach((chart) =>
+      (chart.remark = weak.includes(chart.title) ? text("chart.weak") : ""));
     showVerdict(verdict, message.excitation);
     board.later();
   });
@@ -52,7 +53,8 @@ function parameterChart(context, name, i, newest) {
   // The columns lack the standard deviation of the residuals: the message has it in.
   const sigma = () => (newest()?.errors?.[i] ?? NaN) / spread.value(spread.count - 1);
   const layer = {
-    name: "parameter", series: fieldSeries(context, PARAMETER_GROUPS[0], i), ink: "estimated", kind: "line",
+    name: "parameter", ink: "estimated", kind: "line",
+    series: fieldSeries(context, PARAMETER_GROUPS[0], i),
     spread, sigma, bandInk: "estimated-band",
   };
   const truth = context.setup.theta_true?.[i] ?? null;
@@ -65,7 +67,8 @@ function parameterChart(context, name, i, newest) {
 
 /** Whether a chart stands in the lowest row of its grid. */
 function isLowest({ element }) {
-  return element.parentNode.getBoundingClientRect().bottom - element.getBoundingClientRect().bottom < 2;
+  const bottomOf = (one) => one.getBoundingClientRect().bottom;
+  return bottomOf(element.parentNode) - bottomOf(element) < 2;
 }
 
 /** Make the key: what the crosses, the line and the band are. */

@@ -17,7 +17,8 @@ export class Plot {
    * @param {number} ratio device pixels to a pixel
    */
   constructor(g, box, axis, range, ratio) {
-    Object.assign(this, { g, box, first: axis.first, last: axis.last, low: range[0], high: range[1], ratio });
+    Object.assign(this,
+      { g, box, first: axis.first, last: axis.last, low: range[0], high: range[1], ratio });
     this.perStep = box.width / (axis.last - axis.first); // px
     this.perUnit = box.height / (range[1] - range[0]);
   }
@@ -60,7 +61,8 @@ const isDense = (plot) => plot.density > BLOCK / 2;
 /** Call `each(left, right, low, high)`, in whole device pixels, for the columns of a series. */
 function eachBar(plot, series, each) {
   const rows = Math.max(plot.density, BLOCK);
-  const first = Math.floor(plot.first / rows) * rows; // so that a column has the same rows after a pan
+  // so that a column has the same rows after a pan
+  const first = Math.floor(plot.first / rows) * rows;
   const edge = (column) => Math.round(plot.x(first + column * rows) * plot.ratio) / plot.ratio;
   eachColumn(series.extremes, first, plot.last + rows, rows, (column, low, high) =>
     each(edge(column), edge(column + 1), low, high));
@@ -169,7 +171,8 @@ function traceBandBars(plot, series, spread, factor) {
   eachBar(plot, spread, (left, _, __, high) => widest.set(left, high * factor));
   eachBar(plot, series, (left, right, low, high) => {
     if (!widest.has(left)) return;
-    for (const [start, end] of arcPieces(low - widest.get(left), high + widest.get(left), series.period))
+    const band = [low - widest.get(left), high + widest.get(left)];
+    for (const [start, end] of arcPieces(...band, series.period))
       plot.g.rect(left, plot.y(end), right - left, plot.y(start) - plot.y(end));
   });
 }

@@ -19,7 +19,9 @@ export function ticksOf(low, high, gap) {
   return ticks;
 }
 
-/** Return the range with some air, ended at round numbers, so that it does not change with each row. */
+/**
+ * Return the range with some air, ended at round numbers, so that it does not change with each row.
+ */
 export function airyRange(low, high, least, options = {}) {
   if (low > high) return null;
   const air = Math.max(0.06 * (high - low), (least - (high - low)) / 2, 1e-6 * Math.abs(high));
@@ -36,7 +38,8 @@ export function tickText(value, gap) {
   if (Math.abs(value) < gap * 1e-6) return "0";
   const size = Math.abs(value);
   if (gap >= 1000 && size >= 1e4) return signed(`${+(value / 1000).toFixed(3)}k`);
-  if (size >= 1e6 || size < 1e-3) return exponential(value, 1 + Math.max(0, powerOf(size) - powerOf(gap)));
+  if (size >= 1e6 || size < 1e-3)
+    return exponential(value, 1 + Math.max(0, powerOf(size) - powerOf(gap)));
   return signed(value.toFixed(Math.max(0, Math.ceil(-Math.log10(gap) - 1e-6))));
 }
 

@@ -9,7 +9,10 @@ export const DEGREES = 180 / Math.PI;
 /** Return an angle in degrees from -180 to 180. */
 export const wrappedDegrees = (angle) => angle - 360 * Math.round(angle / 360);
 
-/** Return the interval moved by whole periods to -period/2 ...; null if it lies across an end of that. */
+/**
+ * Return the interval moved by whole periods to -period/2 ...; null if it lies across an end of
+ * that.
+ */
 export function folded(low, high, period) {
   const shift = period * Math.floor(low / period + 0.5);
   return high - shift > period / 2 ? null : [low - shift, high - shift];
@@ -45,7 +48,8 @@ export class Series {
       this.rows = rows;
       this.epochs = rows.map((group) => group?.epoch);
     }
-    if (isThere) this.extremes.extend(Math.min(...rows.map((group) => group.count)), this.unwrapped);
+    if (isThere)
+      this.extremes.extend(Math.min(...rows.map((group) => group.count)), this.unwrapped);
   }
 
   value(k) {
@@ -72,7 +76,8 @@ export class Series {
     const to = Math.min(this.count, Math.floor(last) + 1);
     if (this.period) {
       const [low, high] = this.extremes.range(from, to);
-      return low > high ? [low, high] : folded(low, high, this.period) ?? [-this.period / 2, this.period / 2];
+      if (low > high) return [low, high];
+      return folded(low, high, this.period) ?? [-this.period / 2, this.period / 2];
     }
     return to - from > EXACT_ROWS ? this.extremes.range(from, to) : this.exactRange(from, to);
   }

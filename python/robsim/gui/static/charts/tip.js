@@ -23,7 +23,8 @@ export function makeTip(context) {
     return make("div", {}, swatch, make("span", { textContent: layerName(layer) }), value);
   };
   const fill = (chart, k) => {
-    const known = [...chart.shown, ...chart.reads].filter(({ series }) => Number.isFinite(series.value(k)));
+    const known = [...chart.shown, ...chart.reads].filter(({ series }) =>
+      Number.isFinite(series.value(k)));
     const isMissed = known.some(({ name }) => name == "held");
     element.replaceChildren(
       make("strong", { textContent: stepText(context, k) }),

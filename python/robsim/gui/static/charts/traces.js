@@ -1,5 +1,6 @@
 // @ts-check
-// The tab of the traces: true, measured, held and estimated poses, their errors, and any other column.
+// The tab of the traces: true, measured, held and estimated poses, their errors, and any other
+// column.
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
 import { makeBoard } from "./board.js";
@@ -9,7 +10,8 @@ import { Histogram } from "./histogram.js";
 import { DEGREES, Series, wrappedDegrees } from "./series.js";
 import { makeLegend, makeStepControls } from "./toolbar.js";
 
-const POSE_GROUPS = ["t", "pose_true", "pose_measured", "pose_held", "pose_estimated", "covariance"];
+const POSE_GROUPS = ["t", "pose_true", "pose_measured", "pose_held", "pose_estimated",
+  "covariance"];
 const QUANTITIES = [
   { name: "x", unit: "px", least: 2, scale: 1 },
   { name: "y", unit: "px", least: 2, scale: 1 },
@@ -28,7 +30,8 @@ function poseLayers({ store }, i) {
   const { scale, isAngle } = QUANTITIES[i];
   const period = isAngle ? 360 : 0;
   const pose = (group) => new Series(store, [group], ([rows], k) => rows.get(k, i) * scale, period);
-  const held = ([measured, rows], k) => (Number.isNaN(measured.get(k, 0)) ? rows.get(k, i) * scale : NaN);
+  const held = ([measured, rows], k) =>
+    (Number.isNaN(measured.get(k, 0)) ? rows.get(k, i) * scale : NaN);
   const deviation = ([rows], k) => Math.sqrt(rows.get(k, 4 * i)) * scale;
   const spread = new Series(store, ["covariance"], deviation);
   return [
@@ -80,7 +83,8 @@ function inputCharts(context) {
   const charts = [
     { title: "u1", unit: "V", least: 0.2, layers: [{ name: "u1", ...input(0) }] },
     { title: "u2", unit: "V", least: 0.2, layers: [{ name: "u2", ...input(1) }] },
-    { title: text("chart.interval"), unit: "ms", least: 2, layers: [{ name: "interval", ...interval }] },
+    { title: text("chart.interval"), unit: "ms", least: 2,
+      layers: [{ name: "interval", ...interval }] },
   ];
   return charts.map((about, i) => new Chart({ ...about, namesSteps: () => isLowestRow(i) }));
 }
@@ -88,7 +92,8 @@ function inputCharts(context) {
 /** Return a chart of each quantity; the errors can be read off there too. */
 function poseCharts(context, errors) {
   return QUANTITIES.map(({ name, unit, least, isAngle }, i) => {
-    const about = { title: text(`chart.${name}`), unit, least, isAngle, namesSteps: () => isLowestRow(i) };
+    const namesSteps = () => isLowestRow(i);
+    const about = { title: text(`chart.${name}`), unit, least, isAngle, namesSteps };
     const found = errors[i]?.layers ?? [];
     const reads = found.map(({ name: source, series }) => ({ name: `error_${source}`, series }));
     return new Chart({ ...about, layers: poseLayers(context, i), reads });
@@ -129,7 +134,10 @@ function traceGroups({ setup, local }) {
   return [...POSE_GROUPS, ...(setup.has_truth ? [] : ["u"]), ...objects];
 }
 
-/** Make the charts of x, y and heading in a grid, and what stands beside each: its error or an input. */
+/**
+ * Make the charts of x, y and heading in a grid, and what stands beside each: its error or an
+ * input.
+ */
 function makeTraceCharts(context, board, grid) {
   let [poses, beside] = [[], []];
   const showObjects = () => {

@@ -1,5 +1,6 @@
 // @ts-check
-// The callbacks in the order of the calls: whose they are, what they take, what went wrong; Animate.
+// The callbacks in the order of the calls: whose they are, what they take, what went wrong;
+// Animate.
 import { makeTextButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
@@ -51,9 +52,11 @@ function makeAnimate(context) {
   const input = make("input", { type: "checkbox", role: "switch", name: "animate" });
   input.className = "robsim-switch";
   input.onchange = () => context.send({ type: "animate", on: input.checked });
-  const words = make("span", {}, make("b", { textContent: text("animate") }), ` ${text("animate.title")}`);
+  const words = make("span", {}, make("b", { textContent: text("animate") }),
+    ` ${text("animate.title")}`);
   const chip = make("span", { className: "robsim-chip robsim-active", hidden: true });
-  const element = make("div", { className: "robsim-animate" }, make("label", {}, input, words), chip);
+  const element = make("div", { className: "robsim-animate" }, make("label", {}, input, words),
+    chip);
   context.on("state", ({ animate: isOn }) => (input.checked = isOn));
   const show = (stage) => {
     chip.hidden = !stage;
@@ -82,7 +85,8 @@ function makeSlotRow(context, source, slot) {
   const error = makeSlotError();
   const name = make("span", { className: "robsim-slot-name", textContent: title });
   const parts = [what, time, buttons, error];
-  const element = make("li", { className: "robsim-slot" }, name, chip, ...parts.map((part) => part.element));
+  const element = make("li", { className: "robsim-slot" }, name, chip,
+    ...parts.map((part) => part.element));
   const show = (facts, slowest) => {
     chip.textContent = text(`owner.${facts.owner}`);
     chip.dataset.owner = element.dataset.owner = facts.owner;
@@ -127,12 +131,15 @@ function makeSlotButtons(context, source, slot, title) {
     button.ariaLabel = `${text(name)}: ${title}`;
     return button;
   };
-  const button = (name, press) => named(makeTextButton(`${name}_${slot}`, "robsim-plain", press, name), name);
+  const button = (name, press) =>
+    named(makeTextButton(`${name}_${slot}`, "robsim-plain", press, name), name);
   const edit = button("edit", () => context.send({ type: "edit", slot }));
   const read = button("source", () => source.ask(slot, read));
-  const link = make("a", { className: "robsim-button robsim-plain", target: "_blank", rel: "noopener" });
+  const link = make("a",
+    { className: "robsim-button robsim-plain", target: "_blank", rel: "noopener" });
   link.textContent = text("edit");
-  const element = make("span", { className: "robsim-slot-buttons" }, named(link, "edit"), edit, read);
+  const element = make("span", { className: "robsim-slot-buttons" }, named(link, "edit"), edit,
+    read);
   const show = ({ owner, link: address, can_edit: canEdit }) => {
     link.hidden = !address;
     link.href = address ?? "";

@@ -17,16 +17,19 @@ import { makeWidthTeller } from "../camera/width.js";
 const CAMERA_COLORS = [
   "measured", "held", "true", "estimated", "estimated-band", "other-2", "other-5", "sunken",
 ];
-const COARSE_PIXELS = 3; // times as large as they are, the pixels of a picture are to be seen as such
+// times as large as they are, the pixels of a picture are to be seen as such
+const COARSE_PIXELS = 3;
 
 export function makeCamera(context) {
-  const canvas = make("canvas", { tabIndex: 0, role: "application", ariaLabel: text("camera_label") });
+  const canvas = make("canvas",
+    { tabIndex: 0, role: "application", ariaLabel: text("camera_label") });
   const lens = makeLens();
   const projection = makeProjection(context, lens);
   const overlays = makeOverlays();
   const readout = makeReadout(context);
   const painting = { colors: {}, hovered: null }; // hovered: a point of the canvas
-  const paint = () => paintCamera(context, { canvas, lens, projection, overlays, tools, readout, painting });
+  const paint = () =>
+    paintCamera(context, { canvas, lens, projection, overlays, tools, readout, painting });
   const later = painter(paint);
   const tools = makeTools(context, canvas, () => (setManners(), later()));
   const widths = makeWidthTeller(context, () => shownWidth(context, canvas, lens));
@@ -46,7 +49,8 @@ export function makeCamera(context) {
   function setManners() {
     const isFree = lens.zoom == 1 && tools.active() != "draw_path";
     canvas.style.touchAction = isFree ? "pan-y" : "none";
-    canvas.style.cursor = tools.active() != "look" ? "crosshair" : lens.zoom > 1 ? "grab" : "default";
+    const cursor = lens.zoom > 1 ? "grab" : "default";
+    canvas.style.cursor = tools.active() == "look" ? cursor : "crosshair";
   }
   const hover = (at) => {
     painting.hovered = at;
@@ -135,8 +139,10 @@ function listenTo(canvas, { context, lens, projection, tools, zoomed, hover }) {
     zoom: (at, factor) => zoomed(() => lens.zoomAt(at, factor)),
     isZoomed: () => lens.zoom > 1,
   });
-  const zoomBy = (factor) => () => zoomed(() => lens.zoomAt([canvas.width / 2, canvas.height / 2], factor));
-  const keys = { "+": zoomBy(1.25), "=": zoomBy(1.25), "-": zoomBy(0.8), 0: () => zoomed(lens.reset) };
+  const zoomBy = (factor) => () =>
+    zoomed(() => lens.zoomAt([canvas.width / 2, canvas.height / 2], factor));
+  const larger = zoomBy(1.25);
+  const keys = { "+": larger, "=": larger, "-": zoomBy(0.8), 0: () => zoomed(lens.reset) };
   canvas.onkeydown = (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (keys[event.key]) keys[event.key]();
@@ -149,7 +155,8 @@ function listenTo(canvas, { context, lens, projection, tools, zoomed, hover }) {
 /** Give the canvas the pixels of its box; return whether it had others. */
 function fitCanvas(canvas) {
   const box = canvas.getBoundingClientRect();
-  const sides = [box.width, box.height].map((side) => Math.max(1, Math.round(side * devicePixelRatio)));
+  const sides = [box.width, box.height].map((side) =>
+    Math.max(1, Math.round(side * devicePixelRatio)));
   if (sides[0] == canvas.width && sides[1] == canvas.height) return false;
   [canvas.width, canvas.height] = sides;
   return true;

@@ -6,7 +6,10 @@ import { text } from "../base/texts.js";
 import { makeCameraRate } from "./camera_rate.js";
 import { makeSpeed } from "./speed.js";
 
-/** The cards and the controls on them, in their order; what stands in none of them comes on the last. */
+/**
+ * The cards and the controls on them, in their order; what stands in none of them comes on the
+ * last.
+ */
 const CARDS = {
   stages: ["tracking", "parameters", "state"],
   drive: ["control", "speed", "camera"],
@@ -22,7 +25,9 @@ export function makeControls(context) {
   const send = (name) => (value) => context.send({ type: "set", name, value });
   const refuse = (reason) => context.emit("note", { level: "info", text: reason });
   const makeOne = (control) =>
-    control.name == "speed" ? makeSpeed(send("speed")) : makeField(control, send(control.name), refuse);
+    control.name == "speed"
+      ? makeSpeed(send("speed"))
+      : makeField(control, send(control.name), refuse);
 
   /** Take a control; one that is as before stays what it is, for it may be in use. */
   const take = (control) => {
@@ -40,7 +45,8 @@ export function makeControls(context) {
   context.on("setup", ({ controls, live }) => {
     const before = fields.size;
     controls.forEach(take);
-    if (fields.size == before && element.children.length) return; // the others are changed in their places
+    // the others are changed in their places
+    if (fields.size == before && element.children.length) return;
     const all = [...fields.values(), ...(live ? [rate] : [])];
     const onCard = (card) => all.filter(({ name }) => cardOf(name) == card);
     element.replaceChildren(...Object.keys(CARDS).map((card) => makeCard(card, onCard(card))));

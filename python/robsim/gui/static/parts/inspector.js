@@ -45,7 +45,10 @@ export function makeInspector(context) {
   return { element };
 }
 
-/** A tree of what was asked for: `ask(path)` when a node is opened, `chosen(item)` when one has the focus. */
+/**
+ * A tree of what was asked for: `ask(path)` when a node is opened, `chosen(item)` when one has the
+ * focus.
+ */
 function makeTree(ask, chosen) {
   const element = make("ul", { role: "tree", ariaLabel: text("inspector") });
   element.className = "robsim-tree robsim-code";
@@ -75,7 +78,8 @@ function makeTree(ask, chosen) {
     return item;
   };
   const drop = (item) => { // what was open in it is opened again if it comes back
-    for (const inner of [item, ...item.querySelectorAll("[role=treeitem]")]) lists.delete(keyOf(inner.path));
+    for (const inner of [item, ...item.querySelectorAll("[role=treeitem]")])
+      lists.delete(keyOf(inner.path));
   };
   const fill = (path, nodes) => {
     const list = lists.get(keyOf(path));
@@ -84,14 +88,16 @@ function makeTree(ask, chosen) {
     const before = new Map([...list.children].map((item) => [item.path.at(-1), item]));
     const items = nodes.map((node) => {
       const inner = [...path, node.name];
-      const item = before.get(node.name) ?? add(inner, above.python + pythonPart(node.name, above.kind));
+      const item = before.get(node.name)
+        ?? add(inner, above.python + pythonPart(node.name, above.kind));
       before.delete(node.name);
       showNode(item, node);
       if (item.ariaExpanded == "false" && opened.has(keyOf(inner))) toggle(item);
       return item;
     });
     for (const gone of before.values()) drop(gone);
-    const isSame = items.length == list.children.length && items.every((item, i) => item == list.children[i]);
+    const isSame = items.length == list.children.length
+      && items.every((item, i) => item == list.children[i]);
     if (!isSame) list.replaceChildren(...items);
     const first = element.firstElementChild;
     if (first && !element.querySelector("[tabindex='0']")) focus(first, false);
@@ -101,7 +107,8 @@ function makeTree(ask, chosen) {
     if (!item || !TREE_KEYS[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     event.stopPropagation();
-    const shown = [...element.querySelectorAll("[role=treeitem]")].filter((one) => one.offsetParent);
+    const all = [...element.querySelectorAll("[role=treeitem]")];
+    const shown = all.filter((one) => one.offsetParent);
     const next = TREE_KEYS[event.key](item, shown, toggle);
     if (next) focus(next);
   };
@@ -131,14 +138,16 @@ function makeTreeItem(path, python) {
   const cells = names.map((className) => make("span", { className }));
   const line = make("div", { className: "robsim-node" }, ...cells);
   const list = make("ul", { role: "group" });
-  const item = make("li", { role: "treeitem", tabIndex: -1, ariaLevel: String(path.length) }, line, list);
+  const item = make("li", { role: "treeitem", tabIndex: -1, ariaLevel: String(path.length) }, line,
+    list);
   return Object.assign(item, { path, python, line, list });
 }
 
 function showNode(item, { name, text: value, kind, more }) {
   const [label, shown, type] = item.line.children;
   item.kind = kind;
-  item.line.classList.toggle("robsim-changed", label.textContent != "" && shown.textContent != value);
+  const isOther = label.textContent != "" && shown.textContent != value;
+  item.line.classList.toggle("robsim-changed", isOther);
   [label.textContent, shown.textContent, type.textContent] = [name, value, kind];
   if (!more) item.ariaExpanded = null;
   else item.ariaExpanded ??= "false";

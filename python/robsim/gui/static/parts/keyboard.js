@@ -4,7 +4,8 @@ import { makeButton } from "../base/buttons.js";
 import { isPage, make } from "../base/dom.js";
 import { text } from "../base/texts.js";
 
-const TYPING = "textarea, select, [contenteditable], .cm-editor, input:not([type=range], [type=checkbox])";
+const TYPING =
+  "textarea, select, [contenteditable], .cm-editor, input:not([type=range], [type=checkbox])";
 // What the browser itself does with a key, if one of these has the focus.
 const NATIVE = {
   " ": "button, summary, input[type=checkbox]",
@@ -66,7 +67,8 @@ function makeList() {
   const close = makeButton("close", "robsim-plain robsim-icon", () => (element.hidden = true));
   const rows = LISTED.map((name) => {
     const keys = text(`key.${name}`).split(" / ").map((key) => make("kbd", { textContent: key }));
-    return make("tr", {}, make("td", {}, ...keys), make("td", { textContent: text(`key.${name}.does`) }));
+    return make("tr", {}, make("td", {}, ...keys),
+      make("td", { textContent: text(`key.${name}.does`) }));
   });
   const title = make("h3", { className: "robsim-card-title", textContent: text("keys") });
   const about = { className: "robsim-keys robsim-card", role: "dialog", ariaLabel: text("keys") };

@@ -10,7 +10,8 @@ const ROUNDING = 1e-9; // of the largest parameter: what is nearer than that is 
 const NO_NUMBER = "\u2013";
 
 const minus = (words) => words.replace(/^-/, "\u2212");
-const shortNumber = (value) => (value == null ? NO_NUMBER : minus(String(Number(value.toPrecision(5)))));
+const shortNumber = (value) =>
+  (value == null ? NO_NUMBER : minus(String(Number(value.toPrecision(5)))));
 
 export function makeResult(context) {
   let url = ""; // of the figure
@@ -34,11 +35,13 @@ export function makeResult(context) {
     finish.classList.remove("robsim-primary");
     rest();
     forget();
-    url = picture?.byteLength ? URL.createObjectURL(new Blob([asBytes(picture)], { type: "image/png" })) : "";
+    const blob = picture?.byteLength && new Blob([asBytes(picture)], { type: "image/png" });
+    url = blob ? URL.createObjectURL(blob) : "";
     const chip = make("span", { className: "robsim-chip", textContent: verdict, hidden: !verdict });
     const head = make("div", { className: "robsim-result-head" }, chip, finish);
     element.replaceChildren(head, ...(rows.length ? [makeResultTable(rows)] : []));
-    if (remarks) element.append(make("p", { className: "robsim-result-remarks", textContent: remarks }));
+    if (remarks)
+      element.append(make("p", { className: "robsim-result-remarks", textContent: remarks }));
     if (url) element.append(make("img", { src: url, alt: text("result.figure") }));
   };
   context.on("result", show);
@@ -64,8 +67,10 @@ function makeResultTable(rows) {
 }
 
 function makeResultRow([name, truth, batch, error, online], isTrueKnown, largest) {
-  const cell = (value) => make("td", { className: "robsim-number", textContent: shortNumber(value) });
-  const row = make("tr", {}, make("th", { scope: "row", className: "robsim-code", textContent: name }));
+  const cell = (value) =>
+    make("td", { className: "robsim-number", textContent: shortNumber(value) });
+  const row = make("tr", {},
+    make("th", { scope: "row", className: "robsim-code", textContent: name }));
   if (isTrueKnown) row.append(cell(truth));
   row.append(...[batch, error, online].map(cell));
   const isExact = Math.max(error ?? 0, Math.abs(batch - truth)) < ROUNDING * largest;
@@ -75,7 +80,9 @@ function makeResultRow([name, truth, batch, error, online], isTrueKnown, largest
   return row;
 }
 
-/** How many standard errors from the truth: a bar for the batch estimate, a mark for the online one. */
+/**
+ * How many standard errors from the truth: a bar for the batch estimate, a mark for the online one.
+ */
 function makeDeviation(truth, batch, error, online) {
   const scale = make("div", { className: "robsim-deviation", role: "img" });
   if (truth == null || batch == null || !(error > 0)) return scale;
@@ -91,7 +98,8 @@ function makeDeviation(truth, batch, error, online) {
     scale.append(make("span", { className: "robsim-deviation-mark" }));
     scale.lastChild.style.left = `${at(mark)}%`;
   }
-  const [batchOff, onlineOff] = [far, mark].map((off) => (off == null ? NO_NUMBER : minus(off.toFixed(1))));
+  const [batchOff, onlineOff] = [far, mark].map((off) =>
+    (off == null ? NO_NUMBER : minus(off.toFixed(1))));
   scale.title = scale.ariaLabel = text("result.far", { batch: batchOff, online: onlineOff });
   return scale;
 }

@@ -12,7 +12,8 @@ export function makeSource(context) {
   const close = makeTextButton("close_source", "", () => hide(), "close");
   const lines = make("ol", { className: "robsim-code robsim-lines", tabIndex: 0 });
   const head = make("div", { className: "robsim-source-head" }, title, file, copy, close);
-  const element = make("div", { className: "robsim-source", role: "dialog", hidden: true }, head, lines);
+  const element = make("div", { className: "robsim-source", role: "dialog", hidden: true }, head,
+    lines);
   let shown = null;
   let asker = null;
   let errors = new Map(); // slot -> the line that failed

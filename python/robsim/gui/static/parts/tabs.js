@@ -10,7 +10,8 @@ export function makeTabs(context, sheets) {
   const choose = (name) => context.choose("tab", name);
   const idOf = (name, what) => `robsim-${context.id}-${name}-${what}`;
   const tabs = names.map((name) => {
-    const button = make("button", { type: "button", role: "tab", value: name, textContent: text(name) });
+    const button = make("button",
+      { type: "button", role: "tab", value: name, textContent: text(name) });
     button.id = idOf(name, "tab");
     button.setAttribute("aria-controls", idOf(name, "sheet"));
     button.addEventListener("click", () => choose(name));
@@ -20,7 +21,8 @@ export function makeTabs(context, sheets) {
     sheet.setAttribute("aria-labelledby", button.id);
     return button;
   });
-  const list = make("div", { className: "robsim-tabs", role: "tablist", ariaLabel: text("tabs") }, ...tabs);
+  const list = make("div", { className: "robsim-tabs", role: "tablist", ariaLabel: text("tabs") },
+    ...tabs);
   const elements = names.map((name) => sheets[name].element);
   moveByArrows(list, (button) => choose(button.value));
 

@@ -15,7 +15,8 @@ export function makeTimeline(context) {
   const slider = makeSlider("timeline", { min: 0, max: 0, step: 1 });
   Object.assign(slider, { ariaLabel: text("timeline"), title: text("timeline.title") });
   const place = make("output", { className: "robsim-number robsim-quiet robsim-timeline-place" });
-  const newest = makeButton("newest", "robsim-plain robsim-timeline-newest", () => context.look(null));
+  const newest = makeButton("newest", "robsim-plain robsim-timeline-newest", () =>
+    context.look(null));
   const element = make("div", { className: "robsim-timeline" },
     make("div", { className: "robsim-timeline-track" }, slider, ticks), place, newest);
 
@@ -46,9 +47,11 @@ export function makeTimeline(context) {
     place.textContent = text("step.of.short", { k, last: to });
     newest.disabled = context.looking == null;
     newest.setAttribute("aria-pressed", String(context.looking != null));
-    paintTicks(ticks, unseen(context.store.get("pose_measured")), to, color(context.el, "--robsim-held"));
+    paintTicks(ticks, unseen(context.store.get("pose_measured")), to,
+      color(context.el, "--robsim-held"));
   });
-  for (const event of ["setup", "state", "frame", "rows", "looking", "theme"]) context.on(event, show);
+  for (const event of ["setup", "state", "frame", "rows", "looking", "theme"])
+    context.on(event, show);
   context.on("setup", () => context.want(["pose_measured"]));
   const watcher = new ResizeObserver(show);
   watcher.observe(ticks);

@@ -20,7 +20,8 @@ export function makeTitle(context) {
     const { frame, newest } = context;
     const isEmpty = newest < 0 && frame?.k != 0; // step 0 is shown before it is done
     step.textContent = text("step.number", { k: isEmpty ? "–" : (frame?.k ?? newest) });
-    time.textContent = text("time", { t: isEmpty ? "–" : (frame?.t ?? context.state.t ?? 0).toFixed(1) });
+    time.textContent = text("time",
+      { t: isEmpty ? "–" : (frame?.t ?? context.state.t ?? 0).toFixed(1) });
   });
   context.on("setup", ({ title }) => {
     name.textContent = name.title = title;

@@ -44,7 +44,8 @@ function makeError(context, press) {
   const place = make("span", { className: "robsim-code robsim-quiet" });
   const code = make("pre", { className: "robsim-code robsim-error-code" });
   const traceback = make("pre", { className: "robsim-code robsim-error-traceback" });
-  const details = make("details", {}, make("summary", { textContent: text("traceback") }), traceback);
+  const details = make("details", {}, make("summary", { textContent: text("traceback") }),
+    traceback);
   const edit = makeButton("edit", "", () => context.send({ type: "edit", slot: edit.value }));
   const jump = makeButton("to_callbacks", "", () => context.choose("tab", "callbacks"));
   const again = makeButton("go_on", "robsim-primary", () => press("start"));
