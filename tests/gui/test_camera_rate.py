@@ -8,6 +8,7 @@ import pytest
 import robsim
 from browsers import panel_of
 from python_cameras import EndlessCamera, SteppedCamera
+from robsim.gui._panel import view as _panel_view
 from robsim.gui._panel.run import transport
 from waiting import wait_for
 
@@ -79,7 +80,8 @@ def test_while_it_is_paused_the_rate_is_told_and_nothing_counts_as_dropped():
         assert {told(browser, state="paused")["dropped"] for _ in range(3)} == {before}
 
 
-def test_nothing_is_told_when_nobody_looks():
+def test_nothing_is_told_when_nobody_looks(monkeypatch):
+    monkeypatch.setattr(_panel_view, "_PATIENCE", 0.0)
     source = SteppedCamera([IMAGE] * 20)
     source.permits.release()
     with robsim.Camera(source, open_timeout=SOON) as camera, watched(camera) as (view, browser):
