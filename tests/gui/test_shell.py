@@ -258,7 +258,9 @@ def test_moving_on_goes_back_to_the_newest(shell):
 
 def test_ticks_show_where_the_robot_was_not_seen(shell):
     host = shell()
-    host.frame(200, rows={"pose_measured": rows_with_gaps(201, (50, 60), (150, 151))})
+    measured = rows_with_gaps(201, (0, 5), (50, 60), (100, 120), (150, 151))
+    held = rows_with_gaps(201, (0, 5), (100, 120))  # there nothing measures
+    host.frame(200, rows={"pose_measured": measured, "pose_held": held})
     host.rest()
     inked = host.tab.evaluate(
         """(() => {
@@ -269,7 +271,7 @@ def test_ticks_show_where_the_robot_was_not_seen(shell):
         })()"""
     )
     edges = np.flatnonzero(np.diff(np.array([False, *inked, False], int)))
-    expected = np.array([50, 60, 150, 151]) / 200 * len(inked)
+    expected = np.array([0, 5, 50, 60, 150, 151]) / 200 * len(inked)
     assert edges == pytest.approx(expected, abs=4)
 
 

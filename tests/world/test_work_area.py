@@ -84,3 +84,15 @@ def test_a_robot_faster_than_the_room_stays_in_it():
     radius = robsim.load_robot().radius
     assert (trace.pose_true[:, :2] > radius - 1).all()
     assert (trace.pose_true[:, :2] < 1200 - radius).all()
+
+
+def test_no_pose_is_held_while_nothing_measures():
+    sim = robsim.Simulation(measure=True, seed=1)
+    sim.run(3)
+    sim.measure = False
+    sim.run(2)
+    sim.measure = True
+    trace = sim.run(2)
+    held = np.isfinite(trace.pose_held[:, 0])
+    assert held.tolist() == [True] * 3 + [False] * 2 + [True] * 2
+    assert held.tolist() == trace.seen.tolist()

@@ -81,6 +81,10 @@ void RobotSoftware::measure() {
   if (step_->measurement) held_ = step_->measurement->pose;
 }
 
+std::optional<Pose> RobotSoftware::held() const {
+  return stages_.measure || step_->measurement ? held_ : std::nullopt;
+}
+
 void RobotSoftware::count_missed(const Detection& detection) {
   MissedDetections& missed = missed_[detection.result];
   if (missed.steps++ > 0) return;

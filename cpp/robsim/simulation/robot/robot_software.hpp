@@ -72,8 +72,8 @@ class RobotSoftware {
   /// The newest step. Only after the start.
   const StepPointer& step() const { return step_; }
 
-  /// The last pose that was measured.
-  const std::optional<Pose>& held() const { return held_; }
+  /// The last pose that was measured; none while nothing measures.
+  std::optional<Pose> held() const;
 
   /// Why the default measurement detected no robot, since the start.
   const std::map<DetectionResult, MissedDetections>& missed() const { return missed_; }

@@ -47,12 +47,12 @@ export function makeTimeline(context) {
     place.textContent = text("step.of.short", { k, last: to });
     newest.disabled = context.looking == null;
     newest.setAttribute("aria-pressed", String(context.looking != null));
-    paintTicks(ticks, unseen(context.store.get("pose_measured")), to,
-      color(context.el, "--robsim-held"));
+    const poses = ["pose_measured", "pose_held"].map((name) => context.store.get(name));
+    paintTicks(ticks, unseen(...poses), to, color(context.el, "--robsim-held"));
   });
   for (const event of ["setup", "state", "frame", "rows", "looking", "theme"])
     context.on(event, show);
-  context.on("setup", () => context.want(["pose_measured"]));
+  context.on("setup", () => context.want(["pose_measured", "pose_held"]));
   const watcher = new ResizeObserver(show);
   watcher.observe(ticks);
   for (const end of [look.cancel, show.cancel, () => watcher.disconnect()]) context.onEnd(end);
@@ -65,14 +65,19 @@ export function makeTimeline(context) {
   return { element, move };
 }
 
-/** Return a function of rows of poses: where they have no value, [[first, last], ...]. */
+/**
+ * Return a function of the measured and the held poses: where there is none, [[first, last], ...].
+ * Once there was one, one is held, unless nothing measures: such steps are none of these.
+ */
 function makeUnseen() {
-  let [known, epoch, done, runs] = [null, 0, 0, []];
-  return (rows) => {
-    if (rows != known || rows?.epoch != epoch) [done, runs] = [0, []]; // it was reset
+  let [known, epoch, done, runs, isFound] = [null, 0, 0, [], false];
+  return (rows, held) => {
+    if (rows != known || rows?.epoch != epoch) [done, runs, isFound] = [0, [], false]; // a reset
     [known, epoch] = [rows, rows?.epoch];
-    for (; done < (rows?.count ?? 0); done++) {
-      if (!Number.isNaN(rows.get(done, 0))) continue;
+    for (; done < Math.min(rows?.count ?? 0, held?.count ?? Infinity); done++) {
+      const isMeasured = !Number.isNaN(rows.get(done, 0));
+      isFound ||= isMeasured;
+      if (isMeasured || (isFound && held && Number.isNaN(held.get(done, 0)))) continue;
       const run = runs.at(-1);
       if (run?.[1] == done - 1) run[1] = done;
       else runs.push([done, done]);
