@@ -5,7 +5,7 @@ const SHORTEST_SPAN = 10; // steps on the whole width
 // widths at first, so that it does not grow with each step
 const FIRST_SPANS = [100, 200, 400, 600, 1000];
 
-/** Emits "axis" when other steps are shown, and "cursor". */
+/** Emits "axis" when other steps are shown, with whether that is for new rows alone, and "cursor". */
 class StepAxis {
   constructor(context) {
     this.context = context;
@@ -23,19 +23,19 @@ class StepAxis {
   grow(count) {
     if (this.cursor >= count) this.cursor = null; // it was reset
     this.count = count;
-    if (this.follows) this.toNewest();
+    if (this.follows) this.toNewest(true);
   }
 
-  toNewest() {
+  toNewest(isGrowth = false) {
     const whole = FIRST_SPANS.find((steps) => steps >= this.count) ?? this.count - 1;
     const span = this.window ? Math.min(this.window, whole) : whole;
-    this.show(Math.max(span, this.count - 1) - span, Math.max(span, this.count - 1));
+    this.show(Math.max(span, this.count - 1) - span, Math.max(span, this.count - 1), isGrowth);
   }
 
-  show(first, last) {
+  show(first, last, isGrowth = false) {
     this.first = first;
     this.last = last;
-    this.context.emit("axis");
+    this.context.emit("axis", isGrowth);
   }
 
   follow() {

@@ -1,6 +1,7 @@
 // @ts-check
 // Some charts that are painted together, at most once for each animation frame, and only if they
-// are seen.
+// are seen. While a run goes on they take turns with new rows, so that the camera's picture never
+// waits for all.
 import { painter } from "../base/dom.js";
 import { axisOf } from "./axis.js";
 import { layerName, layerText } from "./frame.js";
@@ -8,24 +9,43 @@ import { listenToGestures } from "./gestures.js";
 import { inksOf } from "./inks.js";
 import { makeTip, stepText } from "./tip.js";
 
+const TURN = 4; // ms of an animation frame for charts that grow
+
 /** Make the charts of a tab; `seen` is called when the tab is shown. */
 export function makeBoard(context, element, seen) {
   const charts = new Map(); // what is measured -> chart
   const [axis, ink] = [axisOf(context), inksOf(context)];
   const tip = makeTip(context);
+  const growing = new Set(); // charts that have got rows which they do not show yet
   let isStale = true; // or the cursor alone has moved
   let pointed = null; // the chart under the pointer
 
+  const paintChart = (chart, isWhole) => {
+    if (!chart.isSeen || !chart.size[0]) return;
+    if (isWhole || !chart.plot) chart.paint(board);
+    chart.paintOver(board);
+  };
   const paint = () => {
-    for (const chart of charts.values()) {
-      if (!chart.isSeen || !chart.size[0]) continue;
-      if (isStale || !chart.plot) chart.paint(board);
-      chart.paintOver(board);
-    }
+    for (const chart of charts.values()) paintChart(chart, isStale);
+    if (isStale) growing.clear();
     isStale = false;
     tip.show(pointed?.isSeen ? pointed : null, axis.cursor);
   };
   const paintLater = painter(paint);
+  const paintSome = painter(() => {
+    const end = performance.now() + TURN;
+    for (const chart of growing) {
+      growing.delete(chart);
+      paintChart(chart, true);
+      if (performance.now() > end) break;
+    }
+    if (growing.size) paintSome();
+  });
+  const grow = () => {
+    if (context.state.state != "running") return later();
+    for (const chart of charts.values()) growing.add(chart);
+    paintSome();
+  };
   const later = () => {
     isStale = true;
     paintLater();
@@ -58,6 +78,7 @@ export function makeBoard(context, element, seen) {
     },
     remove(chart) {
       charts.delete(chart.main);
+      growing.delete(chart);
       sizes.unobserve(chart.main);
       sight.unobserve(chart.main);
       chart.element.remove();
@@ -71,11 +92,14 @@ export function makeBoard(context, element, seen) {
     },
   };
 
-  for (const type of ["rows", "axis", "theme"]) context.on(type, later);
+  context.on("rows", grow);
+  context.on("axis", (isGrowth) => (isGrowth ? grow() : later()));
+  context.on("theme", later);
   context.on("local", (name) => name == "unseen" && later());
   for (const type of ["cursor", "looking"]) context.on(type, paintLater);
   context.onEnd(() => {
     paintLater.cancel();
+    paintSome.cancel();
     sizes.disconnect();
     sight.disconnect();
   });
