@@ -446,6 +446,29 @@ def test_a_robot_that_cannot_be_stopped_is_told():
         wait_for(lambda: robot.stands)
 
 
+def test_the_panel_answers_while_what_stops_the_robot_hangs():
+    is_free = threading.Event()
+
+    def send(u):
+        if not np.any(u):
+            is_free.wait(SOON)
+
+    sim = experiment(frames(20), send=send, control=lambda step: (1, 2), frame_timeout=1000)
+    with panel_of(sim) as (_, browser):
+        browser.press("step")
+        browser.take("state", steps=1)
+        wait_for(lambda: not sim.is_running)
+        for _ in range(2 * transport._MOST_STOPS):
+            browser.press("stop")
+        assert "has not answered" in browser.take("note")[0]["text"]
+        browser.say("inspect", k=None, path=[])
+        browser.take("tree")
+        names = [thread.name for thread in threading.enumerate()]
+        assert names.count("robsim stop") <= transport._MOST_STOPS
+        is_free.set()
+        browser.take("state", state="paused", stopped=True)
+
+
 def test_stop_of_a_simulation_is_pause():
     with panel_of(simulation(), speed=math.inf) as (_, browser):
         browser.press("start")

@@ -21,6 +21,7 @@ class Result(Part):
 
     _newest: tuple[dict[str, Any], list[bytes]] | None = None
     _seen = (0, 0)  # resets and steps that it was estimated from
+    _is_wanted = False
     _thread: threading.Thread | None = None
 
     def greet(self, link: Link) -> None:
@@ -30,29 +31,38 @@ class Result(Part):
             link.send({**message, "again": True}, pictures)
 
     def tell(self) -> None:
-        """Send the estimate to all who watch, once it is there."""
+        """Send the estimate to all who watch, once it is made; one at a time."""
+        self._is_wanted = True
+        self._begin()
+
+    def close(self, timeout: float) -> None:
+        """Wait for the estimate under way; any thread may call this."""
+        if (thread := self._thread) is not None:
+            thread.join(timeout)
+
+    def _begin(self) -> None:
+        if not self._is_wanted or self._thread is not None:
+            return
+        self._is_wanted = False
         record = self.panel.record
         n_resets, trace = record.n_resets, record.trace
-        before = self._thread
 
         def estimate() -> None:
-            if before is not None:
-                before.join()  # one after another: the last one counts
             result = self.panel.guarded(_result_of, trace)
-            if result is not None:
-                self.panel.post(lambda: self._tell((n_resets, len(trace)), *result))
+            self.panel.post(lambda: self._done((n_resets, len(trace)), result))
 
         self._thread = threading.Thread(target=estimate, name="robsim result", daemon=True)
         self._thread.start()
 
-    def close(self, timeout: float) -> None:
-        """Wait for the estimate that is being made; any thread may call this."""
-        if self._thread is not None:
-            self._thread.join(timeout)
-
-    def _tell(self, seen: tuple[int, int], message: dict[str, Any], pictures: list[bytes]) -> None:
-        self._seen, self._newest = seen, (message, pictures)
-        self.panel.send({**message, "again": False}, *pictures)
+    def _done(
+        self, seen: tuple[int, int], result: tuple[dict[str, Any], list[bytes]] | None
+    ) -> None:
+        self._thread = None
+        if result is not None:
+            self._seen, self._newest = seen, result
+            message, pictures = result
+            self.panel.send({**message, "again": False}, *pictures)
+        self._begin()
 
 
 def _result_of(trace: Trace) -> tuple[dict[str, Any], list[bytes]]:

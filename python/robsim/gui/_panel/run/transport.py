@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from robsim.gui._panel.view import PanelView
 
 _GAP = 1.0  # s between two looks at the camera's counts
+_PATIENCE = 0.2  # s for Stop
+_MOST_STOPS = 10  # that hang at the same time
 
 
 class Transport(Part):
@@ -27,6 +30,7 @@ class Transport(Part):
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         panel.driver.on_stage.append(self._note_stage)
+        self._stopping: list[threading.Thread] = []
         self._camera = CameraRate(panel.runner) if panel.driver.is_live else None
 
     def handlers(self) -> Handlers:
@@ -77,6 +81,9 @@ class Transport(Part):
         driver, button = self.panel.driver, message["button"]
         if button == "start" and driver.state == "ended" and isinstance(driver.runner, Experiment):
             raise Refused("The frames are over. Reset begins with the first one again.")
+        if button == "stop":
+            self._stop()
+            return
         buttons = {
             "start": driver.start,
             "pause": driver.pause,
@@ -84,7 +91,6 @@ class Transport(Part):
             "step_stage": driver.step_stage,
             "reset": driver.reset,
             "finish": self.panel.finish,
-            "stop": self._stop,
         }
         if button not in buttons:
             raise Refused(f"there is no button {button!r}")
@@ -92,14 +98,26 @@ class Transport(Part):
         if done is not None:
             done.add_done_callback(self._tell_failure)
 
-    def _stop(self) -> Future[None] | None:
-        """Stop the robot here and now: the thread of the run may hang in a callback."""
+    def _stop(self) -> None:
+        """Stop the robot here and now: the thread of the run may hang in a callback.
+
+        Where what stops it hangs, too, the panel goes on, and the next Stop tries again.
+        """
         self.panel.forget("press")  # what was pressed before Stop must not move it after
+        self._stopping = [thread for thread in self._stopping if thread.is_alive()]
+        if len(self._stopping) < _MOST_STOPS:
+            thread = threading.Thread(target=self._stop_robot, name="robsim stop", daemon=True)
+            thread.start()
+            thread.join(_PATIENCE)
+            self._stopping.append(thread)
+        if self._stopping and self._stopping[-1].is_alive():
+            self.panel.note("The robot may not have stopped: what stops it has not answered yet")
+
+    def _stop_robot(self) -> None:
         try:
-            return self.panel.driver.stop_robot()
-        except Exception as error:
+            self.panel.driver.stop_robot().add_done_callback(self._tell_failure)
+        except BaseException as error:  # whatever the motors raise
             self.panel.note(f"The robot could not be stopped: {said_by(error)}")
-            return None
 
     def _tell_failure(self, future: Future[None]) -> None:
         if not future.cancelled() and (error := future.exception()) is not None:

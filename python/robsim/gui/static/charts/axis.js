@@ -5,7 +5,9 @@ const SHORTEST_SPAN = 10; // steps on the whole width
 // widths at first, so that it does not grow with each step
 const FIRST_SPANS = [100, 200, 400, 600, 1000];
 
-/** Emits "axis" when other steps are shown, with whether that is for new rows alone, and "cursor". */
+/**
+ * Emits "cursor", and "axis" when other steps are shown, with whether that is for new rows alone.
+ */
 class StepAxis {
   constructor(context) {
     this.context = context;
