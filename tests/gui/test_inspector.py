@@ -1,6 +1,7 @@
 """A step as a tree."""
 
 import json
+import threading
 
 import numpy as np
 import pytest
@@ -77,6 +78,26 @@ def test_before_the_first_step_there_is_what_has_begun():
         assert "not decided yet" in step["u"]["text"]
 
 
+def test_while_a_callback_keeps_the_step_the_rest_is_shown():
+    inside, is_free = threading.Event(), threading.Event()
+
+    def control(step):
+        inside.set()
+        is_free.wait(20)
+        return 0, 0
+
+    simulation = robsim.Simulation(estimate_parameters=True, seed=1, control=control)
+    with panel_of(simulation) as (_, browser):
+        browser.take("frame")
+        browser.press("step")
+        inside.wait(20)
+        _, step = tree(browser)
+        is_free.set()
+        assert step["estimator"]["kind"] == "missing"
+        assert "a run in another thread" in step["estimator"]["text"]
+        assert step["k"]["kind"] == "number"
+
+
 class Foreign:
     """An object of a user's, whose code must not run."""
 
@@ -96,20 +117,34 @@ class Foreign:
         raise AssertionError("asked for an attribute")
 
 
+class OwnList(list):
+    def __len__(self):
+        raise AssertionError("asked for the length")
+
+    def __iter__(self):
+        raise AssertionError("asked for the items")
+
+
 class OwnDict(dict):
+    __len__ = OwnList.__len__
+
     def items(self):
         raise AssertionError("asked for the items")
 
 
 def test_of_foreign_objects_only_what_they_store_is_looked_at():
     value = Foreign.__new__(Foreign)
-    object.__getattribute__(value, "__dict__").update(gain=0.5, me=value, own=OwnDict(a=1))
+    object.__getattribute__(value, "__dict__").update(
+        gain=0.5, me=value, own=OwnDict(a=1), row=OwnList("ab")
+    )
     nodes = named(nodes_of({"value": value, 3: None}))
     assert nodes["value"] == {"name": "value", "text": "Foreign", "kind": "object", "more": True}
     assert nodes["3"]["kind"] == "none"
     inside = named(nodes_of(value))
-    assert list(inside) == ["gain", "me", "own"]
+    assert list(inside) == ["gain", "me", "own", "row"]
     assert named(nodes_of(child_of(value, "own")))["a"]["text"] == "1"
+    assert inside["row"]["text"] == "OwnList of 2"
+    assert [node["text"] for node in nodes_of(child_of(value, "row"))] == ["'a'", "'b'"]
 
 
 @pytest.mark.parametrize(

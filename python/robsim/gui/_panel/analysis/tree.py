@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.text import one_line, quoted
+from robsim._base.text import one_line, quoted, said_by
 
 _MOST_NODES = 200  # of a level
 _MOST_TEXT = 300  # characters
@@ -47,14 +47,22 @@ def child_of(value: Any, name: str) -> Any:
     raise KeyError(name)
 
 
+def _plain(value: Any) -> Any:
+    """Return the container of Python's that a value is, whatever a class of a user's overrides."""
+    return next(kind for kind in (dict, *_CONTAINERS) if _is(value, kind))
+
+
 def _is(value: Any, kinds: type | tuple[type, ...]) -> bool:
     """Return what `isinstance` does, which would ask the object for its ``__class__``."""
     return issubclass(type(value), kinds)
 
 
 def _node(name: str, value: Any) -> dict[str, Any]:
-    kind, text = _described(value)
-    has_more = next(_children(value), None) is not None
+    try:
+        kind, text = _described(value)
+        has_more = next(_children(value), None) is not None
+    except Exception as error:  # in the hands of the run, as an estimator during a step
+        kind, text, has_more = "missing", said_by(error), False
     return {"name": name, "text": _short(text), "kind": kind, "more": has_more}
 
 
@@ -74,7 +82,7 @@ def _described(value: Any) -> tuple[str, str]:
     if _is(value, _SCALARS):
         return _scalar(value)
     if _is(value, (dict, *_CONTAINERS)):
-        count = len(value)
+        count = _plain(value).__len__(value)
         return "list", f"{type(value).__name__} of {count}" if count else "empty"
     if _is(value, _CODE):
         return "code", f"{type(value).__name__} {getattr(value, '__name__', '')}"
@@ -113,7 +121,7 @@ def _children(value: Any) -> Iterator[tuple[str, Any]]:
     elif _is(value, dict):
         yield from ((_key(key), child) for key, child in list(dict.items(value)))
     elif _is(value, _CONTAINERS):
-        yield from ((str(i), child) for i, child in enumerate(value))
+        yield from ((str(i), child) for i, child in enumerate(_plain(value).__iter__(value)))
     elif value is not None:
         yield from _attributes(value)
 
