@@ -312,6 +312,17 @@ def test_edit_opens_the_file_at_its_line(watch, tmp_path, monkeypatch):
 
 
 @posix
+def test_a_key_that_is_held_opens_one_editor(watch, tmp_path, monkeypatch):
+    started = []
+    monkeypatch.setattr(_callbacks, "open_in_editor", lambda *place: started.append(place))
+    watcher = watch(small(control=control))
+    for _ in range(100):
+        watcher.say("edit", slot="control")
+    watcher.settle()
+    assert len(started) == 1
+
+
+@posix
 def test_an_editor_that_fails_is_told(watch, tmp_path, monkeypatch):
     monkeypatch.setenv("VISUAL", str(editor(tmp_path, "gedit", "raise SystemExit(4)")))
     monkeypatch.setattr(_callbacks, "_GAP", 0.05)

@@ -4,11 +4,13 @@ import json
 import logging
 import random
 import socket
+import threading
 from contextlib import ExitStack
 
 import pytest
 
 import robsim
+from browsers import FakeBrowser, panel_of
 from page_client import BINARY, Client, connected, framed, greeted, request
 from robsim.gui._page import Page
 from robsim.gui._panel.view import PanelView
@@ -153,6 +155,54 @@ def test_ten_thousand_messages_stop_neither_the_run_nor_other_pages(page):
         other.say(type="press", button="step")
         while other.hear("frame")[0]["k"] < 0:
             pass
+
+
+def test_commands_do_not_pile_up_while_a_callback_hangs():
+    inside, is_free = threading.Event(), threading.Event()
+
+    def control(step):
+        inside.set()
+        is_free.wait(20)
+        return 0, 0
+
+    with panel_of(robsim.Simulation(area=(300, 300), seed=1, control=control)) as (view, browser):
+        browser.press("start")
+        inside.wait(20)
+        for i in range(300):
+            browser.say("set", name="noise_level", value=i % 100)
+            browser.say("inspect", k=0, path=[])
+            browser.press("step")
+            browser.say("hello", width=300)
+            wait_for(lambda: browser.n_waiting < 100)
+        assert "callback has not come to its end" in browser.take("note")[0]["text"]
+        assert view.driver.n_waiting < 200
+        browser.press("pause")
+        is_free.set()
+        wait_for(lambda: not view.driver.n_waiting)
+        assert view.driver.state == "paused"
+
+
+def test_a_line_that_is_flooded_takes_no_room_from_others():
+    inside, may_go_on = threading.Event(), threading.Event()
+    with panel_of(robsim.Simulation(seed=1)) as (view, browser):
+        other = FakeBrowser(view, name="other")
+        view.post(lambda: (inside.set(), may_go_on.wait(20)))
+        inside.wait(20)
+        for _ in range(10_000):
+            browser.say("animate", on=False)
+        other.press("step")
+        may_go_on.set()
+        other.take("state", k=0)
+
+
+def test_names_of_columns_do_not_pile_up():
+    with panel_of(robsim.Simulation(seed=1)) as (_, browser):
+        for i in range(200):
+            browser.say("columns", names=[f"{i} {j}" for j in range(100)])
+        assert "groups of columns" in browser.take("note")[0]["text"]
+        assert len(browser.rows) <= 100
+        browser.press("step")
+        browser.take("frame", k=0)
 
 
 def test_there_are_not_too_many_pages(page):

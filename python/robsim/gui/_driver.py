@@ -90,6 +90,11 @@ class Driver(Worker):
         return isinstance(self.runner, Experiment) and self.runner.is_live
 
     @property
+    def n_waiting(self) -> int:
+        """Number of commands that are not carried out yet."""
+        return len(self._jobs)
+
+    @property
     def is_stopped(self) -> bool:
         """Whether the robot was stopped by `stop_robot`, and has not been told to move since."""
         return self._n_stops != self._stops_seen

@@ -38,6 +38,7 @@ class Link:
         self._n_late = 0  # grants in a row of a view that waits for frames that were sent
         self._arrived = 0  # frames that had been sent when it last waited for none
         self._refused: deque[float] = deque(maxlen=_MOST_REFUSALS)  # when
+        self.n_waiting = 0  # messages of its views; with the lock of the `View` held
         self.is_gone = False  # nothing can be sent any more
 
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:

@@ -14,7 +14,7 @@ from robsim.gui._link import Link
 from robsim.gui._messages import Refused, checked_message
 from robsim.gui._worker import Worker
 
-_MOST_WAITING = 1000  # messages of browsers; whoever sends more is not listened to
+_MOST_WAITING = 500  # messages of a line; whoever sends more is not listened to, others are
 _MOST_IN_A_ROW = 50  # jobs, before it looks for what is due
 RETRY = 1.0  # s until what failed in `look` is tried again
 
@@ -50,8 +50,10 @@ class View(Worker):
     def receive(self, link: Link, message: Any) -> None:
         """Take a message of a browser."""
         is_urgent = self.is_urgent(message)
-        if len(self._jobs) < _MOST_WAITING * (2 if is_urgent else 1):
-            self.post(_Received(self, link, message), first=is_urgent)
+        with self._wake:
+            if link.n_waiting < _MOST_WAITING * (2 if is_urgent else 1):
+                received = _Received(self, link, message)
+                link.n_waiting += self.post(received, first=is_urgent)
 
     def is_urgent(self, message: Any) -> bool:
         """Return whether a message, which may be anything, comes before all that waits."""
@@ -104,9 +106,12 @@ class View(Worker):
     def forget(self, kind: str) -> None:
         """Forget the messages of a type that wait."""
         with self._wake:
-            self._jobs = deque(
-                job for job in self._jobs if not (isinstance(job, _Received) and job.is_of(kind))
-            )
+            jobs, self._jobs = self._jobs, deque()
+            for job in jobs:
+                if isinstance(job, _Received) and job.is_of(kind):
+                    job.link.n_waiting -= 1
+                else:
+                    self._jobs.append(job)
 
     def report(self, error: BaseException) -> bool:
         """Tell of a mistake of ours, the browsers too."""
@@ -144,10 +149,12 @@ class _Received:
     """A message that waits."""
 
     def __init__(self, view: View, link: Link, message: Any) -> None:
-        self._view, self._link, self._message = view, link, message
+        self._view, self.link, self._message = view, link, message
 
     def __call__(self) -> None:
-        self._view.handle(self._link, self._message)
+        with self._view._wake:
+            self.link.n_waiting -= 1
+        self._view.handle(self.link, self._message)
 
     def is_of(self, kind: str) -> bool:
         return isinstance(self._message, dict) and self._message.get("type") == kind

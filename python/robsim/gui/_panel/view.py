@@ -11,6 +11,7 @@ from robsim._base.text import quoted
 from robsim._core import Step
 from robsim.gui._driver import SPEED, Driver
 from robsim.gui._link import Link
+from robsim.gui._messages import Refused
 from robsim.gui._panel.analysis.inspector import Inspector
 from robsim.gui._panel.analysis.parameters import Parameters
 from robsim.gui._panel.analysis.past import Past
@@ -32,6 +33,7 @@ from robsim.sessions import Session
 from robsim.simulation import Experiment, Simulation
 from robsim.trace import Trace
 
+_MOST_COMMANDS = 100  # of browsers that wait for the run, such as while a callback hangs
 _PATIENCE = 2.0  # s for a page that is loaded anew to come back
 
 Shown = Simulation | Experiment | Recording | Trace | Session
@@ -138,6 +140,15 @@ class PanelView(View):
             next_due = self.guarded(part.look, now)
             due = min(due, now + RETRY if next_due is None else next_due)
         return due
+
+    def has_room(self, factor: int = 1) -> bool:
+        """Return whether the run can take a command: not too many wait, or `factor` times that."""
+        return self.driver.n_waiting < factor * _MOST_COMMANDS
+
+    def check_room(self, factor: int = 1) -> None:
+        """Refuse a command that the run cannot take."""
+        if not self.has_room(factor):
+            raise Refused("The run does not answer: a callback has not come to its end yet")
 
     def tell_setup(self) -> None:
         """Tell all browsers what they were told at first, since it has changed."""

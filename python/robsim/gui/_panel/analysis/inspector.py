@@ -35,6 +35,7 @@ class Inspector(Part):
         elif self._past is not None and self._past.k == k:
             _tell(link, self._past, path)
         else:
+            self.panel.check_room()
             self.panel.past.ask(k, lambda frame, _: self._tell_past(link, k, path, frame))
 
     def _tell_past(self, link: Link, k: int, path: list[str], frame: Frame | None) -> None:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Container
 from typing import Any
 
 import numpy as np
 
 from robsim.gui._link import Link
+from robsim.gui._messages import Refused
 from robsim.gui._panel.part import Handlers, Part
 
 _GAP = 0.1  # s between two updates
+_MOST_GROUPS = 100  # of columns for a line
 _NONE = np.empty((0, 0))
 
 
@@ -78,6 +79,8 @@ class Rows(Part):
         return entries, blocks
 
     def _columns(self, link: Link, message: dict[str, Any]) -> None:
-        link.rows |= dict.fromkeys(message["names"], 0)
-        self.send(link)
-        self._due = time.monotonic() + _GAP
+        rows = link.rows | dict.fromkeys(message["names"], 0)
+        if len(rows) > _MOST_GROUPS:
+            raise Refused(f"no more than {_MOST_GROUPS} groups of columns are sent")
+        link.rows = rows
+        self._due = 0.0

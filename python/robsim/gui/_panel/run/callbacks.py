@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import subprocess
+import time
 from typing import TYPE_CHECKING, Any
 
 from robsim._base.text import said_by
@@ -46,7 +47,7 @@ class Callbacks(Part):
         ] = {}  # calls, s, ms of the last ones
         self._opened: list[tuple[Link, subprocess.Popen[bytes]]] = []
         self._told: _Slots = []
-        self._due = 0.0
+        self._due = self._may_edit = 0.0
 
     def handlers(self) -> Handlers:
         return {"source": self._source, "edit": self._edit}
@@ -142,7 +143,10 @@ class Callbacks(Part):
         place = place_in(self._runner, slot)
         if place.file is None:
             raise Refused(f"{slot} stands in no file")
+        if time.monotonic() < self._may_edit:  # a second click, or a key that is held
+            return
         started = open_in_editor(place.file, place.line or 1)
+        self._may_edit = time.monotonic() + _GAP
         if started is not None:
             self._opened.append((link, started))
 

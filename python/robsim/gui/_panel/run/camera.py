@@ -38,7 +38,7 @@ class CameraView(Part):
 
     def greet(self, link: Link) -> None:
         link.shown = None
-        if self._shot is None:
+        if self._shot is None and self.panel.has_room():
             self.panel.driver.prepare()
 
     @property

@@ -106,6 +106,7 @@ class Controls(Part):
 
     def _do(self, link: Link, change: Callable[[], Remarks]) -> None:
         """Change something between two steps, and tell what came of it."""
+        self.panel.check_room()
 
         def change_all() -> Remarks:
             remarks = change()

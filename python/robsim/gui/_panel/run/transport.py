@@ -84,6 +84,7 @@ class Transport(Part):
         if button == "stop":
             self._stop()
             return
+        self.panel.check_room(2 if button == "pause" else 1)
         buttons = {
             "start": driver.start,
             "pause": driver.pause,
