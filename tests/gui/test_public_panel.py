@@ -18,6 +18,7 @@ import robsim
 from robsim.gui import Panel
 from robsim.gui._page import Page
 from robsim.gui._panel import still_picture
+from threads import running
 from waiting import wait_for
 
 
@@ -86,6 +87,14 @@ def test_finish_pauses_and_estimates(monkeypatch):
         result = panel.finish()
         assert panel.state == "paused"
         assert str(result) == str(robsim.batch_estimate(panel.trace))
+
+
+def test_what_runs_elsewhere_gets_no_panel_until_it_ends():
+    sim = simulation()
+    with running(sim), pytest.raises(RuntimeError, match="running already: a panel runs it"):
+        robsim.panel(sim)
+    with robsim.panel(sim) as panel:
+        panel.step()
 
 
 def test_what_a_callback_raises_comes_out_of_the_step_and_stays_as_error():

@@ -83,7 +83,7 @@ def test_the_panel_answers_while_it_is_estimated(monkeypatch):
             browser.press("finish")
         assert inside.wait(20)
         browser.press("step")
-        browser.take("frame", k=0)
+        browser.take("state", k=0)
         browser.press("finish")
         may_go_on.set()
         assert [browser.take("result")[0]["text"] for _ in range(2)] == ["0", "1"]

@@ -58,6 +58,8 @@ def panel(what: Shown, *, speed: float | None = None) -> Panel:
     ------
     TypeError, ValueError
         If an argument has the wrong type, or is out of range; the message names it.
+    RuntimeError
+        If `what` is running already, such as in another thread.
 
     Notes
     -----

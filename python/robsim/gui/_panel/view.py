@@ -209,6 +209,10 @@ class PanelView(View):
 
 
 def _runner_and_record(shown: Shown) -> tuple[Simulation | Experiment | Playback, Record]:
+    if isinstance(shown, (Simulation, Experiment)) and shown.is_running:
+        raise RuntimeError(
+            "it is running already: a panel runs it itself, so wait for its end, or call stop()"
+        )
     if isinstance(shown, Simulation):
         return shown, SimulationRecord(shown)
     if isinstance(shown, Recording):
