@@ -195,6 +195,18 @@ def test_a_line_that_is_flooded_takes_no_room_from_others():
         other.take("state", k=0)
 
 
+@pytest.mark.parametrize("kind", ["hello", "size"])
+@pytest.mark.parametrize("width", [0, 2**31, 2**53 - 1])
+def test_a_picture_of_any_width_comes_to_all(kind, width):
+    with panel_of(robsim.Simulation(seed=1)) as (view, browser):
+        other = FakeBrowser(view, name="other")
+        browser.say(kind, width=width)
+        for k in range(2):
+            browser.press("step")
+            for one in (browser, other):
+                assert one.take("frame", k=k)[1][0].startswith(b"\xff\xd8")
+
+
 def test_names_of_columns_do_not_pile_up():
     with panel_of(robsim.Simulation(seed=1)) as (_, browser):
         for i in range(200):

@@ -11,6 +11,7 @@ Buffers = Sequence[bytes]
 
 _FORGET = 10.0  # s after which a view that says nothing, while others do, is gone
 _MOST_VIEWS = 20
+_WIDEST = 1 << 14  # px of a picture
 _MOST_REFUSALS = 10  # that are answered in a second
 SLOW = 0.3  # s between frames that are sent though nobody grants room
 
@@ -95,6 +96,10 @@ class Link:
         self._grants[view], self._heard[view] = upto, now
         for other in [v for v, heard in self._heard.items() if now - heard > _FORGET]:
             self.part(other)  # such as one whose page was closed without a bye
+
+    def resize(self, width: int) -> None:
+        """Note how wide the picture is on the screen (px)."""
+        self.width = min(max(1, width), _WIDEST)
 
     def part(self, view: str) -> None:
         """Note that a view has gone."""

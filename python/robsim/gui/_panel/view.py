@@ -198,7 +198,7 @@ class PanelView(View):
 
     def _hello(self, link: Link, message: dict[str, Any]) -> None:
         link.greet(message["id"])
-        link.width = max(1, message["width"])
+        link.resize(message["width"])
         self.tell(link)
 
     def _bye(self, link: Link, message: dict[str, Any]) -> None:

@@ -87,5 +87,5 @@ class CameraView(Part):
             self.panel.tell(link)
 
     def _size(self, link: Link, message: dict[str, Any]) -> None:
-        link.width = max(1, message["width"])
+        link.resize(message["width"])
         link.shown = None  # as sharp as it is shown now
