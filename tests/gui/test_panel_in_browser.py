@@ -22,3 +22,23 @@ def test_start_runs_and_a_closed_page_pauses(open_panel, monkeypatch):
     assert "robsim driver" in {thread.name for thread in threading.enumerate()}
     view.close()
     assert "robsim driver" not in {thread.name for thread in threading.enumerate()}
+
+
+def test_what_a_callback_says_is_text(open_panel):
+    code = '</script><img src=x onerror="document.title=1"><script>document.title=1</script>'
+
+    def control(step):
+        raise ValueError(code + "\u202e\x1b[31m" + "x" * 10**6)
+
+    control.__name__ = code
+    view, tab = open_panel(robsim.Simulation(seed=1, control=control))
+    tab.locator("button[name='step']").first.click()
+    tab.wait_for_selector("main[data-state='failed']")
+    error = tab.locator(".robsim-error-text")
+    error.wait_for()
+    assert code in error.text_content()
+    tab.locator("button[name='to_callbacks']").click()
+    row = tab.locator(".robsim-slot", has_text=code[:20]).first
+    row.wait_for()
+    assert tab.title() != "1"
+    assert tab.locator("main img, main script").count() == 0

@@ -7,7 +7,7 @@ from collections import Counter
 
 import pytest
 
-from robsim.gui._script import STATIC, script
+from robsim.gui._script import STATIC, page_script, script
 
 _NAMES = re.compile(r"^(?:export )?(?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE)
 
@@ -35,6 +35,13 @@ def test_lines_are_short():
 
 def test_the_module_imports_nothing():
     assert re.findall(r"^(?:import|export (?!default))", script(), re.MULTILINE) == []
+
+
+def test_no_text_becomes_code_or_elements():
+    ways = r"(?:inner|outer)HTML|insertAdjacentHTML|document\.write|srcdoc|\beval\(|new Function"
+    handlers = r"setAttribute\(['\"`]on|javascript:"
+    code = script() + page_script()
+    assert re.findall(f"{ways}|createContextualFragment|parseFromString|{handlers}", code) == []
 
 
 def test_node_can_read_it(tmp_path):
