@@ -31,7 +31,7 @@ def test_what_a_callback_says_is_text(open_panel):
         raise ValueError(code + "\u202e\x1b[31m" + "x" * 10**6)
 
     control.__name__ = code
-    view, tab = open_panel(robsim.Simulation(seed=1, control=control))
+    _, tab = open_panel(robsim.Simulation(seed=1, control=control))
     tab.locator("button[name='step']").first.click()
     tab.wait_for_selector("main[data-state='failed']")
     error = tab.locator(".robsim-error-text")

@@ -69,11 +69,11 @@ def test_who_looks_back_gets_rows_but_no_newest_frame_until_he_returns(noisy):
     simulation.run(5)
     with panel_of(simulation) as (_, browser):
         browser.say("columns", names=["u"])
-        browser.take("rows")
+        browser.take_rows()
         browser.say("look", k=2)
         browser.take("frame", k=2, past=True)
         browser.say("press", button="step")
-        head, _ = browser.take("rows")
+        head, _ = browser.take_rows()
         assert [entry["first"] for entry in head["rows"]] == [5]
         browser.say("look", k=None)
         head, _ = browser.take("frame")

@@ -38,15 +38,22 @@ class FakeBrowser(Link):
 
     def take(self, kind, **fields):
         """Wait for a message with these fields; what came before it is forgotten."""
+        return self._take(kind, lambda head: {"type": kind, **fields}.items() <= head.items())
+
+    def take_rows(self):
+        """Wait for rows, which come on their own or with a frame."""
+        return self._take("rows", lambda head: head.get("rows"))
+
+    def _take(self, what, is_wanted):
         end = time.monotonic() + _PATIENCE
         with self._news:
             while True:
                 while self._told:
                     head, buffers = self._told.pop(0)
-                    if {"type": kind, **fields}.items() <= head.items():
+                    if is_wanted(head):
                         return head, buffers
                 left = end - time.monotonic()
-                assert left > 0, f"no {kind} came"
+                assert left > 0, f"no {what} came"
                 self._news.wait(left)
 
     def all_of(self, kind):

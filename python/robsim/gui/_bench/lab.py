@@ -166,7 +166,7 @@ class Lab:
 
     def output(self, i: int) -> str:
         """Return the text below a cell."""
-        return self._cell(i).locator(".jp-OutputArea").inner_text()
+        return str(self._cell(i).locator(".jp-OutputArea").inner_text())
 
     def command(self, name: str) -> None:
         """Press a button of the toolbar."""
@@ -187,4 +187,4 @@ class Lab:
         return self.page.locator(".jp-Notebook .jp-CodeCell").nth(i)
 
     def _number(self, i: int) -> str:
-        return self._cell(i).locator(".jp-InputPrompt").first.inner_text()
+        return str(self._cell(i).locator(".jp-InputPrompt").first.inner_text())
