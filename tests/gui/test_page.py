@@ -128,13 +128,32 @@ def test_it_listens_on_loopback_alone(page):
     assert page._listening.family == socket.AF_INET
 
 
-@pytest.mark.parametrize(("screen", "asked"), [("", []), (":0", [True])])
-def test_without_a_screen_no_browser_is_started(page, monkeypatch, screen, asked):
+@pytest.fixture
+def started(monkeypatch):
+    """The addresses that a browser was started with."""
     started = []
     monkeypatch.setattr("sys.platform", "linux")
     for name in ("WAYLAND_DISPLAY", "BROWSER"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("DISPLAY", screen)
-    monkeypatch.setattr("webbrowser.open", lambda url: started.append(url == page.url) or True)
-    assert page.open() is bool(asked)
-    assert started == asked
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr("webbrowser.open", lambda url: started.append(url) or True)
+    return started
+
+
+def test_without_a_screen_no_browser_is_started(page, monkeypatch, started):
+    monkeypatch.setenv("DISPLAY", "")
+    assert page.open() is False
+    assert started == []
+
+
+def test_the_address_that_starts_a_browser_leads_there_once(page, started):
+    assert page.open() is True
+    (url,) = started
+    assert page.secret not in url  # others may read it
+    path = url.removeprefix(f"http://127.0.0.1:{page.port}")
+    status, headers, body = request(page, path)
+    assert (status, headers["Location"], body) == (302, f"/{page.secret}/", b"")
+    assert request(page, path)[0] == 404
+    assert request(page, "/")[0] == 404
+    page.open()
+    assert started[1] != url

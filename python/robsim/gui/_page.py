@@ -35,6 +35,7 @@ class Page:
     def __init__(self, view: View, *, port: int = 0) -> None:
         self.view = view
         self.secret = secrets.token_urlsafe(18)
+        self.ticket = ""
         self._listening = _listen(port)
         self.port: int = self._listening.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}/{self.secret}/"
@@ -49,8 +50,15 @@ class Page:
         started.result()
 
     def open(self) -> bool:
-        """Show it in the user's browser; return whether there is one."""
-        return _has_screen() and webbrowser.open(self.url)
+        """Show it in the user's browser; return whether there is one.
+
+        It gets an address that leads there once, as other users can read what programs are called
+        with.
+        """
+        if not _has_screen():
+            return False
+        self.ticket = secrets.token_urlsafe(18)
+        return webbrowser.open(f"http://127.0.0.1:{self.port}/{self.ticket}")
 
     def wait(self, patience: float) -> None:
         """Wait until pages have come, and the last one has been gone for some seconds.

@@ -54,6 +54,7 @@ class Host(Protocol):
 
     view: View
     secret: str
+    ticket: str  # leads there once; empty = no more
     port: int
     pages: set[Socket]
 
@@ -110,8 +111,9 @@ def _application(host: Host, server: Server) -> tornado.web.Application:
     line = tornado.routing.Rule(
         _At(host.secret, "socket"), Socket, {"host": host, "server": server}
     )
+    once = tornado.routing.Rule(_Ticket(host), _Once, {"host": host})
     return tornado.web.Application(
-        [*files, line],
+        [*files, line, once],
         default_handler_class=_Nothing,
         default_handler_args={"host": host},
         websocket_max_message_size=MOST_BYTES,
@@ -130,6 +132,18 @@ class _At(tornado.routing.Matcher):
         secret, _, name = request.path.removeprefix("/").partition("/")
         is_ours = secrets.compare_digest(secret.encode(), self._secret)
         return {} if is_ours and "/" in request.path[1:] and name == self._name else None
+
+
+class _Ticket(tornado.routing.Matcher):
+    """The address that leads to the page once."""
+
+    def __init__(self, host: Host) -> None:
+        self._host = host
+
+    def match(self, request: tornado.httputil.HTTPServerRequest) -> dict[str, Any] | None:
+        ticket = self._host.ticket.encode()
+        is_it = secrets.compare_digest(request.path.removeprefix("/").encode(), ticket)
+        return {} if ticket and is_it else None
 
 
 class _Guarded(tornado.web.RequestHandler):
@@ -167,6 +181,12 @@ class _File(_Guarded):
         kind, text = self._content
         self.set_header("Content-Type", f"{kind}; charset=utf-8")
         self.finish(text)
+
+
+class _Once(_Guarded):
+    def get(self) -> None:
+        self._host.ticket = ""
+        self.redirect(f"/{self._host.secret}/")
 
 
 class _Nothing(_Guarded):
