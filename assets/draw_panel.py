@@ -8,10 +8,9 @@ from typing import Any
 
 from PIL import Image
 from playwright.sync_api import Page as Tab
-from playwright.sync_api import sync_playwright
 
 import robsim
-from robsim.gui._bench.in_page import chromium_path
+from robsim.gui._bench.browser import open_chromium
 from robsim.gui._page import Page
 from robsim.gui._panel.view import PanelView
 
@@ -19,7 +18,6 @@ _WINDOW = {"width": 1440, "height": 900}
 _STEPS = 400
 _EXACT, _OTHERS = 6, 96  # colours
 _PATIENCE = 30.0  # s
-_ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--no-first-run"]
 
 
 def panel_picture() -> tuple[Image.Image, list[str]]:
@@ -27,8 +25,7 @@ def panel_picture() -> tuple[Image.Image, list[str]]:
     view = PanelView(_simulation())
     page = Page(view)
     try:
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=chromium_path(), args=_ARGUMENTS)
+        with open_chromium() as browser:
             tab = browser.new_page(viewport=_WINDOW, color_scheme="light")
             tab.goto(page.url)
             tab.get_by_role("radiogroup", name="State estimation").get_by_text("Default").click()
@@ -37,7 +34,6 @@ def panel_picture() -> tuple[Image.Image, list[str]]:
             picture = _settled(tab)
             tab.locator("select").evaluate_all("all => all.forEach((menu) => menu.remove())")
             texts = tab.inner_text("body").splitlines()  # without what is folded away
-            browser.close()
     finally:
         page.close()
         view.close()
