@@ -3,8 +3,8 @@
 
 // Not oftener than that: each message to a kernel makes a notebook redraw its indicators, which
 // costs it more than a frame.
-const FRAMES_AHEAD = 15;
-const GRANT_GAP = 250; // ms
+const FRAMES_AHEAD = 24;
+const GRANT_GAP = 500; // ms
 const LATE = 1000; // ms without a frame while it runs, or without any message at first
 
 export function makeFlow(context) {

@@ -21,7 +21,8 @@ export function makeStepControls(context, axis) {
     className: "robsim-select", name: "window", ariaLabel: text("chart.window"),
     onchange: () => context.choose("window", Number(select.value)),
   }, ...choices);
-  const renew = () => {
+  const renew = (isGrowth) => {
+    if (isGrowth) return;
     follow.setAttribute("aria-pressed", String(axis.follows));
     select.value = String(axis.window);
   };

@@ -4,13 +4,14 @@ import { makeButton } from "../base/buttons.js";
 import { calmPainter, make, painter } from "../base/dom.js";
 import { makeSlider, showSlider } from "../base/slider.js";
 import { text } from "../base/texts.js";
-import { color } from "../base/theme.js";
+import { inksOf } from "../charts/inks.js";
 
 const TICK_HEIGHT = 6; // px, as in timeline.css
 const NARROWEST_TICK = 2; // px
 
 export function makeTimeline(context) {
   const unseen = makeUnseen();
+  const ink = inksOf(context);
   const ticks = make("canvas", { className: "robsim-timeline-ticks", ariaHidden: "true" });
   const slider = makeSlider("timeline", { min: 0, max: 0, step: 1 });
   Object.assign(slider, { ariaLabel: text("timeline"), title: text("timeline.title") });
@@ -48,7 +49,7 @@ export function makeTimeline(context) {
     newest.disabled = context.looking == null;
     newest.setAttribute("aria-pressed", String(context.looking != null));
     const poses = ["pose_measured", "pose_held"].map((name) => context.store.get(name));
-    paintTicks(ticks, unseen(...poses), to, color(context.el, "--robsim-held"));
+    paintTicks(ticks, unseen(...poses), to, ink("held"));
   });
   for (const event of ["setup", "state", "frame", "rows", "looking", "theme"])
     context.on(event, show);
