@@ -86,6 +86,22 @@ def test_messages_that_are_not_delivered_are_fetched(panel, link):
     assert numbers == sorted(numbers)
 
 
+def test_messages_are_fetched_no_longer_than_needed(panel, link):
+    link._try_gap = 0.0
+    say(link, type="hello", width=150)
+    wait_for(lambda: link.sent == 1)
+    for _ in range(3):
+        late(link, upto=15)
+    wait_for(lambda: link._waiting)
+    panel._view.note("told later")
+    wait_for(lambda: {"type": "polled", "gap": 0} in [head for head, _ in link.sent_messages])
+    assert "note" not in types(link.sent_messages)  # it was not asked for
+    say(link, type="hello", width=150)  # as it has come
+    wait_for(lambda: "note" in types(link.sent_messages))
+    panel._view.note("told at once")
+    wait_for(lambda: types(link.sent_messages).count("note") == 2)
+
+
 def test_whoever_fetches_nothing_gets_no_more_until_he_is_back(panel, link):
     say(link, type="hello", width=150)
     wait_for(lambda: link.sent == 1)

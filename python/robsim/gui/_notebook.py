@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import base64
+import time
 import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
 _MOST_LATE = 3  # grants in a row, until messages are no longer sent by themselves
 _POLL = 100  # ms between two questions whether there are messages
+_FIRST_TRY = 5.0  # s, then twice as long, and so on: do they come by themselves again?
 _MOST_WAITING = 200  # messages; whoever does not come for them is gone
 
 #: Cell -> what it shows: the run of the cell, the panel, its line.
@@ -86,7 +89,8 @@ class NotebookLink(Link):
     """The line to a widget.
 
     Where messages of background threads are not delivered, as in Colab, they wait for the handler
-    of the next message from the browser, which asks for them (`polled` in PROTOCOL.md).
+    of the next message from the browser, which asks for them (`polled` in PROTOCOL.md), until it
+    says hello since one has come by itself.
     """
 
     is_in_notebook = True
@@ -97,6 +101,7 @@ class NotebookLink(Link):
         self._view, self._text = view, text
         self._still = uuid.uuid4().hex  # known before the widget is shown
         self._waiting: deque[tuple[dict[str, Any], Buffers]] | None = None  # if polled
+        self._next_try, self._try_gap = 0.0, _FIRST_TRY  # (s)
         self.widget = _Pipe(kind=view.kind, still=self._still)
         self.widget.on_msg(self._receive)
         view.connect(self)
@@ -118,7 +123,11 @@ class NotebookLink(Link):
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
         if self._waiting is None:
             self._send(head, buffers)
-        elif len(self._waiting) < _MOST_WAITING:
+            return
+        if (now := time.monotonic()) >= self._next_try:
+            self._next_try, self._try_gap = now + self._try_gap, 2 * self._try_gap
+            self._send({"type": "polled", "gap": 0}, ())
+        if len(self._waiting) < _MOST_WAITING:
             self._waiting.append((dict(head), buffers))
         else:
             self._grants.clear()
@@ -126,15 +135,26 @@ class NotebookLink(Link):
     def has_room(self, now: float) -> bool:
         return super().has_room(now) if self._waiting is None else not self._waiting
 
+    def greet(self, view: str) -> None:
+        self._deliver()
+        self._waiting = None  # until it turns out that nothing comes by itself
+        super().greet(view)
+
     def grant(self, view: str, upto: int, *, late: bool = False) -> None:
         super().grant(view, upto, late=late)
         if self._waiting is None and self._n_late >= _MOST_LATE:
+            self._next_try = time.monotonic() + self._try_gap
             self._waiting = deque([({"type": "polled", "gap": _POLL}, ())])
 
     def _receive(self, widget: object, message: Any, buffers: object) -> None:
         self._view.receive(self, message)
-        while self._waiting:
-            self._send(*self._waiting.popleft())
+        self._deliver()
+
+    def _deliver(self) -> None:
+        waiting = self._waiting
+        while waiting:
+            with suppress(IndexError):  # another thread has just sent the last one
+                self._send(*waiting.popleft())
 
     def _send(self, head: Mapping[str, Any], buffers: Buffers) -> None:
         self.widget.send(dict(head), list(buffers))

@@ -21,7 +21,7 @@ import { makeTrouble } from "./parts/trouble.js";
 
 export function renderPanel({ el, send }) {
   const context = makeContext(el, send);
-  makeFlow(context);
+  makeFlow(context, () => begin());
   const camera = makeCamera(context);
   el.append(layOut(context, camera));
 

@@ -7,7 +7,8 @@ const FRAMES_AHEAD = 24;
 const GRANT_GAP = 500; // ms
 const LATE = 1000; // ms without a frame while it runs, or without any message at first
 
-export function makeFlow(context) {
+/** Make it; `begin` says hello, as at first. */
+export function makeFlow(context, begin) {
   let number = 0;
   let granted = 0;
   let late = setTimeout(() => grant(true), LATE);
@@ -24,7 +25,14 @@ export function makeFlow(context) {
     if (context.state.state == "running" && performance.now() - granted > GRANT_GAP) grant(false);
   });
   context.on("state", () => grant(false));
-  context.on("polled", ({ gap }) => (poll ||= setInterval(() => grant(false), gap)));
+  const ask = (gap) => (poll ||= setInterval(() => grant(false), gap));
+  const askNoMore = () => {
+    if (!poll) return;
+    clearInterval(poll);
+    poll = 0;
+    begin();
+  };
+  context.on("polled", ({ gap }) => (gap ? ask(gap) : askNoMore()));
   context.onEnd(() => {
     clearTimeout(late);
     clearInterval(poll);
