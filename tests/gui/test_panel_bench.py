@@ -1,6 +1,7 @@
 """The measurement of the panel: what is read back from the screen is what was sent."""
 
 import io
+import sys
 from contextlib import nullcontext
 from dataclasses import replace
 from types import SimpleNamespace
@@ -46,6 +47,12 @@ def test_a_machine_without_jupyterlab_is_told(monkeypatch):
     lab = replace(page, host="JupyterLab")
     monkeypatch.setattr(run, "measure_lab", lambda browser, seconds: lab)
     assert "left out" not in str(run.run_panel_bench())
+
+
+def test_what_is_missing_is_told_with_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "playwright", None)
+    with pytest.raises(ImportError, match="pip install playwright"):
+        run.run_panel_bench()
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import shutil
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from robsim.gui._bench.barcode import SAMPLER
@@ -33,7 +34,9 @@ def chromium_path() -> str:
 
 @contextmanager
 def open_chromium() -> Iterator[Browser]:
-    """Start a Chromium."""
+    """Start a Chromium; ImportError and FileNotFoundError say what to install."""
+    if find_spec("playwright") is None:
+        raise ImportError("the panel is measured with Playwright: pip install playwright")
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
