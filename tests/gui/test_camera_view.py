@@ -9,7 +9,7 @@ pytestmark = pytest.mark.slow
 
 GREEN, MAGENTA, BLUE = (18, 161, 80), (214, 33, 156), (59, 130, 246)
 AREA = {"area": [600, 600]}
-DRIVEN = {"controls": [], "values": {"control": "go_to"}}
+DRIVEN = {"controls": [], "values": {"control": "go-to-point"}}
 
 
 @pytest.fixture

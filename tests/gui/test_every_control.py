@@ -179,6 +179,10 @@ def use_picture(mouse):
     tab.click("button[name=path_done]")
     path = wait_for(lambda: told(mouse, "path"))
     np.testing.assert_allclose([path[0], path[-1]], [(100, 300), (450, 500)], atol=2)
+    tab.select_option("select[name=control]", "go-to-point")
+    wait_for_value(mouse, "control", "go-to-point")
+    canvas.click(position=at(400, 200))  # without the button
+    wait_for(lambda: told(mouse, "goal") == pytest.approx([400, 200], abs=2))
     tab.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     tab.mouse.wheel(0, -400)
     whole = tab.locator("button[name=zoom_reset]")
@@ -252,9 +256,9 @@ def use_callbacks(mouse, editor):
 def use_inspector_and_result(mouse):
     tab = mouse.tab
     mouse.open("Inspector")
-    for name in ("measurement", "pose"):
+    for name in ("estimate", "pose"):  # the robot may be hidden in this step
         tab.locator(".robsim-tree").get_by_text(name, exact=True).click()
-    assert tab.inner_text(".robsim-inspector-path") == "step.measurement.pose"
+    assert tab.inner_text(".robsim-inspector-path") == "step.estimate.pose"
     tab.click(".robsim-inspector button[name=copy]")
     mouse.open("Estimate")
     tab.click("button[name=finish_result]")

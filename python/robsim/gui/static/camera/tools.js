@@ -22,7 +22,7 @@ export function makeTools(context, canvas, changed) {
 
   const active = () => {
     if (!canSteer(context)) return "look";
-    return chosen ?? (context.state.values?.control == "go_to" ? "go_to" : "look");
+    return chosen ?? (context.state.values?.control == "go-to-point" ? "go_to" : "look");
   };
   const hint = makeHint(() => finish(), () => leave());
   const buttons = TOOLS.map((name) => makeTextButton(name, "", () => choose(name), `tool.${name}`));
