@@ -132,6 +132,18 @@ def test_a_run_that_is_slow_is_no_line_that_does_not_deliver(panel, link):
     assert link._waiting is None
 
 
+def test_frames_that_come_late_do_come(link):
+    link.greet("me")
+    link.grant("me", 24)
+    for number in range(1, 6):  # as at the slowest speed
+        link.sent = number
+        link.grant("me", 24 + number, late=True)
+    link.sent = 9
+    for _ in range(5):  # then nothing comes, as to one who looks at a past step
+        link.grant("me", 24 + 9, late=True)
+    assert link._waiting is None
+
+
 def test_answers_may_come_on_any_shell(panel):
     link = NotebookLink(panel._view)
     comm = SimpleNamespace(_reply_subshell_id="main")

@@ -37,7 +37,8 @@ class Link:
         self._heard: dict[str, float] = {}
         self._last_frame = 0.0
         self._n_late = 0  # grants in a row of a view that waits for frames that were sent
-        self._arrived = 0  # frames that had been sent when it last waited for none
+        self._arrived = 0  # frames that had been sent when it last waited for none, or got one
+        self._upto: int | None = None  # the newest grant, which is greater when a frame has come
         self._refused: deque[float] = deque(maxlen=_MOST_REFUSALS)  # when
         self.n_waiting = 0  # messages of its views; with the lock of the `View` held
         self.is_gone = False  # nothing can be sent any more
@@ -85,14 +86,17 @@ class Link:
             self.part(min(self._heard, key=self._heard.__getitem__))
         self.rows = dict.fromkeys(self.rows, 0)
         self.grant(view, self.sent + 1)
+        self._upto = None
 
     def grant(self, view: str, upto: int, *, late: bool = False) -> None:
         """Note that a view has room for frames up to a number; `late`: it waits for one."""
         now = time.monotonic()
-        if not late:
+        has_got_one = self._upto is not None and upto > self._upto
+        if not late or has_got_one:
             self._n_late, self._arrived = 0, self.sent
         elif self.sent > self._arrived:
             self._n_late += 1
+        self._upto = upto
         self._grants[view], self._heard[view] = upto, now
         for other in [v for v, heard in self._heard.items() if now - heard > _FORGET]:
             self.part(other)  # such as one whose page was closed without a bye
