@@ -46,6 +46,19 @@ def test_a_result_from_before_does_not_take_the_tab(open_fake):
     assert host.tab.get_attribute(chosen, "value") == "result"
 
 
+def test_who_looks_back_while_nothing_runs_grants_room_too(open_fake):
+    host = open_fake()
+    host.setup()
+    host.state(k=99, steps=100)
+    host.tab.evaluate("(now => { performance.now = () => now + 1000 })(performance.now())")
+    host.forget()
+    for k in range(40, 35, -1):
+        host.frame(k, past=True)
+    assert host.sent("grant") == [
+        {"type": "grant", "upto": 1 + 24, "late": False}
+    ]  # no more so soon
+
+
 TICKS = """
 (() => {
   const canvas = document.querySelector(".robsim-timeline-ticks");

@@ -22,7 +22,7 @@ export function makeFlow(context, begin) {
   };
   context.on("frame", (head) => {
     number = head.n;
-    if (context.state.state == "running" && performance.now() - granted > GRANT_GAP) grant(false);
+    if (performance.now() - granted > GRANT_GAP) grant(false);
   });
   context.on("state", () => grant(false));
   const ask = (gap) => (poll ||= setInterval(() => grant(false), gap));
