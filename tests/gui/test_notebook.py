@@ -122,6 +122,31 @@ def test_whoever_fetches_nothing_gets_no_more_until_he_is_back(panel, link):
     assert types(link.sent_messages).count("note") > 100
 
 
+def test_rows_that_were_lost_come_again(panel, link):
+    panel.step()
+    say(link, type="hello", width=150)
+    say(link, type="columns", names=["u"])
+    wait_for(lambda: link.rows == {"u": 1})
+    for _ in range(3):
+        late(link, upto=15)
+    wait_for(lambda: link._waiting)
+    for i in range(300):
+        panel._view.post(lambda i=i: panel._view.send({"type": "note", "text": str(i)}))
+    wait_for(lambda: not link.is_watched)
+    panel.step()
+    wait_for(lambda: link.rows == {"u": 2})  # on their way to nobody
+
+    def rows_after_setup():
+        say(link, type="grant", upto=1000, late=False)
+        heads = [head for head, _ in link.sent_messages]
+        since = types(link.sent_messages)[::-1].index("setup")
+        return [entry["first"] for head in heads[-since:] for entry in head.get("rows", ())]
+
+    link.sent_messages.clear()
+    link.sent_messages.append(({"type": "setup"}, None))
+    assert wait_for(rows_after_setup)[0] == 0
+
+
 def test_a_run_that_is_slow_is_no_line_that_does_not_deliver(panel, link):
     say(link, type="hello", width=150)
     wait_for(lambda: link.sent == 1)

@@ -84,9 +84,13 @@ class Link:
         """
         if len(self._heard) >= _MOST_VIEWS and view not in self._heard:
             self.part(min(self._heard, key=self._heard.__getitem__))
-        self.rows = dict.fromkeys(self.rows, 0)
+        self.forget_rows()
         self.grant(view, self.sent + 1)
         self._upto = None
+
+    def forget_rows(self) -> None:
+        """Note that a view may lack rows that were sent: they are sent again."""
+        self.rows = dict.fromkeys(self.rows, 0)
 
     def grant(self, view: str, upto: int, *, late: bool = False) -> None:
         """Note that a view has room for frames up to a number; `late`: it waits for one."""

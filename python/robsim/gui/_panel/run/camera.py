@@ -84,6 +84,7 @@ class CameraView(Part):
         is_back = not link.is_watched  # though it was taken to have gone
         link.grant(message["id"], message["upto"], late=message["late"])
         if is_back:
+            link.forget_rows()
             self.panel.tell(link)
 
     def _size(self, link: Link, message: dict[str, Any]) -> None:
