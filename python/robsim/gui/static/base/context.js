@@ -13,8 +13,8 @@ const CHOICES = {
 /**
  * Events: each type of message from Python, with (head, buffers), after the context has taken it
  * in; "local" (name) when a choice of this view was made; "theme" when the colours have changed;
- * "reset" when the steps begin anew; "looking" when another step is looked at; "frame" for those
- * that are shown, "arrived" for all; "axis" and "cursor" of the charts.
+ * "reset" when the steps begin anew; "looking" when another step is looked at; "keys" to show the
+ * list of keys; "axis" and "cursor" of the charts. A "frame" that is late is left out.
  */
 export function makeContext(el, send) {
   const listeners = new Map();
