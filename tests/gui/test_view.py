@@ -1,5 +1,6 @@
 """The thread that talks to browsers: floods, lines that are slow or gone, mistakes of its own."""
 
+import gc
 import math
 import threading
 import time
@@ -11,6 +12,7 @@ from browsers import FakeBrowser, panel_of
 from robsim.gui import _link
 from robsim.gui._link import Link
 from robsim.gui._panel import view as _panel_view
+from robsim.gui._panel.run.pictures import Shot
 from robsim.gui._panel.view import PanelView
 from robsim.gui._view import View
 from threads import together
@@ -203,6 +205,21 @@ def test_views_that_say_nothing_while_others_do_are_forgotten(monkeypatch):
     for number in range(1000):
         line.greet(str(number))
     assert len(line._grants) == 20
+
+
+def test_while_the_view_is_busy_only_the_newest_frame_is_kept():
+    with panel_of(simulation()) as (view, browser):
+        browser.take("frame")
+        is_busy, may_go_on = threading.Event(), threading.Event()
+        view.post(lambda: (is_busy.set(), may_go_on.wait(20)))
+        assert is_busy.wait(20)
+        for _ in range(50):
+            view.driver.step().result()
+        kept = {shot.k for shot in gc.get_objects() if isinstance(shot, Shot)}
+        may_go_on.set()
+        browser.take("frame", k=49)
+    assert 49 in kept
+    assert len(kept) < 10
 
 
 # Coming and going

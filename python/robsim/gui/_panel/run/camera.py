@@ -17,6 +17,8 @@ _GAP = 1 / 30  # s between two pictures
 class CameraView(Part):
     """Sends the newest step as a picture, with what is drawn over it."""
 
+    _taken: Shot | None = None  # in the thread of the run
+    _is_told = False  # the thread of the view that there is one
     _newest: Shot | None = None
     _due = 0.0  # when the next picture may be sent
 
@@ -33,8 +35,10 @@ class CameraView(Part):
     def take(self, step: Step) -> None:
         if self.panel.is_running and time.monotonic() < self._due:
             return
-        shot = self.panel.record.shot(step)
-        self.panel.post(lambda: self._show(shot))
+        self._taken = self.panel.record.shot(step)
+        if not self._is_told:  # a view that is busy is not to find the frames of a hundred steps
+            self._is_told = True
+            self.panel.post(self._show)
 
     def greet(self, link: Link) -> None:
         link.shown = None
@@ -63,8 +67,9 @@ class CameraView(Part):
         """Return the picture of a step."""
         return picture_of(shot.frame, width)
 
-    def _show(self, shot: Shot) -> None:
-        self._newest = shot
+    def _show(self) -> None:
+        self._is_told = False  # before it is looked at: what is taken after that is told again
+        self._newest = self._taken
 
     def _send(self, shot: Shot, links: list[Link], now: float) -> None:
         pictures: dict[int, bytes] = {}
