@@ -275,6 +275,29 @@ def test_ticks_show_where_the_robot_was_not_seen(shell):
     assert edges == pytest.approx(expected, abs=4)
 
 
+def test_a_long_run_has_no_more_ticks_than_pixels(shell):
+    host = shell()
+    every_other = rows_with_gaps(20_000, *((k, k + 1) for k in range(0, 20_000, 2)))
+    poses = {"pose_measured": every_other, "pose_held": rows_with_gaps(20_000)}
+    host.frame(19_999, rows=poses)
+    host.rest()
+    host.tab.evaluate(
+        """(() => {
+          window.drawn = 0;
+          const pens = CanvasRenderingContext2D.prototype;
+          const fill = pens.fillRect;
+          pens.fillRect = function (...box) {
+            drawn += this.canvas.matches(".robsim-timeline-ticks");
+            return fill.apply(this, box);
+          };
+        })()"""
+    )
+    host.state(k=19_999, steps=20_000)
+    host.rest()
+    width = host.tab.evaluate("document.querySelector('.robsim-timeline-ticks').width")
+    assert width / 4 < host.tab.evaluate("drawn") <= width
+
+
 def test_a_reset_ends_a_look_at_the_past(shell):
     host = shell()
     host.frame(20)

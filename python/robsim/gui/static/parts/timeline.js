@@ -95,8 +95,12 @@ function paintTicks(canvas, runs, last, css) {
   const pen = canvas.getContext("2d");
   pen.fillStyle = css;
   const scale = width / Math.max(last, 1);
+  let painted = -Infinity; // up to there
   for (const [first, end] of runs) {
     const tick = Math.max((end - first) * scale, NARROWEST_TICK * ratio);
-    pen.fillRect(Math.min(first * scale - ratio, width - tick), 0, tick, canvas.height);
+    const left = Math.min(first * scale - ratio, width - tick);
+    if (left + tick < painted + 1) continue; // of a long run many fall on a pixel
+    painted = left + tick;
+    pen.fillRect(left, 0, tick, canvas.height);
   }
 }
