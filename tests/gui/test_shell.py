@@ -523,6 +523,17 @@ def test_space_after_a_click_starts_and_tab_and_space_press(shell):
     assert pressed(host) == ["step", "start", "step_stage"]
 
 
+def test_space_after_a_choice_or_a_tab_starts(shell):
+    host = shell()
+    for role, name in (("radio", "Gaussian"), ("tab", "Callbacks")):
+        host.tab.get_by_role(role, name=name).click()
+        host.state(values={**VALUES, "noise": "gaussian"})
+        host.tab.keyboard.press(" ")
+        host.tab.keyboard.press(".")
+        assert pressed(host) == ["start", "step"], role
+        host.forget()
+
+
 def test_in_a_notebook_keys_are_the_panels_only_under_the_pointer(shell):
     host = shell(body="")
     host.tab.evaluate("document.body.append(document.createElement('textarea'))")

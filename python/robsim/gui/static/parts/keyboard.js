@@ -6,9 +6,10 @@ import { text } from "../base/texts.js";
 
 const TYPING =
   "textarea, select, [contenteditable], .cm-editor, input:not([type=range], [type=checkbox])";
-// What the browser itself does with a key, if one of these has the focus.
+// What the browser itself does with a key, if one of these has the focus. On a tab or a choice
+// that is chosen already, Space would do nothing.
 const NATIVE = {
-  " ": "button, summary, input[type=checkbox]",
+  " ": "button:not([aria-selected=true], [aria-checked=true]), summary, input[type=checkbox]",
   ArrowLeft: "input",
   ArrowRight: "input",
   End: "input",
