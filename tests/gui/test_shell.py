@@ -448,6 +448,12 @@ def test_an_error_appears_over_the_picture_with_its_line(shell):
     assert error.count() == 0
 
 
+def test_an_error_outside_of_the_steps_names_none(shell):
+    host = shell()
+    host.state(values=VALUES, state="failed", error={**ERROR, "k": None})  # a file with a typo
+    assert host.tab.locator(".robsim-error-title strong").inner_text() == "measure failed"
+
+
 def test_notes_are_said_once_and_can_be_closed(shell):
     host = shell()
     for text in ("one", "one", "two"):

@@ -59,7 +59,8 @@ function makeError(context, press) {
     element.hidden = what == null;
     if (what == null) return;
     const { slot, k, text: message, file, line, code: source } = what;
-    title.textContent = slot ? text("error.title", { slot, k }) : text("error");
+    const failed = k == null ? "error.title.once" : "error.title";
+    title.textContent = slot ? text(failed, { slot, k }) : text("error");
     words.textContent = message;
     place.textContent = file ? text("file.line", { file: file.split(/[\\/]/).pop(), line }) : "";
     place.title = file ?? "";
