@@ -489,6 +489,12 @@ def test_a_step_without_a_picture_says_why(shell):
     assert remark.is_hidden()
 
 
+def test_a_closed_panel_of_a_page_speaks_of_no_cell(shell):
+    host = shell()
+    host.state(values=VALUES, state="closed")
+    assert host.tab.locator(".robsim-remark").inner_text() == "This panel is closed."
+
+
 # Tabs.
 
 

@@ -34,6 +34,7 @@ export function makeTrouble(context, press) {
 function remarkOf({ state: { state, stopped }, setup }) {
   if (stopped && state != "running") return text("remark.stopped");
   if (state == "ended" && setup?.source == "trace") return "";
+  if (state == "closed" && isPage()) return text("remark.closed.page");
   return ["ended", "closed"].includes(state) ? text(`remark.${state}`) : "";
 }
 
