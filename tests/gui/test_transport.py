@@ -149,6 +149,7 @@ def test_an_error_of_a_callback_is_told_with_its_line(tmp_path):
             error = browser.take("state", state="failed")[0]["error"]
         assert (error["file"], error["line"]) == (file, 1)
         assert error["code"] == "def control(step)"
+        assert error["text"].startswith("SyntaxError: ")  # not the line once more
         (tmp_path / "control.py").write_text("def control(step):\n    return 0, 0\n")
         browser.press("start")
         browser.take("state", state="running", error=None)
@@ -160,7 +161,11 @@ def test_a_result_that_cannot_be_used_and_one_of_the_set_up():
         error = browser.take("state", state="failed")[0]["error"]
         assert (error["slot"], error["k"]) == ("control", 0)
         assert error["file"] == __file__
-        assert "in the callback control at step 0" in error["text"]
+        # Slot, step, file and line stand beside it.
+        assert error["text"].splitlines() == [
+            "robsim.simulation.CallbackTypeError: "
+            "the result must be (u1, u2), the two voltages in V, got 'fast'"
+        ]
     options = {"estimate_parameters": True, "measure": False, "identify_from": "measurement"}
     with panel_of(simulation(**options)) as (_, browser):
         browser.press("step")

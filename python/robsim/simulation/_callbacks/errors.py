@@ -130,7 +130,7 @@ def refused(
     """
     source = line_of_callable(function)
     record = FailedCallback(slot, None if k < 0 else k, users_line_of_callable(function))
-    place = f"of {_type_name(function)}" if source is None else _traceback_line(source)
+    place = f"of {_type_name(function)}" if source is None else traceback_line(source)
     kind = CallbackTypeError if isinstance(error, TypeError) else CallbackValueError
     return _recorded(kind(f"in {what} {record.when}: {error}\n  {place}"), record)
 
@@ -162,6 +162,6 @@ def _type_name(value: object) -> str:
     return type(value).__qualname__.rpartition("<locals>.")[2]
 
 
-def _traceback_line(source: SourceLine) -> str:
+def traceback_line(source: SourceLine) -> str:
     """Return a line in the format of a traceback, which editors and consoles know."""
     return f'File "{source.file}", line {source.number}, in {source.function}'

@@ -8,7 +8,7 @@ from typing import Any
 
 from robsim._base.source_line import SourceLine
 from robsim._base.text import printable, said_by
-from robsim.simulation._callbacks.errors import FailedCallback, callback_of
+from robsim.simulation._callbacks.errors import FailedCallback, callback_of, traceback_line
 from robsim.simulation._slots import SLOTS
 
 _LONGEST = 4000  # characters of a text
@@ -35,7 +35,7 @@ def trouble_of(error: BaseException) -> dict[str, Any]:
 def _told_by(error: BaseException, failed: FailedCallback | None) -> dict[str, Any]:
     source = _source_of(error, failed)
     return {
-        "text": _shortened(_text_of(error, failed)),
+        "text": _shortened(_text_of(error, failed, source)),
         "file": source.file if source else None,
         "line": source.number if source else None,
         "code": _code_of(error, source),
@@ -57,13 +57,20 @@ def _code_of(error: BaseException, source: SourceLine | None) -> str | None:
     return _shortened(source.text) if source else None
 
 
-def _text_of(error: BaseException, failed: FailedCallback | None) -> str:
-    """Return kind and message, and the notes, but for the one that only says where it was."""
+def _text_of(error: BaseException, failed: FailedCallback | None, source: SourceLine | None) -> str:
+    """Return kind and message, and the notes, without what only says where it was."""
     where = f"in the callback {failed.slot} {failed.when}" if failed else None
     if failed is not None and failed.slot not in SLOTS:
         where = f"in {failed.slot} {failed.when}"
     notes = [note for note in getattr(error, "__notes__", []) if note != where]
-    return "\n".join([_last_lines(error), *map(str, notes)])
+    said = _last_lines(error)
+    if where:
+        said = said.replace(f": {where}: ", ": ", 1)
+    if source:
+        said = said.removesuffix(f"\n  {traceback_line(source)}")
+        if isinstance(error, SyntaxError) and source.file == error.filename:
+            said = said.rpartition("\n")[2]
+    return "\n".join([said, *map(str, notes)])
 
 
 def _traceback_of(error: BaseException) -> str:
