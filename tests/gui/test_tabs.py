@@ -235,6 +235,19 @@ def test_finish_is_offered_and_its_result_shown(tab_of):
     assert host.tab.is_enabled("button[name=finish_result]")
 
 
+def test_a_long_verdict_leaves_the_button_its_place(tab_of):
+    host = tab_of("result", size=(800, 600))
+    rows = [["a1X", 2.0, 2.1, 0.05, 1.9]]
+    verdict = "of 15 parameters 9 not excited, 3 poorly excited: drive in another way"
+    host.emit({"type": "result", "rows": rows, "text": "", "verdict": verdict}, [])
+    chip = host.tab.locator(".robsim-result-head .robsim-chip").bounding_box()
+    button = host.tab.locator("button[name=finish_result]")
+    place = button.bounding_box()
+    assert button.evaluate("one => one.scrollWidth <= one.clientWidth")
+    assert chip["x"] + chip["width"] <= place["x"]
+    assert place["x"] + place["width"] <= 800
+
+
 def test_what_differs_by_rounding_alone_is_called_exact(tab_of):
     host = tab_of("result")
     rows = [["a1X", 1.9375, 1.9375 - 1e-13, 1e-15, 1.9375], ["d1X", 0.0, 0.1, 1e-15, 0.0]]
