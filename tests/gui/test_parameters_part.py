@@ -32,6 +32,7 @@ def test_a_robot_that_spins_excites_few_parameters():
     assert {"b1X", "b2X"} < {*found["excitation"]["weak"]}
     n = len(judged.names("not excited"))
     assert found["excitation"]["text"].startswith(f"of 15 parameters {n} not excited")
+    assert found["excitation"]["text"].endswith(": drive in another way")
 
 
 def test_one_that_drives_around_excites_all():

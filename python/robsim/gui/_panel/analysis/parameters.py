@@ -66,4 +66,4 @@ def _excitation_text(poorly: list[str], not_at_all: list[str]) -> str:
     parts = [f"{count} {words}" for count, words in counts if count]
     if not parts:
         return "all parameters are well excited"
-    return f"of {len(PARAMETER_NAMES)} parameters {', '.join(parts)}: let the robot drive otherwise"
+    return f"of {len(PARAMETER_NAMES)} parameters {', '.join(parts)}: drive in another way"
