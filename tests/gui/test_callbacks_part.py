@@ -13,8 +13,10 @@ import pytest
 
 import robsim
 from panel_watcher import Watcher, wait_for
+from robsim.gui._messages import Refused
 from robsim.gui._panel.run import callbacks as _callbacks
 from robsim.gui._panel.run.code import lab
+from robsim.gui._panel.run.code.editor import open_in_editor
 from robsim.gui._panel.view import PanelView
 from robsim.simulation._folders.callback_folder import new_folder
 from robsim.simulation._slots import SLOTS
@@ -368,3 +370,12 @@ def test_a_link_for_the_lab_alone(watch, tmp_path, folder, monkeypatch):
         assert lab.lab_link(tmp_path.parent / "other.py") is None
     finally:
         lab._server.cache_clear()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system has one")
+def test_without_an_editor_the_refusal_names_some(monkeypatch, tmp_path):
+    monkeypatch.setenv("VISUAL", "vi")  # needs a terminal
+    for variable in ("EDITOR", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(variable, raising=False)
+    with pytest.raises(Refused, match="set VISUAL to one, such as code"):
+        open_in_editor(tmp_path / "control.py", 1)

@@ -66,7 +66,10 @@ def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
         os.startfile(file, "edit")  # "open" would run it
         return None
     if command is None:
-        raise Refused(f"no editor with a window is known here: set VISUAL, or open {file} yourself")
+        raise Refused(
+            "no editor with a window is known here: set VISUAL to one, such as code or gedit, "
+            f"or open {file} yourself"
+        )
     _started[:] = [editor for editor in _started if editor.poll() is None]
     try:
         editor = subprocess.Popen(
