@@ -92,3 +92,15 @@ def test_a_page_tells_that_python_has_gone(served):
         tab.clock.run_for(10_000)
         tab.wait_for_timeout(50)
     tab.wait_for_selector(MAIN.format("gone"))
+
+
+def test_a_panel_that_was_closed_is_not_looked_for(served):
+    view, page, context = served
+    tab = shown(context, page)
+    view.close()
+    tab.wait_for_selector(MAIN.format("closed"))
+    tab.evaluate("window.tries = 0; WebSocket = class { constructor() { window.tries += 1; } }; 0")
+    page.close()
+    tab.wait_for_timeout(1000)  # the first try would come after 0.3 s
+    assert tab.evaluate("window.tries") == 0
+    assert tab.locator(MAIN.format("closed")).count() == 1

@@ -248,6 +248,18 @@ def test_a_long_verdict_leaves_the_button_its_place(tab_of):
     assert place["x"] + place["width"] <= 800
 
 
+def test_a_narrow_table_hides_no_digit(tab_of):
+    host = tab_of("result", size=(800, 600))
+    rows = [["a1X", 1.9375, 1.9375123, 0.05, 1.9374], ["d1X", 8.3333e-6, 0.20833, 0.1, 0.20834]]
+    host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
+    shown = host.tab.locator(".robsim-result tr:last-child > *").all()
+    boxes = [box for one in shown if (box := one.bounding_box())]
+    assert len(boxes) == 2 * 4  # head and body, without standard error and online
+    for left, right in zip(boxes[-4:], boxes[-3:], strict=False):
+        assert left["x"] + left["width"] <= right["x"] + 1
+    assert boxes[-1]["x"] + boxes[-1]["width"] <= 800
+
+
 def test_what_differs_by_rounding_alone_is_called_exact(tab_of):
     host = tab_of("result")
     rows = [["a1X", 1.9375, 1.9375 - 1e-13, 1e-15, 1.9375], ["d1X", 0.0, 0.1, 1e-15, 0.0]]

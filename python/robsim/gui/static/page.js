@@ -53,7 +53,7 @@ function show(socket) {
   const end = view.render({ model: modelOf(socket), el });
   socket.onclose = () => {
     end(); // what it shows remains
-    retry(el, PAUSES);
+    if (el.dataset.state != "closed") retry(el, PAUSES);
   };
 }
 

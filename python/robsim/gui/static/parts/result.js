@@ -62,7 +62,8 @@ function makeResultTable(rows) {
   const head = make("thead", {}, make("tr", {}, ...shown.map(heading)));
   const largest = Math.max(...rows.map(([, truth]) => Math.abs(truth ?? 0)));
   const body = make("tbody", {}, ...rows.map((row) => makeResultRow(row, isTrueKnown, largest)));
-  const table = make("table", { className: "robsim-table" }, head, body);
+  const className = `robsim-table ${isTrueKnown ? "robsim-compared" : ""}`;
+  const table = make("table", { className }, head, body);
   return make("div", { className: "robsim-result-table" }, table);
 }
 
