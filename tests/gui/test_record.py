@@ -5,7 +5,8 @@ import pytest
 from PIL import Image
 
 import robsim
-from browsers import panel_of
+from browsers import FakeBrowser, panel_of
+from robsim.gui._panel.analysis import rows as _rows
 from robsim.gui._panel.record import css_color
 from robsim.gui._panel.view import PanelView
 
@@ -144,6 +145,37 @@ def test_a_recording_becomes_an_experiment(simulation, tmp_path):
         head, (picture,) = browser.take("frame", k=1, past=True)
         assert head["measured"] is not None
         assert picture
+
+
+def test_a_long_record_comes_in_parts(saved, monkeypatch):
+    monkeypatch.setattr(_rows, "_MOST_BYTES", 100)
+    wanted = {"pose_true": saved.pose_true, "u": saved.u}
+    got = {name: np.empty((0, rows.shape[1]), "<f4") for name, rows in wanted.items()}
+    with panel_of(saved) as (_, browser):
+        browser.say("columns", names=[*wanted])
+        while any(len(got[name]) < 10 for name in wanted):
+            head, buffers = browser.take_rows()
+            blocks = buffers[-len(head["rows"]) :]
+            assert sum(map(len, blocks)) <= 100
+            for entry, block in zip(head["rows"], blocks, strict=True):
+                rows = np.frombuffer(block, "<f4").reshape(-1, entry["width"])
+                before = got[entry["column"]]
+                assert entry["first"] == len(before)
+                got[entry["column"]] = np.concatenate([before, rows])
+    for name, rows in wanted.items():
+        np.testing.assert_array_equal(got[name], rows.astype("<f4"))
+
+
+def test_a_line_that_is_behind_gets_its_rows_later(saved, monkeypatch):
+    with panel_of(saved) as (_, browser):
+        monkeypatch.setattr(FakeBrowser, "is_behind", True)
+        browser.say("columns", names=["u"])
+        browser.say("inspect", k=None, path=[])
+        browser.take("tree")
+        assert browser.rows == {"u": 0}
+        monkeypatch.setattr(FakeBrowser, "is_behind", False)
+        head, _ = browser.take_rows()
+    assert [entry["first"] for entry in head["rows"]] == [0]
 
 
 def test_what_is_no_record_is_refused():

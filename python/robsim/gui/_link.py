@@ -114,6 +114,11 @@ class Link:
         self._grants.pop(view, None)
         self._heard.pop(view, None)
 
+    @property
+    def is_behind(self) -> bool:
+        """Whether much is on its way: what is large waits; any thread may ask."""
+        return False  # where that is not known
+
     def lacks(self, newest: object) -> bool:
         """Return whether it is watched, and this was not sent."""
         return self.is_watched and self.shown is not newest

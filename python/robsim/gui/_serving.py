@@ -25,6 +25,7 @@ _MOST_PAGES = 16
 _MOST_REQUESTS = 64  # connections that are no open page
 _PATIENCE = 10.0  # s for a request to come in, and between two
 _PING = 20.0  # s
+_MUCH_BEHIND = 1 << 22  # bytes
 _MOST_BEHIND = 1 << 25  # bytes that a slow page may be behind before it is cut off; it comes back
 _HEADERS = {
     "Cache-Control": "no-store",
@@ -254,6 +255,10 @@ class PageLink(Link):
         self._socket = socket
         self._loop = loop
         self._behind = 0  # bytes that are not on their way yet
+
+    @property
+    def is_behind(self) -> bool:
+        return self._behind > _MUCH_BEHIND
 
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
         packed = packed_message(head, buffers)

@@ -14,6 +14,7 @@ from robsim.gui._panel.part import Handlers, Part
 
 _GAP = 0.1  # s between two updates
 _MOST_GROUPS = 100  # of columns for a line
+_MOST_BYTES = 1 << 22  # of a message: a frame waits for what was sent before it
 _NONE = np.empty((0, 0))
 
 
@@ -41,7 +42,8 @@ class Rows(Part):
         self._due = now + _GAP
         for link in self.panel.links:
             self.send(link)
-        return self._due if self.panel.is_running else math.inf
+        is_over = not self.panel.is_running and not any(map(self._lacks, self.panel.links))
+        return math.inf if is_over else self._due
 
     def is_due(self, now: float) -> bool:
         """Return whether rows may travel with a frame: each message of their own costs more."""
@@ -61,8 +63,12 @@ class Rows(Part):
             link.send({"type": "rows", "rows": entries}, blocks)
 
     def new(self, link: Link) -> tuple[list[dict[str, Any]], list[bytes]]:
-        """Return the rows that a line lacks, which it is taken to have now: entries and blocks."""
+        """Return rows that a line lacks, which it is taken to have now: entries and blocks.
+
+        Of a long record they are the first ones; the others follow.
+        """
         record, entries, blocks = self.panel.record, [], []
+        room = 0 if link.is_behind else _MOST_BYTES
         before, link.n_resets = link.n_resets, record.n_resets
         columns = record.columns()
         for name, sent in link.rows.items():
@@ -71,12 +77,21 @@ class Rows(Part):
             if len(rows) == sent and not is_other:
                 continue
             first = 0 if is_other or len(rows) < sent else sent
+            end = min(len(rows), first + room // (4 * max(1, rows.shape[1])))
+            link.rows[name] = end
+            if first == end < len(rows) and not is_other:
+                continue
             with np.errstate(over="ignore"):  # of an estimate that runs away: inf
-                block = np.ascontiguousarray(rows[first:], dtype="<f4")
+                block = np.ascontiguousarray(rows[first:end], dtype="<f4")
             entries.append({"column": name, "first": first, "width": rows.shape[1]})
             blocks.append(block.tobytes())
-            link.rows[name] = len(rows)
+            room -= block.nbytes
         return entries, blocks
+
+    def _lacks(self, link: Link) -> bool:
+        """Return whether a line has more to get."""
+        columns = self.panel.record.columns()
+        return any(len(columns.get(name, _NONE)) != sent for name, sent in link.rows.items())
 
     def _columns(self, link: Link, message: dict[str, Any]) -> None:
         rows = link.rows | dict.fromkeys(message["names"], 0)
