@@ -9,6 +9,7 @@ import pytest
 
 import robsim
 from browsers import panel_of
+from robsim.gui._panel.analysis import summary as _summary
 from robsim.gui._panel.analysis.parameters import Parameters
 from robsim.gui._panel.analysis.statistics import Statistics
 from robsim.reference import ExtendedKalmanFilter
@@ -87,7 +88,15 @@ def test_without_a_truth_or_a_measurement_there_are_none():
     assert statistics_of(robsim.Experiment(frames).run())["errors"] == []
 
 
-def test_they_come_once_a_second_while_it_runs_and_at_once_on_pause():
+@pytest.fixture
+def clock(monkeypatch):
+    """The time that it takes to compute them: none, unless a test lets it pass."""
+    clock = SimpleNamespace(now=0.0)
+    monkeypatch.setattr(_summary, "time", SimpleNamespace(monotonic=lambda: clock.now))
+    return clock
+
+
+def test_they_come_once_a_second_while_it_runs_and_at_once_on_pause(clock):
     trace = trace_with(np.zeros((9, 3)))
     record = SimpleNamespace(n_resets=0, n_steps=4, trace=trace)
     sent = []
@@ -108,6 +117,24 @@ def test_they_come_once_a_second_while_it_runs_and_at_once_on_pause():
     assert len(sent) == 3
     assert statistics.look(12.2) == math.inf
     assert len(sent) == 3
+
+
+def test_those_that_take_long_come_less_often(clock):
+    class Slow(Statistics):
+        def message(self, trace):
+            clock.now += 0.5
+            return {}
+
+    record = SimpleNamespace(n_resets=0, n_steps=10**6, trace=None)
+    links = [SimpleNamespace(is_watched=True)]
+    panel = SimpleNamespace(record=record, is_running=True, links=links, send=lambda message: None)
+    slow = Slow(panel)
+    assert slow.look(10.0) == 15.0
+    record.n_steps += 100
+    assert slow.look(12.0) == 15.0
+    panel.is_running = False
+    slow.look(12.1)
+    assert clock.now == 1.0  # on pause at once
 
 
 def test_a_new_view_is_told_them_too():

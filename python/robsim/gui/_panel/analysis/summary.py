@@ -1,8 +1,9 @@
-"""What is told of the whole record as it grows: once a second, and on pause."""
+"""What is told of the whole record as it grows: once a second or less often, and on pause."""
 
 from __future__ import annotations
 
 import math
+import time
 from abc import abstractmethod
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from robsim.gui._panel.view import PanelView
 
 _GAP = 1.0  # s
+_SHARE = 0.1  # of the time of the view's thread at the most, while it runs
 
 
 class Summary(Part):
@@ -24,6 +26,7 @@ class Summary(Part):
         self._newest: dict[str, Any] | None = None
         self._seen: tuple[int, int] | None = None  # resets and steps that it was computed from
         self._due = 0.0
+        self._gap = _GAP
 
     @abstractmethod
     def message(self, trace: Trace) -> dict[str, Any]:
@@ -45,7 +48,9 @@ class Summary(Part):
             return self._due
         if seen != self._seen and any(link.is_watched for link in self.panel.links):
             self._seen = seen
+            began = time.monotonic()
             self._newest = self.message(record.trace)
+            self._gap = max(_GAP, (time.monotonic() - began) / _SHARE)
             self.panel.send(self._newest)
-        self._due = now + _GAP if is_running else math.inf
+        self._due = now + self._gap if is_running else math.inf
         return self._due
