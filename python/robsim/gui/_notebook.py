@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import base64
+import threading
 import time
 import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -101,6 +101,7 @@ class NotebookLink(Link):
         self._view, self._text = view, text
         self._still = uuid.uuid4().hex  # known before the widget is shown
         self._waiting: deque[tuple[dict[str, Any], Buffers]] | None = None  # if polled
+        self._delivering = threading.RLock()
         self._next_try, self._try_gap = 0.0, _FIRST_TRY  # (s)
         self.widget = _Pipe(kind=view.kind, still=self._still)
         self.widget.on_msg(self._receive)
@@ -136,8 +137,9 @@ class NotebookLink(Link):
         return super().has_room(now) if self._waiting is None else not self._waiting
 
     def greet(self, view: str) -> None:
-        self._deliver()
-        self._waiting = None  # until it turns out that nothing comes by itself
+        with self._delivering:
+            self._deliver()
+            self._waiting = None  # until it turns out that nothing comes by itself
         super().greet(view)
 
     def grant(self, view: str, upto: int, *, late: bool = False) -> None:
@@ -151,10 +153,9 @@ class NotebookLink(Link):
         self._deliver()
 
     def _deliver(self) -> None:
-        waiting = self._waiting
-        while waiting:
-            with suppress(IndexError):  # another thread has just sent the last one
-                self._send(*waiting.popleft())
+        with self._delivering:  # one after another, whichever thread sends them
+            while self._waiting:
+                self._send(*self._waiting.popleft())
 
     def _send(self, head: Mapping[str, Any], buffers: Buffers) -> None:
         self.widget.send(dict(head), list(buffers))

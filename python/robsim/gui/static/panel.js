@@ -39,7 +39,10 @@ export function renderPanel({ el, send }) {
     if (head.type == "frame") return takeFrame(context, head, buffers);
     context.emit(head.type, head, buffers);
   };
-  const begin = () => send({ type: "hello", width: camera.width() });
+  const begin = () => {
+    send({ type: "hello", width: camera.width() });
+    if (context.looking != null) context.look(context.looking); // hello shows the newest
+  };
   return { arrived, receive, begin, end: context.end };
 }
 
