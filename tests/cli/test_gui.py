@@ -171,16 +171,32 @@ def test_a_port_that_is_in_use():
     )
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("ends_by", ["page", "signal"])
-def test_it_ends_with_its_last_page_or_by_a_signal(ends_by):
+ROBSIM = """
+import signal
+from robsim.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a job in the background
+main()
+"""
+
+
+@pytest.fixture
+def process():
+    """`robsim gui`, as a program."""
     process = subprocess.Popen(
-        [sys.executable, "-W", "error", "-m", "robsim", "gui", "--no-browser"],
+        [sys.executable, "-W", "error", "-c", ROBSIM, "gui", "--no-browser"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         env={k: v for k, v in os.environ.items() if k != "SSH_CONNECTION"},
     )
+    yield process
+    process.kill()
+    process.communicate()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ends_by", ["page", "signal"])
+def test_it_ends_with_its_last_page_or_by_a_signal(process, ends_by):
     _, port, secret = re.match(ADDRESS, process.stdout.readline()).groups()
     assert process.stdout.readline() == "Ctrl-C ends it\n"
     with greeted(SimpleNamespace(port=int(port), secret=secret)) as client:

@@ -96,7 +96,9 @@ def test_a_pause_is_told_though_its_last_step_cannot_be_had(mistakes, monkeypatc
 
 
 WAIT = """
+import signal
 import robsim
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a job in the background
 panel = robsim.panel(robsim.Simulation(area=(300, 300)), speed=float("inf"))
 panel.start()
 print(panel.url, flush=True)
@@ -110,7 +112,10 @@ print(panel.state, len(panel.trace) > 0)
 def test_a_script_goes_on_after_ctrl_c():
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen([sys.executable, "-c", WAIT], **pipes) as script:
-        script.stdout.readline()
-        script.send_signal(signal.SIGINT)
-        out, complaints = script.communicate(timeout=60)
+        try:
+            script.stdout.readline()
+            script.send_signal(signal.SIGINT)
+            out, complaints = script.communicate(timeout=60)
+        finally:
+            script.kill()
     assert (script.returncode, out, complaints) == (0, "paused True\n", "")
