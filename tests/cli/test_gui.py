@@ -5,13 +5,12 @@ import re
 import signal
 import socket
 import subprocess
-import sys
 from types import SimpleNamespace
 
 import pytest
 
 import robsim
-from commands import command
+from commands import command, interruptible
 from page_client import greeted
 from robsim.gui._page import Page
 from robsim.imaging import save_video
@@ -171,19 +170,11 @@ def test_a_port_that_is_in_use():
     )
 
 
-ROBSIM = """
-import signal
-from robsim.cli import main
-signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a job in the background
-main()
-"""
-
-
 @pytest.fixture
 def process():
     """`robsim gui`, as a program."""
     process = subprocess.Popen(
-        [sys.executable, "-W", "error", "-c", ROBSIM, "gui", "--no-browser"],
+        interruptible("gui", "--no-browser"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

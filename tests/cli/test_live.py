@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import robsim
-from commands import command
+from commands import command, interruptible
 from robsim.imaging import save_video
 from robsim.motors import MotorReceiver
 from robsim.sessions import Session
@@ -174,9 +174,9 @@ def test_a_signal_stops_the_robot_and_keeps_the_results(number, film, tmp_path):
     save_video(tmp_path / "long.mkv", frames, fps=5)
     with MotorReceiver() as receiver:
         run = subprocess.Popen(
-            [sys.executable, "-m", "robsim", "live", "mine", "--camera", "long.mkv",
-             "--area", "400x400", "--robot", "lab", "--frame-timeout", "30",
-             "--motors", f"udp:127.0.0.1:{receiver.port}"],
+            interruptible("live", "mine", "--camera", "long.mkv", "--area", "400x400",
+                          "--robot", "lab", "--frame-timeout", "30",
+                          "--motors", f"udp:127.0.0.1:{receiver.port}"),
             cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env=os.environ,
         )  # fmt: skip

@@ -19,6 +19,19 @@ def cli(*arguments, cwd=None):
     )
 
 
+HEARING = """
+import signal
+from robsim.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)
+main()
+"""
+
+
+def interruptible(*arguments):
+    """What starts a command that hears Ctrl-C, which a job in the background ignores otherwise."""
+    return [sys.executable, "-W", "error", "-c", HEARING, *arguments]
+
+
 def command(*arguments, cwd="."):
     """Run a command in this process; an exception that the command lets through comes out."""
     with chdir(cwd):
