@@ -5,6 +5,7 @@ import shutil
 import pytest
 
 from fake_host import FakeHost, Tabs
+from panel_watcher import Watcher
 from robsim.gui._page import Page
 from robsim.gui._panel.view import PanelView
 
@@ -12,6 +13,22 @@ ARGUMENTS = [
     *("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"),
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
 ]
+
+
+@pytest.fixture
+def watch():
+    """Return a function that opens a panel of a runner, with one who watches."""
+    views = []
+
+    def open_it(runner, **options):
+        views.append(PanelView(runner, **options))
+        watcher = Watcher(views[-1])
+        watcher.settle()
+        return watcher
+
+    yield open_it
+    for view in views:
+        view.close()
 
 
 @pytest.fixture(scope="module")

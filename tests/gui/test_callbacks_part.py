@@ -12,34 +12,17 @@ import time
 import pytest
 
 import robsim
-from panel_watcher import Watcher, wait_for
 from robsim.gui._messages import Refused
 from robsim.gui._panel.run import callbacks as _callbacks
 from robsim.gui._panel.run.code import lab
 from robsim.gui._panel.run.code.editor import open_in_editor
-from robsim.gui._panel.view import PanelView
 from robsim.simulation._folders.callback_folder import new_folder
 from robsim.simulation._slots import SLOTS
+from waiting import wait_for
 
 pytestmark = pytest.mark.long
 
 SIZE = (240, 240)
-
-
-@pytest.fixture
-def watch():
-    """Return a function that opens a panel of a runner, with one who watches."""
-    views = []
-
-    def open_it(runner, **options):
-        views.append(PanelView(runner, **options))
-        watcher = Watcher(views[-1])
-        watcher.settle()
-        return watcher
-
-    yield open_it
-    for view in views:
-        view.close()
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ import pytest
 import robsim
 from browsers import FakeBrowser, panel_of
 from python_cameras import SteppedCamera
+from python_motors import Sender
 from robsim.gui import _driver
 from robsim.gui._panel import view as _panel_view
 from robsim.gui._panel.run import transport
@@ -250,23 +251,6 @@ def test_the_traceback_of_an_endless_recursion_is_short():
 
 
 # Stop
-
-
-class Sender:
-    """Motors in Python."""
-
-    def __init__(self):
-        self.sent = []
-        self.error = None
-
-    def __call__(self, u):
-        if self.error is not None:
-            raise self.error
-        self.sent.append(tuple(u))
-
-    @property
-    def stands(self):
-        return self.sent[-1:] == [(0.0, 0.0)]
 
 
 class Robot:

@@ -16,7 +16,7 @@ import pytest
 
 import robsim
 import sanitizers
-from motor_lines import example, wait_for
+from motor_lines import example
 from robsim._core import Watchdog
 from robsim.motors import (
     HaltedError,
@@ -27,6 +27,7 @@ from robsim.motors import (
     UdpMotors,
 )
 from threads import in_thread, together
+from waiting import wait_for
 
 pytestmark = [
     pytest.mark.threads,

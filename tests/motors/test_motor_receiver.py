@@ -8,8 +8,9 @@ import time
 import numpy as np
 import pytest
 
-from motor_lines import Sender, drive_line, line, stop_line, wait_for
+from motor_lines import Sender, drive_line, line, stop_line
 from robsim.motors import LineError, MotorReceiver
+from waiting import wait_for
 
 pytestmark = pytest.mark.threads
 

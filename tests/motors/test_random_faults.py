@@ -11,9 +11,9 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 import sanitizers
-from motor_lines import wait_for
 from robsim._core import Watchdog
 from robsim.motors import LineError, MotorReceiver, SerialMotors, UdpMotors
+from waiting import wait_for
 
 pytestmark = [
     pytest.mark.slow,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import robsim
+from python_motors import Sender
 from robsim.motors import HaltedError, MotorReceiver, UdpMotors
 from threads import in_thread
 from waiting import wait_for
@@ -17,19 +18,6 @@ pytestmark = pytest.mark.threads
 IMAGE = np.zeros((64, 64, 3), np.uint8)
 STOP = (0.0, 0.0)
 SOON = 10  # s
-
-
-class Sender:
-    """Motors in Python, which keep what they are sent."""
-
-    def __init__(self):
-        self.sent = []
-        self.error = None
-
-    def __call__(self, u):
-        if self.error is not None:
-            raise self.error
-        self.sent.append(tuple(u))
 
 
 class Gate:

@@ -3,7 +3,6 @@
 import binascii
 import re
 import socket
-import time
 from pathlib import Path
 
 import robsim
@@ -27,14 +26,6 @@ def stop_line(number, ttl=60000):
 def example(language):
     """The example of the page in a language."""
     return re.search(rf"```{language}\n(.*?)```", PAGE.read_text(), re.DOTALL)[1]
-
-
-def wait_for(is_so, seconds=20):
-    """Wait until something is so; the time is for machines that do much else."""
-    end = time.monotonic() + seconds
-    while not is_so():
-        assert time.monotonic() < end
-        time.sleep(0.002)
 
 
 class Sender:

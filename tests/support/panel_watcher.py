@@ -1,8 +1,7 @@
 """A line that keeps what it is sent, in place of a browser."""
 
-import time
-
 from robsim.gui._link import Link
+from waiting import wait_for
 
 
 class Watcher(Link):
@@ -15,7 +14,7 @@ class Watcher(Link):
         view.connect(self)
         self.say("hello", width=100)
 
-    def send(self, head, buffers=()):
+    def transmit(self, head, buffers):
         self.messages.append(dict(head))
 
     def say(self, kind, **fields):
@@ -37,10 +36,3 @@ class Watcher(Link):
 
     def notes(self):
         return [message["text"] for message in self.of("note")]
-
-
-def wait_for(condition, seconds=10):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it took too long"
-        time.sleep(0.005)

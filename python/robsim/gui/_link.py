@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
@@ -16,7 +17,7 @@ _MOST_REFUSALS = 10  # that are answered in a second
 SLOW = 0.3  # s between frames that are sent though nobody grants room
 
 
-class Link:
+class Link(ABC):
     """A line to one browser page, or to one widget, which may be shown more than once.
 
     The views on it grant room for frames in advance: what a slow one has no room for is left out
@@ -43,12 +44,12 @@ class Link:
         self.n_waiting = 0  # messages of its views; with the lock of the `View` held
         self.is_gone = False  # nothing can be sent any more
 
+    @abstractmethod
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
         """Bring a message to the other end, without waiting; the host says how.
 
         An OSError or a RuntimeError says that there is no other end any more.
         """
-        raise NotImplementedError
 
     def send(self, head: Mapping[str, Any], buffers: Buffers = ()) -> None:
         """Send a message; if nobody is there any more, it is lost."""
@@ -56,8 +57,6 @@ class Link:
             return
         try:
             self.transmit(head, buffers)
-        except NotImplementedError:
-            raise
         except (OSError, RuntimeError):
             self.is_gone = True
 
@@ -68,9 +67,8 @@ class Link:
             self._refused.append(now)
             self.send({"type": "note", "level": "error", "text": why})
 
-    def keep(self, picture: bytes) -> None:
+    def keep(self, picture: bytes) -> None:  # noqa: B027  # not all have a place for it
         """Keep a picture (PNG) for when Python is gone, in place of an earlier one."""
-        raise NotImplementedError  # where `keeps_still` is false
 
     @property
     def is_watched(self) -> bool:

@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 import robsim
-from motor_lines import wait_for
 from robsim.sessions import Session
+from waiting import wait_for
 
 from . import cameras, robots
 from .rounds import input_of

@@ -8,7 +8,6 @@ import sys
 import threading
 import time
 from collections import deque
-from types import TracebackType
 from typing import Self
 
 from robsim._base.text import one_line
@@ -51,12 +50,7 @@ class StatusLine:
         self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._is_over.set()
         self._thread.join()
         if self._is_shown:
