@@ -184,6 +184,7 @@ def test_a_speed_that_is_none_is_refused_and_leaves_no_thread(speed):
 # Stages
 
 STAGES = ["world", "estimate_parameters", "measure", "estimate_state", "control"]
+ONCE = ["define_model", "init_parameter_estimator", "adjust_background"]
 
 
 def all_on():
@@ -212,19 +213,55 @@ def test_animated_it_goes_from_stage_to_stage_and_step_by_step_again(drive, monk
     monkeypatch.setattr(_driver, "_STAGE_PAUSE", 0.01)
     driver = drive(all_on(), speed=math.inf)
     stages, steps = [], []
+    done(driver.prepare())
     driver.on_stage.append(lambda stage, step: stages.append(stage))
     driver.on_step.append(lambda step: steps.append(step.k))
     driver.animates = True
     done(driver.start())
-    wait_for(lambda: len(stages) > 7)
+    wait_for(lambda: len(stages) > 10)
     done(driver.pause())
-    assert stages == [STAGES[i % 5] for i in range(len(stages))]
-    assert steps == [*range(len(stages) // 5)]
+    assert stages[:3] == ONCE
+    of_steps = stages[3:]
+    assert of_steps == [STAGES[i % 5] for i in range(len(of_steps))]
+    assert steps == [*range(len(of_steps) // 5)]
     count = len(stages)
     driver.animates = False
     done(driver.start())
     assert runs(driver, 5)
     assert len(stages) == count
+
+
+def animated_stages(driver, monkeypatch, count):
+    monkeypatch.setattr(_driver, "_STAGE_PAUSE", 0.01)
+    stages = []
+    driver.on_stage.append(lambda stage, step: stages.append(stage))
+    driver.animates = True
+    done(driver.start())
+    wait_for(lambda: len(stages) >= count)
+    done(driver.pause())
+    return stages[:count]
+
+
+def test_what_came_once_is_watched_before_the_first_step_alone(drive, monkeypatch):
+    driver = drive(all_on())
+    done(driver.prepare())
+    done(driver.step())
+    assert animated_stages(driver, monkeypatch, 2) == STAGES[:2]
+    done(driver.prepare())  # as another panel of the same run
+    assert animated_stages(driver, monkeypatch, 1) == STAGES[2:3]
+
+
+def test_what_comes_once_is_watched_again_after_a_reset(drive, monkeypatch):
+    driver = drive(all_on())
+    done(driver.step())
+    done(driver.reset())
+    assert animated_stages(driver, monkeypatch, 4) == [*ONCE, STAGES[0]]
+
+
+def test_an_experiment_shows_what_it_calls_once(drive, monkeypatch):
+    driver = drive(experiment(frames()))
+    done(driver.prepare())
+    assert animated_stages(driver, monkeypatch, 3) == [*ONCE[:2], STAGES[0]]
 
 
 def test_animation_starts_and_ends_while_it_runs(drive, monkeypatch):

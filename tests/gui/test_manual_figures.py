@@ -189,10 +189,11 @@ def test_animate_shows_the_running_callback_in_yellow(mouse):
     )
     mouse.tab.get_by_role("switch", name="Animate").check()
     mouse.press("start")
-    wait_for(lambda: len(mouse.tab.evaluate("yellow")) > 7)
+    wait_for(lambda: len(mouse.tab.evaluate("yellow")) > 10)
     mouse.press("pause")
     seen = mouse.tab.evaluate("yellow")
     titles = [title for title, _ in seen]
+    assert titles[:3] == once.all_inner_texts()
     begin = titles.index("Evaluate the model")
     assert titles[begin : begin + 4] == STEP_ORDER
     for _, color in seen:

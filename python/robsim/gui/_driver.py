@@ -16,6 +16,7 @@ from robsim.gui._playback import Playback
 from robsim.gui._worker import Worker, at_work
 from robsim.simulation import Experiment, Simulation
 from robsim.simulation._callbacks.errors import callback_of
+from robsim.simulation._slots import ONCE, names
 
 State = Literal["paused", "running", "ended", "failed", "closed"]
 
@@ -49,7 +50,8 @@ class Driver(Worker):
     ----------
     on_step, on_stage, on_state : list of callable
         Called in the thread: with the `Step` that was done, with the name of the stage that was
-        done and the `Step` so far, with the driver after a change of `state`.
+        done and the `Step` so far, with the driver after a change of `state`. Animated, a run
+        begins with the slots of what came once, at the start, as stages.
     """
 
     _thread_name: ClassVar[str] = "robsim driver"
@@ -67,6 +69,7 @@ class Driver(Worker):
         self._since = self._gap = 0.0  # when the newest step was due, and how long it lasts (s)
         self._chunk = 1
         self._animates = False
+        self._unseen: deque[str] = deque()  # what came once, and is to be watched first
         self.speed = speed
 
     @property
@@ -272,7 +275,9 @@ class Driver(Worker):
             self._was_ended = True
 
     def _advance(self) -> None:
-        if self._animates:
+        if self._animates and self._unseen:
+            self._tell_stage(self._unseen.popleft())
+        elif self._animates:
             self._one_stage()
         elif math.isinf(self._speed) and isinstance(self.runner, Simulation):
             self._many_steps(self.runner)
@@ -295,23 +300,29 @@ class Driver(Worker):
         self._tell_step(simulation.last_step)
 
     def _one_stage(self) -> None:
-        stage = self.runner.step_stage()
-        self._since = time.monotonic()
-        self._tell(self.on_stage, stage, self.runner.last_step)
+        self._unseen.clear()
+        self._tell_stage(self.runner.step_stage())
         if self.runner.stage == "world":  # it was the last one of the step
             self._tell_newest()
 
     def _show_start(self) -> None:
         step = self.runner.last_step  # does what comes once
+        if not isinstance(self.runner, Playback) and not self.runner.n_steps:
+            self._unseen = deque(slot for slot in names(when=ONCE) if slot in self.runner.SLOTS)
         if isinstance(self.runner, Experiment) and not self.runner.n_steps:
             self._tell(self.on_state, self)  # no frame has come yet
         else:
             self._tell(self.on_step, step)
 
+    def _tell_stage(self, stage: str) -> None:
+        self._since = time.monotonic()
+        self._tell(self.on_stage, stage, self.runner.last_step)
+
     def _tell_newest(self) -> None:
         self._tell(self.on_step, self.runner.last_step)
 
     def _tell_step(self, step: Step) -> None:
+        self._unseen.clear()
         now = time.monotonic()
         self._since = min(now, max(self._since + self._pause_after_step, now - _CATCH_UP))
         self._gap = min(step.dt, _LONGEST_GAP)
@@ -331,6 +342,7 @@ class Driver(Worker):
 
     def _reset(self) -> None:
         self._pause()
+        self._unseen.clear()
         try:
             self.runner.reset()
         except BaseException as error:

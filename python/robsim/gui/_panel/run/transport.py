@@ -15,6 +15,7 @@ from robsim.gui._messages import Refused
 from robsim.gui._panel.part import Handlers, Part
 from robsim.gui._panel.run.trouble import trouble_of
 from robsim.simulation import Experiment
+from robsim.simulation._slots import ONCE, names
 
 if TYPE_CHECKING:
     from robsim.gui._panel.view import PanelView
@@ -129,7 +130,9 @@ class Transport(Part):
         self.panel.tell_state()
 
     def _note_stage(self, stage: str, step: Step) -> None:
-        message = {"type": "stages", "stage": self.panel.runner.stage}  # none is left out
+        is_start = stage in names(when=ONCE)
+        # Of a step it is the stage that comes next which one sees work: so none is left out.
+        message = {"type": "stages", "stage": stage if is_start else self.panel.runner.stage}
         self.panel.post(lambda: self.panel.send(message))
 
 
