@@ -4,6 +4,7 @@ import { BLOCK, eachColumn } from "./decimate.js";
 import { folded } from "./series.js";
 
 const LINE_WIDTH = 1.5; // px
+const STROKE_ROWS = 16; // a long line that goes up and down is slow to stroke as a whole
 const JOIN_ALPHA = 0.35;
 export const BAND = 2; // standard deviations
 
@@ -104,15 +105,19 @@ export function paintLine(plot, series, ink, { isStairs = false, width = LINE_WI
   g.strokeStyle = ink;
   g.lineWidth = width;
   g.lineJoin = "round";
-  g.beginPath();
-  traceLine(plot, series, isStairs);
-  g.stroke();
+  const [first, last] = plot.rows(series);
+  const rows = g.globalAlpha == 1 ? STROKE_ROWS : last; // what is drawn twice would be darker
+  for (let begin = first; begin < last; begin += rows) {
+    g.beginPath();
+    const range = [Math.max(begin - 1, first), Math.min(begin + rows + 1, last)]; // so they join
+    traceLine(plot, series, isStairs, range);
+    g.stroke();
+  }
 }
 
-function traceLine(plot, series, isStairs) {
+function traceLine(plot, series, isStairs, [begin, end]) {
   const { g } = plot;
   const half = series.period / 2;
-  const [begin, end] = plot.rows(series);
   let before = NaN;
   for (let k = begin; k < end; k++) {
     const value = series.value(k);
