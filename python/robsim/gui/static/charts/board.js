@@ -9,7 +9,8 @@ import { listenToGestures } from "./gestures.js";
 import { inksOf } from "./inks.js";
 import { makeTip, stepText } from "./tip.js";
 
-const TURN = 4; // ms of an animation frame for charts that grow
+const AT_ONCE = 2; // charts in an animation frame, of those that grow
+const REST = 50; // ms without new rows, after which the next ones are painted all the same
 
 /** Make the charts of a tab; `seen` is called when the tab is shown. */
 export function makeBoard(context, element, seen) {
@@ -17,6 +18,7 @@ export function makeBoard(context, element, seen) {
   const [axis, ink] = [axisOf(context), inksOf(context)];
   const tip = makeTip(context);
   const growing = new Set(); // charts that have got rows which they do not show yet
+  let rest = 0;
   let isStale = true; // or the cursor alone has moved
   let pointed = null; // the chart under the pointer
 
@@ -33,13 +35,13 @@ export function makeBoard(context, element, seen) {
   };
   const paintLater = painter(paint);
   const paintSome = painter(() => {
-    const end = performance.now() + TURN;
-    for (const chart of growing) {
+    clearTimeout(rest);
+    const turn = [...growing].filter(({ isSeen }) => isSeen).slice(0, AT_ONCE);
+    for (const chart of turn) {
       growing.delete(chart);
       paintChart(chart, true);
-      if (performance.now() > end) break;
     }
-    if (growing.size) paintSome();
+    if (turn.length == AT_ONCE) rest = setTimeout(paintSome, REST);
   });
   const grow = () => {
     if (context.state.state != "running") return later();
@@ -100,6 +102,7 @@ export function makeBoard(context, element, seen) {
   context.onEnd(() => {
     paintLater.cancel();
     paintSome.cancel();
+    clearTimeout(rest);
     sizes.disconnect();
     sight.disconnect();
   });

@@ -105,8 +105,9 @@ export class Chart {
     if (!this.plot) return;
     const k = axis.cursor ?? context.looking ?? (this.readsNewest ? axis.count - 1 : null);
     const bare = k === null ? String(this.size) : "";
-    if (bare && bare == this.bare) return; // a canvas that is touched is copied to the screen again
+    if (bare && bare == this.bare) return;
     this.bare = bare;
+    if (bare) return emptyCanvas(this.over, this.size);
     const g = cleanCanvas(this.over, this.size);
     if (context.looking !== null) this.drawLooked(g, context.looking, ink);
     if (axis.cursor !== null) this.drawCursor(g, axis.cursor, ink);
@@ -165,6 +166,12 @@ export function clipped(g, { left, top, width, height }, draw) {
   g.clip();
   draw();
   g.restore();
+}
+
+/** Give a canvas no pixels, so that none are mixed with what is below, but its place. */
+function emptyCanvas(canvas, [width, height]) {
+  canvas.width = canvas.height = 0;
+  Object.assign(canvas.style, { width: `${width}px`, height: `${height}px` });
 }
 
 /** Make a canvas empty, and as fine as the screen; return what draws on it. */
