@@ -52,11 +52,23 @@ def test_who_looks_back_while_nothing_runs_grants_room_too(open_fake):
     host.state(k=99, steps=100)
     host.tab.evaluate("(now => { performance.now = () => now + 1000 })(performance.now())")
     host.forget()
-    for k in range(40, 35, -1):
+    for k in range(40, 34, -1):  # the room is for 8
         host.frame(k, past=True)
-    assert host.sent("grant") == [
-        {"type": "grant", "upto": 1 + 24, "late": False}
-    ]  # no more so soon
+    (granted,) = host.sent("grant")
+    assert granted["late"] is False
+    assert granted["upto"] >= 6 + 8
+
+
+def test_room_is_for_what_comes_in_a_moment(open_fake):
+    host = open_fake()
+    host.setup()
+    host.tab.evaluate("performance.now = () => 0")
+    host.state(k=0, steps=1)
+    host.tab.evaluate("performance.now = () => 200")  # 6 frames in 0.2 s: 30 a second
+    host.forget()
+    for k in range(20):
+        host.frame(k)
+    assert host.sent("grant") == [{"type": "grant", "upto": 6 + 45, "late": False}]
 
 
 TICKS = """
