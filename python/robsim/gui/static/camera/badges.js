@@ -12,7 +12,7 @@ export function makeBadges(context) {
   const missed = make("div", { className: "robsim-chip robsim-warning" });
   const say = (element, content) => {
     if (element.textContent != content) element.textContent = content;
-    element.hidden = !content;
+    if (element.hidden == Boolean(content)) element.hidden = !content;
   };
   const show = () => {
     const { frame } = context;

@@ -12,14 +12,14 @@ const NARROWEST_TICK = 2; // px
 export function makeTimeline(context) {
   const unseen = makeUnseen();
   const ink = inksOf(context);
-  const ticks = make("canvas", { className: "robsim-timeline-ticks", ariaHidden: "true" });
+  const ticks = makeTicks();
   const slider = makeSlider("timeline", { min: 0, max: 0, step: 1 });
   Object.assign(slider, { ariaLabel: text("timeline"), title: text("timeline.title") });
   const place = make("output", { className: "robsim-number robsim-quiet robsim-timeline-place" });
   const newest = makeButton("newest", "robsim-plain robsim-timeline-newest", () =>
     context.look(null));
   const element = make("div", { className: "robsim-timeline" },
-    make("div", { className: "robsim-timeline-track" }, slider, ticks), place, newest);
+    make("div", { className: "robsim-timeline-track" }, slider, ticks.canvas), place, newest);
 
   let moved = null; // where the slider was just put; Infinity = at its end, though the run goes on
 
@@ -49,13 +49,16 @@ export function makeTimeline(context) {
     newest.disabled = context.looking == null;
     newest.setAttribute("aria-pressed", String(context.looking != null));
     const poses = ["pose_measured", "pose_held"].map((name) => context.store.get(name));
-    paintTicks(ticks, unseen(...poses), to, ink("held"));
+    ticks.paint(unseen(...poses), to, ink("held"));
   });
   for (const event of ["setup", "state", "frame", "rows", "looking", "theme"])
     context.on(event, show);
   context.on("setup", () => context.want(["pose_measured", "pose_held"]));
-  const watcher = new ResizeObserver(show);
-  watcher.observe(ticks);
+  const watcher = new ResizeObserver(([{ contentRect }]) => {
+    ticks.resize(contentRect.width);
+    show();
+  });
+  watcher.observe(ticks.canvas);
   for (const end of [look.cancel, show.cancel, () => watcher.disconnect()]) context.onEnd(end);
 
   /** Go so many steps to and fro, from what is shown. */
@@ -87,20 +90,31 @@ function makeUnseen() {
   };
 }
 
-/** Draw a tick for each of the runs, from step 0 to the last one. */
-function paintTicks(canvas, runs, last, css) {
-  const ratio = devicePixelRatio;
-  const width = Math.round(canvas.clientWidth * ratio);
-  Object.assign(canvas, { width, height: TICK_HEIGHT * ratio });
+/** Make a canvas that shows runs of steps by ticks. */
+function makeTicks() {
+  const canvas = make("canvas", { className: "robsim-timeline-ticks", ariaHidden: "true" });
   const pen = canvas.getContext("2d");
-  pen.fillStyle = css;
-  const scale = width / Math.max(last, 1);
-  let painted = -Infinity; // up to there
-  for (const [first, end] of runs) {
-    const tick = Math.max((end - first) * scale, NARROWEST_TICK * ratio);
-    const left = Math.min(first * scale - ratio, width - tick);
-    if (left + tick < painted + 1) continue; // of a long run many fall on a pixel
-    painted = left + tick;
-    pen.fillRect(left, 0, tick, canvas.height);
-  }
+  let isBare = false;
+  /** Draw a tick for each of the runs, from step 0 to the last one. */
+  const paint = (runs, last, css) => {
+    if (isBare && !runs.length) return; // a canvas that is touched is copied to the screen again
+    isBare = !runs.length;
+    pen.clearRect(0, 0, canvas.width, canvas.height);
+    pen.fillStyle = css;
+    const scale = canvas.width / Math.max(last, 1);
+    let painted = -Infinity; // up to there
+    for (const [first, end] of runs) {
+      const tick = Math.max((end - first) * scale, NARROWEST_TICK * devicePixelRatio);
+      const left = Math.min(first * scale - devicePixelRatio, canvas.width - tick);
+      if (left + tick < painted + 1) continue; // of a long run many fall on a pixel
+      painted = left + tick;
+      pen.fillRect(left, 0, tick, canvas.height);
+    }
+  };
+  /** Take a width on the screen (px); what was drawn is gone. */
+  const resize = (width) => {
+    canvas.width = Math.round(width * devicePixelRatio);
+    canvas.height = TICK_HEIGHT * devicePixelRatio;
+  };
+  return { canvas, paint, resize };
 }
