@@ -35,11 +35,12 @@ def test_the_newest_step_is_shown_level_by_level(simulation):
         assert k == 7
         assert list(step)[:5] == ["k", "t", "dt", "last_u", "u"]
         assert step["k"] == {"name": "k", "text": "7", "kind": "number", "more": False}
-        assert step["parameters"]["text"].startswith("3 x 5: ")
+        assert step["parameters"]["text"].startswith("3 x 5 values: ")
         assert step["estimate"]["kind"] == "none"
+        assert step["blobs"]["text"] == "dict of 2: blue, red"
         _, red = tree(browser, "blobs", "red")
-        assert red["0"]["more"]
-        _, blob = tree(browser, "blobs", "red", "1")
+        assert red["[0]"]["more"]
+        _, blob = tree(browser, "blobs", "red", "[1]")
         wanted = simulation.last_step.blobs["red"][1]
         assert blob["area"]["text"] == str(wanted.area)
         _, detection = tree(browser, "detection")
@@ -53,12 +54,13 @@ def test_a_past_step_has_what_the_trace_and_its_frame_have(simulation):
     with panel_of(simulation) as (_, browser):
         k, step = tree(browser, k=3)
         assert k == 3
-        assert step["t"]["text"] == f"{trace.t[3]:.10g}"
-        assert step["u"]["text"] == "2: " + ", ".join(f"{volt:.6g}" for volt in trace.u[3])
+        assert step["t"]["text"] == f"{trace.t[3]:.6g}"
+        assert step["u"]["text"] == "[" + ", ".join(f"{volt:.6g}" for volt in trace.u[3]) + "]"
         _, pose = tree(browser, "measurement", k=3)
-        assert pose["pose"]["text"].startswith(f"3: {trace.pose_measured[3, 0]:.6g}")
+        assert pose["pose"]["text"].startswith(f"[{trace.pose_measured[3, 0]:.6g}")
+        assert pose["pose"]["full"] == str(trace.pose_measured[3].tolist())
         _, frame = tree(browser, "frame", k=3)
-        assert frame["image"]["text"].startswith("1200 x 1200 x 3 uint8: ")
+        assert frame["image"]["text"].startswith("1200 x 1200 x 3 values (uint8): ")
         _, image = tree(browser, "frame", "image", k=3)
         assert len(image) == 200
         assert "only the first 200" in image["..."]["text"]
@@ -155,10 +157,15 @@ def test_of_foreign_objects_only_what_they_store_is_looked_at():
         (np.float64(0.1), "number", "0.1"),
         ("a\nb", "text", r"'a\nb'"),
         ("x" * 10**6, "text", "'" + "x" * 295 + " ..."),
-        (np.arange(3), "array", "3 int64: 0, 1, 2"),
-        (np.zeros((2, 0)), "array", "2 x 0"),
+        (np.arange(3, dtype=np.uint8), "array", "[0, 1, 2] (uint8)"),
+        (np.eye(3), "array", "3 x 3 values: 1, 0, 0, 0, 1, 0, ..."),
+        (np.zeros((2, 0)), "array", "2 x 0 values"),
+        (np.array(0.25), "array", "0.25"),
+        (np.array([Foreign, None]), "array", "[type Foreign, None] (object)"),
         ([], "list", "empty"),
         ({1, 2}, "list", "set of 2"),
+        ({"a": 1, 2: 0.5}, "dict", "dict of 2: a, 2"),
+        (dict.fromkeys(range(7)), "dict", "dict of 7: 0, 1, 2, 3, 4, 5, ..."),
         (np.sin, "object", "ufunc"),
         (print, "code", "builtin_function_or_method print"),
         (robsim.Spin(0.5), "object", repr(robsim.Spin(0.5))),
@@ -170,6 +177,24 @@ def test_text_of_a_value(value, kind, text):
     json.dumps(node, allow_nan=False)
 
 
+@pytest.mark.parametrize(
+    ("value", "text", "full"),
+    [
+        (0.1 + 0.2, "0.3", "0.30000000000000004"),
+        (-1 / 3e9, "-3.33333e-10", "-3.333333333333333e-10"),
+        (1 / 3 - 2j / 3, "(0.333333-0.666667j)", "(0.3333333333333333-0.6666666666666666j)"),
+        (1700000000.123, "1700000000", "1700000000.123"),
+        (np.array([2 / 3, 1.0]), "[0.666667, 1]", "[0.6666666666666666, 1.0]"),
+        (robsim.Spin(1 / 3), "Spin(voltage=0.333333)", repr(robsim.Spin(1 / 3))),
+        (1234567890123, "1234567890123", None),
+        ("0.30000000000000004", "'0.30000000000000004'", None),
+    ],
+)
+def test_numbers_are_rounded_and_can_be_had_in_full(value, text, full):
+    (node,) = nodes_of([value])
+    assert (node["text"], node.get("full")) == (text, full)
+
+
 def test_a_level_is_bounded():
     (huge,) = nodes_of([10**5000])
     assert huge["text"] == "a number of 16610 bits"
@@ -178,4 +203,4 @@ def test_a_level_is_bounded():
     assert len(nodes) == 200
     assert nodes[-1]["text"] == "only the first 200 are shown"
     with pytest.raises(KeyError):
-        child_of(list(range(1000)), "500")
+        child_of(list(range(1000)), "[500]")

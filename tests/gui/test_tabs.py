@@ -146,23 +146,24 @@ def test_a_level_of_the_tree_is_asked_for_when_it_is_opened(tab_of):
     for key in ["ArrowDown", "ArrowRight"]:
         host.tab.keyboard.press(key)
     assert host.sent("inspect")[-1] == {"type": "inspect", "k": None, "path": ["measurement"]}
-    tell_tree(host, ["measurement"], node("pose", text="3: 1, 2, 3", kind="array"))
+    tell_tree(host, ["measurement"], node("pose", text="[1, 2, 3]", kind="array"))
     host.tab.keyboard.press("ArrowRight")
     assert host.tab.inner_text(".robsim-inspector-path") == "step.measurement.pose"
     host.tab.keyboard.press("ArrowLeft")
     host.tab.keyboard.press("ArrowLeft")
-    assert not host.tab.get_by_text("3: 1, 2, 3").is_visible()
+    assert not host.tab.get_by_text("[1, 2, 3]").is_visible()
 
 
 def test_items_of_dicts_and_lists_are_named_as_in_python(tab_of):
     host = tab_of("inspector")
-    tell_tree(host, [], node("blobs", kind="list", more=True))
+    tell_tree(host, [], node("blobs", kind="dict", more=True))
     host.tab.click(".robsim-node")
     tell_tree(host, ["blobs"], node("red", kind="list", more=True))
     host.tab.locator(".robsim-node").nth(1).click()
-    tell_tree(host, ["blobs", "red"], node("0"))
+    tell_tree(host, ["blobs", "red"], node("[0]") | {"full": "1.0"})
     host.tab.locator(".robsim-node").nth(2).click()
     assert host.tab.inner_text(".robsim-inspector-path") == 'step.blobs["red"][0]'
+    assert host.tab.get_attribute(".robsim-node-value >> nth=2", "title") == "1.0"
 
 
 def test_what_is_open_stays_open_and_is_asked_for_again(tab_of):

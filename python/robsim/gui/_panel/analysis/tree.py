@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
@@ -15,11 +16,14 @@ from robsim._base.text import one_line, quoted, said_by
 
 _MOST_NODES = 200  # of a level
 _MOST_TEXT = 300  # characters
-_MOST_NUMBERS = 6  # of an array, in its text
+_MOST_NUMBERS = 6  # of an array, or keys of a dict, in its text
 
 _SCALARS = (bool, int, float, complex, str, bytes, np.generic)
 _CODE = (type, FunctionType, BuiltinFunctionType, MethodType, ModuleType)
 _CONTAINERS = (list, tuple, set, frozenset)
+
+_ROUNDED = ("number", "array", "object")  # kinds whose texts have numbers, not those of a user
+_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d*)?(?:e[-+]?\d+)?(?=j?(?![\w.]))")
 
 
 @dataclass(frozen=True)
@@ -63,7 +67,19 @@ def _node(name: str, value: Any) -> dict[str, Any]:
         has_more = next(_children(value), None) is not None
     except Exception as error:  # in the hands of the run, as an estimator during a step
         kind, text, has_more = "missing", said_by(error), False
-    return {"name": name, "text": _short(text), "kind": kind, "more": has_more}
+    node = {"name": name, "text": _short(text), "kind": kind, "more": has_more}
+    if kind in _ROUNDED and (rounded := _NUMBER.sub(_rounded, text)) != text:
+        node |= {"text": _short(rounded), "full": _short(text)}
+    return node
+
+
+def _rounded(found: re.Match[str]) -> str:
+    """Return a number with 6 significant digits, and with all those before the point."""
+    digits = found[0]
+    if digits.isdecimal():
+        return digits
+    number = float(digits)
+    return f"{number:.0f}" if 1e6 <= number < 1e15 else f"{number:.6g}"
 
 
 def _short(text: str) -> str:
@@ -82,8 +98,7 @@ def _described(value: Any) -> tuple[str, str]:
     if _is(value, _SCALARS):
         return _scalar(value)
     if _is(value, (dict, *_CONTAINERS)):
-        count = _plain(value).__len__(value)
-        return "list", f"{type(value).__name__} of {count}" if count else "empty"
+        return _container(value)
     if _is(value, _CODE):
         return "code", f"{type(value).__name__} {getattr(value, '__name__', '')}"
     if _is_ours(value):
@@ -91,37 +106,48 @@ def _described(value: Any) -> tuple[str, str]:
     return "object", type(value).__qualname__
 
 
+def _container(value: Any) -> tuple[str, str]:
+    is_dict = _is(value, dict)
+    count = _plain(value).__len__(value)
+    text = f"{type(value).__name__} of {count}" if count else "empty"
+    if is_dict and count:
+        keys = [_key(key) for key in islice(dict.keys(value), _MOST_NUMBERS)]
+        text = f"{text}: {', '.join(keys)}{', ...' if count > _MOST_NUMBERS else ''}"
+    return ("dict" if is_dict else "list"), text
+
+
 def _scalar(value: Any) -> tuple[str, str]:
     if _is(value, (str, bytes)):
         return "text", str.__repr__(value) if _is(value, str) else bytes.__repr__(value)
-    plain = value.item() if _is(value, np.generic) else value
-    is_float = isinstance(plain, float)
-    return "number", f"{plain:.10g}" if is_float else quoted(plain)
+    return "number", quoted(value.item() if _is(value, np.generic) else value)
 
 
 def _array_text(array: Any) -> str:
-    shape = " x ".join(map(str, array.shape)) or "one"
-    first = ", ".join(map(_number_text, array.flat[:_MOST_NUMBERS].tolist()))
+    items = array.flat[:_MOST_NUMBERS].tolist()
+    is_plain = array.dtype != object
+    first = ", ".join(quoted(one) if is_plain else _described(one)[1] for one in items)
+    kind = "" if array.dtype == np.float64 else f" ({array.dtype})"
+    if array.ndim == 0:
+        return f"{first}{kind}"
+    if array.ndim == 1 and array.size <= _MOST_NUMBERS:
+        return f"[{first}]{kind}"
     dots = ", ..." if array.size > _MOST_NUMBERS else ""
-    kind = "" if array.dtype == np.float64 else f" {array.dtype}"
-    return f"{shape}{kind}: {first}{dots}" if array.size else f"{shape}{kind}"
-
-
-def _number_text(number: Any) -> str:
-    return f"{number:.6g}" if isinstance(number, float) else quoted(number)
+    text = f"{' x '.join(map(str, array.shape))} values{kind}"
+    return f"{text}: {first}{dots}" if array.size else text
 
 
 def _children(value: Any) -> Iterator[tuple[str, Any]]:
     if _is(value, np.ndarray):
         array = np.asarray(value)
         if array.ndim and (array.ndim > 1 or array.size > _MOST_NUMBERS):
-            yield from ((str(i), row) for i, row in enumerate(array))
+            yield from ((f"[{i}]", row) for i, row in enumerate(array))
     elif _is(value, (Missing, *_SCALARS, *_CODE)):
         return
     elif _is(value, dict):
         yield from ((_key(key), child) for key, child in list(dict.items(value)))
     elif _is(value, _CONTAINERS):
-        yield from ((str(i), child) for i, child in enumerate(_plain(value).__iter__(value)))
+        items = _plain(value).__iter__(value)
+        yield from ((f"[{i}]", child) for i, child in enumerate(items))
     elif value is not None:
         yield from _attributes(value)
 

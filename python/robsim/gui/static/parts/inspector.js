@@ -143,18 +143,19 @@ function makeTreeItem(path, python) {
   return Object.assign(item, { path, python, line, list });
 }
 
-function showNode(item, { name, text: value, kind, more }) {
+function showNode(item, { name, text: value, full = value, kind, more }) {
   const [label, shown, type] = item.line.children;
   item.kind = kind;
   const isOther = label.textContent != "" && shown.textContent != value;
   item.line.classList.toggle("robsim-changed", isOther);
   [label.textContent, shown.textContent, type.textContent] = [name, value, kind];
+  shown.title = full;
   if (!more) item.ariaExpanded = null;
   else item.ariaExpanded ??= "false";
 }
 
 /** Return how Python reaches a node in one of a kind: as an attribute, by an index or a key. */
 function pythonPart(name, kind) {
-  if (/^\d+$/.test(name)) return `[${name}]`;
-  return kind == "list" ? `[${JSON.stringify(name)}]` : `.${name}`;
+  if (kind == "dict") return /^\d+$/.test(name) ? `[${name}]` : `[${JSON.stringify(name)}]`;
+  return name.startsWith("[") ? name : `.${name}`;
 }
