@@ -54,6 +54,12 @@ def test_an_untouched_folder_and_none_give_the_same_trace(desk):
         np.testing.assert_array_equal(one[name], other[name])
 
 
+def test_new_tells_what_comes_next(tmp_path):
+    said = command("new", "my work", cwd=tmp_path).stdout
+    assert "robsim gui 'my work'\n" in said
+    assert "robsim run 'my work'\n" in said
+
+
 def test_new_does_not_overwrite(desk):
     run = command("new", "mine", cwd=desk)
     assert run.exit_code == 2

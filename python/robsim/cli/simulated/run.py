@@ -43,7 +43,7 @@ NEW_EXAMPLE = "Example: robsim new mine"
 NEW_HELP = (
     f"Write the {len(SLOTS)} default callbacks to a folder, as templates to edit.\n\n"
     "Each file is a stage of the loop: control.py, measure.py, ... Optional stages are switched "
-    "off: set ENABLED = True in their files. Then: robsim run FOLDER"
+    "off: set ENABLED = True in their files. Then: robsim gui FOLDER, or robsim run FOLDER"
 )
 RUN_EXAMPLE = "Example: robsim run mine --steps 300 --measure"
 RUN_HELP = (
@@ -67,7 +67,9 @@ def new(
     with errors.report_errors():
         files = new_folder(folder)
     errors.say(f"written to {folder}: {', '.join(file.name for file in files)}")
-    errors.say(f"edit them, then: robsim run {shlex.quote(str(folder))}")
+    name = shlex.quote(str(folder))
+    errors.say(f"edit them, then see them drive: robsim gui {name}")
+    errors.say(f"or run them without a window: robsim run {name}")
 
 
 def run(
