@@ -164,8 +164,7 @@ def test_a_result_that_cannot_be_used_and_one_of_the_set_up():
         assert error["file"] == __file__
         # Slot, step, file and line stand beside it.
         assert error["text"].splitlines() == [
-            "robsim.simulation.CallbackTypeError: "
-            "the result must be (u1, u2), the two voltages in V, got 'fast'"
+            "CallbackTypeError: the result must be (u1, u2), the two voltages in V, got 'fast'"
         ]
     options = {"estimate_parameters": True, "measure": False, "identify_from": "measurement"}
     with panel_of(simulation(**options)) as (_, browser):
@@ -208,6 +207,17 @@ def raised(error):
 
 def deep(n):
     return deep(n + 1)
+
+
+def test_the_kind_of_an_error_has_no_module_before_it():
+    class OutOfReach(Exception):
+        __module__ = "robsim_callbacks.control"
+
+    assert trouble_of(raised(OutOfReach("too far")))["text"] == "OutOfReach: too far"
+    assert trouble_of(raised(OutOfReach()))["text"] == "OutOfReach"
+    qualified = robsim.simulation.CallbackValueError("a.b: c")
+    assert trouble_of(raised(qualified))["text"] == "CallbackValueError: a.b: c"
+    assert trouble_of(raised(ValueError("builtins.x")))["text"] == "ValueError: builtins.x"
 
 
 @pytest.mark.parametrize("error", [Spiteful(), ValueError("x" * 10**6), KeyboardInterrupt()])

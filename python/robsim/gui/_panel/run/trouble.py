@@ -58,12 +58,18 @@ def _code_of(error: BaseException, source: SourceLine | None) -> str | None:
 
 
 def _text_of(error: BaseException, failed: FailedCallback | None, source: SourceLine | None) -> str:
-    """Return kind and message, and the notes, without what only says where it was."""
+    """Return kind and message, and the notes, without what only says where it was.
+
+    The kind has no module before it, as Python would put it there.
+    """
     where = f"in the callback {failed.slot} {failed.when}" if failed else None
     if failed is not None and failed.slot not in SLOTS:
         where = f"in {failed.slot} {failed.when}"
     notes = [note for note in getattr(error, "__notes__", []) if note != where]
     said = _last_lines(error)
+    kind = f"{type(error).__module__}.{type(error).__qualname__}"
+    if said.startswith(kind):
+        said = type(error).__name__ + said.removeprefix(kind)
     if where:
         said = said.replace(f": {where}: ", ": ", 1)
     if source:
