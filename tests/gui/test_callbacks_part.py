@@ -259,6 +259,43 @@ def test_an_edited_file_is_used_while_it_runs(watch, folder):
 
 
 @pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("control", ["control.py is gone from the folder: robsim's default takes its place"]),
+        ("estimate_parameters", ["estimate_parameters.py is gone from the folder: parameter"]),
+        ("measure", []),  # it was off before
+        ("helper", []),
+    ],
+)
+def test_a_file_that_is_gone_is_told_once(watch, folder, name, said):
+    updates = folder / "estimate_parameters.py"
+    updates.write_text("def estimate_parameters(step):\n    return None\n")
+    (folder / "helper.py").write_text("")
+    watcher = watch(
+        robsim.Simulation.from_folder(
+            folder, resolution=SIZE, seed=1, identify_from="truth", control=None
+        )
+    )
+    press(watcher, "step")
+    assert watcher.notes() == []
+    (folder / f"{name}.py").unlink()
+    press(watcher, "step")
+    press(watcher, "step")
+    notes = watcher.notes()
+    assert len(notes) == len(said)
+    assert all(note.startswith(start) for note, start in zip(notes, said, strict=True))
+
+
+def test_a_file_that_something_else_overrides_goes_silently(watch, folder):
+    sim = robsim.Simulation.from_folder(folder, resolution=SIZE, seed=1, control=control)
+    watcher = watch(sim)
+    (folder / "control.py").unlink()
+    press(watcher, "reset")
+    assert "control" not in sim._from_folder
+    assert watcher.notes() == []
+
+
+@pytest.mark.parametrize(
     ("text", "line"),
     [("x = 1\nx.y\n", 2), ("import helper\n", 1), ("def contrl(step):\n    return 0, 0\n", 1)],
 )

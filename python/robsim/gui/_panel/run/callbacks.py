@@ -47,6 +47,7 @@ class Callbacks(Part):
         ] = {}  # calls, s, ms of the last ones
         self._opened: list[tuple[Link, subprocess.Popen[bytes]]] = []
         self._told: _Slots = []
+        self._files = self._runner._from_folder
         self._due = self._may_edit = 0.0
 
     def handlers(self) -> Handlers:
@@ -70,12 +71,26 @@ class Callbacks(Part):
         return self._due
 
     def _tell(self) -> None:
+        if any(link.is_watched for link in self.panel.links):
+            self._tell_gone()
         slots = self._described()
         if slots != self._told:
             self._told = slots
             for link in self.panel.links:
                 if link.is_watched:
                     self._send(link, slots)
+
+    def _tell_gone(self) -> None:
+        """Say what takes the place of files that the folder had, and has no longer."""
+        before, self._files = self._files, self._runner._from_folder
+        for slot in self._slots:
+            given = self._runner._given[slot]
+            was_used = before.get(slot, False) is not False and (given is None or given is True)
+            if slot in self._files or not was_used:
+                continue
+            is_off = self._owners.of(slot) == "off"
+            now = f"{SLOTS[slot].title} is off" if is_off else "robsim's default takes its place"
+            self.panel.note(f"{slot}.py is gone from the folder: {now}")
 
     def _send(self, link: Link, slots: _Slots) -> None:
         if not link.is_in_notebook:  # a page has no JupyterLab behind its address
