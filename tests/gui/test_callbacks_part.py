@@ -334,6 +334,40 @@ def test_edit_opens_the_file_at_its_line(watch, tmp_path, monkeypatch):
 
 
 @posix
+@pytest.mark.parametrize(
+    ("command", "wanted"),
+    [
+        ("myedit --wait", "--wait|{file}"),  # nobody knows how it is told a line
+        ("emacs", "+7|{file}"),
+        ("myedit", "{file}"),
+    ],
+)
+def test_any_editor_on_the_path_is_started(tmp_path, monkeypatch, command, wanted):
+    told = tmp_path / "told"
+    text = f"import sys; open({str(told)!r}, 'w').write('|'.join(sys.argv[1:]))"
+    editor(tmp_path, command.split()[0], text)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("VISUAL", command)
+    assert open_in_editor(tmp_path / "control.py", 7).wait(20) == 0
+    assert told.read_text() == wanted.format(file=tmp_path / "control.py")
+
+
+@posix
+@pytest.mark.parametrize("command", ["nano", "emacs -nw", "emacsclient -t", "editor", "missing"])
+def test_an_editor_in_a_terminal_is_not_started(tmp_path, monkeypatch, command):
+    for name in ("nano", "emacs", "emacsclient"):
+        editor(tmp_path, name, "")
+    (tmp_path / "editor").symlink_to(tmp_path / "nano")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    for name in ("EDITOR", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("VISUAL", command)
+    monkeypatch.setattr(sys, "platform", "linux")
+    with pytest.raises(Refused, match="no editor with a window"):
+        open_in_editor(tmp_path / "control.py", 7)
+
+
+@posix
 def test_a_key_that_is_held_opens_one_editor(watch, tmp_path, monkeypatch):
     started = []
     monkeypatch.setattr(_callbacks, "open_in_editor", lambda *place: started.append(place))
@@ -351,7 +385,10 @@ def test_an_editor_that_fails_is_told(watch, tmp_path, monkeypatch):
     watcher = watch(small(control=control))
     watcher.say("edit", slot="control")
     wait_for(lambda: watcher.notes())
-    assert watcher.notes() == ["The editor could not open the file: set VISUAL to yours"]
+    assert watcher.notes() == [
+        "Your editor could not open the file: set VISUAL to another one before you start "
+        "Python, or open the file yourself"
+    ]
 
 
 @posix

@@ -176,6 +176,9 @@ class Callbacks(Part):
         waiting = [(link, editor) for link, editor in self._opened if editor.poll() is None]
         for link, editor in self._opened:
             if editor.returncode:
-                text = "The editor could not open the file: set VISUAL to yours"
+                text = (
+                    "Your editor could not open the file: set VISUAL to another one before you "
+                    "start Python, or open the file yourself"
+                )
                 link.send({"type": "note", "level": "error", "text": text})
         self._opened = waiting

@@ -29,20 +29,32 @@ def _named(file: str, line: int) -> list[str]:
     return ["--line", str(line), file]
 
 
-#: Editors with a window of their own, and how they are told the line: one that needs a terminal
-#: would take that of the server, or hang.
+def _alone(file: str, line: int) -> list[str]:
+    return [file]
+
+
+#: Editors with a window of their own, and how they are told the line.
 _EDITORS: dict[str, Callable[[str, int], list[str]]] = {
     **dict.fromkeys(("code", "code-insiders", "codium", "cursor", "windsurf"), _goto),
     **dict.fromkeys(("subl", "sublime_text", "zed", "zeditor", "mate"), _colon),
     **dict.fromkeys(("gedit", "gnome-text-editor", "xed", "pluma", "geany", "gvim"), _plus),
+    **dict.fromkeys(("emacs", "emacsclient"), _plus),
     **dict.fromkeys(("kate", "kwrite", "pycharm", "charm", "mousepad"), _named),
 }
+
+#: Editors that need a terminal, which a panel does not have.
+_IN_TERMINAL = {
+    *("vi", "vim", "nvim", "ex", "ed", "red", "nano", "rnano", "pico", "micro", "emacs-nox", "mg"),
+    *("helix", "hx", "joe", "jed", "jove", "ne", "mcedit", "kak", "tilde", "dte"),
+    "sensible-editor",
+}
+_NO_WINDOW = {"-nw", "--no-window-system", "-t", "--tty"}  # of emacs
 
 _started: list[subprocess.Popen[bytes]] = []  # they outlive a panel
 
 
 def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
-    """Open a file in ``$VISUAL`` or ``$EDITOR`` if that has a window, else in the system's editor.
+    """Open a file in ``$VISUAL`` or ``$EDITOR``, or the system's editor, none in a terminal.
 
     Parameters
     ----------
@@ -68,7 +80,7 @@ def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
     if command is None:
         raise Refused(
             "no editor with a window is known here: set VISUAL to one, such as code or gedit, "
-            f"or open {file} yourself"
+            f"before you start Python, or open {file} yourself"
         )
     _started[:] = [editor for editor in _started if editor.poll() is None]
     try:
@@ -95,9 +107,17 @@ def _users_editor(file: Path, line: int) -> list[str] | None:
         # A batch file would be read by a shell, which takes a file's name for more than that.
         if program is None or program.lower().endswith((".cmd", ".bat")):
             continue
-        if (arguments := _EDITORS.get(Path(words[0]).stem.lower())) is not None:
-            return [program, *words[1:], *arguments(str(file), line)]
+        name = Path(words[0]).stem.lower()
+        if not _needs_terminal(name, program, words[1:]):
+            return [program, *words[1:], *_EDITORS.get(name, _alone)(str(file), line)]
     return None
+
+
+def _needs_terminal(name: str, program: str, options: list[str]) -> bool:
+    """Return whether an editor runs in a terminal, also under a name such as ``editor``."""
+    if name in _EDITORS:
+        return name.startswith("emacs") and not _NO_WINDOW.isdisjoint(options)
+    return not _IN_TERMINAL.isdisjoint({name, Path(program).resolve().stem})
 
 
 def _systems_editor(file: Path) -> list[str] | None:
