@@ -274,7 +274,7 @@ def test_a_path_is_drawn_by_hand(watch):
     for points in ([], [[300, 300]], [[300, 300]] * 9):
         watcher.say("path", points=points)
         watcher.settle()
-        assert "two points" in watcher.notes()[-1]
+        assert "too short" in watcher.notes()[-1]
         assert len(watcher.newest("state")["path"]) == len(path)
 
 
@@ -300,10 +300,10 @@ def test_an_experiment_has_what_applies(watch):
     names = [described["name"] for described in watcher.newest("setup")["controls"]]
     assert names == ["tracking", "parameters", "state", "control", "speed"]
     assert values(watcher)["control"] == "off"
-    assert "no send" in why_disabled(watcher, "control", "spin")
+    assert "without send" in why_disabled(watcher, "control", "spin")
     watcher.say("go_to", x=100, y=100)
     watcher.settle()
-    assert "no send" in watcher.notes()[-1]
+    assert "without send" in watcher.notes()[-1]
     setting(watcher, "parameters", "default")
     assert watcher.notes()[-1].endswith("choose a controller")
     assert values(watcher)["parameters"] == "off"
@@ -331,9 +331,11 @@ def test_an_experiment_drives_its_robot(watch):
 def test_a_changed_file_leaves_what_the_panel_has_chosen(watch, tmp_path):
     folder = tmp_path / "mine"
     new_folder(folder)
+    (folder / "estimate_state.py").unlink()
     sim = robsim.Simulation.from_folder(folder, resolution=SIZE, seed=1)
     watcher = watch(sim)
     assert "ENABLED = False" in why_disabled(watcher, "tracking", "mine")
+    assert why_disabled(watcher, "state", "mine") == "your folder has no estimate_state.py"
     setting(watcher, "tracking", "default")
     setting(watcher, "control", "chirp")
     (folder / "control.py").write_text("def control(step):\n    return 0.5, 0.25\n")
@@ -364,5 +366,5 @@ def test_a_record_has_its_speed_alone(watch):
     assert [described["name"] for described in watcher.newest("setup")["controls"]] == ["speed"]
     watcher.say("go_to", x=100, y=100)
     watcher.settle()
-    assert watcher.notes() == ["nothing drives here: this is a record"]
+    assert watcher.notes() == ["this run was recorded before: its robot cannot be driven"]
     assert setting(watcher, "speed", 3.0) == 3.0

@@ -264,12 +264,14 @@ def test_without_the_notebook_extra_it_says_what_to_install(panel, monkeypatch, 
     monkeypatch.setitem(sys.modules, "robsim.gui._notebook", None)
     monkeypatch.delattr("robsim.gui._notebook")
     panel._ipython_display_()
-    assert 'pip install "robsim[notebook]"' in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert 'pip install "robsim[notebook]"' in said
+    assert "robsim.panel(...).open()" in said
 
 
 def test_a_terminal_says_what_shows_it(panel, capsys):
     panel._ipython_display_()
-    assert "panel.open()" in capsys.readouterr().out
+    assert "robsim.panel(...).open()" in capsys.readouterr().out
 
 
 CODE = [

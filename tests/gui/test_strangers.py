@@ -174,7 +174,7 @@ def test_commands_do_not_pile_up_while_a_callback_hangs():
             browser.press("step")
             browser.say("hello", width=300)
             wait_for(lambda: browser.n_waiting < 100)
-        assert "callback has not come to its end" in browser.take("note")[0]["text"]
+        assert "a callback is still busy" in browser.take("note")[0]["text"]
         assert view.driver.n_waiting < 200
         browser.press("pause")
         is_free.set()

@@ -460,7 +460,7 @@ def test_the_panel_answers_while_what_stops_the_robot_hangs():
         wait_for(lambda: not sim.is_running)
         for _ in range(2 * transport._MOST_STOPS):
             browser.press("stop")
-        assert "has not answered" in browser.take("note")[0]["text"]
+        assert "have not answered" in browser.take("note")[0]["text"]
         browser.say("inspect", k=None, path=[])
         browser.take("tree")
         names = [thread.name for thread in threading.enumerate()]

@@ -329,7 +329,10 @@ class Panel:
         try:
             from robsim.gui import _notebook
         except ImportError:
-            print(f'{self!r}\nTo see it here: pip install "robsim[notebook]". Else: panel.open()')
+            print(
+                f'{self!r}\nTo see it here: pip install "robsim[notebook]", then restart the kernel'
+                " and reload the page.\nOr in a browser window of its own: robsim.panel(...).open()"
+            )
         else:
             _notebook.show(self)
 

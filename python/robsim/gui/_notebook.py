@@ -35,7 +35,7 @@ def show(panel: Panel) -> None:
     """Show a panel below the cell that runs: the widget, and a picture for readers without it."""
     shell = get_ipython()
     if not hasattr(shell, "kernel"):
-        print(f"{panel!r}\nA terminal cannot show it; panel.open() does, in a browser window")
+        print(f"{panel!r}\nA terminal cannot show it; robsim.panel(...).open() opens a window")
         return
     if _after_cell not in shell.events.callbacks["post_run_cell"]:
         shell.events.register("post_run_cell", _after_cell)

@@ -136,7 +136,7 @@ class Slotted(RobotSlots, ABC):
         if late and self._core.has_started:
             raise RuntimeError(
                 f"{min(late)}.py has changed, but runs only at the start of a simulation: call "
-                "sim.reset() first"
+                "sim.reset() first, or press Reset in a panel"
             )
         self._use(self._folder.load_saved())
 

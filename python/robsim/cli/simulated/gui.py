@@ -36,7 +36,8 @@ HELP = (
     "With a folder it runs the callbacks there, and takes in what you change in them. A trace, a "
     "session or a video is played back. Without any of these there is a simulation to play "
     "with.\n\n"
-    "It ends with its last page, or with Ctrl-C. The page is for this machine's browsers alone."
+    "It ends when you close its last page, or with Ctrl-C. Only browsers on this machine can open "
+    "the page."
 )
 
 # What there is to see at first, unless a folder or an option says otherwise.

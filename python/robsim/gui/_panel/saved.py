@@ -78,7 +78,7 @@ class SavedRecord(Record):
 
     def frame(self, k: int) -> Frame | None:
         if self._read is None:
-            raise LookupError("a trace of real frames has none of them: open the session's folder")
+            raise LookupError("a trace of a real run has no frames: open the session's folder")
         return self._read(k)
 
     def find_blobs(self, frame: Frame) -> Mapping[str, list[Blob]]:
@@ -113,7 +113,8 @@ class SavedRecord(Record):
         self._smoothing = scenario.smoothing
         self._read = lambda k: simulation._drawn(k, self._columns)
         if drawn := {"adjust_background"} & {*info.callbacks}:
-            self.remarks = (f"the frames lack what {listed(drawn)} has drawn on the floor",)
+            text = "the pictures are drawn again, without what {} drew on the floor"
+            self.remarks = (text.format(listed(drawn)),)
 
 
 def _trace_of(saved: Trace | Session) -> Trace:

@@ -148,7 +148,7 @@ class PanelView(View):
     def check_room(self, factor: int = 1) -> None:
         """Refuse a command that the run cannot take."""
         if not self.has_room(factor):
-            raise Refused("The run does not answer: a callback has not come to its end yet")
+            raise Refused("The run does not answer: a callback is still busy")
 
     def tell_setup(self) -> None:
         """Tell all browsers what they were told at first, since it has changed."""

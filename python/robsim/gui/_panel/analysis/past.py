@@ -134,7 +134,7 @@ def _result(done: Future[Frame | None]) -> tuple[Frame | None, str | None]:
     except CancelledError:
         return None, "the panel is closed"
     except Exception as error:
-        return None, f"there is no frame of this step: {error}"
+        return None, str(error) or type(error).__name__
 
 
 class KeptPictures:

@@ -101,7 +101,7 @@ class Controls(Part):
 
     def _driving(self) -> Driving:
         if self._run is None:
-            raise Refused("nothing drives here: this is a record")
+            raise Refused("this run was recorded before: its robot cannot be driven")
         return self._run.driving
 
     def _do(self, link: Link, change: Callable[[], Remarks]) -> None:

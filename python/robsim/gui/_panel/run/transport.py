@@ -113,7 +113,7 @@ class Transport(Part):
             thread.join(_PATIENCE)
             self._stopping.append(thread)
         if self._stopping and self._stopping[-1].is_alive():
-            self.panel.note("The robot may not have stopped: what stops it has not answered yet")
+            self.panel.note("The robot may still be driving: its motors have not answered yet")
 
     def _stop_robot(self) -> None:
         try:

@@ -86,7 +86,7 @@ class Driving(Choice):
         self._check()
         path = _spaced(self._within(points)) if points else np.empty((0, 2))
         if len(path) < 2:
-            raise Refused(f"a path needs two points that are {_SPACING:g} px apart, or more")
+            raise Refused(f"the path is too short: it must be {_SPACING:g} px long or more")
         self._path = path.tolist()
         return self._go_on_along(self._path)
 
@@ -119,7 +119,7 @@ class Driving(Choice):
     def _why_not(self) -> str | None:
         """Why nothing of the panel's can drive the robot."""
         if isinstance(self._runner, Experiment) and self._runner._motors is None:
-            return "nothing drives the robot: the experiment has no send=..."
+            return "the panel cannot drive this robot: the experiment was made without send=..."
         return None
 
     @property

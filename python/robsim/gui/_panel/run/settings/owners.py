@@ -53,7 +53,9 @@ class Owners:
             return f"{slot}.py is switched off: it has ENABLED = False"
         if slot in self._users or callable(files.get(slot)):
             return None
-        return f"you have not given any yet: sim.{slot} = ..."
+        if self._runner._folder is not None:
+            return f"your folder has no {slot}.py"
+        return f"you have not given one: sim.{slot} = ... in a notebook, or a folder's {slot}.py"
 
     def put(self, slot: str, value: Any) -> None:
         """Fill a slot with something of the panel's; in the thread of the run."""
