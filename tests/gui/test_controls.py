@@ -300,6 +300,7 @@ def test_an_experiment_has_what_applies(watch):
     names = [described["name"] for described in watcher.newest("setup")["controls"]]
     assert names == ["tracking", "parameters", "state", "control", "speed"]
     assert values(watcher)["control"] == "off"
+    assert "exp.measure = ..." in why_disabled(watcher, "tracking", "mine")
     assert "without send" in why_disabled(watcher, "control", "spin")
     watcher.say("go_to", x=100, y=100)
     watcher.settle()

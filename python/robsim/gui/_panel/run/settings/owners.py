@@ -55,7 +55,8 @@ class Owners:
             return None
         if self._runner._folder is not None:
             return f"your folder has no {slot}.py"
-        return f"you have not given one: sim.{slot} = ... in a notebook, or a folder's {slot}.py"
+        run = "exp" if isinstance(self._runner, Experiment) else "sim"
+        return f"you have not given one: {run}.{slot} = ... in a notebook, or a folder's {slot}.py"
 
     def put(self, slot: str, value: Any) -> None:
         """Fill a slot with something of the panel's; in the thread of the run."""
