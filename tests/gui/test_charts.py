@@ -364,6 +364,35 @@ def test_without_truth_the_inputs_stand_in_place_of_the_errors(show):
     assert ChartOf(host, "\u0394x").over.count() == 0
     for label in ("u1", "u2", "interval"):
         assert ChartOf(host, label).over.is_visible()
+    assert host.tab.locator("button[name=show_measured]").is_visible()
+    assert host.tab.locator("button[name=show_true]").is_hidden()
+    host.tab.click("button[name=show]")
+    assert host.tab.locator("input[name=show_outline]").is_visible()
+    assert host.tab.locator("input[name=show_truth]").count() == 0
+
+
+def test_in_a_low_chart_the_numbers_stand_beside_the_bars(show):
+    host = show(walk(200))
+    bars = {"n": 170, "mean": 0.0, "std": 0.5, "low": -9.0, "high": 9.0, "counts": [9] * 18}
+    errors = [{"of": "measurement", "name": "x", "unit": "px", **bars}]
+    host.emit({"type": "statistics", "first": 30, "last": 199, "errors": errors})
+    ends = """c => { // of the bars and of the canvas
+      const { data } = c.getContext("2d").getImageData(0, 0, c.width, c.height);
+      const isBar = (x) => {
+        let n = 0;
+        for (let y = 0; y < c.height; y++) n += data[4 * (y * c.width + x) + 3] == 102;
+        return n > c.height / 4;
+      };
+      const barred = [...Array(c.width).keys()].filter(isBar);
+      return [Math.max(...barred), c.width];
+    }"""
+    histogram = host.tab.locator(".robsim-histogram").first
+    last, wide = histogram.evaluate(ends)
+    host.tab.set_viewport_size({"width": 800, "height": 600})
+    settle(host)
+    last_low, wide_low = histogram.evaluate(ends)
+    assert last_low == last > 30
+    assert wide_low > wide + 60
 
 
 def test_parameters_are_drawn_with_truth_excitation_and_a_robust_range(show):

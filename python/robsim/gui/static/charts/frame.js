@@ -80,7 +80,8 @@ export function layerText({ series, spread, sigma }, k) {
 }
 
 /**
- * Write what the layers say of a step beside the title, from the right, as far as there is room.
+ * Write what the layers say of a step beside the title, from the right, as far as there is room: at
+ * last without the standard error.
  */
 export function drawReadings(g, chart, layers, k, ink) {
   const { box } = chart;
@@ -91,11 +92,11 @@ export function drawReadings(g, chart, layers, k, ink) {
   g.textBaseline = "alphabetic";
   for (const layer of [...layers].reverse()) {
     if (layer.isAside || !Number.isFinite(layer.series.value(k))) continue;
-    const reading = layerText(layer, k);
-    const width = g.measureText(reading).width;
-    if (right - width < least) return;
+    const fits = (words) => right - g.measureText(words).width >= least;
+    const reading = [layerText(layer, k), numberText(layer.series.value(k))].find(fits);
+    if (!reading) return;
     g.fillStyle = ink(layer.ink);
     g.fillText(reading, right, chart.isNarrow ? box.top - 6 : TITLE_LINE);
-    right -= width + 10;
+    right -= g.measureText(reading).width + 10;
   }
 }

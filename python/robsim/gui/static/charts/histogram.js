@@ -9,6 +9,8 @@ import { numberText } from "./scale.js";
 const HISTOGRAM_WIDTH = 96; // px
 const LONGEST_BAR = HISTOGRAM_WIDTH - 14; // px
 const TEXT_HEIGHT = 14; // px
+const LOW = 150; // px of a chart in which the numbers stand beside the bars: they would hide them
+const NUMBERS_WIDTH = 82; // px
 // they are called as their inks
 const SOURCE_LAYERS = { measurement: "measured", estimate: "estimated" };
 
@@ -17,8 +19,9 @@ export class Histogram {
   errors = []; // {of, n, mean, std, low, high, counts}
 
   paint(chart, ink) {
-    const g = cleanCanvas(this.element, [HISTOGRAM_WIDTH, chart.size[1]]);
     const { box, plot } = chart;
+    const width = HISTOGRAM_WIDTH + (chart.size[1] < LOW ? NUMBERS_WIDTH : 0);
+    const g = cleanCanvas(this.element, [width, chart.size[1]]);
     const shown = this.errors.filter(({ of }) =>
       chart.shown.some(({ name }) => name == SOURCE_LAYERS[of]));
     g.lineWidth = 1 / plot.ratio;
@@ -28,7 +31,7 @@ export class Histogram {
       for (const error of shown) drawBars(g, plot, error, ink(SOURCE_LAYERS[error.of]));
       for (const error of shown) drawBell(g, plot, error, ink(SOURCE_LAYERS[error.of]));
     });
-    if (shown.length) writeNumbers(g, box, shown, ink);
+    if (shown.length) writeNumbers(g, [width, box.top], shown, ink);
     this.describe(chart.title, shown);
   }
 
@@ -62,13 +65,13 @@ function scaleOf(error) {
 
 function drawBars(g, plot, error, fill) {
   const { low, high, counts } = error;
-  const width = (high - low) / counts.length;
+  const [width, scale] = [(high - low) / counts.length, scaleOf(error)];
   g.fillStyle = fill;
   g.globalAlpha = 0.4;
   counts.forEach((count, i) => {
     const [top, bottom] = [plot.y(low + (i + 1) * width), plot.y(low + i * width)];
     const gap = bottom - top > 3 ? 1 : 0;
-    g.fillRect(1, top, count * scaleOf(error), Math.max(bottom - top - gap, 1 / plot.ratio));
+    g.fillRect(1, top, count * scale, Math.max(bottom - top - gap, 1 / plot.ratio));
   });
   g.globalAlpha = 1;
 }
@@ -85,7 +88,8 @@ function drawBell(g, plot, error, stroke) {
   g.stroke();
 }
 
-function writeNumbers(g, box, errors, ink) {
+/** Write the numbers at the right, below a top. */
+function writeNumbers(g, [width, top], errors, ink) {
   g.save();
   g.font = ink("chart-font");
   g.lineWidth = 3;
@@ -98,12 +102,12 @@ function writeNumbers(g, box, errors, ink) {
     g.fillText(word, x, y);
   };
   const write = (y, name, value, color) => {
-    put(name, 12, y, "left", "quiet");
-    put(value, HISTOGRAM_WIDTH - 14, y, "right", color);
+    put(name, width - HISTOGRAM_WIDTH + 12, y, "left", "quiet");
+    put(value, width - 14, y, "right", color);
   };
   write(TEXT_HEIGHT, text("chart.count"), String(errors[0].n), "text");
   errors.forEach(({ of, mean, std }, i) => {
-    const y = box.top + TEXT_HEIGHT * (1 + 2 * i);
+    const y = top + TEXT_HEIGHT * (1 + 2 * i);
     write(y, text("chart.mean"), meanText(mean, std), SOURCE_LAYERS[of]);
     write(y + TEXT_HEIGHT, text("chart.std"), numberText(std, 3), SOURCE_LAYERS[of]);
   });

@@ -18,7 +18,7 @@ export function makeParameterCharts(context) {
   const grid = make("div", { className: "robsim-chart-grid robsim-parameter-grid" });
   const element = make("div", { className: "robsim-parameters" }, tools, grid);
   const board = makeBoard(context, element, () => context.want(PARAMETER_GROUPS));
-  tools.append(...makeStepControls(context, board.axis), makeParameterKey(),
+  tools.append(...makeStepControls(context, board.axis), makeParameterKey(context),
     make("div", { className: "robsim-verdict-line" }, verdict));
   let charts = [];
   let newest = null; // message
@@ -35,17 +35,17 @@ export function makeParameterCharts(context) {
     const { weak } = message.excitation;
     charts.forEach((chart) =>
       (chart.remark = weak.includes(chart.title) ? text("chart.weak") : ""));
-    showVerdict(verdict, message.excitation);
+    Object.assign(verdict, aboutVerdict(message.excitation));
     board.later();
   });
   return { element };
 }
 
-function showVerdict(verdict, { text: words, good }) {
-  const meaning = { true: "robsim-good", false: "robsim-warning" }[good] ?? "";
-  verdict.textContent = words;
-  verdict.className = `robsim-chip robsim-verdict ${meaning}`;
-}
+const MEANINGS = { true: "robsim-good", false: "robsim-warning" };
+
+/** Return the attributes of a verdict on the excitation: good, or not, or not known yet (null). */
+export const aboutVerdict = ({ text: textContent, good }) =>
+  ({ textContent, className: `robsim-chip robsim-verdict ${MEANINGS[good] ?? ""}` });
 
 /** Make the chart of a parameter; `newest` returns the newest message about all of them. */
 function parameterChart(context, name, i, newest) {
@@ -72,9 +72,11 @@ function isLowest({ element }) {
 }
 
 /** Make the key: what the crosses, the line and the band are. */
-function makeParameterKey() {
+function makeParameterKey(context) {
   const entry = (kind, ink, name) =>
     make("span", {}, makeSwatch(kind, `var(--robsim-${ink})`), text(`chart.${name}`));
+  const truth = entry("cross", "true", "true");
+  context.on("setup", ({ theta_true: values }) => (truth.hidden = values == null));
   return make("div", { className: "robsim-legend robsim-quiet" },
-    entry("cross", "true", "true"), entry("line", "estimated", "parameter_key"));
+    truth, entry("line", "estimated", "parameter_key"));
 }

@@ -31,8 +31,11 @@ export function makeStepControls(context, axis) {
   return [follow, select];
 }
 
-/** Make buttons that say what the colours mean, and take a layer away or bring it back. */
-export function makeLegend(context, layers) {
+/**
+ * Make buttons that say what the colours mean, and take a layer away or bring it back; `isThere`
+ * says of a layer's name whether there is such a thing in a run.
+ */
+export function makeLegend(context, layers, isThere) {
   const isShown = (name) => !context.local.unseen.includes(name);
   const toggle = (name) => {
     const others = context.local.unseen.filter((other) => other != name);
@@ -46,6 +49,8 @@ export function makeLegend(context, layers) {
   const renew = () =>
     layers.forEach(({ name }, i) => buttons[i].setAttribute("aria-pressed", String(isShown(name))));
   context.on("local", (name) => name == "unseen" && renew());
+  context.on("setup", () =>
+    layers.forEach(({ name }, i) => (buttons[i].hidden = !isThere(name))));
   renew();
   const about = { className: "robsim-legend", role: "group", ariaLabel: text("chart.legend") };
   return make("div", about, ...buttons);

@@ -112,7 +112,8 @@ export function makeTraces(context) {
   });
   const charts = makeTraceCharts(context, board, grid);
   const menu = makeColumnCharts(context, board, grid);
-  const legend = makeLegend(context, Object.values(SOURCES));
+  const legend = makeLegend(context, Object.values(SOURCES),
+    (name) => name != "true" || context.setup.has_truth);
   tools.append(...makeStepControls(context, board.axis), legend, makeObjectSwitch(context), menu);
 
   context.on("setup", () => {
