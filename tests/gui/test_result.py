@@ -29,6 +29,7 @@ def test_a_run_gives_table_remarks_and_figure():
     assert (error, online) == (report.standard_errors[0, 1], trace.parameters[-1, 0, 1])
     assert head["text"].startswith("Batch estimate from truth")
     assert head["verdict"] == "all parameters are well excited"
+    assert head["good"] is True
     assert figure[:4] == PNG
 
 
@@ -38,6 +39,7 @@ def test_a_run_that_excites_too_little_says_which_parameters_are_lost():
     head, (figure,) = finish(simulation)
     assert "does not determine" in head["text"]
     assert "not excited" in head["verdict"]
+    assert head["good"] is False
     assert None in np.ravel(head["rows"])  # not determined
     assert figure[:4] == PNG
 

@@ -261,6 +261,28 @@ def test_a_narrow_table_hides_no_digit(tab_of):
     assert boxes[-1]["x"] + boxes[-1]["width"] <= 800
 
 
+def test_the_narrowest_table_fits(tab_of):
+    host = tab_of("result", size=(700, 900))
+    rows = [["a1X", -0.9375123, -0.9375456, 0.05, 1.9], ["d1X", 8.3333e-6, -8.3e-6, 0.1, 0.2]]
+    host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
+    table = host.tab.locator(".robsim-result-table")
+    assert table.evaluate("one => one.scrollWidth - one.clientWidth") <= 0
+    assert "\u22128.3e\u22126" in table.inner_text()
+
+
+@pytest.mark.parametrize(("good", "kind"), [(True, "good"), (False, "warning"), (None, None)])
+def test_the_verdict_looks_as_among_the_parameters(tab_of, good, kind):
+    host = tab_of("result")
+    excitation = {"text": "so so", "good": good, "weak": []}
+    host.emit({"type": "parameters", "values": None, "errors": None, "excitation": excitation})
+    host.emit({"type": "result", "rows": [], "text": "", "verdict": "so so", "good": good})
+    chips = host.tab.locator(".robsim-verdict").all()
+    looks = {chip.get_attribute("class").strip() for chip in chips}
+    assert (len(chips), len(looks)) == (2, 1)
+    words = looks.pop().split()
+    assert words[2:] == ([f"robsim-{kind}"] if kind else [])
+
+
 def test_what_differs_by_rounding_alone_is_called_exact(tab_of):
     host = tab_of("result")
     rows = [["a1X", 1.9375, 1.9375 - 1e-13, 1e-15, 1.9375], ["d1X", 0.0, 0.1, 1e-15, 0.0]]

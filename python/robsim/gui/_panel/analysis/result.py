@@ -72,12 +72,15 @@ def _result_of(trace: Trace) -> tuple[dict[str, Any], list[bytes]]:
         report = batch_estimate(trace)
     except ValueError as error:  # too short, or no such poses were recorded
         text = str(error)
-        return {"type": "result", "rows": [], "text": text, "verdict": "no estimate"}, []
+        verdict = {"verdict": "no estimate", "good": None}
+        return {"type": "result", "rows": [], "text": text, **verdict}, []
+    excitation = excitation_of(report.identifiability)
     message = {
         "type": "result",
         "rows": _rows_of(report),
         "text": "\n".join((report.title, *report.remarks)),
-        "verdict": excitation_of(report.identifiability)["text"],
+        "verdict": excitation["text"],
+        "good": excitation["good"],
     }
     return message, [_figure_of(report)]
 

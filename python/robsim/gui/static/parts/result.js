@@ -4,14 +4,21 @@ import { asBytes } from "../base/buffers.js";
 import { makeTextButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
+import { aboutVerdict } from "../charts/parameters.js";
 
 const MOST_ERRORS = 4; // standard errors to each side in the bars
 const ROUNDING = 1e-9; // of the largest parameter: what is nearer than that is the same
+const SHORTEST_PLAIN = 1e-3; // smaller numbers get an exponent
 const NO_NUMBER = "\u2013";
 
-const minus = (words) => words.replace(/^-/, "\u2212");
-const shortNumber = (value) =>
-  (value == null ? NO_NUMBER : minus(String(Number(value.toPrecision(5)))));
+const minus = (words) => words.replaceAll("-", "\u2212");
+/** Return a number with five digits, so short that a narrow table has room for it. */
+function shortNumber(value) {
+  if (value == null) return NO_NUMBER;
+  const rounded = Number(value.toPrecision(5));
+  const isTiny = rounded && Math.abs(rounded) < SHORTEST_PLAIN;
+  return minus(isTiny ? rounded.toExponential() : String(rounded));
+}
 
 export function makeResult(context) {
   let url = ""; // of the figure
@@ -31,13 +38,13 @@ export function makeResult(context) {
     make("div", { className: "robsim-empty" }, why, finish));
   const forget = () => url && URL.revokeObjectURL(url);
 
-  const show = ({ rows, text: remarks, verdict }, [picture]) => {
+  const show = ({ rows, text: remarks, verdict, good }, [picture]) => {
     finish.classList.remove("robsim-primary");
     rest();
     forget();
     const blob = picture?.byteLength && new Blob([asBytes(picture)], { type: "image/png" });
     url = blob ? URL.createObjectURL(blob) : "";
-    const chip = make("span", { className: "robsim-chip", textContent: verdict, hidden: !verdict });
+    const chip = make("span", { ...aboutVerdict({ text: verdict, good }), hidden: !verdict });
     const head = make("div", { className: "robsim-result-head" }, chip, finish);
     element.replaceChildren(head, ...(rows.length ? [makeResultTable(rows)] : []));
     if (remarks)
@@ -64,7 +71,7 @@ function makeResultTable(rows) {
   const body = make("tbody", {}, ...rows.map((row) => makeResultRow(row, isTrueKnown, largest)));
   const className = `robsim-table ${isTrueKnown ? "robsim-compared" : ""}`;
   const table = make("table", { className }, head, body);
-  return make("div", { className: "robsim-result-table" }, table);
+  return make("div", { className: "robsim-result-table robsim-cut" }, table);
 }
 
 function makeResultRow([name, truth, batch, error, online], isTrueKnown, largest) {
@@ -75,7 +82,8 @@ function makeResultRow([name, truth, batch, error, online], isTrueKnown, largest
   if (isTrueKnown) row.append(cell(truth));
   row.append(...[batch, error, online].map(cell));
   const isExact = Math.max(error ?? 0, Math.abs(batch - truth)) < ROUNDING * largest;
-  const exact = make("span", { className: "robsim-quiet", textContent: text("result.exact") });
+  const words = { textContent: text("result.exact"), title: text("result.exact.title") };
+  const exact = make("span", { className: "robsim-quiet", ...words });
   const deviation = isExact ? exact : makeDeviation(truth, batch, error, online);
   if (isTrueKnown) row.append(make("td", {}, deviation));
   return row;

@@ -21,8 +21,8 @@ export function makeTabs(context, sheets) {
     sheet.setAttribute("aria-labelledby", button.id);
     return button;
   });
-  const list = make("div", { className: "robsim-tabs", role: "tablist", ariaLabel: text("tabs") },
-    ...tabs);
+  const about = { className: "robsim-tabs robsim-cut", role: "tablist", ariaLabel: text("tabs") };
+  const list = make("div", about, ...tabs);
   const elements = names.map((name) => sheets[name].element);
   moveByArrows(list, (button) => choose(button.value));
 
