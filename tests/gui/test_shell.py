@@ -108,6 +108,21 @@ def test_at_the_usual_size_the_picture_is_square_and_all_settings_are_seen(shell
     assert host.tab.evaluate(f"{hidden}(document.querySelector('.robsim-controls'))") == 0
 
 
+def test_beside_stop_all_buttons_keep_their_words(shell):
+    host = shell(size=(1440, 900), setup={"motors": True})
+    for state in ("paused", "running"):
+        host.state(values=VALUES, state=state)
+        for button in host.tab.locator(".robsim-transport button").all():
+            assert button.locator(".robsim-button-text").is_visible()
+            assert button.evaluate("one => one.scrollWidth <= one.clientWidth")
+
+
+@pytest.mark.parametrize("width", [1440, 800, 700])
+def test_all_tabs_are_seen(shell, width):
+    host = shell(size=(width, 600))
+    assert host.tab.locator(".robsim-tabs").evaluate("one => one.scrollWidth <= one.clientWidth")
+
+
 def test_the_width_of_the_panel_decides_not_that_of_the_window(shell):
     host = shell(body="", size=(1440, 900))
     place = "document.querySelector('main').style.width = "
@@ -386,8 +401,43 @@ def test_a_live_camera_has_its_rate_in_the_place_of_the_speed(shell):
     host = shell(setup={"live": True, "source": "experiment", "controls": controls})
     live = {"camera": {"rate": 29.7, "age": 0.012, "dropped": 3}}
     host.state(values=VALUES, **live)
-    assert host.tab.get_by_text("29.7 fps, 12 ms old, 3 dropped").is_visible()
+    for words in ("29.7 fps", "12 ms old", "3 dropped"):
+        assert host.tab.get_by_text(words).is_visible()
     assert host.tab.get_by_label("Speed").count() == 0
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (700, 900)])
+def test_the_numbers_of_a_live_camera_have_their_places(shell, size):
+    host = shell(size=size, setup={"live": True, "source": "experiment"})
+    parts = (".robsim-rate", ".robsim-dropped", ".robsim-age")
+    seen = []
+    for camera in (
+        {"rate": None, "age": 0.0, "dropped": 0},
+        {"rate": 9.9, "age": 0.007, "dropped": 3},
+        {"rate": 119.9, "age": 0.987, "dropped": 9999},
+        {"rate": 0.0, "age": 123.4, "dropped": 9999},
+    ):
+        host.state(values=VALUES, state="running", camera=camera)
+        places = stays(host, ".robsim-card-drive", *parts)
+        seen.append([(place["x"], place["y"], place["height"]) for place in places])
+        numbers = host.tab.locator(".robsim-camera-rate")
+        assert numbers.evaluate("one => one.scrollWidth - one.clientWidth") <= 0
+    assert seen == seen[:1] * len(seen)
+
+
+def test_a_level_is_for_what_is_there(shell):
+    host = shell()
+    noise, disturbance = (
+        host.tab.get_by_label(name) for name in ("Noise level", "Level of the disturbance")
+    )
+    assert noise.is_enabled()
+    assert disturbance.is_disabled()
+    tip = host.tab.locator(".robsim-field", has=disturbance).get_attribute("title")
+    assert "choose one first" in tip
+    host.state(values={**VALUES, "noise": "none", "disturbance": "pose"})
+    assert noise.is_disabled()
+    assert disturbance.is_enabled()
+    assert host.tab.locator(".robsim-field", has=disturbance).get_attribute("title") == ""
 
 
 def test_an_older_state_does_not_move_what_is_being_dragged(shell):

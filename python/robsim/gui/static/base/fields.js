@@ -9,7 +9,8 @@ import { text } from "./texts.js";
 const MOST_SEGMENTS = 3; // more of them become a list that opens
 
 /**
- * Make the field of a control: `show` a value that Python tells; `refuse` is called with why not.
+ * Make the field of a control: `show` a value that Python tells, `allow` it to be set unless a
+ * reason is given; `refuse` is called with why not.
  */
 export function makeField(control, send, refuse) {
   const { name, kind, choices } = control;
@@ -23,7 +24,12 @@ export function makeField(control, send, refuse) {
   made.element.setAttribute("aria-label", text(`control.${name}.whole`, {}, label));
   const value = heldValue(made.element, made.show, send);
   made.listen(value.set);
-  return { name, element, show: value.tell, end: value.end };
+  const allow = (reason) => {
+    made.element.disabled = Boolean(reason);
+    element.classList.toggle("robsim-off", Boolean(reason));
+    element.title = reason || about.title;
+  };
+  return { name, element, show: value.tell, allow, end: value.end };
 }
 
 const MAKERS = { segments: makeSegments, choice: makeSelect, range: makeRange, switch: makeSwitch };

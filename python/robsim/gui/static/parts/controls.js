@@ -17,6 +17,8 @@ const CARDS = {
   more: [],
 };
 
+const KINDS = { noise_level: "noise", disturbance_level: "disturbance" }; // of the levels
+
 export function makeControls(context) {
   const element = make("div", { className: "robsim-controls" });
   const rate = makeCameraRate(context);
@@ -42,9 +44,17 @@ export function makeControls(context) {
     fields.set(control.name, field);
   };
 
+  /** A level is for what is there. */
+  const allowLevels = (values) => {
+    for (const [level, kind] of Object.entries(KINDS))
+      if (kind in values)
+        fields.get(level)?.allow(values[kind] == "none" ? text(`control.${level}.off`) : "");
+  };
+
   context.on("setup", ({ controls, live }) => {
     const before = fields.size;
     controls.forEach(take);
+    allowLevels(Object.fromEntries(controls.map(({ name, value }) => [name, value])));
     // the others are changed in their places
     if (fields.size == before && element.children.length) return;
     const all = [...fields.values(), ...(live ? [rate] : [])];
@@ -53,6 +63,7 @@ export function makeControls(context) {
   });
   context.on("state", ({ values }) => {
     for (const [name, field] of fields) if (name in values) field.show(values[name]);
+    allowLevels(values);
   });
   context.onEnd(() => fields.forEach((field) => field.end()));
   return { element };
