@@ -1,6 +1,7 @@
 """The histograms of the errors, over the longest valid record."""
 
 import math
+import threading
 import time
 from types import SimpleNamespace
 
@@ -96,27 +97,60 @@ def clock(monkeypatch):
     return clock
 
 
+class FakePanel(SimpleNamespace):
+    """What a `Statistics` uses of the panel; what is computed beside it is waited for."""
+
+    def __init__(self, **record):
+        watched = [SimpleNamespace(is_watched=True)]
+        super().__init__(record=SimpleNamespace(**record), is_running=True, links=watched)
+        self.sent, self.jobs = [], []
+        self.send, self.post = self.sent.append, self.jobs.append
+
+    def guarded(self, compute):
+        return compute()
+
+    def look(self, statistics, now):
+        due = statistics.look(now)
+        if statistics._beside.is_busy:
+            statistics.close(20)
+            self.jobs.pop()()
+        return due
+
+
 def test_they_come_once_a_second_while_it_runs_and_at_once_on_pause(clock):
     trace = trace_with(np.zeros((9, 3)))
-    record = SimpleNamespace(n_resets=0, n_steps=4, trace=trace)
-    sent = []
-    links = [SimpleNamespace(is_watched=True)]
-    panel = SimpleNamespace(record=record, is_running=True, links=links, send=sent.append)
+    panel = FakePanel(n_resets=0, n_steps=4, trace=trace)
     statistics = Statistics(panel)
-    assert statistics.look(10.0) == 11.0
-    record.n_steps = 5
-    assert statistics.look(10.5) == 11.0
-    assert len(sent) == 1
-    assert statistics.look(11.0) == 12.0
-    assert len(sent) == 2
-    assert statistics.look(12.0) == 13.0  # nothing is new
-    assert len(sent) == 2
-    record.n_steps = 6
+    assert panel.look(statistics, 10.0) == 11.0
+    panel.record.n_steps = 5
+    assert panel.look(statistics, 10.5) == 11.0
+    assert len(panel.sent) == 1
+    assert panel.look(statistics, 11.0) == 12.0
+    assert len(panel.sent) == 2
+    assert panel.look(statistics, 12.0) == 13.0  # nothing is new
+    assert len(panel.sent) == 2
+    panel.record.n_steps = 6
     panel.is_running = False
-    statistics.look(12.1)
-    assert len(sent) == 3
-    assert statistics.look(12.2) == math.inf
-    assert len(sent) == 3
+    panel.look(statistics, 12.1)
+    assert len(panel.sent) == 3
+    assert panel.look(statistics, 12.2) == math.inf
+    assert len(panel.sent) == 3
+
+
+def test_those_of_a_run_before_a_reset_are_not_told():
+    panel = FakePanel(n_resets=0, n_steps=4, trace=trace_with(np.zeros((4, 3))))
+    statistics = Statistics(panel)
+    statistics.look(10.0)
+    statistics.close(20)
+    panel.record.n_resets = 1
+    panel.record.n_steps = 0
+    statistics.changed()
+    assert statistics.look(10.1) == math.inf  # one at a time
+    panel.jobs.pop()()
+    assert panel.sent == []
+    panel.record.trace = trace_with(np.zeros((0, 3)))
+    panel.look(statistics, 10.2)
+    assert [message["last"] for message in panel.sent] == [None]
 
 
 def test_those_that_take_long_come_less_often(clock):
@@ -125,16 +159,55 @@ def test_those_that_take_long_come_less_often(clock):
             clock.now += 0.5
             return {}
 
-    record = SimpleNamespace(n_resets=0, n_steps=10**6, trace=None)
-    links = [SimpleNamespace(is_watched=True)]
-    panel = SimpleNamespace(record=record, is_running=True, links=links, send=lambda message: None)
+    panel = FakePanel(n_resets=0, n_steps=10**6, trace=None)
     slow = Slow(panel)
-    assert slow.look(10.0) == 15.0
-    record.n_steps += 100
-    assert slow.look(12.0) == 15.0
+    panel.look(slow, 10.0)
+    panel.record.n_steps += 100
+    assert panel.look(slow, 12.0) == 15.0
+    assert clock.now == 0.5
     panel.is_running = False
-    slow.look(12.1)
+    panel.look(slow, 12.1)
     assert clock.now == 1.0  # on pause at once
+
+
+def test_the_panel_answers_while_they_are_computed(monkeypatch):
+    inside, may_go_on, lengths = threading.Event(), threading.Event(), []
+    message = Statistics.message
+
+    def slow(self, trace):
+        lengths.append(len(trace))
+        inside.set()
+        assert may_go_on.wait(20)
+        return message(self, trace)
+
+    monkeypatch.setattr(Statistics, "message", slow)
+    with panel_of(robsim.Simulation(measure=True, seed=1)) as (_, browser):
+        assert inside.wait(20)
+        for k in range(3):
+            browser.press("step")
+            browser.take("state", k=k)
+        browser.press("stop")
+        browser.say("inspect", k=None, path=[])
+        browser.take("tree", k=2)
+        assert lengths == [0]  # one at a time
+        may_go_on.set()
+        browser.take("statistics", last=2)
+
+
+def test_closing_waits_for_what_is_computed(monkeypatch):
+    inside, closed, was_closed = threading.Event(), threading.Event(), []
+
+    def slow(self, trace):
+        inside.set()
+        was_closed.append(closed.wait(0.1))
+        return {}
+
+    monkeypatch.setattr(Statistics, "message", slow)
+    with panel_of(robsim.Simulation(seed=1)) as (view, _):
+        assert inside.wait(20)
+        view.close()
+        closed.set()
+    assert was_closed == [False]
 
 
 def test_a_new_view_is_told_them_too():

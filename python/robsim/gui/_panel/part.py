@@ -18,7 +18,7 @@ Handlers = Mapping[str, Callable[[Link, dict[str, Any]], None]]
 class Part:
     """A part of the panel: what it tells the browsers, and does when they ask.
 
-    All its methods are called in the thread of the view, but for `take`.
+    All its methods are called in the thread of the view, but for `take` and `close`.
     """
 
     def __init__(self, panel: PanelView) -> None:
@@ -48,3 +48,6 @@ class Part:
     def look(self, now: float) -> float:
         """Do what is due; return when to look again, by the monotonic clock."""
         return math.inf
+
+    def close(self, timeout: float) -> None:
+        """Wait for what is computed or drawn for it (s), once the view has ended; any thread."""

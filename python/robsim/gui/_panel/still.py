@@ -45,7 +45,6 @@ class Still(Part):
         return self._drawn(driver.ask(self._newest))
 
     def close(self, timeout: float) -> None:
-        """Wait for the picture that is being drawn; any thread may call this."""
         if self._thread is not None:
             self._thread.join(timeout)
 

@@ -91,8 +91,8 @@ class PanelView(View):
         """End the run and the panel; what is shown stays as it is. False if a callback hangs."""
         has_ended = self.driver.close(timeout)
         has_ended = super().close(timeout) and has_ended
-        self.still.close(timeout)
-        self._result.close(timeout)
+        for part in self._parts:
+            part.close(timeout)
         return has_ended
 
     def is_urgent(self, message: Any) -> bool:

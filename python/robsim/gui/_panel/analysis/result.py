@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-import threading
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robsim.gui._link import Link
+from robsim.gui._panel.analysis.beside import Beside
 from robsim.gui._panel.analysis.parameters import excitation_of, listed
 from robsim.gui._panel.drawing import drawing
 from robsim.gui._panel.part import Part
 from robsim.identification import BatchEstimate, batch_estimate
 from robsim.trace import PARAMETER_NAMES, Trace
 
+if TYPE_CHECKING:
+    from robsim.gui._panel.view import PanelView
+
 
 class Result(Part):
-    """Estimates the parameters from the whole record.
-
-    That takes a second or so, in a thread of its own: meanwhile the panel answers, to Stop too.
-    """
+    """Estimates the parameters from the whole record, which takes a second or so."""
 
     _newest: tuple[dict[str, Any], list[bytes]] | None = None
     _seen = (0, 0)  # resets and steps that it was estimated from
     _is_wanted = False
-    _thread: threading.Thread | None = None
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        self._beside = Beside(panel, "robsim result")
 
     def greet(self, link: Link) -> None:
         record = self.panel.record
@@ -36,28 +39,20 @@ class Result(Part):
         self._begin()
 
     def close(self, timeout: float) -> None:
-        """Wait for the estimate under way; any thread may call this."""
-        if (thread := self._thread) is not None:
-            thread.join(timeout)
+        self._beside.wait(timeout)
 
     def _begin(self) -> None:
-        if not self._is_wanted or self._thread is not None:
+        if not self._is_wanted or self._beside.is_busy:
             return
         self._is_wanted = False
         record = self.panel.record
         n_resets, trace = record.n_resets, record.trace
+        seen = n_resets, len(trace)
+        self._beside.begin(lambda: _result_of(trace), lambda result: self._take(seen, result))
 
-        def estimate() -> None:
-            result = self.panel.guarded(_result_of, trace)
-            self.panel.post(lambda: self._done((n_resets, len(trace)), result))
-
-        self._thread = threading.Thread(target=estimate, name="robsim result", daemon=True)
-        self._thread.start()
-
-    def _done(
+    def _take(
         self, seen: tuple[int, int], result: tuple[dict[str, Any], list[bytes]] | None
     ) -> None:
-        self._thread = None
         if result is not None:
             self._seen, self._newest = seen, result
             message, pictures = result

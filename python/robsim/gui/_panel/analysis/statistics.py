@@ -41,10 +41,11 @@ def _errors(trace: Trace, of: str) -> Iterator[dict[str, Any]]:
     if not np.isfinite(trace.poses_from(of)).any():
         return
     report = pose_errors(trace, of=of)
+    bias, sd = report.bias, report.sd  # each is computed when it is asked for
     for axis, (name, unit, factor) in enumerate(_NAMES):
         values = factor * report.error[0, :, axis]
         known = values[np.isfinite(values)]
-        mean, std = factor * report.bias[axis], factor * report.sd[axis]
+        mean, std = factor * bias[axis], factor * sd[axis]
         low, high = usual_limits(known)
         if np.isfinite([mean, std, low, high]).all():
             counts, _ = np.histogram(known, number_of_bins(len(known)), (low, high))
