@@ -18,6 +18,7 @@ import robsim
 from robsim.gui import Panel
 from robsim.gui._page import Page
 from robsim.gui._panel import still_picture
+from robsim.gui._panel.analysis import result as _result
 from threads import running
 from waiting import wait_for
 
@@ -77,6 +78,27 @@ def test_a_step_in_stages(panel):
     assert stages[-2:] == ["control", "world"]
     assert "measure" in stages
     assert panel.last_step.k == 0
+
+
+def test_finish_estimates_once_for_table_and_caller(monkeypatch):
+    made, told = [], []
+
+    def estimate(trace):
+        made.append(len(trace))
+        return robsim.batch_estimate(trace)
+
+    monkeypatch.setattr(_result, "batch_estimate", estimate)
+    monkeypatch.setattr(_result, "_figure_of", lambda report: told.append(report) or b"")
+    with robsim.panel(simulation(control=robsim.DriveAround())) as panel:
+        panel._view.runner.run(50)
+        result = panel.finish()
+        wait_for(lambda: told)
+        result.batch[:] = 0  # the panel's own stays as it is
+        assert str(panel.finish()) == str(told[0]) == str(robsim.batch_estimate(panel.trace))
+        panel.step()
+        panel.finish()
+        wait_for(lambda: told[-1].stop == 51)
+    assert made == [50, 51]
 
 
 def test_finish_pauses_and_estimates(monkeypatch):

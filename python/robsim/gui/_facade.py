@@ -8,6 +8,7 @@ import threading
 import warnings
 from concurrent import futures
 from concurrent.futures import CancelledError, Future
+from copy import deepcopy
 from io import BytesIO
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Self
@@ -18,7 +19,7 @@ from PIL import Image
 from robsim._core import Step
 from robsim.gui._driver import SPEED, State
 from robsim.gui._panel.view import PanelView, Shown
-from robsim.identification import BatchEstimate, batch_estimate
+from robsim.identification import BatchEstimate
 from robsim.imaging import save_image
 from robsim.trace import Trace
 
@@ -191,7 +192,7 @@ class Panel:
         self._check_open()
         self._view.finish()
         self.pause()
-        return batch_estimate(self.trace)
+        return deepcopy(self._view.estimate())  # the panel's own stays as it is
 
     def close(self) -> None:
         """End the run's thread and the page; what is shown in a notebook stays as it is."""

@@ -28,6 +28,7 @@ from robsim.gui._panel.saved import SavedRecord
 from robsim.gui._panel.still import Still
 from robsim.gui._playback import Playback
 from robsim.gui._view import RETRY, View
+from robsim.identification import BatchEstimate
 from robsim.imaging import Recording
 from robsim.sessions import Session
 from robsim.simulation import Experiment, Simulation
@@ -86,6 +87,10 @@ class PanelView(View):
         """Pause, and tell all browsers the batch estimate from what has been recorded."""
         paused = self.driver.pause()
         paused.add_done_callback(lambda _: self.post(self._result.tell))
+
+    def estimate(self) -> BatchEstimate:
+        """Return the batch estimate from what has been recorded; ValueError if there is none."""
+        return self._result.estimate()
 
     def close(self, timeout: float = 5.0) -> bool:
         """End the run and the panel; what is shown stays as it is. False if a callback hangs."""

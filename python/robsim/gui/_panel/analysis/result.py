@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from robsim.gui._link import Link
@@ -26,6 +29,8 @@ class Result(Part):
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         self._beside = Beside(panel, "robsim result")
+        self._estimated: tuple[tuple[int, int], BatchEstimate] | None = None
+        self._estimating = threading.Lock()  # of that
 
     def greet(self, link: Link) -> None:
         record = self.panel.record
@@ -38,6 +43,23 @@ class Result(Part):
         self._is_wanted = True
         self._begin()
 
+    def estimate(self) -> BatchEstimate:
+        """Return the estimate, made once for the same steps; any thread may call this."""
+        return self._estimate(*self._record())
+
+    def _record(self) -> tuple[tuple[int, int], Trace]:
+        """Return the steps by now: resets and their number, and the trace."""
+        n_resets, trace = self.panel.record.n_resets, self.panel.record.trace
+        return (n_resets, len(trace)), trace
+
+    def _estimate(self, seen: tuple[int, int], trace: Trace) -> BatchEstimate:
+        if not len(trace):
+            raise ValueError("nothing has run yet")
+        with self._estimating:
+            if self._estimated is None or self._estimated[0] != seen:
+                self._estimated = seen, batch_estimate(trace)
+            return self._estimated[1]
+
     def close(self, timeout: float) -> None:
         self._beside.wait(timeout)
 
@@ -45,10 +67,9 @@ class Result(Part):
         if not self._is_wanted or self._beside.is_busy:
             return
         self._is_wanted = False
-        record = self.panel.record
-        n_resets, trace = record.n_resets, record.trace
-        seen = n_resets, len(trace)
-        self._beside.begin(lambda: _result_of(trace), lambda result: self._take(seen, result))
+        seen, trace = self._record()
+        estimate = partial(self._estimate, seen, trace)
+        self._beside.begin(lambda: _result_of(estimate), lambda result: self._take(seen, result))
 
     def _take(
         self, seen: tuple[int, int], result: tuple[dict[str, Any], list[bytes]] | None
@@ -60,11 +81,9 @@ class Result(Part):
         self._begin()
 
 
-def _result_of(trace: Trace) -> tuple[dict[str, Any], list[bytes]]:
+def _result_of(estimate: Callable[[], BatchEstimate]) -> tuple[dict[str, Any], list[bytes]]:
     try:
-        if not len(trace):
-            raise ValueError("nothing has run yet")
-        report = batch_estimate(trace)
+        report = estimate()
     except ValueError as error:  # too short, or no such poses were recorded
         text = str(error)
         verdict = {"verdict": "no estimate", "good": None}
