@@ -116,9 +116,11 @@ def test_frames_of_a_list_are_read_again(noisy):
     frames = [noisy.render_step(k) for k in range(6)]
     experiment = robsim.Experiment(frames)
     experiment.run()
-    with panel_of(experiment) as (_, browser):
+    with panel_of(experiment) as (view, browser):
+        browser.take("frame", k=5, past=False)
         browser.say("look", k=1)
         _, (picture,) = browser.take("frame", k=1, past=True)
+        assert len(view.past._kept) == 0  # they are in the list
     assert is_alike(picture, frames[1])
 
 

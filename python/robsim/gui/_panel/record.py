@@ -84,6 +84,11 @@ class Record(ABC):
     def has_own_measure(self) -> bool:
         """Whether a callback of the user's measures the pose."""
 
+    @property
+    def has_frames_once(self) -> bool:
+        """Whether the frame of a step cannot be had again for certain, once it is over."""
+        return False
+
     @abstractmethod
     def frame(self, k: int) -> Frame | None:
         """Return the frame of a step; None if none came. LookupError if it is not there any more.
@@ -230,6 +235,10 @@ class ExperimentRecord(RunRecord):
         self._experiment = runner
         self._session: Session | None = None  # the one that is recorded, up to what was read of it
         self._opened = -math.inf
+
+    @property
+    def has_frames_once(self) -> bool:
+        return not self._experiment._source.can_read_again  # a session is written a moment later
 
     def frame(self, k: int) -> Frame | None:
         recording = self._experiment._recording

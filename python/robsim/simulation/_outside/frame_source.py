@@ -167,6 +167,11 @@ class FrameSource:
             self._look_at(taken)
         return taken
 
+    @property
+    def can_read_again(self) -> bool:
+        """Whether the frames can be read more than once, each by its number."""
+        return self._read is not None
+
     def again(self, k: int) -> Frame | None:
         """Return the frame of step k, read again; any thread that no other one disturbs.
 
@@ -175,12 +180,14 @@ class FrameSource:
         LookupError
             If the frames can be read only once, or there are fewer.
         """
-        frames: Any = self._frames
-        read = getattr(frames, "_at", getattr(frames, "__getitem__", None))
-        if read is None:
+        if (read := self._read) is None:
             raise LookupError("the frames can be read only once")
         taken = read(k)
         return taken.frame if isinstance(taken, Observation) else taken
+
+    @property
+    def _read(self) -> Any:
+        return getattr(self._frames, "_at", getattr(self._frames, "__getitem__", None))
 
     def _polled(self, poll: Callable[[float], Frame | None], timeout: float) -> Frame | Arrival:
         if self._since is None:

@@ -42,7 +42,7 @@ class Past(Part):
 
     def keep(self, shot: Shot, pictures: Mapping[int, bytes]) -> None:
         """Keep the largest picture of a step that was shown, if its frame cannot be had again."""
-        if shot.frame is None or self.panel.record.reads_in_run:
+        if shot.frame is None or not self.panel.record.has_frames_once:
             return
         if shot.n_resets == self._n_resets:
             self._kept.add(shot.head(self.panel.record.area), pictures[max(pictures)])
