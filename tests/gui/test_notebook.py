@@ -1,8 +1,10 @@
 """The host in notebooks, without JupyterLab: its line, its cells, what a saved notebook keeps."""
 
+import gc
 import re
 import sys
 import threading
+import weakref
 from types import SimpleNamespace
 
 import pytest
@@ -206,7 +208,8 @@ def cells(monkeypatch):
     yield Cells()
     for shown in _notebook._cells.values():
         for _, panel, _ in shown:
-            panel.close()
+            if panel() is not None:
+                panel().close()
     assert threading.active_count() == before
 
 
@@ -243,6 +246,20 @@ def test_what_another_cell_shows_stays(cells):
     assert panel.state == "paused"
     cells.run("b", other)
     assert panel.state == "closed"
+
+
+def test_a_closed_panel_is_let_go_of_though_its_cell_shows_it(cells):
+    panel = robsim.panel(simulation())
+    cells.run("a", panel)
+    panel.step()
+    gone = weakref.ref(panel), weakref.ref(panel._view), weakref.ref(panel._view.runner)
+    panel.close()
+    del panel
+    gc.collect()
+    assert [one() for one in gone] == [None] * 3
+    ((_, _, link),) = _notebook._cells["a"]
+    say(link, type="hello", width=150)  # its widget is still there
+    cells.run("a", robsim.panel(simulation()))
 
 
 def test_a_front_end_without_names_for_cells(panel):

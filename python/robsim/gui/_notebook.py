@@ -6,6 +6,7 @@ import base64
 import threading
 import time
 import uuid
+import weakref
 from collections import deque
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -27,8 +28,8 @@ _POLL = 100  # ms between two questions whether there are messages
 _FIRST_TRY = 5.0  # s, then twice as long, and so on: do they come by themselves again?
 _MOST_WAITING = 200  # messages; whoever does not come for them is gone
 
-#: Cell -> what it shows: the run of the cell, the panel, its line.
-_cells: dict[str, list[tuple[str, Panel, NotebookLink]]] = {}
+#: Cell -> what it shows: the run of the cell, the panel, its line. A panel that is closed goes.
+_cells: dict[str, list[tuple[str, weakref.ref[Panel], NotebookLink]]] = {}
 
 
 def show(panel: Panel) -> None:
@@ -54,12 +55,13 @@ def _replace(parent: Mapping[str, Any], panel: Panel, link: NotebookLink) -> Non
         return
     run = parent["header"]["msg_id"]
     shown = _cells.get(cell, [])
-    _cells[cell] = [one for one in shown if one[0] == run] + [(run, panel, link)]
+    _cells[cell] = [one for one in shown if one[0] == run] + [(run, weakref.ref(panel), link)]
     for old_run, old, old_link in shown:
         if old_run != run:
             old_link.close()
-            if not any(old is other for cell in _cells.values() for _, other, _ in cell):
-                old._leave_cell()
+            is_left = all(old != other for cell in _cells.values() for _, other, _ in cell)
+            if is_left and (left := old()) is not None:
+                left._leave_cell()
 
 
 def _after_cell(result: Any) -> None:
@@ -91,6 +93,8 @@ class NotebookLink(Link):
     Where messages of background threads are not delivered, as in Colab, they wait for the handler
     of the next message from the browser, which asks for them (`polled` in PROTOCOL.md), until it
     says hello since one has come by itself.
+
+    ipywidgets keeps the widget of a cell's output, and so the line, but not a view that is closed.
     """
 
     is_in_notebook = True
@@ -98,7 +102,7 @@ class NotebookLink(Link):
 
     def __init__(self, view: View, text: str = "") -> None:
         super().__init__()
-        self._view, self._text = view, text
+        self._view, self._text = weakref.ref(view), text
         self._still = uuid.uuid4().hex  # known before the widget is shown
         self._waiting: deque[tuple[dict[str, Any], Buffers]] | None = None  # if polled
         self._delivering = threading.RLock()
@@ -118,7 +122,8 @@ class NotebookLink(Link):
 
     def close(self) -> None:
         """End the line; what the widget shows is gone with its cell's output."""
-        self._view.disconnect(self)
+        if (view := self._view()) is not None:
+            view.disconnect(self)
         self.widget.close()
 
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
@@ -149,7 +154,8 @@ class NotebookLink(Link):
             self._waiting = deque([({"type": "polled", "gap": _POLL}, ())])
 
     def _receive(self, widget: object, message: Any, buffers: object) -> None:
-        self._view.receive(self, message)
+        if (view := self._view()) is not None:
+            view.receive(self, message)
         self._deliver()
 
     def _deliver(self) -> None:
