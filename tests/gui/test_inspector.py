@@ -49,6 +49,24 @@ def test_the_newest_step_is_shown_level_by_level(simulation):
         assert estimator["forgetting"]["text"] == "1"
 
 
+def test_a_reset_that_fails_leaves_no_step_of_the_run_before():
+    starts = []
+
+    def define_model():
+        starts.append(True)
+        if len(starts) > 1:
+            raise ValueError("no second start")
+        return robsim.RobotModel(robsim.RobotParameters())
+
+    with panel_of(robsim.Simulation(define_model=define_model, seed=1)) as (_, browser):
+        browser.press("step")
+        browser.take("state", k=0)
+        assert tree(browser)[0] == 0
+        browser.press("reset")
+        browser.take("state", state="failed", steps=0)
+        assert tree(browser) == (None, {})
+
+
 def test_a_past_step_has_what_the_trace_and_its_frame_have(simulation):
     trace = simulation.trace
     with panel_of(simulation) as (_, browser):

@@ -13,20 +13,20 @@ from robsim.gui._panel.part import Handlers, Part
 class Inspector(Part):
     """Tells what a step holds, level by level."""
 
-    _newest: Step | None = None
+    _newest: tuple[int, Step] | None = None  # resets before it, and the step
     _past: Step | None = None  # the last one that somebody asked for
 
     def handlers(self) -> Handlers:
         return {"inspect": self._inspect}
 
     def take(self, step: Step) -> None:
-        self._newest = step
+        self._newest = self.panel.record.n_resets, step
 
     def changed(self) -> None:
         self._past = None  # after a reset it is another one
 
     def _inspect(self, link: Link, message: dict[str, Any]) -> None:
-        newest, path, n_steps = self._newest, message["path"], self.panel.record.n_steps
+        newest, path, n_steps = self._newest_step(), message["path"], self.panel.record.n_steps
         k = n_steps - 1 if message["k"] is None else message["k"]
         if newest is not None and (message["k"] is None or k == newest.k):
             _tell(link, newest, path)
@@ -37,6 +37,11 @@ class Inspector(Part):
         else:
             self.panel.check_room()
             self.panel.past.ask(k, lambda frame, _: self._tell_past(link, k, path, frame))
+
+    def _newest_step(self) -> Step | None:
+        """Return the newest step; None if it is of a run before a reset, after which none came."""
+        n_resets, step = self._newest or (-1, None)
+        return step if n_resets == self.panel.record.n_resets else None
 
     def _tell_past(self, link: Link, k: int, path: list[str], frame: Frame | None) -> None:
         if k < self.panel.record.n_steps:
