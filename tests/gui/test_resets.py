@@ -7,6 +7,8 @@ import pytest
 
 import robsim
 from browsers import FakeBrowser, panel_of
+from robsim.gui._panel.analysis.summary import Summary
+from waiting import wait_for
 
 pytestmark = pytest.mark.threads
 
@@ -131,6 +133,9 @@ def test_what_is_told_of_the_whole_record_is_of_the_new_run(kind):
     sim.run(40)
     with panel_of(sim) as (view, browser):
         before, _ = browser.take(kind)
+        settle(view)
+        summaries = [part for part in view._parts if isinstance(part, Summary)]
+        wait_for(lambda: not any(part._beside.is_busy for part in summaries))
         settle(view)
         for _ in browser.all_of(kind):
             before, _ = browser.take(kind)
