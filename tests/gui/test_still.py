@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 import robsim
+from browsers import panel_of
 from robsim.gui._panel.view import PanelView
 from robsim.reference import ExtendedKalmanFilter
 
@@ -98,3 +99,12 @@ def test_two_threads_may_ask_at_a_time():
     view.close()
     assert len(found) == 2
     assert found[0] == found[1]
+
+
+def test_steps_are_kept_for_those_alone_who_have_a_place_for_a_picture(monkeypatch):
+    with panel_of(robsim.Simulation(measure=True, seed=1)) as (view, browser):
+        view.driver.step().result(20)
+        assert view.still._shot is None
+        monkeypatch.setattr(browser, "keeps_still", True, raising=False)
+        view.driver.step().result(20)
+        assert view.still._shot.k == 1

@@ -268,6 +268,26 @@ def test_a_run_that_nobody_has_looked_at_yet_goes_on(monkeypatch):
     view.close()
 
 
+def test_while_nobody_looks_no_pictures_are_made_and_whoever_comes_sees_the_newest(
+    panel, monkeypatch
+):
+    monkeypatch.setattr(_panel_view, "_PATIENCE", math.inf)
+    view, browser = panel
+    made, shot = [], view.record.shot
+    monkeypatch.setattr(view.record, "shot", lambda step: made.append(step.k) or shot(step))
+    browser.press("start")
+    wait_for(lambda: made)
+    browser.say("bye")
+    settled(view)
+    assert runs(view)  # the step under way has been seen
+    before = len(made)
+    assert runs(view, 50)
+    assert len(made) == before
+    newest = view.runner.n_steps - 1
+    again = FakeBrowser(view, name="again")
+    assert again.take("frame")[0]["k"] >= newest
+
+
 # Mistakes
 
 

@@ -25,7 +25,7 @@ class Still(Part):
     _thread: threading.Thread | None = None
 
     def take(self, step: Step) -> None:
-        if not self.panel.is_running:
+        if not self.panel.is_running and any(link.keeps_still for link in self.panel.links):
             self._shot = self.panel.record.shot(step)
             self.panel.post(self._later)
 

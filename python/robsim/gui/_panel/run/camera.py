@@ -33,9 +33,11 @@ class CameraView(Part):
         }
 
     def take(self, step: Step) -> None:
-        if self.panel.is_running and time.monotonic() < self._due:
+        is_running, is_watched = self.panel.is_running, self.panel.is_watched
+        if is_running and (time.monotonic() < self._due if is_watched else self._taken is None):
             return
-        self._taken = self.panel.record.shot(step)
+        # Whoever comes while it runs is not to see the last step that somebody has watched.
+        self._taken = self.panel.record.shot(step) if is_watched or not is_running else None
         if not self._is_told:  # a view that is busy is not to find the frames of a hundred steps
             self._is_told = True
             self.panel.post(self._show)
