@@ -2,14 +2,13 @@
 
 import io
 import threading
-import time
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import robsim
-from browsers import panel_of
+from browsers import panel_of, settled
 from robsim.gui._panel.analysis.past import KeptPictures
 
 
@@ -84,15 +83,17 @@ def test_of_many_looks_the_last_one_is_answered(noisy):
     with panel_of(noisy) as (view, browser):
         browser.take("frame")
         inside, may_go_on = threading.Event(), threading.Event()
-        view.driver.call(lambda: (inside.set(), may_go_on.wait(10)))
-        assert inside.wait(10)
+        view.driver.call(lambda: (inside.set(), may_go_on.wait(20)))
+        assert inside.wait(20)
         for k in range(15):
             browser.say("look", k=k)
+        settled(view)
         may_go_on.set()
         browser.take("frame", k=14, past=True)
-        before = browser.sent
-        time.sleep(0.1)
-        assert browser.sent == before <= 4
+        view.driver.call(lambda: None).result(20)
+        settled(view)
+        assert browser.sent <= 4
+        assert browser.all_of("frame") == []
 
 
 def test_a_step_that_there_is_not_has_a_reason(noisy):

@@ -427,7 +427,8 @@ def test_stop_in_the_midst_of_many_steps_is_never_lost():
             assert robot.stands
 
 
-def test_a_robot_that_cannot_be_stopped_is_told():
+def test_a_robot_that_cannot_be_stopped_is_told(monkeypatch):
+    monkeypatch.setattr(transport, "_PATIENCE", SOON)
     robot = Sender()
     sim = experiment(frames(20), send=robot, control=lambda step: (1, 2), frame_timeout=1000)
     with panel_of(sim) as (_, browser):

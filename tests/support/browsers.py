@@ -62,6 +62,13 @@ class FakeBrowser(Link):
             return [head for head, _ in self._told if head["type"] == kind]
 
 
+def settled(view):
+    """Wait until all is done that was posted to a view by now."""
+    done = threading.Event()
+    assert view.post(done.set)
+    assert done.wait(_PATIENCE)
+
+
 @contextmanager
 def panel_of(shown, *, width=300, **options):
     """Show something in a panel with one browser: the view and the browser."""
