@@ -417,7 +417,7 @@ def test_the_numbers_of_a_live_camera_have_their_places(shell, size):
         {"rate": 119.9, "age": 0.987, "dropped": 9999},
         {"rate": 0.0, "age": 123.4, "dropped": 9999},
     ):
-        host.state(values=VALUES, state="running", camera=camera)
+        host.state(values=VALUES, state="running", **{"camera": camera})
         places = stays(host, ".robsim-card-drive", *parts)
         seen.append([(place["x"], place["y"], place["height"]) for place in places])
         numbers = host.tab.locator(".robsim-camera-rate")
