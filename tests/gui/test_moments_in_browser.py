@@ -59,16 +59,19 @@ def test_who_looks_back_while_nothing_runs_grants_room_too(open_fake):
     assert granted["upto"] >= 6 + 8
 
 
-def test_room_is_for_what_comes_in_a_moment(open_fake):
+@pytest.mark.parametrize(("sent", "room"), [(1000, 120), (-1000, 30)])
+def test_room_is_for_less_on_a_line_that_fills(open_fake, sent, room):
     host = open_fake()
     host.setup()
+    host.tab.evaluate("Date.now = () => 1000")
     host.tab.evaluate("performance.now = () => 0")
+    host.frame(0, sent=1000)
     host.state(k=0, steps=1)
     host.tab.evaluate("performance.now = () => 200")  # 6 frames in 0.2 s: 30 a second
     host.forget()
-    for k in range(20):
-        host.frame(k)
-    assert host.sent("grant") == [{"type": "grant", "upto": 6 + 45, "late": False}]
+    for k in range(1, 20):
+        host.frame(k, sent=sent)
+    assert host.sent("grant") == [{"type": "grant", "upto": 7 + room, "late": False}]
 
 
 TICKS = """

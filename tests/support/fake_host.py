@@ -206,7 +206,7 @@ class FakeHost:
         out = io.BytesIO()
         Image.fromarray(image).save(out, "JPEG")
         entries, blocks = _packed(rows or {})
-        own = {"n": self._n, "k": k, "t": k / 30, "size": image.shape[1::-1], "rows": entries}
+        own = {"n": self._n, "sent": 0, "k": k, "t": k / 30, "size": image.shape[1::-1], "rows": entries}
         own["map"] = [1, 0, 0, 0, 1, 0, 0, 0, 1]
         self.emit(FRAME | own | fields, [out.getvalue(), *blocks])
 

@@ -131,7 +131,7 @@ class Link(ABC):
         return min(self._grants.values()) > self.sent or now - self._last_frame > SLOW
 
     def send_frame(self, head: Mapping[str, Any], buffers: Buffers, now: float) -> None:
-        """Send a frame with its number."""
+        """Send a frame with its number, and with the time, from which a view sees a line fill."""
         self.sent += 1
         self._last_frame = now
-        self.send({**head, "n": self.sent}, buffers)
+        self.send({**head, "n": self.sent, "sent": 1000 * time.time()}, buffers)
