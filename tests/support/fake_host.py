@@ -206,8 +206,8 @@ class FakeHost:
         out = io.BytesIO()
         Image.fromarray(image).save(out, "JPEG")
         entries, blocks = _packed(rows or {})
-        own = {"n": self._n, "sent": 0, "k": k, "t": k / 30, "size": image.shape[1::-1], "rows": entries}
-        own["map"] = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+        own = {"n": self._n, "sent": 0, "k": k, "t": k / 30, "rows": entries}
+        own |= {"size": image.shape[1::-1], "map": [1, 0, 0, 0, 1, 0, 0, 0, 1]}
         self.emit(FRAME | own | fields, [out.getvalue(), *blocks])
 
     def rows(self, rows):
