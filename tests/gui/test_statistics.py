@@ -2,7 +2,6 @@
 
 import math
 import threading
-import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 import robsim
 from browsers import panel_of
 from robsim.gui._panel.analysis import summary as _summary
-from robsim.gui._panel.analysis.parameters import Parameters
 from robsim.gui._panel.analysis.statistics import Statistics
 from robsim.reference import ExtendedKalmanFilter
 
@@ -221,16 +219,3 @@ def test_a_new_view_is_told_them_too():
         assert len(found["errors"]) == 6
         browser.say("hello", width=300)
         assert browser.take("statistics", last=2)[0] == found
-
-
-@pytest.mark.slow
-def test_a_long_run_takes_a_fraction_of_a_second(rng):
-    n = 100_000
-    parameters = rng.normal(size=(n, 15))
-    trace = trace_with(
-        rng.normal(size=(n, 3)), parameters=parameters, standard_errors_unscaled=parameters**2
-    )
-    for part in (Statistics(None), Parameters(None)):
-        started = time.thread_time()
-        part.message(trace)
-        assert time.thread_time() - started < 0.5
