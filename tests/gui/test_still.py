@@ -106,5 +106,6 @@ def test_steps_are_kept_for_those_alone_who_have_a_place_for_a_picture(monkeypat
         view.driver.step().result(20)
         assert view.still._shot is None
         monkeypatch.setattr(browser, "keeps_still", True, raising=False)
+        monkeypatch.setattr(browser, "keep", lambda picture: None)
         view.driver.step().result(20)
         assert view.still._shot.k == 1

@@ -307,7 +307,7 @@ class Driver(Worker):
 
     def _show_start(self) -> None:
         step = self.runner.last_step  # does what comes once
-        if not isinstance(self.runner, Playback) and not self.runner.n_steps:
+        if not self.runner.n_steps:
             self._unseen = deque(slot for slot in names(when=ONCE) if slot in self.runner.SLOTS)
         if isinstance(self.runner, Experiment) and not self.runner.n_steps:
             self._tell(self.on_state, self)  # no frame has come yet
@@ -342,7 +342,6 @@ class Driver(Worker):
 
     def _reset(self) -> None:
         self._pause()
-        self._unseen.clear()
         try:
             self.runner.reset()
         except BaseException as error:

@@ -67,8 +67,9 @@ class Link(ABC):
             self._refused.append(now)
             self.send({"type": "note", "level": "error", "text": why})
 
-    def keep(self, picture: bytes) -> None:  # noqa: B027  # not all have a place for it
+    def keep(self, picture: bytes) -> None:
         """Keep a picture (PNG) for when Python is gone, in place of an earlier one."""
+        raise NotImplementedError  # where `keeps_still` is false
 
     @property
     def is_watched(self) -> bool:

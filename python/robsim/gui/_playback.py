@@ -17,6 +17,7 @@ class Playback:
     is over; the next `step` gives the first one.
     """
 
+    SLOTS = ()  # a record calls nothing
     stage = "world"
 
     def __init__(self, record: Record) -> None:
