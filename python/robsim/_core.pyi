@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Lens', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'trace_schema', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Lens', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -2409,6 +2409,27 @@ def force_cpu_path(path: str) -> None:
     ValueError
         If it is not available on this processor.
     """
+def from_rgb(image: numpy.typing.NDArray[numpy.uint8], format: str) -> bytes:
+    """
+    Return what a camera would send of an image, by the formats of `to_rgb`.
+    
+    Parameters
+    ----------
+    image : array (H, W, 3) of uint8
+        The image, RGB.
+    format : str
+        The format.
+    
+    Returns
+    -------
+    bytes
+        The rows, without gaps.
+    
+    Raises
+    ------
+    TypeError, ValueError
+        If the format does not have that size.
+    """
 def hypot(x: float, y: float) -> float:
     """
     Return the length of the vector (x, y).
@@ -2565,6 +2586,33 @@ def small_markers_remark(markers: MarkerLayout, frame: Frame) -> str | None:
 def to_line(kind: str, number: int, u: numpy.typing.ArrayLike, time_to_live: int) -> bytes:
     """
     Return a line of the protocol to a robot.
+    """
+def to_rgb(raw: numpy.typing.ArrayLike, width: int, height: int, format: str, bits: int = 16) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    Return the pixels of a camera as RGB.
+    
+    Parameters
+    ----------
+    raw : buffer of bytes
+        The rows, without gaps.
+    width, height : int
+        Size of the frame (px).
+    format : str
+        How the camera sends pixels: ``"mono8"``, ``"mono16"``, ``"yuv411"``, ``"yuv422"``,
+        ``"yuv444"``, ``"rgb8"``, ``"bayer_rggb"``, ``"bayer_grbg"``, ``"bayer_gbrg"`` or
+        ``"bayer_bggr"``.
+    bits : int
+        That a camera in ``"mono16"`` uses of the 16.
+    
+    Returns
+    -------
+    array (H, W, 3) of uint8
+        The image, read-only.
+    
+    Raises
+    ------
+    TypeError, ValueError
+        If there are too few bytes, or the format does not have that size.
     """
 def trace_schema() -> list[TraceGroup]:
     """

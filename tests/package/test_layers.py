@@ -21,6 +21,7 @@ CPP = {
     "random": {"elementary"},
     "estimation": {"simd", "text"},
     "imaging": {"geometry"},
+    "imaging/raw": {"simd", "imaging"},
     "model": {"text", "elementary", "geometry"},
     "world/noise": {"text", "simd", "elementary", "random", "imaging"},
     "world/sprite": {"text", "simd", "elementary", "geometry", "imaging"},

@@ -1,0 +1,85 @@
+// Frames of cameras in memory that ends with their last byte: under AddressSanitizer whatever
+// reads or writes beyond it fails.
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <vector>
+
+#include "robsim/imaging/raw/from_rgb.hpp"
+#include "robsim/imaging/raw/to_rgb.hpp"
+#include "robsim/simd/cpu_path.hpp"
+
+namespace robsim {
+namespace {
+
+constexpr PixelFormat formats[] = {PixelFormat::mono8,      PixelFormat::mono16,
+                                   PixelFormat::yuv411,     PixelFormat::yuv422,
+                                   PixelFormat::yuv444,     PixelFormat::rgb8,
+                                   PixelFormat::bayer_rggb, PixelFormat::bayer_grbg,
+                                   PixelFormat::bayer_gbrg, PixelFormat::bayer_bggr};
+
+bool has_size(PixelFormat format, int width, int height) {
+  try {
+    check_size(format, width, height);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  return true;
+}
+
+// Rows that end without their gap, as those of a part of a frame do.
+std::vector<std::uint8_t> converted(PixelFormat format, int width, int height, int gap) {
+  const std::size_t row = bytes_of_row(format, width);
+  const std::size_t stride = row + static_cast<std::size_t>(gap);
+  std::vector<std::uint8_t> raw(stride * static_cast<std::size_t>(height - 1) + row);
+  for (std::size_t i = 0; i < raw.size(); ++i) raw[i] = static_cast<std::uint8_t>(31 * i * i + i);
+  const std::ptrdiff_t rgb_stride = 3 * width + gap;
+  std::vector<std::uint8_t> rgb(static_cast<std::size_t>(rgb_stride * (height - 1) + 3 * width));
+  to_rgb({raw.data(), width, height, static_cast<std::ptrdiff_t>(stride), format},
+         {rgb.data(), width, height, rgb_stride});
+  return rgb;
+}
+
+TEST(RawFormats, StayWithinTheirBytesAndAreTheSameOnAllPaths) {
+  const simd::CpuPath before = simd::cpu_path();
+  for (const PixelFormat format : formats) {
+    for (int width = 1; width <= 140; ++width) {
+      for (const int height : {1, 2, 3}) {
+        if (!has_size(format, width, height)) continue;
+        std::vector<std::vector<std::uint8_t>> results;
+        for (const simd::CpuPath path : simd::cpu_paths()) {
+          simd::force_cpu_path(path);
+          results.push_back(converted(format, width, height, width % 3));
+        }
+        EXPECT_EQ(results.front(), results.back()) << name_of(format) << ", " << width;
+      }
+    }
+  }
+  simd::force_cpu_path(before);
+}
+
+TEST(RawFormats, AreWrittenWithinTheirBytes) {
+  for (const PixelFormat format : formats) {
+    for (int width = 2; width <= 40; ++width) {
+      if (!has_size(format, width, 3)) continue;
+      const std::vector<std::uint8_t> rgb(static_cast<std::size_t>(9 * width), 99);
+      std::vector<std::uint8_t> raw(bytes_of(format, width, 3));
+      from_rgb({rgb.data(), width, 3, 3 * width}, format, raw.data());
+      EXPECT_NE(raw.front(), 0) << name_of(format);
+      EXPECT_NE(raw.back(), 0) << name_of(format);
+    }
+  }
+}
+
+TEST(RawFormats, RefuseViewsThatDoNotFit) {
+  std::vector<std::uint8_t> bytes(300);
+  const RawView raw{bytes.data(), 8, 4, 16, PixelFormat::yuv422};
+  EXPECT_THROW(to_rgb(raw, {bytes.data(), 8, 5, 24}), std::invalid_argument);
+  EXPECT_THROW(to_rgb(raw, {bytes.data(), 8, 4, 23}), std::invalid_argument);
+  EXPECT_THROW(to_rgb({bytes.data(), 8, 4, 15, PixelFormat::yuv422}, {bytes.data(), 8, 4, 24}),
+               std::invalid_argument);
+  EXPECT_THROW(raw_view(bytes.data(), 63, PixelFormat::yuv422, 8, 4), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace robsim

@@ -1,0 +1,181 @@
+"""Pixels as cameras send them, beside the formulae in real numbers."""
+
+import numpy as np
+import pytest
+
+from robsim import _core
+
+UNITS = {"yuv411": 4, "yuv422": 2, "yuv444": 1}
+FILTERS = ("rggb", "grbg", "gbrg", "bggr")
+FORMATS = ("mono8", "mono16", *UNITS, "rgb8", *(f"bayer_{filter_}" for filter_ in FILTERS))
+BITS_OF_PIXEL = {"mono16": 16, "yuv411": 12, "yuv422": 16, "yuv444": 24, "rgb8": 24}
+
+
+@pytest.fixture(params=_core.cpu_paths(), autouse=True)
+def _path(request):
+    before = _core.cpu_path()
+    _core.force_cpu_path(request.param)
+    yield
+    _core.force_cpu_path(before)
+
+
+def planes_of(raw, format_):
+    """Y, and U and V of each pixel, of the orders that `PixelFormat` names."""
+    order = {"yuv411": "UYYVYY", "yuv422": "UYVY", "yuv444": "UYV"}[format_]
+    units = raw.reshape(len(raw), -1, len(order)).astype(float)
+    y = units[..., [i for i, letter in enumerate(order) if letter == "Y"]]
+    u, v = (np.repeat(units[..., order.index(letter)], y.shape[2], axis=1) for letter in "UV")
+    return y.reshape(len(raw), -1), u - 128, v - 128
+
+
+def rgb_of_yuv(y, u, v):
+    # ITU-R BT.601 with K_R = 0.299, K_B = 0.114, all of 0 .. 255
+    red = y + 1.402 * v
+    blue = y + 1.772 * u
+    green = (y - 0.299 * red - 0.114 * blue) / 0.587
+    return np.clip(np.stack((red, green, blue), axis=2), 0, 255)
+
+
+@pytest.mark.parametrize("format_", UNITS)
+@pytest.mark.parametrize("width", [4, 32, 36, 64, 100, 636])
+def test_yuv_is_within_a_level_of_its_real_numbers(rng, format_, width):
+    raw = rng.integers(0, 256, (7, width * BITS_OF_PIXEL[format_] // 8), dtype=np.uint8)
+    image = _core.to_rgb(raw, width, 7, format_)
+    assert np.abs(image - rgb_of_yuv(*planes_of(raw, format_))).max() < 0.6
+
+
+def test_every_chroma_is_within_a_level_of_its_real_number():
+    u, v = np.meshgrid(np.arange(256), np.arange(256))
+    for y in (0, 1, 127, 254, 255):
+        raw = np.stack((u, np.full_like(u, y), v), axis=2).astype(np.uint8)
+        image = _core.to_rgb(raw, 256, 256, "yuv444")
+        assert np.abs(image - rgb_of_yuv(float(y), u - 128.0, v - 128.0)).max() < 0.6
+
+
+def channel_of_pixels(filter_, shape):
+    at = np.array(["rgb".index(letter) for letter in filter_]).reshape(2, 2)
+    return np.tile(at, (shape[0] // 2 + 1, shape[1] // 2 + 1))[: shape[0], : shape[1]]
+
+
+def debayered(raw, filter_):
+    """The mean of what has the colour: the pixel itself, else those beside it, else at corners."""
+    mirrored = np.pad(raw, 1, mode="reflect").astype(int)
+    channels = np.pad(channel_of_pixels(filter_, raw.shape), 1, mode="reflect")
+    rings = [[(0, 0)], [(0, 1), (0, -1), (1, 0), (-1, 0)], [(1, 1), (1, -1), (-1, 1), (-1, -1)]]
+    image = np.zeros((*raw.shape, 3), np.uint8)
+    for v, u, channel in np.ndindex(image.shape):
+        for ring in rings:
+            places = [(v + 1 + dv, u + 1 + du) for dv, du in ring]
+            found = [mirrored[place] for place in places if channels[place] == channel]
+            if found:
+                image[v, u, channel] = (sum(found) + len(found) // 2) // len(found)
+                break
+    return image
+
+
+@pytest.mark.parametrize("filter_", FILTERS)
+@pytest.mark.parametrize("size", [(2, 2), (3, 3), (5, 31), (4, 34), (2, 67)])
+def test_missing_colours_are_means_of_their_neighbours(rng, filter_, size):
+    raw = rng.integers(0, 256, size, dtype=np.uint8)
+    image = _core.to_rgb(raw, size[1], size[0], f"bayer_{filter_}")
+    np.testing.assert_array_equal(image, debayered(raw, filter_))
+
+
+@pytest.mark.parametrize("width", [1, 31, 32, 33, 100])
+def test_grey_has_three_equal_channels(rng, width):
+    raw = rng.integers(0, 256, (3, width), dtype=np.uint8)
+    image = _core.to_rgb(raw, width, 3, "mono8")
+    np.testing.assert_array_equal(image, np.repeat(raw[:, :, None], 3, axis=2))
+
+
+@pytest.mark.parametrize("bits", [8, 10, 12, 16])
+def test_grey_of_two_bytes_has_the_high_one_first(rng, bits):
+    grey = rng.integers(0, 1 << bits, (3, 50))
+    image = _core.to_rgb(grey.astype(">u2").tobytes(), 50, 3, "mono16", bits)
+    np.testing.assert_array_equal(image[..., 1], grey >> (bits - 8))
+
+
+def test_a_level_beyond_the_bits_is_white():
+    image = _core.to_rgb(bytes([0x1F, 0xFF, 0x0F, 0xF0]), 2, 1, "mono16", 12)
+    assert image[0, :, 0].tolist() == [255, 255]
+
+
+@pytest.mark.parametrize("format_", FORMATS)
+def test_what_is_sent_is_what_comes(format_):
+    # A hue for each block of 4 x 2 px, so that pixels which share chroma are equal
+    colors = np.array([(200, 30, 40), (20, 90, 210), (128, 128, 128), (250, 240, 10)], np.uint8)
+    image = np.repeat(np.repeat(np.tile(colors, (4, 3, 1)), 4, axis=1), 2, axis=0)
+    raw = _core.from_rgb(image, format_)
+    assert len(raw) == image[..., 0].size * BITS_OF_PIXEL.get(format_, 8) // 8
+    again = _core.to_rgb(raw, image.shape[1], image.shape[0], format_)
+    assert _core.from_rgb(again, format_) == raw or "yuv" in format_
+    if "mono" in format_:
+        luma = np.rint(image @ (0.299, 0.587, 0.114))
+        np.testing.assert_array_equal(again, np.repeat(luma[..., None], 3, axis=2))
+    elif "yuv" in format_:
+        assert np.abs(again.astype(int) - image).max() <= 2
+    elif format_ == "rgb8":
+        np.testing.assert_array_equal(again, image)
+    else:
+        own = channel_of_pixels(format_[6:], image.shape[:2])[..., None]
+        np.testing.assert_array_equal(
+            np.take_along_axis(again, own, 2), np.take_along_axis(image, own, 2)
+        )
+
+
+@pytest.mark.parametrize("format_", UNITS)
+def test_chroma_that_is_sent_is_the_mean_of_its_pixels(rng, format_):
+    image = rng.integers(0, 256, (3, 8, 3), dtype=np.uint8)
+    raw = np.frombuffer(_core.from_rgb(image, format_), np.uint8).reshape(3, -1)
+    y, u, v = planes_of(raw, format_)
+    luma = image @ (0.299, 0.587, 0.114)
+    assert np.abs(y - luma).max() <= 0.51
+    n = UNITS[format_]
+    for sent, of, factor in ((u, image[..., 2], 1.772), (v, image[..., 0], 1.402)):
+        means = ((of - luma) / factor).reshape(3, -1, n).mean(axis=2)
+        assert np.abs(sent[:, ::n] - np.minimum(means, 127)).max() <= 0.51
+
+
+@pytest.mark.parametrize("format_", FORMATS)
+@pytest.mark.parametrize("size", [(2, 4), (480, 644)])
+def test_a_byte_too_few_is_refused(format_, size):
+    height, width = size
+    raw = bytes(width * height * BITS_OF_PIXEL.get(format_, 8) // 8)
+    assert _core.to_rgb(raw, width, height, format_).shape == (height, width, 3)
+    with pytest.raises(ValueError, match=f"{format_} has {len(raw)} bytes, got {len(raw) - 1}"):
+        _core.to_rgb(raw[1:], width, height, format_)
+
+
+@pytest.mark.parametrize(
+    ("format_", "size", "expected"),
+    [
+        ("yuv422", (5, 4), "a multiple of 2 px wide, got 5 x 4 px"),
+        ("yuv411", (6, 4), "a multiple of 4 px wide, got 6 x 4 px"),
+        ("bayer_rggb", (1, 4), "2 x 2 px at least, got 1 x 4 px"),
+        ("bayer_bggr", (4, 1), "2 x 2 px at least, got 4 x 1 px"),
+        ("mono8", (0, 4), "1 x 1 px at least, got 0 x 4 px"),
+        ("rgb8", (4, -1), "1 x 1 px at least, got 4 x -1 px"),
+        ("yuv422", (2**31 - 2, 2**31 - 1), "has 9223372023969873924 bytes, got 64"),
+        ("nv12", (4, 4), "format must be one of 'mono8', .*, got 'nv12'"),
+    ],
+)
+def test_sizes_that_a_format_does_not_have_are_refused(format_, size, expected):
+    with pytest.raises(ValueError, match=expected):
+        _core.to_rgb(bytes(64), *size, format_)
+    if 0 < min(size) < 100:
+        with pytest.raises(ValueError, match=expected):
+            _core.from_rgb(np.zeros((size[1], size[0], 3), np.uint8), format_)
+
+
+@pytest.mark.parametrize("bits", [7, 17, -1])
+def test_bits_that_two_bytes_do_not_have_are_refused(bits):
+    with pytest.raises(ValueError, match=rf"bits must be 8 \.\. 16, got {bits}"):
+        _core.to_rgb(bytes(64), 4, 4, "mono16", bits)
+
+
+def test_bytes_with_gaps_are_refused():
+    for gaps in (np.zeros((4, 8), np.uint8)[:, ::2], np.zeros((4, 4), np.uint16)):
+        with pytest.raises(ValueError, match="raw must be bytes without gaps"):
+            _core.to_rgb(gaps, 4, 4, "mono8")
+    with pytest.raises(TypeError, match="raw must be a buffer of bytes, got None"):
+        _core.to_rgb(None, 4, 4, "mono8")
