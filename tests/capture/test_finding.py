@@ -12,9 +12,9 @@ from robsim.capture import (
     NoCameraError,
     NoPermissionError,
     _finding,
-    _opencv,
     find_cameras,
 )
+from robsim.capture._devices import opencv
 
 NODES = {"/dev/video*": ["/dev/video10", "/dev/video2", "/dev/videodriver"], "/dev/fw[0-9]*": []}
 
@@ -31,7 +31,7 @@ def nodes(monkeypatch):
         lambda path, mode: path != "/dev/video2" and (path in _all(found) or access(path, mode)),
     )
     monkeypatch.setattr(os.path, "exists", lambda path: path in _all(found) or exists(path))
-    monkeypatch.setattr(_opencv.sys, "platform", "linux")
+    monkeypatch.setattr(opencv.sys, "platform", "linux")
     return found
 
 
@@ -91,7 +91,7 @@ class TestByNumber:
     @pytest.fixture(autouse=True)
     def _opencv(self):
         cv2 = pytest.importorskip("cv2")
-        if "v4l2" not in _opencv.back_ends(cv2):
+        if "v4l2" not in opencv.back_ends(cv2):
             pytest.skip("this OpenCV has no V4L2")
 
     def test_none(self, nodes):

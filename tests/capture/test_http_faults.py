@@ -22,7 +22,7 @@ from robsim.capture import (
     NoPermissionError,
     UnpluggedError,
 )
-from robsim.capture._http import HttpCamera
+from robsim.capture._devices.http import HttpCamera
 
 pytestmark = pytest.mark.threads
 

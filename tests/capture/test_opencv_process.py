@@ -67,7 +67,7 @@ def workers(reader):
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             is_ours = int((folder / "stat").read_text().rpartition(")")[2].split()[1]) == reader
-            if is_ours and b"robsim.capture._worker" in (folder / "cmdline").read_bytes():
+            if is_ours and b"robsim.capture._devices.worker" in (folder / "cmdline").read_bytes():
                 found.append(int(folder.name))
     return found
 

@@ -13,7 +13,7 @@ namespace robsim {
 /// Reads frames that another process writes to a socket, for one thread.
 class PixelStream {
  public:
-  /// What stands before the pixels, as capture/_worker.py writes it.
+  /// What stands before the pixels, as capture/_devices/worker.py writes it.
   struct Head {
     std::uint32_t kind;  // of Kind
     std::uint32_t width, height;

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from robsim._base.report import Report
 from robsim._base.text import cut, one_line
-from robsim.capture._opencv import back_end_of_system, back_ends, no_permission
+from robsim.capture._devices.opencv import back_end_of_system, back_ends, no_permission
 from robsim.imaging._opencv import load_opencv
 
 

@@ -11,8 +11,13 @@ from urllib.parse import urlsplit
 from robsim._base.checks import check_choice, check_int, is_int
 from robsim._base.text import one_line, quoted
 from robsim._core import CaptureDevice, PlaneMap, PythonCamera, StreamedCamera
-from robsim.capture._opencv import OF_ADDRESSES, OF_INDICES, OpenCvCamera, back_end_of_system
-from robsim.capture._playback import Playback
+from robsim.capture._devices.opencv import (
+    OF_ADDRESSES,
+    OF_INDICES,
+    OpenCvCamera,
+    back_end_of_system,
+)
+from robsim.capture._devices.playback import Playback
 
 
 @dataclass
@@ -68,7 +73,7 @@ def _address(url: str, back_end: str | None, dt: float | None, open_timeout: flo
     if chosen == "http":
         if not is_http:
             raise ValueError(f"back_end 'http' reads http:// alone, got {quoted(url)}")
-        from robsim.capture._http import HttpCamera  # what it needs costs milliseconds
+        from robsim.capture._devices.http import HttpCamera  # what it needs costs milliseconds
 
         http = HttpCamera(url, open_timeout)
         return Source(http.name, PythonCamera(http), dt=dt)
@@ -77,7 +82,7 @@ def _address(url: str, back_end: str | None, dt: float | None, open_timeout: flo
 
 
 def _device(camera: OpenCvCamera) -> CaptureDevice:
-    from robsim.capture._opencv_process import OpenCvHere, OpenCvProcess, is_possible
+    from robsim.capture._devices.opencv_process import OpenCvHere, OpenCvProcess, is_possible
 
     if is_possible():
         return StreamedCamera(OpenCvProcess(camera))

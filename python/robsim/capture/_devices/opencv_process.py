@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from robsim.capture import _errors
+from robsim.capture._devices.opencv import OpenCvCamera
+from robsim.capture._devices.worker import FAULT, HEAD
 from robsim.capture._errors import CaptureError, FrameTimeoutError
-from robsim.capture._opencv import OpenCvCamera
-from robsim.capture._worker import FAULT, HEAD
 
 _START = 10.0  # s, for the process and its OpenCV
 _CODE = (
     "import json, sys; descriptor, path, options = json.loads(sys.argv[1]); sys.path[:] = path; "
-    "from robsim.capture._worker import main; main(descriptor, options)"
+    "from robsim.capture._devices.worker import main; main(descriptor, options)"
 )
 _KINDS = {
     kind.fault: kind

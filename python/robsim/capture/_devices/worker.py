@@ -11,8 +11,8 @@ import threading
 import time
 from typing import Any
 
+from robsim.capture._devices.opencv import OpenCvCamera
 from robsim.capture._errors import CaptureError, FrameTimeoutError
-from robsim.capture._opencv import OpenCvCamera
 
 #: What stands before the pixels: kind, width, height, length of what follows, when it arrived
 #: (time.monotonic(), s). As `PixelStream` reads it.

@@ -13,13 +13,13 @@ from urllib.parse import unquote, urlsplit
 
 from robsim._base.text import cut, one_line
 from robsim._core import ImageStream
+from robsim.capture._devices.jpeg import decoded
 from robsim.capture._errors import (
     CaptureError,
     FrameTimeoutError,
     NoCameraError,
     NoPermissionError,
 )
-from robsim.capture._jpeg import decoded
 
 _WAIT = 0.1  # s in one call
 _AT_ONCE = 1 << 18  # bytes

@@ -9,6 +9,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from robsim._base.text import cut, one_line
+from robsim.capture._devices.jpeg import decoded
 from robsim.capture._errors import (
     CameraBusyError,
     FrameTimeoutError,
@@ -17,7 +18,6 @@ from robsim.capture._errors import (
     NoPermissionError,
     UnpluggedError,
 )
-from robsim.capture._jpeg import decoded
 from robsim.imaging._opencv import load_opencv, quiet
 
 OF_ADDRESSES = ("ffmpeg", "gstreamer")

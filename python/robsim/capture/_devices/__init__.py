@@ -1,0 +1,1 @@
+"""What cameras are read with: a module for each kind."""
