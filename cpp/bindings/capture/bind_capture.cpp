@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "capture/capture_errors.hpp"
 #include "capture/python_camera.hpp"
 #include "python/interpreter.hpp"
 #include "python/public_names.hpp"
@@ -45,9 +46,7 @@ void raise(const CaptureError& error) {
     PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
     return;
   }
-  const py::object raised = py::module_::import("robsim.capture._errors")
-                                .attr("error_of")(name_of(error.fault()), error.what());
-  PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
+  raise_in_python(error);
 }
 
 void tell_of_faults() {

@@ -13,8 +13,10 @@ namespace robsim {
 /// of a file, and no fault.
 enum class CaptureFault {
   no_back_end,
+  no_bus,
   no_permission,
   no_camera,
+  no_bandwidth,
   busy,
   time_out,
   unplugged,

@@ -7,10 +7,12 @@ namespace robsim {
 
 namespace {
 
-constexpr std::array<std::pair<const char*, CaptureFault>, 8> faults{{
+constexpr std::array<std::pair<const char*, CaptureFault>, 10> faults{{
     {"no_back_end", CaptureFault::no_back_end},
+    {"no_bus", CaptureFault::no_bus},
     {"no_permission", CaptureFault::no_permission},
     {"no_camera", CaptureFault::no_camera},
+    {"no_bandwidth", CaptureFault::no_bandwidth},
     {"busy", CaptureFault::busy},
     {"time_out", CaptureFault::time_out},
     {"unplugged", CaptureFault::unplugged},

@@ -8,21 +8,27 @@ from robsim.capture._errors import (
     EndOfStream,
     FrameTimeoutError,
     NoBackEndError,
+    NoBandwidthError,
+    NoBusError,
     NoCameraError,
     NoPermissionError,
     UnpluggedError,
 )
+from robsim.capture._features import CameraFeatures
 from robsim.capture._finding import CameraReport, find_cameras
 
 __all__ = [
     "Camera",
     "CameraBusyError",
     "CameraCounts",
+    "CameraFeatures",
     "CameraReport",
     "CaptureError",
     "EndOfStream",
     "FrameTimeoutError",
     "NoBackEndError",
+    "NoBandwidthError",
+    "NoBusError",
     "NoCameraError",
     "NoPermissionError",
     "UnpluggedError",

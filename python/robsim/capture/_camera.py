@@ -10,11 +10,19 @@ from os import PathLike
 from typing import Any, Self
 
 from robsim import _core
-from robsim._base.checks import check_bool, check_float, check_int, check_size
+from robsim._base.checks import (
+    check_bool,
+    check_float,
+    check_int,
+    check_region,
+    check_size,
+    check_text,
+)
 from robsim._base.text import one_line, quoted
 from robsim._core import Frame, PlaneMap
 from robsim.capture._errors import EndOfStream, FrameTimeoutError
-from robsim.capture._sources import Source, source_of
+from robsim.capture._features import CameraFeatures
+from robsim.capture._sources import Source, Wishes, source_of
 
 _LONGEST = 3600.0  # s, of a time-out
 _LAST_PATIENCE = 6.0  # s at the end of the interpreter, longer than a stalled stream is read
@@ -60,8 +68,10 @@ class Camera:
     ----------
     source : int, str or path
         Number of a camera (of ``/dev/video0``: 0); an address such as
-        ``"http://camera.local/video.mjpg"`` or ``"rtsp://camera.local/stream"``; a video file or a
-        folder of images; or an object of robsim that is a camera.
+        ``"http://camera.local/video.mjpg"``, ``"rtsp://camera.local/stream"``, or
+        ``"firewire://"`` (the first camera on FireWire; ``"firewire://1"`` is the second one, and
+        16 digits stand for a certain one); a video file or a folder of images; or an object of
+        robsim that is a camera.
     back_end : str, optional
         What reads it. An address: ``"http"``, which reads MJPEG and tells torn images from whole
         ones, or ``"ffmpeg"`` or ``"gstreamer"`` of OpenCV. A number: ``"v4l2"``, ``"msmf"``,
@@ -73,11 +83,22 @@ class Camera:
     area : tuple of int, optional
         Width and height of the work area (px). Default: the size of the frames.
     size : tuple of int, optional
-        Width and height of the frames (px), asked of a camera by number. Frames of another size are
-        an error.
+        Width and height of the frames (px), asked of a camera by number or on FireWire. Frames of
+        another size are an error.
+    region : tuple of int, optional
+        Left, top, width and height of the part of the sensor that is sent (px): on FireWire, by
+        its format 7. Default: all of it.
     fps : float, optional
-        Frames per second: asked of a camera by number; that of an address, which tells none; the
-        rate at which a folder is played. Default: that of the file; otherwise `dt` is unknown.
+        Frames per second: asked of a camera by number or on FireWire; that of an address, which
+        tells none; the rate at which a folder is played. Default: that of the file; on FireWire 30,
+        or the next lower one that the camera, and the bus, can have; otherwise `dt` is unknown.
+    coding : str, optional
+        How a camera on FireWire codes its pixels: ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
+        ``"raw8"`` (behind a Bayer filter), ``"yuv411"``, ``"mono8"`` or ``"mono16"``. Default:
+        the first of these that it has at that rate.
+    features : CameraFeatures, optional
+        Exposure, gain, white balance and the like, on FireWire. Default: all as they are, and none
+        automatic.
     every : int
         Only each n-th frame is handed over.
     open_timeout : float
@@ -101,12 +122,18 @@ class Camera:
         Map from frame pixels to the work area.
     dt : float or None
         Time between two frames that are handed over (s); None = unknown.
+    region : tuple of int or None
+        Left, top, width and height of the part of the sensor that is sent (px), if that can be
+        chosen.
+    coding : str or None
+        How the camera codes pixels, if that can be chosen.
 
     Raises
     ------
     CaptureError
         If it cannot be opened or read, of the kind that says why: NoBackEndError,
-        NoPermissionError, NoCameraError, CameraBusyError, FrameTimeoutError, UnpluggedError.
+        NoBusError, NoPermissionError, NoCameraError, NoBandwidthError, CameraBusyError,
+        FrameTimeoutError, UnpluggedError.
     FileNotFoundError
         If there is no such file or folder.
     TypeError, ValueError
@@ -134,7 +161,10 @@ class Camera:
         plane_map: PlaneMap | None = None,
         area: tuple[int, int] | None = None,
         size: tuple[int, int] | None = None,
+        region: tuple[int, int, int, int] | None = None,
         fps: float | None = None,
+        coding: str | None = None,
+        features: CameraFeatures | None = None,
         every: int = 1,
         open_timeout: float = 5.0,
         frame_timeout: float = 1.0,
@@ -147,15 +177,21 @@ class Camera:
         open_timeout = _seconds("open_timeout", open_timeout)
         reopen = check_bool("reopen", reopen)
         area = None if area is None else check_size("area", area)
-        opened = source_of(
-            source,
+        if not (features is None or isinstance(features, CameraFeatures)):
+            raise TypeError(f"features must be CameraFeatures or None, got {quoted(features)}")
+        if fps is not None:
+            fps = check_float("fps", fps, "1/s", exclusive_minimum=0, maximum=1000)
+        wishes = Wishes(
             back_end=back_end,
             size=None if size is None else check_size("size", size),
-            fps=None
-            if fps is None
-            else check_float("fps", fps, "1/s", exclusive_minimum=0, maximum=1000),
-            open_timeout=open_timeout,
+            region=None if region is None else check_region("region", region),
+            fps=fps,
+            coding=None if coding is None else check_text("coding", coding),
+            features=features,
         )
+        opened = source_of(source, wishes, open_timeout=open_timeout)
+        self._device = opened.device
+        self.region, self.coding = opened.region, opened.coding
         self.source = source
         area = area or opened.area
         self._grabber = _core.Grabber(
@@ -234,6 +270,23 @@ class Camera:
     def _poll(self, timeout: float) -> Frame | None:
         """Return the newest frame as `read`, or None if none comes within `timeout` (s)."""
         return self._grabber.take(timeout)
+
+    @property
+    def features(self) -> CameraFeatures | None:
+        """CameraFeatures or None: how it is set now, as `Camera` takes it; None if it has no such.
+
+        Set it to change what is not None in it, also while frames come.
+        """
+        states = getattr(self._device, "features", None)
+        return None if states is None else CameraFeatures._of(states)
+
+    @features.setter
+    def features(self, features: CameraFeatures) -> None:
+        if not isinstance(features, CameraFeatures):
+            raise TypeError(f"features must be CameraFeatures, got {quoted(features)}")
+        if not hasattr(self._device, "set_features"):
+            raise ValueError(f"{one_line(self.source)} is no camera whose features can be set")
+        self._device.set_features(features._wishes())
 
     @property
     def counts(self) -> CameraCounts:

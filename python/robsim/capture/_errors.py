@@ -28,6 +28,12 @@ class NoBackEndError(CaptureError):
     fault = "no_back_end"
 
 
+class NoBusError(CaptureError):
+    """The computer has no bus of this kind."""
+
+    fault = "no_bus"
+
+
 class NoPermissionError(CaptureError, PermissionError):
     """The camera is there, and this user must not read it."""
 
@@ -38,6 +44,12 @@ class NoCameraError(CaptureError):
     """There is no such camera."""
 
     fault = "no_camera"
+
+
+class NoBandwidthError(CaptureError):
+    """The bus has no room left for what the camera is to send."""
+
+    fault = "no_bandwidth"
 
 
 class CameraBusyError(CaptureError):

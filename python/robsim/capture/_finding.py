@@ -11,7 +11,9 @@ from pathlib import Path
 
 from robsim._base.report import Report
 from robsim._base.text import cut, one_line
+from robsim.capture._devices import firewire
 from robsim.capture._devices.opencv import back_end_of_system, back_ends, no_permission
+from robsim.capture._errors import NoBackEndError
 from robsim.imaging._opencv import load_opencv
 
 
@@ -113,13 +115,19 @@ def _name_of(node: str) -> str:
 
 
 def _fire_wire() -> Iterator[tuple[bool, str]]:
-    nodes = sorted(glob.glob("/dev/fw[0-9]*"))
-    if nodes:
-        yield (
-            False,
-            f"FireWire: {', '.join(nodes)} is there, but robsim reads no FireWire camera: give "
-            "robsim.Experiment the frames of a program that does",
-        )
+    try:
+        extension = firewire.extension()
+    except NoBackEndError as error:
+        yield False, f"cameras on FireWire: {error}"
+        return
+    readable, denied = extension.nodes()
+    if not readable and not denied:
+        yield False, "cameras on FireWire: this computer has no FireWire bus (/dev/fw0)"
+    for node in denied:
+        yield False, no_permission(node)
+    for number, (guid, vendor, model) in enumerate(extension.cameras()):
+        name = one_line(f"{vendor} {model}")
+        yield True, f'camera on FireWire: {name}, {guid}: robsim.Camera("firewire://{number}")'
 
 
 def _always() -> Iterator[tuple[bool, str]]:

@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 from robsim._base.checks import check_choice, check_int, is_int
 from robsim._base.text import one_line, quoted
 from robsim._core import CaptureDevice, PlaneMap, PythonCamera, StreamedCamera
+from robsim.capture._devices import firewire
 from robsim.capture._devices.opencv import (
     OF_ADDRESSES,
     OF_INDICES,
@@ -18,31 +19,57 @@ from robsim.capture._devices.opencv import (
     back_end_of_system,
 )
 from robsim.capture._devices.playback import Playback
+from robsim.capture._features import CameraFeatures
 
 
 @dataclass
 class Source:
-    """A device, and what is known of it before it is open."""
+    """A device, and what is known of it before its first frame."""
 
     name: str
     device: CaptureDevice
     dt: float | None = None
     area: tuple[int, int] | None = None
     plane_map: PlaneMap | None = None
+    region: tuple[int, int, int, int] | None = None
+    coding: str | None = None
 
 
-def source_of(
-    source: Any,
-    *,
-    back_end: str | None,
-    size: tuple[int, int] | None,
-    fps: float | None,
-    open_timeout: float,
-) -> Source:
-    """Return the device of a source; it is not open yet."""
-    dt = None if fps is None else 1 / fps
+@dataclass(frozen=True)
+class Wishes:
+    """What is asked of a camera, and of what reads it; each may be None."""
+
+    back_end: str | None
+    size: tuple[int, int] | None
+    region: tuple[int, int, int, int] | None
+    fps: float | None
+    coding: str | None
+    features: CameraFeatures | None
+
+    @property
+    def dt(self) -> float | None:
+        """Time between two frames (s)."""
+        return None if self.fps is None else 1 / self.fps
+
+    def refuse(self, source: str, *names: str) -> None:
+        """Raise ValueError if something was asked that a source cannot do."""
+        for name in names:
+            value = getattr(self, name)
+            if value is not None:
+                raise ValueError(f"{name} must be None for {source}, got {quoted(value)}")
+
+
+def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
+    """Return the device of a source.
+
+    That of a bus is open: only then is known what it sends.
+    """
+    if isinstance(source, str) and source.startswith(f"{firewire.SCHEME}://"):
+        return _fire_wire(source, wishes)
+    wishes.refuse(_kind_of(source), "region", "coding", "features")
+    dt, back_end = wishes.dt, wishes.back_end
     if hasattr(source, "_open_device"):
-        _refuse(back_end, "back_end", "an object of robsim")
+        wishes.refuse("an object of robsim", "back_end")
         return Source(
             one_line(source),
             source._open_device(),
@@ -53,17 +80,46 @@ def source_of(
     if is_int(source):
         index = check_int("source", source, minimum=0, maximum=99)
         chosen = _choice(back_end, OF_INDICES) or back_end_of_system()
-        camera = OpenCvCamera(index, chosen, size=size, fps=fps)
+        camera = OpenCvCamera(index, chosen, size=wishes.size, fps=wishes.fps)
         return Source(camera.name, _device(camera), dt=dt)
     if isinstance(source, str) and re.match(r"[a-z][a-z0-9+.-]+://", source):
         return _address(source, back_end, dt, open_timeout)
     if isinstance(source, (str, PathLike)):
-        _refuse(back_end, "back_end", "a file or folder")
-        playback = Playback(source, fps)
+        wishes.refuse("a file or folder", "back_end")
+        playback = Playback(source, wishes.fps)
         return Source(playback.name, PythonCamera(playback), dt=playback.dt)
     raise TypeError(
         "source must be the number of a camera, an address, a file, a folder or a camera of "
         f"robsim, got {quoted(source)}"
+    )
+
+
+def _kind_of(source: Any) -> str:
+    if isinstance(source, str) and re.match(r"[a-z][a-z0-9+.-]+://", source):
+        return "an address such as this"
+    return "a camera by number" if is_int(source) else "a file, a folder or an object of robsim"
+
+
+def _fire_wire(url: str, wishes: Wishes) -> Source:
+    wishes.refuse("FireWire", "back_end")
+    if wishes.coding is not None:
+        check_choice("coding", wishes.coding, firewire.CODINGS)
+    device = firewire.new_camera(
+        url,
+        size=wishes.size,
+        region=wishes.region,
+        fps=wishes.fps,
+        coding=wishes.coding,
+        features=wishes.features,
+    )
+    device.open()
+    sent = device.video
+    return Source(
+        f"the FireWire camera {device.guid}",
+        device,
+        dt=1 / sent["fps"],
+        region=sent["region"],
+        coding=sent["coding"],
     )
 
 
@@ -91,8 +147,3 @@ def _device(camera: OpenCvCamera) -> CaptureDevice:
 
 def _choice(back_end: str | None, choices: tuple[str, ...]) -> str | None:
     return None if back_end is None else check_choice("back_end", back_end, choices)
-
-
-def _refuse(value: object, name: str, source: str) -> None:
-    if value is not None:
-        raise ValueError(f"{name} must be None for {source}, got {quoted(value)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import inspect
 import math
@@ -108,6 +109,7 @@ class FrameSource:
         return {
             "frames": quoted(self._frames),
             "plane_map": getattr(self._frames, "plane_map", None),
+            "camera": _camera_of(self._frames),
         }
 
     def restart(self) -> None:
@@ -311,3 +313,12 @@ class _Reader:
                 self._taken.put((next(self._iterator, Arrival.END), None))
             except BaseException as error:
                 self._taken.put((None, error))
+
+
+def _camera_of(frames: Any) -> dict[str, Any] | None:
+    """Return how a camera is set that can be: what a later recording must have again."""
+    features = getattr(frames, "features", None)
+    if features is None:
+        return None
+    chosen = {name: getattr(frames, name) for name in ("size", "region", "coding")}
+    return {**chosen, "features": dataclasses.asdict(features)}

@@ -1,0 +1,124 @@
+// The extension of cameras on FireWire: what needs libdc1394.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "capture/capture_errors.hpp"
+#include "python/interpreter.hpp"
+#include "robsim/capture/firewire/fire_wire_camera.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+using fire_wire::CameraOptions;
+using fire_wire::FeatureState;
+using fire_wire::FeatureWish;
+using fire_wire::FireWireCamera;
+
+namespace {
+
+// (name, None for automatic or values)
+using Wishes = std::vector<std::pair<std::string, std::optional<std::vector<double>>>>;
+using Feature = std::tuple<std::string, bool, std::vector<double>, std::string, double, double>;
+
+std::vector<FeatureWish> wishes_from(const Wishes& given) {
+  std::vector<FeatureWish> wishes;
+  for (const auto& [name, values] : given) {
+    wishes.push_back({name, !values, values.value_or(std::vector<double>())});
+  }
+  return wishes;
+}
+
+std::shared_ptr<FireWireCamera> make_camera(const std::string& choice,
+                                            std::optional<std::pair<int, int>> size,
+                                            std::optional<std::array<int, 4>> region,
+                                            std::optional<double> fps, const std::string& coding,
+                                            const Wishes& features) {
+  return std::make_shared<FireWireCamera>(
+      CameraOptions{choice, {size, region, fps, coding}, wishes_from(features)});
+}
+
+std::vector<Feature> features_of(const FireWireCamera& self) {
+  std::vector<FeatureState> states;
+  {
+    const WithoutInterpreter work;
+    states = self.features();
+  }
+  std::vector<Feature> found;
+  for (const FeatureState& state : states) {
+    found.emplace_back(state.name, state.is_automatic, state.values, state.unit, state.low,
+                       state.high);
+  }
+  return found;
+}
+
+py::dict video_of(const FireWireCamera& self) {
+  const auto video = self.video();
+  py::dict found;
+  if (!video) return found;
+  found["size"] = py::make_tuple(video->width, video->height);
+  found["region"] =
+      video->has_region()
+          ? py::object(py::make_tuple(video->left, video->top, video->width, video->height))
+          : py::none();
+  found["fps"] = video->fps;
+  found["coding"] = fire_wire::name_of_coding(video->coding);
+  return found;
+}
+
+py::list cameras() {
+  std::vector<fire_wire::FoundCamera> found;
+  {
+    const WithoutInterpreter work;
+    found = fire_wire::find_cameras();
+  }
+  py::list list;
+  for (const auto& camera : found) {
+    list.append(py::make_tuple(camera.guid, camera.vendor, camera.model));
+  }
+  return list;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_firewire, module) {
+  module.doc() = "Cameras on FireWire, by libdc1394. Users take robsim.Camera(\"firewire://\").";
+  py::module_::import("robsim._core");  // has CaptureDevice, and makes errors of CaptureError
+  translate_capture_errors();
+  py::class_<FireWireCamera, CaptureDevice, std::shared_ptr<FireWireCamera>>(
+      module, "FireWireCamera", "A camera for a grabber. Users take robsim.Camera.")
+      .def(py::init(&make_camera), py::arg("choice"), py::kw_only(), py::arg("size"),
+           py::arg("region"), py::arg("fps"), py::arg("coding"), py::arg("features"))
+      .def("open", &FireWireCamera::open, py::call_guard<WithoutInterpreter>(),
+           "Start it, so that what it sends is known. Raises CaptureError.")
+      .def("close", &FireWireCamera::close, py::call_guard<WithoutInterpreter>(), "Give it back.")
+      .def_property_readonly("video", &video_of, "dict: what it sends; empty before it is open.")
+      .def_property_readonly("guid", &FireWireCamera::guid, "str: its number, 16 digits.")
+      .def_property_readonly("restarts", &FireWireCamera::restarts,
+                             "int: times that it was made to send again.")
+      .def_property_readonly(
+          "features", &features_of,
+          "list of tuple: name, whether it is automatic, values, unit, least, greatest value.")
+      .def(
+          "set_features",
+          [](FireWireCamera& self, const Wishes& wishes) {
+            const WithoutInterpreter work;
+            self.set_features(wishes_from(wishes));
+          },
+          py::arg("wishes"), "Set features: pairs (name, values, or None for automatic).");
+  module.def("cameras", &cameras, "Return (guid, vendor, model) of all cameras on the bus.");
+  module.def(
+      "nodes",
+      [] {
+        const fire_wire::Nodes nodes = fire_wire::nodes();
+        return std::pair(nodes.readable, nodes.denied);
+      },
+      "Return the device nodes of FireWire: those that can be read, those that must not.");
+}
