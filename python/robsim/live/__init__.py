@@ -7,6 +7,7 @@ from robsim.live._faults import CameraFaults
 from robsim.live._lab import SimulatedLab
 from robsim.live._lens import Lens
 from robsim.live._truth import LabTruth
+from robsim.live._virtual_bus import VirtualBus, VirtualCamera
 
 __all__ = [
     "CameraCheck",
@@ -15,6 +16,8 @@ __all__ = [
     "LabTruth",
     "Lens",
     "SimulatedLab",
+    "VirtualBus",
+    "VirtualCamera",
     "check_camera",
 ]
 

@@ -1,0 +1,225 @@
+#include "robsim/virtual_bus/iso_receiver.hpp"
+
+#include <arpa/inet.h>
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "robsim/imaging/image.hpp"
+#include "robsim/imaging/raw/from_rgb.hpp"
+#include "robsim/threads/native_thread.hpp"
+
+namespace robsim::virtual_bus {
+
+namespace {
+
+constexpr std::int64_t cycle = 125'000;            // ns
+constexpr std::int64_t longest_wait = 20'000'000;  // ns
+
+void sleep_ns(std::int64_t ns) {
+  const timespec time{ns / 1'000'000'000, ns % 1'000'000'000};
+  nanosleep(&time, nullptr);
+}
+
+// Until the word is no longer `seen`, or for the longest wait.
+void wait_while(std::atomic<std::uint32_t>& word, std::uint32_t seen) {
+  const timespec time{0, longest_wait};
+  syscall(SYS_futex, &word, FUTEX_WAIT, seen, &time, nullptr, 0);
+}
+
+PixelFormat format_of(const CameraState& camera, Coding coding) {
+  constexpr std::array<PixelFormat, 4> mosaics{PixelFormat::bayer_rggb, PixelFormat::bayer_gbrg,
+                                               PixelFormat::bayer_grbg, PixelFormat::bayer_bggr};
+  switch (coding) {
+    case Coding::yuv411:
+      return PixelFormat::yuv411;
+    case Coding::yuv422:
+      return PixelFormat::yuv422;
+    case Coding::yuv444:
+      return PixelFormat::yuv444;
+    case Coding::rgb8:
+      return PixelFormat::rgb8;
+    case Coding::mono16:
+      return PixelFormat::mono16;
+    case Coding::raw8:
+      return mosaics[camera.color_filter & 3];
+    default:
+      return PixelFormat::mono8;
+  }
+}
+
+using Table = std::array<std::uint8_t, 256>;
+
+Table brighter(double factor) {
+  Table table;
+  for (std::size_t value = 0; value < table.size(); ++value) {
+    table[value] =
+        static_cast<std::uint8_t>(std::min(255.0, std::round(factor * static_cast<double>(value))));
+  }
+  return table;
+}
+
+}  // namespace
+
+IsoReceiver::IsoReceiver(BusMemory& bus, std::shared_ptr<EventQueue> events, std::uint32_t channel,
+                         std::uint32_t header_bytes, std::uint64_t closure)
+    : bus_(bus),
+      events_(std::move(events)),
+      channel_(static_cast<int>(channel)),
+      header_bytes_(header_bytes),
+      closure_(closure) {}
+
+// One request holds the packets of one frame, as libdc1394 has it.
+int IsoReceiver::queue(const fw_cdev_queue_iso& request) {
+  const auto* const words =
+      reinterpret_cast<const std::uint32_t*>(static_cast<std::uintptr_t>(request.packets));
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < request.size / sizeof(fw_cdev_iso_packet); ++i) {
+    size += words[i] & 0xFFFF;
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  buffers_.push_back(
+      {reinterpret_cast<std::uint8_t*>(static_cast<std::uintptr_t>(request.data)), size});
+  return 0;
+}
+
+void IsoReceiver::start() {
+  if (thread_.joinable()) return;
+  stops_ = false;
+  thread_ = start_thread([this] { run(); });
+}
+
+void IsoReceiver::stop() {
+  stops_ = true;
+  if (thread_.joinable()) thread_.join();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  buffers_.clear();
+}
+
+void IsoReceiver::run() {
+  const auto n_cameras = static_cast<std::size_t>(bus_.n_cameras);
+  std::array<std::uint32_t, most_cameras> seen{};
+  for (std::size_t i = 0; i < n_cameras; ++i) seen[i] = bus_.cameras[i].n_pictures;
+  std::uint32_t generation = bus_.generation;
+  while (!stops_) {
+    if (generation != bus_.generation) {
+      generation = bus_.generation;
+      tell_of_reset();
+    }
+    CameraState* source = nullptr;
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < n_cameras; ++i) {
+      CameraState& camera = bus_.cameras[i];
+      const BusLock lock(bus_);
+      if (camera.is_plugged_in && camera.is_on && transmission_of(camera).is_on &&
+          transmission_of(camera).channel == channel_) {
+        source = &camera;
+        index = i;
+      } else {
+        seen[i] = camera.n_pictures;
+      }
+    }
+    if (!source) {
+      sleep_ns(longest_wait / 10);
+      continue;
+    }
+    const std::uint32_t newest = source->n_pictures;
+    if (newest == seen[index]) {
+      wait_while(source->n_pictures, newest);
+      continue;
+    }
+    // Older ones are overwritten meanwhile.
+    if (newest - seen[index] > n_slots - 1) seen[index] = newest - (n_slots - 1);
+    receive(*source, seen[index]++);
+  }
+}
+
+bool IsoReceiver::receive(CameraState& camera, std::uint32_t number) {
+  Transmission sent;
+  Brightness light;
+  {
+    const BusLock lock(bus_);
+    sent = transmission_of(camera);
+    light = brightness_of(camera);
+  }
+  const std::int64_t start = camera.exposed[number % n_slots];
+  if (!sent.is_on || number % static_cast<std::uint32_t>(sent.every) ||
+      start < camera.silent_until) {
+    return false;
+  }
+  Buffer buffer{};
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (buffers_.empty()) return false;  // overrun
+    buffer = buffers_.front();
+    if (!fill(camera, number, sent, light, buffer)) return false;
+    buffers_.pop_front();
+  }
+  // The last packet comes when all the others have had their cycles.
+  const std::int64_t end = start + sent.n_packets * cycle;
+  while (!stops_ && now_ns() < end) sleep_ns(std::min(end - now_ns() + 1000, longest_wait));
+  if (stops_ || !camera.is_plugged_in) return false;
+  report(sent, start);
+  return true;
+}
+
+// False if the picture has been overwritten meanwhile.
+bool IsoReceiver::fill(CameraState& camera, std::uint32_t number, const Transmission& sent,
+                       const Brightness& light, const Buffer& buffer) {
+  const PixelFormat format = format_of(camera, sent.coding);
+  if (buffer.size < bytes_of(format, sent.width, sent.height)) return false;
+  const std::ptrdiff_t stride = 3 * std::ptrdiff_t{camera.width};
+  ImageView seen{bus_.picture(camera, number) + sent.top * stride + 3 * sent.left, sent.width,
+                 sent.height, stride};
+  if (light.red != 1 || light.green != 1 || light.blue != 1) {
+    const std::array<Table, 3> tables{brighter(light.red), brighter(light.green),
+                                      brighter(light.blue)};
+    const std::size_t row_bytes = 3 * static_cast<std::size_t>(sent.width);
+    changed_.resize(row_bytes * static_cast<std::size_t>(sent.height));
+    for (int v = 0; v < sent.height; ++v) {
+      std::uint8_t* to = changed_.data() + static_cast<std::size_t>(v) * row_bytes;
+      for (std::size_t i = 0; i < row_bytes; ++i) to[i] = tables[i % 3][seen.row(v)[i]];
+    }
+    seen = {changed_.data(), sent.width, sent.height, static_cast<std::ptrdiff_t>(row_bytes)};
+  }
+  from_rgb(seen, format, buffer.data);
+  return camera.n_pictures - number < n_slots;
+}
+
+void IsoReceiver::report(const Transmission& sent, std::int64_t start) const {
+  const auto n_packets = static_cast<std::size_t>(sent.n_packets);
+  const std::size_t place = offsetof(fw_cdev_event_iso_interrupt, header);
+  std::vector<std::uint8_t> event(place + n_packets * header_bytes_);
+  fw_cdev_event_iso_interrupt head{};
+  head.closure = closure_;
+  head.type = FW_CDEV_EVENT_ISO_INTERRUPT;
+  head.cycle = cycle_timer_at(start + (sent.n_packets - 1) * cycle) >> 12 & 0xFFFF;
+  head.header_length = static_cast<std::uint32_t>(n_packets * header_bytes_);
+  std::memcpy(event.data(), &head, place);
+  for (std::size_t i = 0; i < n_packets; ++i) {
+    // Length, channel and tcode, sy; then the cycle in which it came.
+    const std::uint32_t words[2] = {
+        htonl(static_cast<std::uint32_t>(sent.packet_bytes) << 16 |
+              static_cast<std::uint32_t>(channel_) << 8 | 0xA0 | (i == 0)),
+        htonl(cycle_timer_at(start + static_cast<std::int64_t>(i) * cycle) >> 12 & 0xFFFF)};
+    std::memcpy(event.data() + place + i * header_bytes_, words,
+                std::min(header_bytes_, sizeof words));
+  }
+  events_->send(event.data(), event.size());
+}
+
+void IsoReceiver::tell_of_reset() const {
+  fw_cdev_event_bus_reset event{};
+  event.type = FW_CDEV_EVENT_BUS_RESET;
+  event.generation = bus_.generation;
+  events_->send(&event, sizeof event);
+}
+
+}  // namespace robsim::virtual_bus
