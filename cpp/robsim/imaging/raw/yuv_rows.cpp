@@ -1,6 +1,11 @@
 #include "robsim/imaging/raw/yuv_rows.hpp"
 
 #include <algorithm>
+#include <cstddef>
+
+#include "robsim/imaging/raw/interleave_avx2.hpp"
+#include "robsim/imaging/raw/row_blocks.hpp"
+#include "robsim/simd/cpu_path.hpp"
 
 namespace robsim::raw {
 
@@ -41,42 +46,146 @@ constexpr int green_of_u = 5638;
 constexpr int green_of_v = 11700;
 constexpr int blue_of_u = 29032;
 
-int chroma_term(int factor, int chroma) { return (factor * chroma + 128) >> 8; }
+// All values fit in 16 bits, so that twice as many fit in a vector.
+std::int16_t chroma_term(int factor, int chroma) {
+  return static_cast<std::int16_t>((factor * chroma + 128) >> 8);
+}
 
 std::uint8_t level(int sixty_fourths) {
-  return static_cast<std::uint8_t>(std::clamp((sixty_fourths + 32) >> 6, 0, 255));
+  const auto rounded =
+      static_cast<std::int16_t>(static_cast<std::int16_t>(sixty_fourths + 32) >> 6);
+  const std::int16_t not_negative = rounded < 0 ? std::int16_t{0} : rounded;
+  return static_cast<std::uint8_t>(not_negative > 255 ? std::int16_t{255} : not_negative);
+}
+
+// The channels of 32 pixels, each for itself, so that the compiler can vectorise the loop over
+// them.
+void convert_planes(const std::int16_t* y, const std::int16_t* u, const std::int16_t* v,
+                    std::uint8_t (&channels)[3][pixels_of_block]) {
+  for (int i = 0; i < pixels_of_block; ++i) {
+    const int green = chroma_term(green_of_u, u[i]) + chroma_term(green_of_v, v[i]);
+    channels[0][i] = level(64 * y[i] + chroma_term(red_of_v, v[i]));
+    channels[1][i] = level(64 * y[i] - green);
+    channels[2][i] = level(64 * y[i] + chroma_term(blue_of_u, u[i]));
+  }
 }
 
 template <typename Unit>
-void convert_yuv_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  for (int first = 0; first < width; first += Unit::pixels, raw += Unit::bytes) {
-    const int u = raw[Unit::u] - 128;
-    const int v = raw[Unit::v] - 128;
-    const int red = chroma_term(red_of_v, v);
-    const int green = chroma_term(green_of_u, u) + chroma_term(green_of_v, v);
-    const int blue = chroma_term(blue_of_u, u);
-    for (const int at : Unit::y) {
-      const int y = 64 * raw[at];
-      rgb[0] = level(y + red);
-      rgb[1] = level(y - green);
-      rgb[2] = level(y + blue);
-      rgb += 3;
+void yuv_row_baseline(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
+  std::int16_t planes[3][pixels_of_block] = {};
+  std::uint8_t channels[3][pixels_of_block];
+  for (int first = 0; first < width; first += pixels_of_block) {
+    const int count = std::min(width - first, pixels_of_block);
+    for (int i = 0; i < count; i += Unit::pixels, raw += Unit::bytes) {
+      for (int k = 0; k < Unit::pixels; ++k) {
+        planes[0][i + k] = raw[Unit::y[k]];
+        planes[1][i + k] = static_cast<std::int16_t>(raw[Unit::u] - 128);
+        planes[2][i + k] = static_cast<std::int16_t>(raw[Unit::v] - 128);
+      }
+    }
+    convert_planes(planes[0], planes[1], planes[2], channels);
+    for (int i = 0; i < count; ++i, rgb += 3) {
+      for (int channel = 0; channel < 3; ++channel) rgb[channel] = channels[channel][i];
     }
   }
+}
+
+#if ROBSIM_HAS_AVX2_CODE
+
+enum class Plane { y, u, v };
+
+// Takes the values of a plane of 8 pixels to the high bytes of 8 lanes of 16 bits. They are in the
+// 16 bytes from `offset` on; bytes that are not there become 0.
+template <typename Unit>
+constexpr Indices high_bytes_of(Plane plane, int offset) {
+  Indices from{};
+  for (int i = 0; i < 8; ++i) {
+    const int in_unit = plane == Plane::y   ? Unit::y[i % Unit::pixels]
+                        : plane == Plane::u ? Unit::u
+                                            : Unit::v;
+    const int at = i / Unit::pixels * Unit::bytes + in_unit;
+    const bool is_there = at >= offset && at < offset + 16 && (offset == 0 || at >= 16);
+    from[static_cast<std::size_t>(2 * i)] = -1;
+    from[static_cast<std::size_t>(2 * i + 1)] =
+        static_cast<std::int8_t>(is_there ? at - offset : -1);
+  }
+  return from;
+}
+
+template <typename Unit, Plane plane>
+ROBSIM_AVX2_INLINE __m256i lanes_of(const std::uint8_t* low, const std::uint8_t* high) {
+  static constexpr Indices of_first = high_bytes_of<Unit>(plane, 0);
+  const __m256i first = _mm256_shuffle_epi8(simd::load_halves(low, high), in_both_halves(of_first));
+  if constexpr (8 / Unit::pixels * Unit::bytes <= 16) {
+    return first;
+  } else {
+    static constexpr Indices of_second = high_bytes_of<Unit>(plane, 8);
+    const __m256i second =
+        _mm256_shuffle_epi8(simd::load_halves(low + 8, high + 8), in_both_halves(of_second));
+    return _mm256_or_si256(first, second);
+  }
+}
+
+// Red, green and blue of 16 pixels in lanes of 16 bits, not yet within 0 .. 255.
+struct RgbLanes {
+  __m256i channel[3];
+};
+
+// Of chroma in units of 1/256: (256 c factor/2 + 2^14) >> 15, which is `chroma_term`.
+ROBSIM_AVX2_INLINE __m256i chroma_terms(int factor, __m256i chroma) {
+  return _mm256_mulhrs_epi16(chroma, _mm256_set1_epi16(static_cast<short>(factor / 2)));
+}
+
+ROBSIM_AVX2_INLINE __m256i levels(__m256i sixty_fourths) {
+  return _mm256_srai_epi16(sixty_fourths, 6);
+}
+
+// Of 8 pixels each at two places.
+template <typename Unit>
+ROBSIM_AVX2_INLINE RgbLanes rgb_lanes(const std::uint8_t* low, const std::uint8_t* high) {
+  const __m256i minus_128 = _mm256_set1_epi16(static_cast<short>(0x8000));
+  const __m256i u = _mm256_xor_si256(lanes_of<Unit, Plane::u>(low, high), minus_128);
+  const __m256i v = _mm256_xor_si256(lanes_of<Unit, Plane::v>(low, high), minus_128);
+  const __m256i y = _mm256_add_epi16(_mm256_srli_epi16(lanes_of<Unit, Plane::y>(low, high), 2),
+                                     _mm256_set1_epi16(32));
+  const __m256i green = _mm256_add_epi16(chroma_terms(green_of_u, u), chroma_terms(green_of_v, v));
+  return {{levels(_mm256_add_epi16(y, chroma_terms(red_of_v, v))),
+           levels(_mm256_sub_epi16(y, green)),
+           levels(_mm256_add_epi16(y, chroma_terms(blue_of_u, u)))}};
+}
+
+template <typename Unit>
+ROBSIM_AVX2 void yuv_row_avx2(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
+  constexpr int bits = 8 * Unit::bytes / Unit::pixels;
+  // Packing works within halves: pixels 0..7 and 16..23 are joined with 8..15 and 24..31.
+  for_each_block<bits>(raw, width, rgb, [](const std::uint8_t* from, std::uint8_t* to) ROBSIM_AVX2 {
+    const RgbLanes even = rgb_lanes<Unit>(from, from + 2 * bits);
+    const RgbLanes odd = rgb_lanes<Unit>(from + bits, from + 3 * bits);
+    store_rgb(_mm256_packus_epi16(even.channel[0], odd.channel[0]),
+              _mm256_packus_epi16(even.channel[1], odd.channel[1]),
+              _mm256_packus_epi16(even.channel[2], odd.channel[2]), to);
+  });
+}
+
+#endif
+
+template <typename Unit>
+void yuv_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
+  ROBSIM_PICK(yuv_row_baseline<Unit>, yuv_row_avx2<Unit>)(raw, width, rgb);
 }
 
 }  // namespace
 
 void yuv411_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  convert_yuv_row<Unit411>(raw, width, rgb);
+  yuv_row<Unit411>(raw, width, rgb);
 }
 
 void yuv422_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  convert_yuv_row<Unit422>(raw, width, rgb);
+  yuv_row<Unit422>(raw, width, rgb);
 }
 
 void yuv444_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  convert_yuv_row<Unit444>(raw, width, rgb);
+  yuv_row<Unit444>(raw, width, rgb);
 }
 
 }  // namespace robsim::raw
