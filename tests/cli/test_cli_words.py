@@ -74,6 +74,7 @@ def test_messages_name_the_options_of_the_command():
         (("run", "--steps", "5.5"), "it must be a whole number, got '5.5'"),
         (("run", "--time-limit", "short"), "it must be a number such as 0.5, got 'short'"),
         (("bench", "--rounds", "0"), "--rounds must lie within 1.."),
+        (("bench", "--camera", "--rounds", "0"), "--rounds must lie within 1.."),
         (("run", "--area", "3x4"), "--area must lie within 16..16384 px, got 3x4"),
         (
             ("run", "--control", "follow-path:9,3", "8,3"),

@@ -99,12 +99,9 @@ def detect_calls(cv2: Any, shown: Scene) -> dict[str, Call]:
         name: opencv_finder(cv2, pixels, limits, shown.smoothing, parts)
         for name, parts in (("opencv", contours), ("components", components))
     }
-    ours_found = {
-        name: np.array([(blob.area, *blob.centroid) for blob in blobs]).reshape(-1, 3)
-        for name, blobs in ours().items()
-    }
+    ours_found = as_found(ours())
     for name, call in calls.items():
-        _check_same(ours_found, call(), name, 5 * shown.minimum_area)
+        check_same(ours_found, call(), name, 5 * shown.minimum_area)
     return {"ours": ours, **calls}
 
 
@@ -151,7 +148,15 @@ def components(cv2: Any, mask: Any) -> npt.NDArray[np.float64]:
     return np.column_stack((area[is_kept], centroids[1:][is_kept]))
 
 
-def _check_same(ours: Found, theirs: Found, name: str, minimum_area: float) -> None:
+def as_found(blobs: dict[str, list[Blob]]) -> Found:
+    """Return blobs of ours in the form of the others'."""
+    return {
+        name: np.array([(blob.area, *blob.centroid) for blob in several]).reshape(-1, 3)
+        for name, several in blobs.items()
+    }
+
+
+def check_same(ours: Found, theirs: Found, name: str, minimum_area: float) -> None:
     """Raise RuntimeError unless each finds the large blobs of the other."""
     for color in ours:
         for mine, others in ((ours[color], theirs[color]), (theirs[color], ours[color])):

@@ -17,7 +17,9 @@ HELP = (
     "The alternatives, OpenCV and numpy, are timed in the same run on the same frames. OpenCV must "
     "be installed.\n\n"
     "With --panel: how many different frames of a panel Chromium paints in a second, how long "
-    "after their step, and what that costs, beside matplotlib. It takes half a minute."
+    "after their step, and what that costs, beside matplotlib. It takes half a minute.\n\n"
+    "With --camera: the way of a frame from the bytes that a FireWire or GigE camera sends to the "
+    "pose of the robot, for each way in which cameras send pixels, beside OpenCV."
 )
 
 
@@ -39,11 +41,24 @@ def bench(
             help="Measure the panel instead, in Chromium; pip install playwright.",
         ),
     ] = False,
+    camera: Annotated[
+        bool,
+        typer.Option(
+            "--camera",
+            metavar=SWITCH,
+            help="Measure what a live camera's frames take instead, by how it sends pixels.",
+        ),
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Measure how fast robsim is on this machine."""
     with errors.report_errors():
-        result = _measured_panel() if panel else _measured_core(rounds)
+        if panel and camera:
+            raise ValueError("--panel and --camera are two benchmarks: give one of them")
+        if panel:
+            result = _measured_panel()
+        else:
+            result = _measured_camera(rounds) if camera else _measured_core(rounds)
     errors.show(result.to_json() if as_json else result)
 
 
@@ -51,6 +66,12 @@ def _measured_core(rounds: int) -> Report:
     from robsim.bench import run_bench
 
     return run_bench(rounds=rounds)
+
+
+def _measured_camera(rounds: int) -> Report:
+    from robsim.bench._camera import run_camera_bench
+
+    return run_camera_bench(rounds=rounds)
 
 
 def _measured_panel() -> Report:
