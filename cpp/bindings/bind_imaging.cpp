@@ -12,7 +12,6 @@
 #include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/frame.hpp"
-#include "robsim/imaging/lens.hpp"
 #include "robsim/imaging/reduce.hpp"
 #include "robsim/imaging/warp.hpp"
 
@@ -22,54 +21,7 @@ using namespace robsim::bindings;
 
 namespace {
 
-PlaneMap plane_map_from(const std::optional<ArrayLike>& matrix) {
-  if (!matrix) return PlaneMap();
-  const Doubles m = doubles_from(*matrix, "matrix", Shape{3, 3}, "a homography, shape (3, 3)");
-  PlaneMap::Matrix values;
-  std::copy_n(m.data(), 9, values.begin());
-  return PlaneMap(values);
-}
-
-std::string repr(const PlaneMap& plane_map) {
-  const PlaneMap::Matrix& m = plane_map.matrix();
-  if (m == PlaneMap().matrix()) return "PlaneMap()";
-  const py::object rows = to_array(m.data(), {3, 3}).attr("tolist")();
-  return "PlaneMap(" + py::repr(rows).cast<std::string>() + ")";
-}
-
-std::vector<Point> points_from(py::handle value, const std::string& name) {
-  const std::string expected = "four or more points, finite numbers of shape (N, 2)";
-  const Doubles array = doubles_from(value, name, Shape{-1, 2}, expected);
-  if (array.shape(0) < 4) {
-    throw py::value_error(name + " must be " + expected + ", got " + describe(value));
-  }
-  std::vector<Point> points;
-  for (py::ssize_t i = 0; i < array.shape(0); ++i)
-    points.push_back({array.at(i, 0), array.at(i, 1)});
-  return points;
-}
-
 constexpr int notebook_width = 480;  // px; a camera's frame would fill the screen
-
-// Maps one point (2,) or many (N, 2).
-template <typename Map>
-py::array_t<double> map_points(py::handle value, const std::string& name, const Map& map) {
-  const std::string expected = "a point (2,) or points (N, 2)";
-  const Doubles points = doubles_from(value, name, std::nullopt, expected);
-  const py::ssize_t dimensions = points.ndim();
-  if (dimensions < 1 || dimensions > 2 || points.shape(dimensions - 1) != 2) {
-    throw py::value_error(name + " must be " + expected + ", got " + describe(value));
-  }
-  py::array_t<double> result(Shape(points.shape(), points.shape() + points.ndim()));
-  const double* from = points.data();
-  double* to = result.mutable_data();
-  for (py::ssize_t i = 0; i < points.size(); i += 2) {
-    const Point p = map(Point{from[i], from[i + 1]});
-    to[i] = p.x;
-    to[i + 1] = p.y;
-  }
-  return result;
-}
 
 using Seconds = std::optional<double>;
 
@@ -91,126 +43,6 @@ Frame make_frame(const PixelArray& image, bool copy, const Seconds& t, const Sec
                  const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map) {
   return frame_with(copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t,
                     t_arrival, epoch, index, plane_map);
-}
-
-void bind_plane_map(py::module_& module) {
-  Class<PlaneMap> plane_map(public_in(module, "robsim.imaging"), "PlaneMap", R"(
-Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
-
-Parameters
-----------
-matrix : array (3, 3), optional
-    Homography that takes (u, v, 1) to (x, y, 1) times a number. Default: the identity.
-
-Raises
-------
-ValueError
-    If the matrix is not finite or has no inverse.
-)");
-  plane_map.def(py::init(&plane_map_from), py::arg("matrix") = py::none())
-      .def_static(
-          "scaled",
-          [](std::pair<int, int> resolution, std::pair<double, double> area) {
-            if (resolution.first < 1 || resolution.second < 1) {
-              throw py::value_error("resolution must be (width, height) in px, both above 0");
-            }
-            for (const double size : {area.first, area.second}) {
-              if (!(size > 1e-3 && size < 1e9)) {
-                throw py::value_error("area must be (width, height) in work-area px, both above 0");
-              }
-            }
-            return PlaneMap::scaled(resolution.first, resolution.second, area.first, area.second);
-          },
-          py::arg("resolution"), py::arg("area"), R"(
-Return the map of a camera that sees the whole area.
-
-Parameters
-----------
-resolution : tuple of int
-    Width and height of the frame (px).
-area : tuple of float
-    Width and height of the area (work-area px).
-)")
-      .def_static(
-          "from_points",
-          [](const ArrayLike& pixels, const ArrayLike& positions) {
-            return PlaneMap::from_points(points_from(pixels, "pixels"),
-                                         points_from(positions, "positions"));
-          },
-          py::arg("pixels"), py::arg("positions"), R"(
-Return the map of a camera that looks at the work area from any direction.
-
-Parameters
-----------
-pixels : array (N, 2)
-    Pixels (u, v) of four or more points on the floor; of four, no three on a line.
-positions : array (N, 2)
-    Positions (x, y) of these points on the work area, in the same order (work-area px).
-
-Returns
--------
-PlaneMap
-    Of four points, the only homography that takes each pixel to its position; of more, the one with
-    the least squared distances. ``plane_map.to_world(pixels) - positions`` says how far off it is.
-
-Raises
-------
-TypeError, ValueError
-    If the shapes are others, too many points lie on a line, or the positions are in another order
-    than the pixels.
-
-Examples
---------
->>> seen = [(102, 80), (541, 77), (630, 455), (12, 460)]
->>> corners = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
->>> plane_map = PlaneMap.from_points(seen, corners)
-)")
-      .def_property_readonly(
-          "matrix", [](const PlaneMap& self) { return to_array(self.matrix().data(), {3, 3}); },
-          "array (3, 3): the homography from pixels to the work area.")
-      .def(
-          "to_world",
-          [](const PlaneMap& self, const ArrayLike& pixels) {
-            return map_points(pixels, "pixels", [&](const Point& p) { return self.to_world(p); });
-          },
-          py::arg("pixels"), R"(
-Return the positions of pixels.
-
-Parameters
-----------
-pixels : array (2,) or (N, 2)
-    Pixels (u, v).
-
-Returns
--------
-array (2,) or (N, 2)
-    Positions (x, y) in work-area px.
-)")
-      .def(
-          "to_pixel",
-          [](const PlaneMap& self, const ArrayLike& positions) {
-            return map_points(positions, "positions",
-                              [&](const Point& p) { return self.to_pixel(p); });
-          },
-          py::arg("positions"), R"(
-Return the pixels of positions.
-
-Parameters
-----------
-positions : array (2,) or (N, 2)
-    Positions (x, y) in work-area px.
-
-Returns
--------
-array (2,) or (N, 2)
-    Pixels (u, v).
-)")
-      .def("__repr__", py::overload_cast<const PlaneMap&>(&repr));
-  const Fields fields([](const PlaneMap::Matrix& matrix) { return PlaneMap(matrix); },
-                      Field("matrix", &PlaneMap::matrix));
-  define_equality(plane_map, fields);
-  define_hash(plane_map, fields);
-  define_pickle(plane_map, fields);
 }
 
 void bind_frame(py::module_& module) {
@@ -342,25 +174,7 @@ void bind_reduce(const py::module_& module) {
       "leaves over at the right and below is dropped.");
 }
 
-void bind_lens(py::module_& module) {
-  Class<Lens>(public_in(module, "robsim._core"), "Lens",
-              "A lens before frames of one size. Users take robsim.live.Lens.")
-      .def(py::init([](double k1, double k2, std::pair<int, int> size) {
-             return Lens(k1, k2, size.first, size.second);
-           }),
-           py::arg("k1"), py::arg("k2"), py::arg("size"))
-      .def(
-          "distorted",
-          [](const Lens& self, const ArrayLike& pixels) {
-            return map_points(pixels, "pixels", [&](const Point& p) { return self.distorted(p); });
-          },
-          py::arg("pixels"))
-      .def(
-          "ideal",
-          [](const Lens& self, const ArrayLike& pixels) {
-            return map_points(pixels, "pixels", [&](const Point& p) { return self.ideal(p); });
-          },
-          py::arg("pixels"));
+void bind_warp(py::module_& module) {
   Class<Warp, std::shared_ptr<Warp>>(public_in(module, "robsim._core"), "Warp",
                                      "Makes an image from another, each pixel at its own place.")
       .def(
@@ -380,8 +194,7 @@ void bind_lens(py::module_& module) {
 }  // namespace
 
 void bind_imaging(py::module_& module) {
-  bind_plane_map(module);
-  bind_lens(module);
   bind_frame(module);
   bind_reduce(module);
+  bind_warp(module);
 }

@@ -10,6 +10,7 @@ namespace py = pybind11;
 void bind_simd(py::module_& module);
 void bind_elementary(py::module_& module);
 void bind_geometry(py::module_& module);
+void bind_plane_maps(py::module_& module);
 void bind_imaging(py::module_& module);
 void bind_raw(py::module_& module);
 void bind_capture(py::module_& module);
@@ -60,6 +61,7 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   bind_simd(module);
   bind_elementary(module);
   bind_geometry(module);
+  bind_plane_maps(module);
   bind_imaging(module);
   bind_raw(module);
   bind_capture(module);

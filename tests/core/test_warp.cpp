@@ -1,12 +1,10 @@
-// Lenses, and images of which each pixel comes from a place of its own in another.
+// Images of which each pixel comes from a place of its own in another.
 #include "robsim/imaging/warp.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
-
-#include "robsim/imaging/lens.hpp"
 
 namespace robsim {
 namespace {
@@ -82,36 +80,6 @@ TEST(Warp, RefusesImagesOfOtherSizes) {
   Image other(5, 4);
   EXPECT_THROW(warp.apply(ramps(8, 8).view(), other.writable_view()), std::invalid_argument);
   EXPECT_THROW(Warp(4, 4, 1, 8, [](Point p) { return p; }), std::invalid_argument);
-}
-
-TEST(Lens, MovesTheCornersByTheSumOfItsCoefficients) {
-  const Lens lens(-0.04, 0.01, 640, 480);
-  // Half of the diagonal from the centre, 319.5, 239.5.
-  const Point corner = lens.distorted({319.5 + 320, 239.5 + 240});
-  EXPECT_NEAR(corner.x, 319.5 + 320 * 0.97, 1e-9);
-  EXPECT_NEAR(corner.y, 239.5 + 240 * 0.97, 1e-9);
-  const Point centre = lens.distorted({319.5, 239.5});
-  EXPECT_EQ(centre.x, 319.5);
-  EXPECT_EQ(centre.y, 239.5);
-}
-
-TEST(Lens, FindsTheWayBack) {
-  for (const auto& [k1, k2] :
-       {std::pair(-0.04, 0.0), {0.3, 0.0}, {-0.2, 0.05}, {0.1, -0.1}, {0.0, 0.4}, {-0.14, 0.0}}) {
-    const Lens lens(k1, k2, 640, 480);
-    for (const Point& pixel :
-         {Point{0, 0}, {639, 479}, {639, 0}, {319.5, 0}, {320, 240}, {11, 400}}) {
-      const Point back = lens.distorted(lens.ideal(pixel));
-      EXPECT_NEAR(back.x, pixel.x, 1e-8) << k1 << ", " << k2;
-      EXPECT_NEAR(back.y, pixel.y, 1e-8) << k1 << ", " << k2;
-    }
-  }
-}
-
-TEST(Lens, RefusesToFoldTheFrame) {
-  EXPECT_THROW(Lens(-0.2, 0, 640, 480), std::invalid_argument);
-  EXPECT_THROW(Lens(0, -0.5, 640, 480), std::invalid_argument);
-  EXPECT_THROW(Lens(NAN, 0, 640, 480), std::invalid_argument);
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ CORNERS = [(0, 0), (1199, 0), (1199, 899), (0, 899)]
 OBLIQUE = robsim.imaging.PlaneMap.from_points(
     [(102, 60), (541, 57), (630, 455), (12, 460)], CORNERS
 )
+LENS = robsim.imaging.Intrinsics([[500, 0, 320], [0, 500, 240], [0, 0, 1]], (-0.1, 0, 0, 0, 0))
 DRIVE = (8.0, 5.0)
 
 
@@ -381,6 +382,10 @@ def test_reader_motors_and_commands_at_once():
         ({"fps": 0}, "fps must lie within"),
         ({"camera_delay": -1}, "camera_delay must"),
         ({"lens": Lens(-0.5)}, "k1 and k2 must keep"),
+        (
+            {"lens": Lens(-0.1), "plane_map": robsim.imaging.PlaneMap(OBLIQUE.matrix, LENS)},
+            "lens must not be given, as plane_map has intrinsics",
+        ),
         (
             {"plane_map": robsim.imaging.PlaneMap([[1, 0, 9000], [0, 1, 0], [0, 0, 1]])},
             "plane_map must show some of the work area",

@@ -20,7 +20,7 @@ CPP = {
     "geometry": set(),
     "random": {"elementary"},
     "estimation": {"simd", "text"},
-    "imaging": {"geometry"},
+    "imaging": {"text", "geometry"},
     "imaging/raw": {"simd", "imaging"},
     "model": {"text", "elementary", "geometry"},
     "world/noise": {"text", "simd", "elementary", "random", "imaging"},

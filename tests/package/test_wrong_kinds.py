@@ -100,6 +100,7 @@ def report():
 
 #: An example of an argument that has to be given, by name; by callable and name where they differ.
 EXAMPLES = {
+    "Intrinsics.matrix": lambda: [[50, 0, 20], [0, 50, 20], [0, 0, 1]],
     "Lens.distorted.size": lambda: (64, 48),
     "Lens.ideal.size": lambda: (64, 48),
     "Blob.centroid": lambda: (1.0, 2.0),
@@ -123,6 +124,7 @@ EXAMPLES = {
     "MarkerLayout.from_positions.blue": lambda: (0, 9),
     "MarkerLayout.from_positions.red": lambda: (0, 0),
     "output_error.u": lambda: trace().u,
+    "PlaneMap.at_height.height": lambda: 9.0,
     "PlaneMap.from_points.pixels": lambda: [(0, 0), (9, 0), (9, 9), (0, 9)],
     "PlaneMap.from_points.positions": lambda: [(0, 0), (9, 0), (9, 9), (0, 9)],
     "PlaneMap.scaled.area": lambda: (300, 300),

@@ -230,12 +230,9 @@ void bind_laboratory(py::module_& module) {
   public_in(module, "robsim._core")
       .def(
           "view_warp",
-          [](const Scene& scene, std::pair<int, int> size, const PlaneMap& plane_map,
-             std::pair<double, double> lens) {
-            return std::make_shared<Warp>(
-                view_warp(scene, size.first, size.second, plane_map,
-                          Lens(lens.first, lens.second, size.first, size.second)));
+          [](const Scene& scene, std::pair<int, int> size, const PlaneMap& plane_map) {
+            return std::make_shared<Warp>(view_warp(scene, size.first, size.second, plane_map));
           },
-          py::arg("scene"), py::arg("size"), py::arg("plane_map"), py::arg("lens"),
+          py::arg("scene"), py::arg("size"), py::arg("plane_map"),
           "Return the warp from a scene to the frames of a camera elsewhere.");
 }

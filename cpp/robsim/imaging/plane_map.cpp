@@ -6,6 +6,7 @@
 #include <string>
 
 #include "robsim/imaging/fit_homography.hpp"
+#include "robsim/text/to_text.hpp"
 
 namespace robsim {
 
@@ -87,17 +88,33 @@ Matrix from_unit_points(const std::vector<Point>& p) {
   return scaled;
 }
 
-Point apply(const Matrix& m, const Point& p) {
+Point projected(const Matrix& m, const Point& p) {
   const double w = m[6] * p.x + m[7] * p.y + m[8];
   return {(m[0] * p.x + m[1] * p.y + m[2]) / w, (m[3] * p.x + m[4] * p.y + m[5]) / w};
+}
+
+std::vector<Point> ideal_pixels(std::vector<Point> pixels,
+                                const std::optional<Intrinsics>& intrinsics) {
+  if (!intrinsics) return pixels;
+  for (Point& pixel : pixels) {
+    const Point ideal = intrinsics->ideal(pixel);
+    if (std::isnan(ideal.x)) {
+      throw std::invalid_argument("pixels must lie where the lens shows something, got (" +
+                                  to_text(pixel.x) + ", " + to_text(pixel.y) + ")");
+    }
+    pixel = ideal;
+  }
+  return pixels;
 }
 
 }  // namespace
 
 PlaneMap::PlaneMap() : PlaneMap(Matrix{1, 0, 0, 0, 1, 0, 0, 0, 1}) {}
 
-PlaneMap::PlaneMap(const Matrix& to_world)
-    : to_world_(normalised(to_world)), to_pixel_(inverse(to_world_)) {}
+PlaneMap::PlaneMap(const Matrix& to_world, const std::optional<Intrinsics>& intrinsics)
+    : to_world_(normalised(to_world)),
+      to_pixel_(inverse(to_world_)),
+      intrinsics_(intrinsics ? std::make_shared<Intrinsics>(*intrinsics) : nullptr) {}
 
 PlaneMap PlaneMap::scaled(int width, int height, double area_width, double area_height,
                           Point origin) {
@@ -108,29 +125,77 @@ PlaneMap PlaneMap::scaled(int width, int height, double area_width, double area_
 }
 
 PlaneMap PlaneMap::from_points(const std::vector<Point>& pixels,
-                               const std::vector<Point>& positions) {
+                               const std::vector<Point>& positions,
+                               const std::optional<Intrinsics>& intrinsics) {
   if (pixels.size() != positions.size() || pixels.size() < 4) {
     throw std::invalid_argument(
         "pixels and positions must have as many points, at least four, got " +
         std::to_string(pixels.size()) + " and " + std::to_string(positions.size()));
   }
-  if (pixels.size() > 4) return PlaneMap(fit_homography(pixels, positions));
-  if (turns("pixels", pixels) != turns("positions", positions)) {
+  const std::vector<Point> ideal = ideal_pixels(pixels, intrinsics);
+  if (ideal.size() > 4) return PlaneMap(fit_homography(ideal, positions), intrinsics);
+  if (turns("pixels", ideal) != turns("positions", positions)) {
     throw std::invalid_argument(
         "pixels and positions must have the four points in the same order: the first pixel belongs "
         "to the first position; these go round in another order");
   }
-  return PlaneMap(product(from_unit_points(positions), inverse(from_unit_points(pixels))));
+  return PlaneMap(product(from_unit_points(positions), inverse(from_unit_points(ideal))),
+                  intrinsics);
 }
 
-Point PlaneMap::to_world(const Point& pixel) const { return apply(to_world_, pixel); }
+PlaneMap PlaneMap::at_height(double height) const {
+  if (!intrinsics_) {
+    throw std::invalid_argument(
+        "height needs the camera's intrinsics: without them the map knows of the floor alone");
+  }
+  if (!std::isfinite(height)) throw std::invalid_argument("height must be finite (work-area px)");
+  const auto& [fx, fy] = intrinsics_->focal();
+  const auto& [cx, cy] = intrinsics_->centre();
+  const Matrix& h = to_pixel_;
+  // K^-1 H, its columns s r1, s r2, s t
+  Matrix m;
+  for (std::size_t i = 0; i < 3; ++i) {
+    m[i] = (h[i] - cx * h[6 + i]) / fx;
+    m[3 + i] = (h[3 + i] - cy * h[6 + i]) / fy;
+    m[6 + i] = h[6 + i];
+  }
+  const auto length = [&](std::size_t i) {
+    return std::sqrt(m[i] * m[i] + m[3 + i] * m[3 + i] + m[6 + i] * m[6 + i]);
+  };
+  // |s| by r1 and r2, which have the length 1; what the camera looks at is in front of it.
+  const double front = to_world_[6] * cx + to_world_[7] * cy + to_world_[8] < 0 ? -1 : 1;
+  const double s = front * (length(0) + length(1)) / 2;
+  for (double& value : m) value /= s;
+  const std::array<double, 3> r3 = {m[3] * m[7] - m[6] * m[4], m[6] * m[1] - m[0] * m[7],
+                                    m[0] * m[4] - m[3] * m[1]};
+  // The camera's place on the floor's normal r3, which is to point to its side.
+  const double place = -(r3[0] * m[2] + r3[1] * m[5] + r3[2] * m[8]);
+  if (!(height < std::abs(place))) {
+    throw std::invalid_argument("height must be below the camera, which is " +
+                                to_text(std::abs(place)) + " work-area px above the floor, got " +
+                                to_text(height));
+  }
+  const double up = place > 0 ? height : -height;
+  for (std::size_t i = 0; i < 3; ++i) m[3 * i + 2] += up * r3[i];
+  const Matrix camera = {fx, 0, cx, 0, fy, cy, 0, 0, 1};
+  return PlaneMap(inverse(product(camera, m)), *intrinsics_);
+}
 
-Point PlaneMap::to_pixel(const Point& position) const { return apply(to_pixel_, position); }
+Point PlaneMap::to_world(const Point& pixel) const { return projected(to_world_, ideal(pixel)); }
+
+Point PlaneMap::to_pixel(const Point& position) const {
+  const Point seen = projected(to_pixel_, position);
+  return intrinsics_ ? intrinsics_->distorted(seen) : seen;
+}
 
 double PlaneMap::area_scale(const Point& pixel) const {
+  const Point seen = ideal(pixel);
   // The Jacobian of a homography M at p has the determinant det M / w^3, w = (M p)_3.
-  const double w = to_world_[6] * pixel.x + to_world_[7] * pixel.y + to_world_[8];
-  return std::abs(determinant(to_world_) / (w * w * w));
+  const double w = to_world_[6] * seen.x + to_world_[7] * seen.y + to_world_[8];
+  const double scale = std::abs(determinant(to_world_) / (w * w * w));
+  if (!intrinsics_) return scale;
+  const auto [a, b, c, d] = intrinsics_->ideal_derivatives(seen);
+  return scale * (a * d - b * c);
 }
 
 }  // namespace robsim

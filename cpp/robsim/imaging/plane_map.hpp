@@ -1,14 +1,18 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "robsim/geometry/pose.hpp"
+#include "robsim/imaging/intrinsics.hpp"
 
 namespace robsim {
 
 /// Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
-/// A homography; for the simulated camera it is a scaling and a shift.
+/// A homography; for the simulated camera it is a scaling and a shift. With a camera's intrinsics
+/// it is that of the ideal pixels, and NaN where the lens shows nothing.
 class PlaneMap {
  public:
   using Matrix = std::array<double, 9>;  // row by row
@@ -18,7 +22,8 @@ class PlaneMap {
 
   /// `to_world` maps (u, v, 1) to (x, y, 1) times a number.
   /// Throws std::invalid_argument if it is not finite or has no inverse.
-  explicit PlaneMap(const Matrix& to_world);
+  explicit PlaneMap(const Matrix& to_world,
+                    const std::optional<Intrinsics>& intrinsics = std::nullopt);
 
   /// A camera of width x height pixels that sees an area of area_width x area_height, its top left
   /// corner moved by `origin` (work-area px).
@@ -28,9 +33,17 @@ class PlaneMap {
   /// The only homography that takes each of four pixels to its position (work-area px); of more
   /// points, the one with the least squared distances. Throws std::invalid_argument if there are
   /// fewer, or not as many of both; if too many lie on a line; and if the positions are in another
-  /// order than the pixels.
-  static PlaneMap from_points(const std::vector<Point>& pixels,
-                              const std::vector<Point>& positions);
+  /// order than the pixels; or if the lens shows nothing at a pixel.
+  static PlaneMap from_points(const std::vector<Point>& pixels, const std::vector<Point>& positions,
+                              const std::optional<Intrinsics>& intrinsics = std::nullopt);
+
+  /// The map to what lies `height` work-area px above the floor, as the homography K [r1 r2 t] of
+  /// the floor gives it: K [r1 r2 t + height n], n pointing up, to the camera. Throws
+  /// std::invalid_argument without intrinsics, and if the camera is not above that height.
+  PlaneMap at_height(double height) const;
+
+  /// The pixel at which an ideal lens would show what this one does; NaN where it shows nothing.
+  Point ideal(const Point& pixel) const { return intrinsics_ ? intrinsics_->ideal(pixel) : pixel; }
 
   Point to_world(const Point& pixel) const;
   Point to_pixel(const Point& position) const;
@@ -39,10 +52,12 @@ class PlaneMap {
   double area_scale(const Point& pixel) const;
 
   const Matrix& matrix() const { return to_world_; }
+  const Intrinsics* intrinsics() const { return intrinsics_.get(); }  // null: none
 
  private:
   Matrix to_world_;
   Matrix to_pixel_;
+  std::shared_ptr<const Intrinsics> intrinsics_;  // shared: each frame has a copy of the map
 };
 
 }  // namespace robsim

@@ -1,7 +1,7 @@
-"""Images and frames: image files, camera noise, plane maps, videos, recordings, clips."""
+"""Images and frames: image files, camera noise, plane maps, lenses, videos, recordings, clips."""
 
 from robsim._base.public import present as _present
-from robsim._core import Frame, PlaneMap
+from robsim._core import Frame, Intrinsics, PlaneMap
 from robsim.imaging._clip import Clip
 from robsim.imaging._images import load_image, save_image
 from robsim.imaging._noise import GaussianNoise, UniformNoise
@@ -12,6 +12,7 @@ __all__ = [
     "Clip",
     "Frame",
     "GaussianNoise",
+    "Intrinsics",
     "PlaneMap",
     "Recording",
     "UniformNoise",

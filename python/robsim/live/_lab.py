@@ -51,9 +51,9 @@ class SimulatedLab:
     lens : Lens, optional
         Distortion of its lens. Default: none.
     plane_map : PlaneMap, optional
-        From where it looks: the map of its frames, but for the distortion, to the work area, as
-        `PlaneMap.from_points` gives it. What is not of the work area is grey. Default: from above,
-        the whole area.
+        From where it looks: the map of its frames, but for the distortion by `lens`, to the work
+        area, as `PlaneMap.from_points` gives it; one with intrinsics has a lens of its own. What is
+        not of the work area is grey. Default: from above, the whole area.
     camera_delay : float
         How long after its exposure a frame comes (s).
     receiver : MotorReceiver, optional
@@ -67,7 +67,7 @@ class SimulatedLab:
     dt : float
         Time from frame to frame (s).
     plane_map : PlaneMap
-        Pixels of the frames, but for the distortion, <-> work area.
+        Pixels of the frames, but for the distortion by `lens`, <-> work area.
     receiver : MotorReceiver
         The robot's end of the motor line.
     scenario : Scenario
@@ -105,8 +105,12 @@ class SimulatedLab:
         self.dt = 1 / check_float("fps", fps, "1/s", minimum=0.1, maximum=1000)
         self._delay = check_float("camera_delay", camera_delay, "s", minimum=0, maximum=3600)
         self._faults = _checked("faults", faults, CameraFaults) or CameraFaults()
-        self._lens = _checked("lens", lens, Lens) or Lens()
+        self._lens = _checked("lens", lens, Lens)
         _checked("plane_map", plane_map, PlaneMap)
+        if plane_map is not None and plane_map.intrinsics and lens:
+            raise ValueError(
+                "lens must not be given, as plane_map has intrinsics, which are a lens"
+            )
         _checked("receiver", receiver, MotorReceiver)
         scenario = _real_time(_checked("scenario", scenario, Scenario) or Scenario(), self.dt)
         self._seed = seed_sequence(scenario.seed)
@@ -114,7 +118,7 @@ class SimulatedLab:
         self.area = scenario.area
         self.size = worlds.frame_size(scenario)
         self.plane_map = plane_map or PlaneMap.scaled(self.size, self.area)
-        is_from_above = plane_map is None and self._lens == Lens()
+        is_from_above = plane_map is None and lens in (None, Lens())
         self._world = _new_world(self.scenario, self._seed, None if is_from_above else self._scale)
         self.receiver = MotorReceiver() if receiver is None else receiver
         model = self.scenario._model
@@ -143,8 +147,10 @@ class SimulatedLab:
     def _new_warp(self) -> _core.Warp:
         scene = self._world.scene
         assert scene is not None  # the world has started
-        lens = (self._lens.k1, self._lens.k2)
-        return _core.view_warp(scene, self.size, self.plane_map, lens)
+        seen = self.plane_map
+        if self._lens is not None:
+            seen = PlaneMap(seen.matrix, self._lens._before(self.size))
+        return _core.view_warp(scene, self.size, seen)
 
     def _open_device(self) -> _core.LaboratoryCamera:
         """Return the camera for a grabber."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim import _core
 from robsim._base.checks import Floats, check_float, check_size
+from robsim._core import Intrinsics
 
 
 @dataclass(frozen=True)
@@ -85,5 +87,16 @@ class Lens:
         """
         return self._before(size).ideal(pixels)
 
-    def _before(self, size: tuple[int, int]) -> _core.Lens:
-        return _core.Lens(self.k1, self.k2, check_size("size", size))
+    def _before(self, size: tuple[int, int]) -> Intrinsics:
+        """Return the intrinsics of a camera with frames of a size, r in halves of the diagonal."""
+        width, height = check_size("size", size)
+        half = math.sqrt(width * width + height * height) / 2
+        middle = ((width - 1) / 2, (height - 1) / 2)
+        matrix = ((half, 0, middle[0]), (0, half, middle[1]), (0, 0, 1))
+        intrinsics = Intrinsics(matrix, (self.k1, self.k2, 0, 0, 0))
+        if np.isnan(intrinsics.ideal((-0.5, -0.5))).any():
+            raise ValueError(
+                "k1 and k2 must keep the order of the pixels from the centre to the corners: with "
+                "these, the lens folds the picture over within the frame"
+            )
+        return intrinsics

@@ -1,0 +1,367 @@
+// Maps between the pixels of frames and the work area, through a camera's lens.
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
+#include "python/signature.hpp"
+#include "python/values.hpp"
+#include "robsim/imaging/plane_map.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+using Matrix = PlaneMap::Matrix;
+
+Matrix matrix_from(const ArrayLike& value, const std::string& expected) {
+  const Doubles m = doubles_from(value, "matrix", Shape{3, 3}, expected + ", shape (3, 3)");
+  Matrix values;
+  std::copy_n(m.data(), 9, values.begin());
+  return values;
+}
+
+Intrinsics intrinsics_of(const Matrix& m, const Intrinsics::Distortion& distortion) {
+  if (m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
+    throw py::value_error(
+        "matrix must be that of a camera, [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], got " +
+        py::repr(to_array(m.data(), {3, 3}).attr("tolist")()).cast<std::string>());
+  }
+  return Intrinsics({m[0], m[4]}, {m[2], m[5]}, distortion);
+}
+
+Intrinsics intrinsics_from(const ArrayLike& matrix, const std::optional<ArrayLike>& distortion) {
+  Intrinsics::Distortion values{};
+  if (distortion) {
+    const Doubles given =
+        doubles_from(*distortion, "distortion", Shape{5}, "the five numbers k1, k2, p1, p2, k3");
+    std::copy_n(given.data(), values.size(), values.begin());
+  }
+  return intrinsics_of(matrix_from(matrix, "a camera's [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"),
+                       values);
+}
+
+Matrix camera_matrix(const Intrinsics& self) {
+  return {self.focal().x, 0, self.centre().x, 0, self.focal().y, self.centre().y, 0, 0, 1};
+}
+
+std::string text_of(py::handle value) { return py::repr(value).cast<std::string>(); }
+
+std::string rows_text(const Matrix& m) {
+  return text_of(to_array(m.data(), {3, 3}).attr("tolist")());
+}
+
+std::string repr(const Intrinsics& self) {
+  const Intrinsics::Distortion& d = self.distortion();
+  if (d == Intrinsics::Distortion{}) return "Intrinsics(" + rows_text(camera_matrix(self)) + ")";
+  return "Intrinsics(" + rows_text(camera_matrix(self)) + ", " +
+         text_of(py::make_tuple(d[0], d[1], d[2], d[3], d[4])) + ")";
+}
+
+std::optional<Intrinsics> intrinsics_in(const PlaneMap& self) {
+  return self.intrinsics() ? std::optional(*self.intrinsics()) : std::nullopt;
+}
+
+PlaneMap plane_map_from(const std::optional<ArrayLike>& matrix,
+                        const std::optional<Intrinsics>& intrinsics) {
+  return PlaneMap(matrix ? matrix_from(*matrix, "a homography") : PlaneMap().matrix(), intrinsics);
+}
+
+std::string repr(const PlaneMap& plane_map) {
+  const Matrix& m = plane_map.matrix();
+  std::string text = m == PlaneMap().matrix() ? "" : rows_text(m);
+  if (plane_map.intrinsics()) {
+    text += (text.empty() ? "" : ", ") + ("intrinsics=" + repr(*plane_map.intrinsics()));
+  }
+  return "PlaneMap(" + text + ")";
+}
+
+std::vector<Point> points_from(py::handle value, const std::string& name) {
+  const std::string expected = "four or more points, finite numbers of shape (N, 2)";
+  const Doubles array = doubles_from(value, name, Shape{-1, 2}, expected);
+  if (array.shape(0) < 4) {
+    throw py::value_error(name + " must be " + expected + ", got " + describe(value));
+  }
+  std::vector<Point> points;
+  for (py::ssize_t i = 0; i < array.shape(0); ++i)
+    points.push_back({array.at(i, 0), array.at(i, 1)});
+  return points;
+}
+
+// Maps one point (2,) or many (N, 2).
+template <typename Map>
+py::array_t<double> map_points(py::handle value, const std::string& name, const Map& map) {
+  const std::string expected = "a point (2,) or points (N, 2)";
+  const Doubles points = doubles_from(value, name, std::nullopt, expected);
+  const py::ssize_t dimensions = points.ndim();
+  if (dimensions < 1 || dimensions > 2 || points.shape(dimensions - 1) != 2) {
+    throw py::value_error(name + " must be " + expected + ", got " + describe(value));
+  }
+  py::array_t<double> result(Shape(points.shape(), points.shape() + points.ndim()));
+  const double* from = points.data();
+  double* to = result.mutable_data();
+  for (py::ssize_t i = 0; i < points.size(); i += 2) {
+    const Point p = map(Point{from[i], from[i + 1]});
+    to[i] = p.x;
+    to[i + 1] = p.y;
+  }
+  return result;
+}
+
+void bind_intrinsics(py::module_& module) {
+  Class<Intrinsics> intrinsics(public_in(module, "robsim.imaging"), "Intrinsics", R"(
+A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
+
+Parameters
+----------
+matrix : array (3, 3)
+    The camera matrix ``[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]``: focal lengths and principal point
+    (px; an integer is a pixel's centre).
+distortion : array (5,), optional
+    The coefficients k1, k2, p1, p2, k3. Default: none, an ideal lens.
+
+Raises
+------
+TypeError, ValueError
+    If the shapes are others, a number is not finite, or a focal length not above 0.
+
+Notes
+-----
+What an ideal lens would show at x = (u - cx) / fx, y = (v - cy) / fy, with r^2 = x^2 + y^2, appears
+at ::
+
+    x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2)
+    y (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 y^2) + 2 p2 x y
+
+as far as that grows with r; farther out the lens would fold the picture over, and both ways give
+NaN. Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8), 1971;
+``cv2.calibrateCamera`` gives the coefficients in the same order.
+
+Examples
+--------
+>>> matrix = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
+>>> intrinsics = Intrinsics(matrix, (-0.12, 0.02, 0, 0, 0))
+>>> plane_map = PlaneMap.from_points(seen, corners, intrinsics)
+)");
+  intrinsics.def(py::init(&intrinsics_from), py::arg("matrix"), py::arg("distortion") = py::none())
+      .def_property_readonly(
+          "matrix",
+          [](const Intrinsics& self) { return to_array(camera_matrix(self).data(), {3, 3}); },
+          "array (3, 3): the camera matrix (px).")
+      .def_property_readonly(
+          "distortion",
+          [](const Intrinsics& self) { return to_array(self.distortion().data(), {5}); },
+          "array (5,): k1, k2, p1, p2, k3.")
+      .def(
+          "distorted",
+          [](const Intrinsics& self, const ArrayLike& pixels) {
+            return map_points(pixels, "pixels", [&](const Point& p) { return self.distorted(p); });
+          },
+          py::arg("pixels"), R"(
+Return where frames show what an ideal lens would show at these pixels.
+
+Parameters
+----------
+pixels : array (2,) or (N, 2)
+    Ideal pixels (u, v).
+
+Returns
+-------
+array (2,) or (N, 2)
+    Pixels (u, v) of the frames; NaN where the lens shows nothing.
+)")
+      .def(
+          "ideal",
+          [](const Intrinsics& self, const ArrayLike& pixels) {
+            return map_points(pixels, "pixels", [&](const Point& p) { return self.ideal(p); });
+          },
+          py::arg("pixels"), R"(
+Return where an ideal lens would show what frames show at these pixels.
+
+Parameters
+----------
+pixels : array (2,) or (N, 2)
+    Pixels (u, v) of the frames.
+
+Returns
+-------
+array (2,) or (N, 2)
+    Ideal pixels (u, v); NaN where the lens shows nothing.
+)")
+      .def("__repr__", py::overload_cast<const Intrinsics&>(&repr));
+  const Fields fields(&intrinsics_of, Field("matrix", &camera_matrix),
+                      Field("distortion", &Intrinsics::distortion));
+  define_equality(intrinsics, fields);
+  define_hash(intrinsics, fields);
+  define_pickle(intrinsics, fields);
+}
+
+void bind_plane_map(py::module_& module) {
+  Class<PlaneMap> plane_map(public_in(module, "robsim.imaging"), "PlaneMap", R"(
+Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
+
+Parameters
+----------
+matrix : array (3, 3), optional
+    Homography that takes (u, v, 1) to (x, y, 1) times a number. Default: the identity.
+intrinsics : Intrinsics, optional
+    Those of the camera: its lens first leads from (u, v) to the ideal pixel, from where the
+    homography goes on. Default: the pixels are ideal.
+
+Raises
+------
+TypeError, ValueError
+    If the matrix is not finite or has no inverse.
+)");
+  plane_map
+      .def(py::init(&plane_map_from), py::arg("matrix") = py::none(),
+           py::arg("intrinsics") = py::none())
+      .def_static(
+          "scaled",
+          [](std::pair<int, int> resolution, std::pair<double, double> area) {
+            if (resolution.first < 1 || resolution.second < 1) {
+              throw py::value_error("resolution must be (width, height) in px, both above 0");
+            }
+            for (const double size : {area.first, area.second}) {
+              if (!(size > 1e-3 && size < 1e9)) {
+                throw py::value_error("area must be (width, height) in work-area px, both above 0");
+              }
+            }
+            return PlaneMap::scaled(resolution.first, resolution.second, area.first, area.second);
+          },
+          py::arg("resolution"), py::arg("area"), R"(
+Return the map of a camera that sees the whole area.
+
+Parameters
+----------
+resolution : tuple of int
+    Width and height of the frame (px).
+area : tuple of float
+    Width and height of the area (work-area px).
+)")
+      .def_static(
+          "from_points",
+          [](const ArrayLike& pixels, const ArrayLike& positions,
+             const std::optional<Intrinsics>& intrinsics) {
+            return PlaneMap::from_points(points_from(pixels, "pixels"),
+                                         points_from(positions, "positions"), intrinsics);
+          },
+          py::arg("pixels"), py::arg("positions"), py::arg("intrinsics") = py::none(), R"(
+Return the map of a camera that looks at the work area from any direction.
+
+Parameters
+----------
+pixels : array (N, 2)
+    Pixels (u, v) of four or more points on the floor; of four, no three on a line.
+positions : array (N, 2)
+    Positions (x, y) of these points on the work area, in the same order (work-area px).
+intrinsics : Intrinsics, optional
+    Those of the camera. Default: its lens does not distort.
+
+Returns
+-------
+PlaneMap
+    Of four points, the only homography that takes each pixel to its position; of more, the one with
+    the least squared distances. ``plane_map.to_world(pixels) - positions`` says how far off it is.
+
+Raises
+------
+TypeError, ValueError
+    If the shapes are others, too many points lie on a line, the positions are in another order
+    than the pixels, or the lens shows nothing at a pixel.
+
+Examples
+--------
+>>> seen = [(102, 80), (541, 77), (630, 455), (12, 460)]
+>>> corners = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
+>>> plane_map = PlaneMap.from_points(seen, corners)
+)")
+      .def_property_readonly(
+          "matrix", [](const PlaneMap& self) { return to_array(self.matrix().data(), {3, 3}); },
+          "array (3, 3): the homography from pixels, ideal ones with intrinsics, to the work area.")
+      .def_property_readonly("intrinsics", &intrinsics_in,
+                             "Intrinsics or None: those of the camera.")
+      .def("at_height", &PlaneMap::at_height, py::arg("height"), R"(
+Return the map of what lies above the floor, such as markers on a robot.
+
+Parameters
+----------
+height : float
+    How far above what this map is of (work-area px).
+
+Returns
+-------
+PlaneMap
+    Pixels <-> the places on the work area above which they lie.
+
+Raises
+------
+TypeError, ValueError
+    If the map has no intrinsics, or the camera is not above that height.
+
+Notes
+-----
+The floor's homography to ideal pixels is K [r1 r2 t], times a number, which |r1| = |r2| = 1 gives
+(the mean of both, as they are measured); that of the height h is K [r1 r2 t + h n], where
+n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new technique for camera
+calibration, PAMI 22(11), 2000.
+)")
+      .def(
+          "to_world",
+          [](const PlaneMap& self, const ArrayLike& pixels) {
+            return map_points(pixels, "pixels", [&](const Point& p) { return self.to_world(p); });
+          },
+          py::arg("pixels"), R"(
+Return the positions of pixels.
+
+Parameters
+----------
+pixels : array (2,) or (N, 2)
+    Pixels (u, v).
+
+Returns
+-------
+array (2,) or (N, 2)
+    Positions (x, y) in work-area px; NaN where the lens shows nothing.
+)")
+      .def(
+          "to_pixel",
+          [](const PlaneMap& self, const ArrayLike& positions) {
+            return map_points(positions, "positions",
+                              [&](const Point& p) { return self.to_pixel(p); });
+          },
+          py::arg("positions"), R"(
+Return the pixels of positions.
+
+Parameters
+----------
+positions : array (2,) or (N, 2)
+    Positions (x, y) in work-area px.
+
+Returns
+-------
+array (2,) or (N, 2)
+    Pixels (u, v); NaN where the lens shows nothing.
+)")
+      .def("__repr__", py::overload_cast<const PlaneMap&>(&repr));
+  const auto make = [](const Matrix& matrix, const std::optional<Intrinsics>& intrinsics) {
+    return PlaneMap(matrix, intrinsics);
+  };
+  const Fields fields(make, Field("matrix", &PlaneMap::matrix),
+                      Field("intrinsics", &intrinsics_in));
+  define_equality(plane_map, fields);
+  define_hash(plane_map, fields);
+  define_pickle(plane_map, fields);
+}
+
+}  // namespace
+
+void bind_plane_maps(py::module_& module) {
+  bind_intrinsics(module);
+  bind_plane_map(module);
+}

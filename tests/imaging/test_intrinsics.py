@@ -1,0 +1,115 @@
+"""A camera's intrinsics: its lens, there and back, as OpenCV has it."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from refusals import INF, NAN, Refusal, refusals
+from robsim.imaging import Intrinsics
+
+SIZE = (1280, 960)
+MATRIX = np.array([[1010.0, 0, 636.5], [0, 1000, 482.25], [0, 0, 1]])
+LENSES = {
+    "barrel": (-0.12, 0, 0, 0, 0),
+    "pincushion": (0.2, 0.05, 0, 0, 0),
+    "both": (-0.3, 0.12, 0.001, -0.002, -0.02),
+    "skewed": (0.05, -0.02, 0.004, 0.003, 0.01),
+    "none": (0, 0, 0, 0, 0),
+}
+
+
+def grid(size=SIZE, n=9):
+    sides = (np.linspace(-0.5, side - 0.5, n) for side in size)
+    return np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
+
+
+@pytest.mark.parametrize("distortion", LENSES.values(), ids=LENSES)
+def test_a_lens_distorts_as_that_of_opencv(distortion):
+    cv2 = pytest.importorskip("cv2")
+    rays = np.c_[(grid() - MATRIX[:2, 2]) / MATRIX.diagonal()[:2], np.ones(81)]
+    expected, _ = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), MATRIX, np.array(distortion))
+    found = Intrinsics(MATRIX, distortion).distorted(grid())
+    np.testing.assert_allclose(found, expected[:, 0], atol=1e-9)
+
+
+@settings(max_examples=60)
+@given(
+    distortion=st.tuples(*(st.floats(-limit, limit) for limit in (0.3, 0.1, 0.01, 0.01, 0.03))),
+    pixel=st.tuples(st.floats(-0.5, SIZE[0] - 0.5), st.floats(-0.5, SIZE[1] - 0.5)),
+)
+def test_there_and_back_within_a_frame(distortion, pixel):
+    intrinsics = Intrinsics(MATRIX, distortion)
+    ideal = intrinsics.ideal(pixel)
+    assert np.isnan(ideal).all() == np.isnan(ideal).any()
+    if np.isfinite(ideal).all():
+        np.testing.assert_allclose(intrinsics.distorted(ideal), pixel, atol=1e-9)
+    else:  # what is shown nowhere, is not what any ideal pixel would become
+        seen = intrinsics.distorted(grid((4 * SIZE[0], 4 * SIZE[1]), 40) - np.multiply(SIZE, 1.5))
+        seen = seen[np.isfinite(seen).all(axis=1)]
+        radius = np.hypot(*(seen - MATRIX[:2, 2]).T).max(initial=0)
+        assert np.hypot(*(np.array(pixel) - MATRIX[:2, 2])) > 0.9 * radius
+
+
+def test_ideal_pixels_need_no_way_back():
+    intrinsics = Intrinsics(MATRIX)
+    pixels = grid() * 1e3
+    assert np.array_equal(intrinsics.ideal(pixels), pixels)
+    assert np.array_equal(intrinsics.distorted(pixels), pixels)
+
+
+def test_a_lens_shows_nothing_beyond_where_it_would_fold():
+    # r (1 - r^2 / 3) grows up to r = 1, where it is 2/3.
+    intrinsics = Intrinsics(MATRIX, (-1 / 3, 0, 0, 0, 0))
+    middle, focal = MATRIX[:2, 2], MATRIX[0, 0]
+    away = np.array([(focal, 0.0)])
+    assert np.isfinite(intrinsics.distorted(middle + 0.999 * away)).all()
+    assert np.isnan(intrinsics.distorted(middle + 1.001 * away)).all()
+    assert np.isfinite(intrinsics.ideal(middle + 0.666 * away)).all()
+    assert np.isnan(intrinsics.ideal(middle + 0.667 * away)).all()
+    assert np.isnan(intrinsics.ideal(middle + 1000 * away)).all()
+
+
+def test_values():
+    lens = Intrinsics(MATRIX, LENSES["both"])
+    assert repr(Intrinsics([[2, 0, 1], [0, 3, 4], [0, 0, 1]], (0.5, 0, 0, 0, 0))) == (
+        "Intrinsics([[2.0, 0.0, 1.0], [0.0, 3.0, 4.0], [0.0, 0.0, 1.0]], (0.5, 0.0, 0.0, 0.0, 0.0))"
+    )
+    for other in (
+        Intrinsics(lens.matrix, lens.distortion),
+        pickle.loads(pickle.dumps(lens)),
+        copy.deepcopy(lens),
+        eval(repr(lens), {"Intrinsics": Intrinsics}),
+    ):
+        assert other == lens
+        assert hash(other) == hash(lens)
+    assert lens != Intrinsics(MATRIX)
+    assert lens != Intrinsics(MATRIX + np.diag([1, 0, 0]), lens.distortion)
+    for name in ("matrix", "distortion"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(lens, name)[0] = 1
+        with pytest.raises(AttributeError):
+            setattr(lens, name, getattr(lens, name))
+
+
+NO_MATRIX = (
+    *(None, 5, "abc", np.eye(2), np.zeros((3, 3)), 2 * np.eye(3), np.diag([0, 1, 1])),
+    *(np.diag([1, -1, 1]), MATRIX.T, MATRIX + np.eye(3, k=1), MATRIX + np.diag([INF, 0, 0])),
+)
+
+
+@refusals(
+    Refusal(Intrinsics, "matrix", NO_MATRIX),
+    Refusal(
+        lambda value: Intrinsics(MATRIX, value),
+        "distortion",
+        (0.1, "abcde", (1, 2, 3, 4), np.zeros((1, 5)), (0, 0, 0, 0, NAN), (0, 0, 0, INF, 0)),
+    ),
+    Refusal(Intrinsics(MATRIX).ideal, "pixels", (None, 5, (1, 2, 3), (NAN, 1))),
+    Refusal(Intrinsics(MATRIX).distorted, "pixels", (None, 5, (1, 2, 3), (NAN, 1))),
+)
+def test_what_is_no_lens(refusal):
+    refusal()

@@ -1,0 +1,110 @@
+"""Plane maps through a lens, on the floor and above it, against OpenCV's projection."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from robsim.imaging import Intrinsics, PlaneMap
+from tilted_camera import TiltedCamera
+
+pytest.importorskip("cv2")
+
+LENS = (-0.15, 0.04, 0.002, -0.001, 0.003)
+CAMERA = TiltedCamera((1280, 960), 1100, LENS)
+FLOOR = CAMERA.floor_map()
+PLACES = np.stack(np.meshgrid(*2 * [np.linspace(0, 1199, 7)]), axis=-1).reshape(-1, 2)
+
+
+@pytest.mark.parametrize("height", [0, 80, 400, -30])
+def test_places_at_a_height_are_where_opencv_projects_them(height):
+    plane_map = FLOOR.at_height(height) if height else FLOOR
+    seen = CAMERA.pixels(PLACES, height)
+    np.testing.assert_allclose(plane_map.to_world(seen), PLACES, atol=1e-7)
+    np.testing.assert_allclose(plane_map.to_pixel(PLACES), seen, atol=1e-7)
+    if height:  # the map of the floor is far off
+        off = np.linalg.norm(FLOOR.to_world(seen) - PLACES, axis=1)
+        assert off.min() > 0.1 * abs(height)
+
+
+def test_without_the_lens_a_map_is_off():
+    seen = CAMERA.pixels(PLACES)
+    corners = [0, 6, 48, 42]
+    plain = PlaneMap.from_points(seen[corners], PLACES[corners])
+    assert np.linalg.norm(plain.to_world(seen) - PLACES, axis=1).max() > 5
+
+
+def test_many_points_are_fitted_through_the_lens(rng):
+    marks = rng.uniform(0, 1199, (30, 2))
+    seen = CAMERA.pixels(marks) + rng.normal(0, 0.1, (30, 2))
+    plane_map = PlaneMap.from_points(seen, marks, CAMERA.intrinsics)
+    off = plane_map.at_height(80).to_world(CAMERA.pixels(PLACES, 80)) - PLACES
+    assert np.linalg.norm(off, axis=1).max() < 0.5
+
+
+@settings(max_examples=40)
+@given(
+    pixel=st.tuples(st.floats(-0.5, 1279.5), st.floats(-0.5, 959.5)),
+    height=st.floats(-500, 1000),
+)
+def test_there_and_back_within_a_frame(pixel, height):
+    plane_map = FLOOR.at_height(height)
+    np.testing.assert_allclose(plane_map.to_pixel(plane_map.to_world(pixel)), pixel, atol=1e-8)
+    down = plane_map.at_height(-height)
+    np.testing.assert_allclose(down.to_world(pixel), FLOOR.to_world(pixel), atol=1e-6)
+
+
+@pytest.mark.parametrize("turn", range(4))
+def test_up_is_towards_the_camera_however_it_is_turned(turn):
+    marks = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
+    seen = CAMERA.pixels(marks)
+    # The same camera over a floor whose axes point elsewhere.
+    plane_map = PlaneMap.from_points(seen, np.roll(marks, turn, axis=0), CAMERA.intrinsics)
+    top = plane_map.at_height(80).to_world(CAMERA.pixels(marks, 80))
+    np.testing.assert_allclose(top, np.roll(marks, turn, axis=0), atol=1e-7)
+
+
+def test_where_the_lens_shows_nothing():
+    fold = PlaneMap(
+        np.eye(3), Intrinsics([[300, 0, 320], [0, 300, 240], [0, 0, 1]], (-0.3,) + 4 * (0,))
+    )
+    assert np.isfinite(fold.to_world((400, 300))).all()
+    assert np.isnan(fold.to_world((639, 479))).all()
+    assert np.isnan(fold.to_pixel((2000, 240))).all()
+    pixels = [(300, 200), (400, 200), (639, 479), (300, 300)]
+    with pytest.raises(ValueError, match=r"pixels must lie where the lens shows.*\(639, 479\)"):
+        PlaneMap.from_points(pixels, pixels, fold.intrinsics)
+
+
+def test_values():
+    for plane_map in (FLOOR, PlaneMap(intrinsics=CAMERA.intrinsics), PlaneMap(FLOOR.matrix)):
+        for other in (
+            PlaneMap(plane_map.matrix, plane_map.intrinsics),
+            pickle.loads(pickle.dumps(plane_map)),
+            copy.copy(plane_map),
+            eval(repr(plane_map), {"PlaneMap": PlaneMap, "Intrinsics": Intrinsics}),
+        ):
+            assert other == plane_map
+            assert hash(other) == hash(plane_map)
+            assert repr(other) == repr(plane_map)
+    assert PlaneMap(FLOOR.matrix) != FLOOR
+    assert FLOOR.intrinsics == CAMERA.intrinsics
+    assert PlaneMap().intrinsics is None
+    assert repr(PlaneMap()) == "PlaneMap()"
+
+
+def test_heights_that_no_map_knows():
+    with pytest.raises(ValueError, match="height needs the camera's intrinsics"):
+        PlaneMap(FLOOR.matrix).at_height(80)
+    with pytest.raises(ValueError, match=r"height must be below the camera, which is 1558\.8"):
+        FLOOR.at_height(1600)
+    with pytest.raises(ValueError, match="height must be finite"):
+        FLOOR.at_height(float("nan"))
+    for wrong in ("80", None, True, (1, 2)):
+        with pytest.raises(TypeError, match="height must be"):
+            FLOOR.at_height(wrong)
+    with pytest.raises(TypeError, match="intrinsics must be"):
+        PlaneMap(np.eye(3), np.eye(3))
