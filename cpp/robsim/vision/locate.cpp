@@ -42,8 +42,10 @@ std::vector<Marker> markers_of(const BlobsByColor& blobs, const char* color, con
   if (found == blobs.end()) return result;
   for (const Blob& blob : found->second) {
     if (blob.at_border) continue;
+    const Point position = map.to_world(blob.centroid);
+    if (std::isnan(position.x)) continue;  // where the lens shows nothing
     const double area = static_cast<double>(blob.area) * map.area_scale(blob.centroid);
-    result.push_back({&blob, map.to_world(blob.centroid), area});
+    result.push_back({&blob, position, area});
   }
   return result;
 }
@@ -132,6 +134,33 @@ Pose pose_from(const Pair& pair, const MarkerLayout& markers) {
   const auto [sin, cos] = elementary::sin_cos(heading);
   return {(red.position.x + blue.position.x) / 2 - (x * cos - y * sin),
           (red.position.y + blue.position.y) / 2 - (x * sin + y * cos), heading};
+}
+
+// Where the centroid of a marker is on the work area. The centroid of what a camera sees of it lies
+// nearer to where the scale is larger, by second-order terms, which four points with the second
+// moments of a disc of its area give.
+Point centroid_of(const Marker& marker, const PlaneMap& map) {
+  const auto& [x, y] = marker.position;
+  // E[dx^2] = E[dy^2] = area / (4 pi)
+  const double away = std::sqrt(marker.area / (2 * pi));
+  Point sum;
+  double weights = 0;
+  for (const Point& place :
+       {Point{x + away, y}, Point{x - away, y}, Point{x, y + away}, Point{x, y - away}}) {
+    const Point pixel = map.to_pixel(place);
+    const double weight = 1 / map.area_scale(pixel);
+    sum = {sum.x + weight * pixel.x, sum.y + weight * pixel.y};
+    weights += weight;
+  }
+  const Point seen = map.to_world({sum.x / weights, sum.y / weights});
+  return std::isfinite(seen.x) ? Point{2 * x - seen.x, 2 * y - seen.y} : marker.position;
+}
+
+Pose pose_from(Pair pair, const MarkerLayout& markers, const PlaneMap& map) {
+  if (map.intrinsics()) {
+    for (Marker* marker : {&pair.red, &pair.blue}) marker->position = centroid_of(*marker, map);
+  }
+  return pose_from(pair, markers);
 }
 
 MarkerLayout exchanged(MarkerLayout markers) {
@@ -255,7 +284,7 @@ Detection choose(const BlobsByColor& blobs, const MarkerLayout& markers, const P
   } else if (detection.false_alarms > most_false_alarms) {
     detection.result = DetectionResult::by_chance;
   } else {
-    detection.measurement = Measurement{pose_from(*best, markers)};
+    detection.measurement = Measurement{pose_from(*best, markers, map)};
   }
   return detection;
 }
