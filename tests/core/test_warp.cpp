@@ -73,6 +73,26 @@ TEST(Warp, IsGreyOutsideAndReachesHalfAPixelBeyondTheOutermostCentres) {
   EXPECT_EQ(nowhere.row(0)[1], 128);
 }
 
+TEST(Warp, LaysOverWhatIsNotTransparent) {
+  // On the left it hides all, in the middle half of it, on the right nothing.
+  Image black(6, 4), white(6, 4), image(6, 4);
+  for (int v = 0; v < 4; ++v) {
+    for (int i = 0; i < 18; ++i) {
+      black.writable_view().row(v)[i] = i < 6 ? 200 : i < 12 ? 100 : 0;
+      white.writable_view().row(v)[i] = i < 6 ? 200 : i < 12 ? 227 : 255;
+      image.writable_view().row(v)[i] = 60;
+    }
+  }
+  const Warp warp(6, 4, 6, 4, [](Point p) { return p; });
+  warp.lay_over(black.view(), white.view(), {0, 0, 6, 2}, image.writable_view());
+  EXPECT_EQ(image.row(0)[0], 200);
+  EXPECT_EQ(image.row(0)[3 * 2], 130);  // 100 + 60 (227 - 100) / 255
+  EXPECT_EQ(image.row(0)[3 * 4], 60);
+  EXPECT_EQ(image.row(3)[0], 60);  // outside of the box
+  EXPECT_THROW(warp.lay_over(black.view(), ramps(6, 5).view(), {}, image.writable_view()),
+               std::invalid_argument);
+}
+
 TEST(Warp, RefusesImagesOfOtherSizes) {
   const Warp warp(4, 4, 8, 8, [](Point p) { return p; });
   Image image(4, 4);

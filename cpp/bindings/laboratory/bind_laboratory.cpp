@@ -125,12 +125,14 @@ void bind_faults(py::module_& module) {
 std::shared_ptr<LaboratoryCamera> make_camera(const std::shared_ptr<Laboratory>& laboratory,
                                               const std::shared_ptr<Scene>& scene,
                                               const std::optional<std::shared_ptr<Warp>>& warp,
+                                              const std::optional<std::shared_ptr<Warp>>& top,
                                               const VisualNoise& noise, std::uint64_t noise_seed,
                                               double delay, const CameraFaults& faults) {
   check_here(*laboratory);
   return std::make_shared<LaboratoryCamera>(
       laboratory, scene,
-      LaboratoryCameraOptions{warp.value_or(nullptr), noise, noise_seed, delay, faults});
+      LaboratoryCameraOptions{warp.value_or(nullptr), noise, noise_seed, delay, faults,
+                              top.value_or(nullptr)});
 }
 
 // In a forked process there is no thread of it, and the file is the parent's.
@@ -224,8 +226,21 @@ void bind_laboratory(py::module_& module) {
       public_in(module, "robsim._core"), "LaboratoryCamera",
       "The camera of a laboratory, for a grabber. Users take robsim.live.SimulatedLab.")
       .def(py::init(&make_camera), py::arg("laboratory"), py::arg("scene"), py::kw_only(),
-           py::arg("warp"), py::arg("noise"), py::arg("noise_seed"), py::arg("delay"),
-           py::arg("faults"));
+           py::arg("warp"), py::arg("top"), py::arg("noise"), py::arg("noise_seed"),
+           py::arg("delay"), py::arg("faults"));
+
+  Class<RaisedRobot>(public_in(module, "robsim._core"), "RaisedRobot",
+                     "A robot's top above the floor, as a camera elsewhere sees it.")
+      .def(py::init<std::shared_ptr<Scene>, std::shared_ptr<Warp>>(), py::arg("scene"),
+           py::arg("warp"))
+      .def(
+          "drawn",
+          [](RaisedRobot& self, const PixelArray& floor, const ArrayLike& pose) {
+            Image image = copy_of(image_view(floor, "floor"));
+            self.draw(pose_from(pose, "pose"), image.writable_view());
+            return image_array(image);
+          },
+          py::arg("floor"), py::arg("pose"), "Return a frame of the floor with the robot.");
 
   public_in(module, "robsim._core")
       .def(

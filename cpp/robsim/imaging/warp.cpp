@@ -62,11 +62,23 @@ Warp::Place Warp::place_of(const Point& point) const {
   return {u, v, right, down};
 }
 
-void Warp::apply(const ImageView& source, const WritableView& to) const {
+void Warp::check_sizes(const ImageView& source, const WritableView& to) const {
   if (source.width != source_width_ || source.height != source_height_ || to.width != width_ ||
       to.height != height_) {
     throw std::invalid_argument("the images must have the sizes that the warp was made for");
   }
+}
+
+// The colour as the lowest three bytes.
+std::uint64_t Warp::color_at(const ImageView& source, const Place& place) {
+  const std::uint8_t* upper = source.row(place.v) + std::ptrdiff_t{3} * place.u;
+  const std::uint64_t pair =
+      blended(two_pixels(upper), two_pixels(upper + source.stride), place.down);
+  return blended(pair, pair >> 24, place.right);
+}
+
+void Warp::apply(const ImageView& source, const WritableView& to) const {
+  check_sizes(source, to);
   const Place* place = places_.data();
   for (int v = 0; v < height_; ++v) {
     std::uint8_t* pixel = to.row(v);
@@ -75,13 +87,35 @@ void Warp::apply(const ImageView& source, const WritableView& to) const {
         std::memset(pixel, grey, 3);
         continue;
       }
-      const std::uint8_t* upper = source.row(place->v) + std::ptrdiff_t{3} * place->u;
-      const std::uint64_t pair =
-          blended(two_pixels(upper), two_pixels(upper + source.stride), place->down);
-      const std::uint64_t color = blended(pair, pair >> 24, place->right);
+      const std::uint64_t color = color_at(source, *place);
       pixel[0] = static_cast<std::uint8_t>(color);
       pixel[1] = static_cast<std::uint8_t>(color >> 8);
       pixel[2] = static_cast<std::uint8_t>(color >> 16);
+    }
+  }
+}
+
+void Warp::lay_over(const ImageView& before_black, const ImageView& before_white,
+                    const PixelBox& box, const WritableView& to) const {
+  check_sizes(before_black, to);
+  check_sizes(before_white, to);
+  const Place* place = places_.data();
+  for (int v = 0; v < height_; ++v) {
+    std::uint8_t* pixel = to.row(v);
+    for (int u = 0; u < width_; ++u, ++place, pixel += 3) {
+      // A place reaches one pixel to the right, and down.
+      if (place->u == outside || place->u + 1 < box.left || place->u >= box.right ||
+          place->v + 1 < box.top || place->v >= box.bottom) {
+        continue;
+      }
+      const std::uint64_t black = color_at(before_black, *place);
+      const std::uint64_t white = color_at(before_white, *place);
+      for (int channel = 0; channel < 3; ++channel) {
+        const auto least = static_cast<int>(black >> 8 * channel & 0xff);
+        const auto most = static_cast<int>(white >> 8 * channel & 0xff);
+        const int through = std::max(most - least, 0) * pixel[channel];
+        pixel[channel] = static_cast<std::uint8_t>(least + (through + 127) / 255);
+      }
     }
   }
 }

@@ -25,6 +25,11 @@ class Warp {
   /// Throws std::invalid_argument unless both images have their sizes.
   void apply(const ImageView& source, const WritableView& to) const;
 
+  /// Lays something over an image, given how it looks, in `box` of the source, before black and
+  /// before white. Throws as `apply`.
+  void lay_over(const ImageView& before_black, const ImageView& before_white, const PixelBox& box,
+                const WritableView& to) const;
+
  private:
   // A place: the pixel to its upper left, and how far it is from there (1/256 px).
   struct Place {
@@ -33,6 +38,8 @@ class Warp {
   };
 
   Place place_of(const Point& point) const;
+  void check_sizes(const ImageView& source, const WritableView& to) const;
+  static std::uint64_t color_at(const ImageView& source, const Place& place);
 
   int width_, height_;
   int source_width_, source_height_;

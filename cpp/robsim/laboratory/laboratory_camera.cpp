@@ -40,7 +40,9 @@ void brighten(const WritableView& image, double factor) {
 LaboratoryCamera::LaboratoryCamera(std::shared_ptr<Laboratory> laboratory,
                                    std::shared_ptr<const Scene> scene,
                                    const LaboratoryCameraOptions& options)
-    : laboratory_(std::move(laboratory)), options_(options), renderer_(std::move(scene)) {}
+    : laboratory_(std::move(laboratory)), options_(options), renderer_(std::move(scene)) {
+  if (options_.top) raised_.emplace(renderer_.scene(), options_.top);
+}
 
 void LaboratoryCamera::open() {
   if (is_open_) return;
@@ -137,14 +139,17 @@ Captured LaboratoryCamera::captured(std::int64_t k, ImagePool& pool) {
 
 Image LaboratoryCamera::picture(std::int64_t k, ImagePool& pool) {
   const Laboratory::Tick tick = laboratory_->tick(k);
-  const Image drawn = renderer_.render(tick.hidden ? std::nullopt : std::optional(tick.pose));
+  const bool is_drawn = !tick.hidden && !raised_;
+  const Image drawn = renderer_.render(is_drawn ? std::optional(tick.pose) : std::nullopt);
   const double exposure = options_.faults.exposure_at(since_start(k));
   if (!options_.warp && exposure == 1 && options_.noise.is_off()) return drawn;
   const bool is_warped = options_.warp != nullptr;
   Image image = is_warped ? pool.take(options_.warp->width(), options_.warp->height())
                           : pool.take(drawn.width(), drawn.height());
   const WritableView pixels = image.writable_view();
-  if (is_warped) {
+  if (raised_) {
+    draw_raised(drawn, tick, pixels);
+  } else if (is_warped) {
     options_.warp->apply(drawn.view(), pixels);
   } else {
     copy_rows(drawn.view(), 0, drawn.height(), pixels);
@@ -154,6 +159,16 @@ Image LaboratoryCamera::picture(std::int64_t k, ImagePool& pool) {
     options_.noise.add(image.view(), options_.noise_seed, static_cast<std::uint64_t>(k), pixels);
   }
   return image;
+}
+
+void LaboratoryCamera::draw_raised(const Image& scene, const Laboratory::Tick& tick,
+                                   const WritableView& frame) {
+  if (floor_.empty()) {
+    floor_ = Image(frame.width, frame.height);
+    options_.warp->apply(scene.view(), floor_.writable_view());
+  }
+  copy_rows(floor_.view(), 0, frame.height, frame);
+  if (!tick.hidden) raised_->draw(tick.pose, frame);
 }
 
 // The upper part of a picture; below it that of the one before, or nothing.

@@ -9,6 +9,7 @@
 #include "robsim/imaging/warp.hpp"
 #include "robsim/laboratory/camera_faults.hpp"
 #include "robsim/laboratory/laboratory.hpp"
+#include "robsim/laboratory/raised_robot.hpp"
 #include "robsim/world/noise/visual_noise.hpp"
 #include "robsim/world/renderer.hpp"
 
@@ -20,6 +21,7 @@ struct LaboratoryCameraOptions {
   std::uint64_t noise_seed = 0;
   double delay = 0;  // of a frame, from its exposure on, s
   CameraFaults faults;
+  std::shared_ptr<const Warp> top;  // of the robot's top above the floor; null: it lies on it
 };
 
 /// The camera of a laboratory: it exposes at each tick. One that comes too late to draw a frame
@@ -42,11 +44,14 @@ class LaboratoryCamera : public CaptureDevice {
   bool is_lost(std::int64_t k, double due) const;
   Captured captured(std::int64_t k, ImagePool& pool);
   Image picture(std::int64_t k, ImagePool& pool);
+  void draw_raised(const Image& scene, const Laboratory::Tick& tick, const WritableView& frame);
   Image torn(const Image& whole, std::int64_t k, ImagePool& pool) const;
 
   const std::shared_ptr<Laboratory> laboratory_;
   const LaboratoryCameraOptions options_;
   Renderer renderer_;
+  std::optional<RaisedRobot> raised_;
+  Image floor_;  // below a raised robot, as the camera sees it
   std::atomic<bool> is_interrupted_{false};
   bool is_open_ = false;
   std::int64_t next_ = 0;         // the tick whose frame comes next

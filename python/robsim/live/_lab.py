@@ -54,6 +54,9 @@ class SimulatedLab:
         From where it looks: the map of its frames, but for the distortion by `lens`, to the work
         area, as `PlaneMap.from_points` gives it; one with intrinsics has a lens of its own. What is
         not of the work area is grey. Default: from above, the whole area.
+    robot_height : float
+        How far above the floor the robot's top is, with its markers (work-area px); above 0,
+        `plane_map` must have intrinsics. The camera sees the top alone, not the robot's sides.
     camera_delay : float
         How long after its exposure a frame comes (s).
     receiver : MotorReceiver, optional
@@ -99,6 +102,7 @@ class SimulatedLab:
         faults: CameraFaults | None = None,
         lens: Lens | None = None,
         plane_map: PlaneMap | None = None,
+        robot_height: float = 0.0,
         camera_delay: float = 0.0,
         receiver: MotorReceiver | None = None,
     ) -> None:
@@ -118,13 +122,15 @@ class SimulatedLab:
         self.area = scenario.area
         self.size = worlds.frame_size(scenario)
         self.plane_map = plane_map or PlaneMap.scaled(self.size, self.area)
+        self._top_map = _map_at(self.plane_map, robot_height)
         is_from_above = plane_map is None and lens in (None, Lens())
         self._world = _new_world(self.scenario, self._seed, None if is_from_above else self._scale)
         self.receiver = MotorReceiver() if receiver is None else receiver
         model = self.scenario._model
         assert model is not None  # of `_real_time`
         self._laboratory = _core.Laboratory(self._world, model, self.receiver)
-        self._warp = None if is_from_above else self._new_warp()
+        self._warp = None if is_from_above else self._new_warp(self.plane_map)
+        self._top = None if self._top_map is None else self._new_warp(self._top_map)
         self._end = weakref.finalize(self, _end, self._laboratory, self.receiver)
 
     @property
@@ -133,8 +139,9 @@ class SimulatedLab:
         width, height = self.size
         grid = np.meshgrid(np.linspace(0, width - 1, 32), np.linspace(0, height - 1, 32))
         pixels = np.stack(grid, axis=-1).reshape(-1, 2)
+        nearest = self._top_map or self.plane_map
         here, right, below = (
-            self.plane_map.to_world(pixels + shift) for shift in ((0, 0), (1, 0), (0, 1))
+            nearest.to_world(pixels + shift) for shift in ((0, 0), (1, 0), (0, 1))
         )
         shortest = np.minimum(
             np.linalg.norm(right - here, axis=1), np.linalg.norm(below - here, axis=1)
@@ -144,10 +151,9 @@ class SimulatedLab:
             raise ValueError("plane_map must show some of the work area: with this one, none is")
         return float(1 / shortest[is_seen].min())
 
-    def _new_warp(self) -> _core.Warp:
+    def _new_warp(self, seen: PlaneMap) -> _core.Warp:
         scene = self._world.scene
         assert scene is not None  # the world has started
-        seen = self.plane_map
         if self._lens is not None:
             seen = PlaneMap(seen.matrix, self._lens._before(self.size))
         return _core.view_warp(scene, self.size, seen)
@@ -160,6 +166,7 @@ class SimulatedLab:
             self._laboratory,
             scene,
             warp=self._warp,
+            top=self._top,
             noise=as_native_noise(self.scenario.noise),
             noise_seed=stream_number(self._seed, "noise"),
             delay=self._delay,
@@ -236,6 +243,16 @@ def _checked(name: str, value: Any, kind: type) -> Any:
     if value is not None and not isinstance(value, kind):
         raise TypeError(f"{name} must be a {kind.__name__}, got {quoted(value)}")
     return value
+
+
+def _map_at(plane_map: PlaneMap, height: Any) -> PlaneMap | None:
+    """Return the map of a height above the floor; None for the floor itself."""
+    if not check_float("robot_height", height, "work-area px", minimum=0):
+        return None
+    try:
+        return plane_map.at_height(height)
+    except ValueError as error:
+        raise ValueError(f"robot_height: {error}") from error
 
 
 def _real_time(scenario: Scenario, dt: float) -> Scenario:

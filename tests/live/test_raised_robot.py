@@ -1,0 +1,152 @@
+"""A robot that stands above the floor, before an oblique camera with a lens: where it is found."""
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim import _core
+from robsim.imaging import PlaneMap
+from robsim.live import Lens, SimulatedLab
+from robsim.vision import detect
+from tilted_camera import TiltedCamera
+
+pytest.importorskip("cv2")
+
+HEIGHT = 80  # work-area px
+DISTORTION = 0.04  # in the corners
+AREA = (1200, 1200)
+CORNERS = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
+ROBOT = robsim.load_robot()
+COLORS = robsim.load_colors()
+
+
+def camera_of(size=(1280, 960), focal=900, away=1600, distortion=DISTORTION):
+    corner = np.hypot(*size) / 2 / focal
+    return TiltedCamera(size, focal, (-distortion / corner**2, 0, 0, 0, 0), tilt=30, away=away)
+
+
+def lab_of(camera, start=(600, 600, 0.0), height=HEIGHT, **options):
+    scenario = robsim.Scenario(
+        area=AREA, resolution=camera.size, headings=None, start=start, robot=ROBOT, seed=1
+    )
+    options = {"plane_map": camera.floor_map(), "robot_height": height} | options
+    return SimulatedLab(scenario, **options)
+
+
+def located(image, plane_map):
+    frame = robsim.Frame(image, plane_map=plane_map)
+    layout = ROBOT.marker_layout()
+    blobs = robsim.find_blobs(frame, COLORS, markers=layout)
+    return detect(blobs, layout, plane_map=plane_map, image=frame).measurement
+
+
+def errors(camera, side, plane_maps, seed=1):
+    """How far off a robot all over the floor is found (N, 2), by each of some maps."""
+    rng = np.random.default_rng(seed)
+    with lab_of(camera) as lab:
+        lab._open_device()  # the world has started
+        scene = lab._world.scene
+        nowhere = (-5000, -5000, 0)
+        floor = lab._warp.apply(robsim.simulation.Renderer(scene).render(nowhere))
+        robot = _core.RaisedRobot(scene, lab._top)
+        places = np.stack(np.meshgrid(*2 * [np.linspace(70, 1129, side)]), axis=-1).reshape(-1, 2)
+        poses = np.c_[places + rng.uniform(-2, 2, places.shape), rng.uniform(-3, 3, side**2)]
+        found = []
+        for pose in poses:
+            image = robot.drawn(floor, pose)
+            found.append([located(image, one).pose[:2] - pose[:2] for one in plane_maps])
+    return np.swapaxes(found, 0, 1)
+
+
+def rms(off):
+    return np.sqrt((off**2).sum(axis=-1).mean())
+
+
+def check_whole_floor(camera, side, seed=1):
+    floor = camera.floor_map()
+    plain = PlaneMap.from_points(camera.pixels(CORNERS), CORNERS)
+    exact, without_height, without_both = map(
+        rms, errors(camera, side, (floor.at_height(HEIGHT), floor, plain), seed)
+    )
+    print(
+        f"rms {exact:.3f} px; without the height {without_height:.1f} px, without the lens as well "
+        f"{without_both:.1f} px"
+    )
+    assert exact < 0.3
+    assert without_height > 30
+    assert without_both > 30
+
+
+def test_a_robot_all_over_the_floor_is_found_where_it_is():
+    check_whole_floor(camera_of(), 5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"focal": 1300, "away": 2300},
+        {"focal": 600, "away": 1150},
+        {"distortion": -DISTORTION},
+    ],
+    ids=["usual", "far", "near", "pincushion"],
+)
+def test_every_part_of_the_floor(options):
+    check_whole_floor(camera_of(**options), 24, seed=2)
+
+
+@pytest.mark.slow
+def test_a_floor_map_of_marks_that_are_measured_inexactly(rng):
+    camera = camera_of()
+    marks = rng.uniform(50, 1150, (20, 2))
+    seen = camera.pixels(marks) + rng.normal(0, 0.1, marks.shape)
+    plane_map = PlaneMap.from_points(seen, marks, camera.intrinsics)
+    (off,) = errors(camera, 12, (plane_map.at_height(HEIGHT),))
+    assert rms(off) < 0.3
+
+
+@pytest.mark.parametrize("height", [0, HEIGHT])
+def test_the_lab_shows_the_robot_at_its_height(height):
+    camera = camera_of((640, 480), 450)
+    pose = (250, 900, 1.0)
+    plane_map = camera.floor_map().at_height(height)
+    with lab_of(camera, pose, height) as lab:
+        with robsim.Camera(lab, plane_map=plane_map) as live:
+            frame = next(iter(live))
+        true = lab.truth.pose_of(frame)
+    assert np.hypot(*(located(frame.image, plane_map).pose[:2] - true[:2])) < 0.8
+    # The floor stays where it is: its corner, which is grey outside.
+    u, v = np.rint(camera.pixels([(-12, -12), (12, 12)])).astype(int).T
+    outside, inside = frame.image[v, u]
+    assert (outside == 128).all()
+    assert (inside != 128).any()
+
+
+def test_a_raised_robot_hides_the_floor_behind_it_alone():
+    camera = camera_of((640, 480), 450)
+    with lab_of(camera) as lab:
+        lab._open_device()
+        scene = lab._world.scene
+        floor = lab._warp.apply(robsim.simulation.Renderer(scene).render((-5000, -5000, 0)))
+        image = _core.RaisedRobot(scene, lab._top).drawn(floor, (300, 800, 0.4))
+        again = _core.RaisedRobot(scene, lab._top).drawn(floor, (-5000, 0, 0))
+    assert np.array_equal(again, floor)
+    v, u = np.nonzero((abs(image.astype(int) - floor) > 20).any(axis=2))
+    turned = np.array([[np.cos(0.4), -np.sin(0.4)], [np.sin(0.4), np.cos(0.4)]])
+    outline = (300, 800) + ROBOT.to_robot_frame(ROBOT.outline) @ turned.T
+    x, y = camera.pixels(outline, HEIGHT).T
+    assert abs(np.subtract((u.min(), u.max()), (x.min(), x.max()))).max() < 2
+    assert abs(np.subtract((v.min(), v.max()), (y.min(), y.max()))).max() < 2
+
+
+def test_what_cannot_be_is_refused():
+    camera = camera_of((640, 480), 450)
+    with pytest.raises(ValueError, match="robot_height: height needs the camera's intrinsics"):
+        lab_of(camera, plane_map=None)
+    with pytest.raises(ValueError, match="robot_height: height must be below the camera"):
+        lab_of(camera, height=2000)
+    with pytest.raises(ValueError, match="robot_height must be finite and at least 0"):
+        lab_of(camera, height=-1)
+    with pytest.raises(ValueError, match="lens must not be given, as plane_map has intrinsics"):
+        lab_of(camera, lens=Lens(-0.04))
