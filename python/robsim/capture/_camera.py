@@ -23,6 +23,8 @@ from robsim._core import Frame, PlaneMap
 from robsim.capture._errors import EndOfStream, FrameTimeoutError
 from robsim.capture._features import CameraFeatures
 from robsim.capture._sources import Source, Wishes, source_of
+from robsim.imaging import Calibration
+from robsim.imaging._calibration_file import as_calibration
 
 _LONGEST = 3600.0  # s, of a time-out
 _LAST_PATIENCE = 6.0  # s at the end of the interpreter, longer than a stalled stream is read
@@ -81,10 +83,11 @@ class Camera:
         Map from frame pixels to the work area. Default: the frames show exactly the whole area,
         seen vertically from above.
     area : tuple of int, optional
-        Width and height of the work area (px). Default: the size of the frames.
+        Width and height of the work area (px). Default: that of the calibration, or the size of the
+        frames.
     size : tuple of int, optional
         Width and height of the frames (px), asked of a camera by number or on FireWire. Frames of
-        another size are an error.
+        another size are an error. Default: that of the calibration, or the camera's own.
     region : tuple of int, optional
         Left, top, width and height of the part of the sensor that is sent (px): on FireWire, by
         its format 7. Default: all of it.
@@ -109,6 +112,9 @@ class Camera:
         Whether a camera that is unplugged, or from which nothing has come for three
         `frame_timeout`, is opened again, with pauses of 0.5 s to 5 s; meanwhile reading it ends
         in FrameTimeoutError.
+    calibration : Calibration or path, optional
+        That of the camera, in place of `plane_map`: see `robsim.imaging.load_calibration`. Frames
+        of another size are refused.
 
     Attributes
     ----------
@@ -127,6 +133,8 @@ class Camera:
         chosen.
     coding : str or None
         How the camera codes pixels, if that can be chosen.
+    calibration : Calibration or None
+        That of the camera.
 
     Raises
     ------
@@ -169,6 +177,7 @@ class Camera:
         open_timeout: float = 5.0,
         frame_timeout: float = 1.0,
         reopen: bool = False,
+        calibration: Calibration | str | PathLike[str] | None = None,
     ) -> None:
         if not (plane_map is None or isinstance(plane_map, PlaneMap)):
             raise TypeError(f"plane_map must be a PlaneMap or None, got {quoted(plane_map)}")
@@ -181,9 +190,14 @@ class Camera:
             raise TypeError(f"features must be CameraFeatures or None, got {quoted(features)}")
         if fps is not None:
             fps = check_float("fps", fps, "1/s", exclusive_minimum=0, maximum=1000)
+        size = None if size is None else check_size("size", size)
+        self.calibration = as_calibration(calibration, plane_map)
+        if self.calibration is not None:
+            plane_map, area = self.calibration.plane_map, area or self.calibration.area
+            size = size or self.calibration.size
         wishes = Wishes(
             back_end=back_end,
-            size=None if size is None else check_size("size", size),
+            size=size,
             region=None if region is None else check_region("region", region),
             fps=fps,
             coding=None if coding is None else check_text("coding", coding),
@@ -225,6 +239,8 @@ class Camera:
                         else ": does it send, and does the address say where?"
                     )
                 )
+            if self.calibration is not None:
+                self.calibration.check_frames(size, opened.region)
         except BaseException:
             self.close()
             raise

@@ -18,6 +18,8 @@ from robsim._base.files import as_path
 from robsim._base.text import one_line, quoted
 from robsim._base.warn import warn_user
 from robsim._core import Frame, PlaneMap
+from robsim.imaging._calibration import Calibration
+from robsim.imaging._calibration_file import as_calibration
 from robsim.imaging._containers import check_is_video
 from robsim.imaging._frames import check_same_size, frame_size
 from robsim.imaging._images import MOST_PIXELS, Pixels, image_suffixes, load_image
@@ -44,10 +46,12 @@ class Recording:
         Map from frame pixels to the work area. Default: the frames show exactly the whole area,
         seen vertically from above.
     area : tuple of int, optional
-        Width and height of the work area (px). Default: the extent that the frames show; without a
-        plane map, the size of the frames.
+        Width and height of the work area (px). Default: that of the calibration, or the extent that
+        the frames show; without a plane map, the size of the frames.
     dt : float, optional
         Time between two frames (s). Default: that of the video file; images in a folder have none.
+    calibration : Calibration or path, optional
+        That of the camera, in place of `plane_map`. Frames of another size are refused.
 
     Attributes
     ----------
@@ -64,6 +68,8 @@ class Recording:
         Width and height of the frames (px).
     count : int or None
         Number of frames, as the file claims; None = unknown.
+    calibration : Calibration or None
+        That of the camera.
 
     Raises
     ------
@@ -94,6 +100,7 @@ class Recording:
         plane_map: PlaneMap | None = None,
         area: tuple[int, int] | None = None,
         dt: float | None = None,
+        calibration: Calibration | str | PathLike[str] | None = None,
     ) -> None:
         if isinstance(source, int) or re.match(r"/dev/|[a-z]{3,}:/", str(source)):
             raise ValueError(
@@ -105,8 +112,12 @@ class Recording:
             raise TypeError(f"plane_map must be a PlaneMap or None, got {quoted(plane_map)}")
         if not self.source.exists():
             raise FileNotFoundError(f"there is no file or folder {one_line(self.source)}")
+        self.calibration = as_calibration(calibration, plane_map)
         self._images = _Folder(self.source) if self.source.is_dir() else _Video(self.source)
         self.size = self._first_size()
+        if self.calibration is not None:
+            self.calibration.check_frames(self.size)
+            plane_map, area = self.calibration.plane_map, area or self.calibration.area
         self.dt = (
             self._images.dt()
             if dt is None

@@ -30,6 +30,8 @@ from robsim._core import (
     RobotModel,
     RobotParameters,
 )
+from robsim.imaging import Calibration
+from robsim.imaging._calibration_file import as_calibration
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
 from robsim.simulation import _slots as slots
@@ -113,6 +115,9 @@ class Experiment(Runner):
         block ends, and readable whenever the program does. Needs OpenCV.
     lossless : bool
         Whether the frames are recorded without loss.
+    calibration : Calibration or path, optional
+        That of the camera: its map and its area take the place of those of the frames. Frames of
+        another size are refused.
     colors, markers, smoothing, time_limit
         As in `Simulation`.
     identify_from : str
@@ -161,6 +166,7 @@ class Experiment(Runner):
         time_limit: float | None = None,
         record: str | PathLike[str] | None = None,
         lossless: bool = False,
+        calibration: Calibration | str | PathLike[str] | None = None,
         **callbacks: Unpack[RobotCallbacks],
     ) -> None:
         self._check_names(callbacks)
@@ -168,7 +174,13 @@ class Experiment(Runner):
         check_bool("lossless", lossless)
         self._recording = None if record is None else _recording_in(record, lossless=lossless)
         timeout = timeout_value(frame_timeout, _default_timeout(frames, send))
-        self._source = FrameSource(frames, timeout, area=area, is_polled=send is not None)
+        self._source = FrameSource(
+            frames,
+            timeout,
+            area=area,
+            is_polled=send is not None,
+            calibration=as_calibration(calibration),
+        )
         self._model = model_value(model)
         self._next_look = 1  # at the frames, by the number of steps
         stops = stop_input_value(stop_input)

@@ -20,6 +20,8 @@ from robsim._base.checks import check_size
 from robsim._base.text import quoted
 from robsim._base.warn import warn_user
 from robsim._core import Arrival, Frame, Observation, RobotModel, RobotParameters
+from robsim.imaging import Calibration
+from robsim.imaging._calibration_file import calibration_text
 from robsim.imaging._frames import frame_size
 from robsim.simulation._scenario import Scenario
 
@@ -45,6 +47,8 @@ class FrameSource:
         Width and height of the work area (px). Default: that of `frames`, or 1200 x 1200.
     is_polled : bool
         Whether a run can be stopped while it waits for a frame, though there is no maximum.
+    calibration : Calibration, optional
+        That of the camera: its map takes the place of that of the frames.
 
     Raises
     ------
@@ -59,6 +63,7 @@ class FrameSource:
         *,
         area: tuple[int, int] | None = None,
         is_polled: bool = False,
+        calibration: Calibration | None = None,
     ) -> None:
         if isinstance(frames, (str, PathLike)):
             raise TypeError(
@@ -69,6 +74,11 @@ class FrameSource:
             raise TypeError(
                 f"frames must be an iterable of Frame objects, got {_described(frames)}"
             )
+        if calibration is not None and getattr(frames, "calibration", None) is not None:
+            raise ValueError("calibration must be None: the frames have one of their own")
+        self._calibration = calibration
+        if calibration is not None and area is None:
+            area = calibration.area
         given = getattr(frames, "area", None) if area is None else area
         self.area = check_size("area", Scenario.area if given is None else given)
         self.dt: float | None = getattr(frames, "dt", None)
@@ -106,11 +116,16 @@ class FrameSource:
 
     def described(self) -> dict[str, Any]:
         """Return what the set-up of a session says of the frames."""
-        return {
+        said = {
             "frames": quoted(self._frames),
             "plane_map": getattr(self._frames, "plane_map", None),
             "camera": _camera_of(self._frames),
         }
+        calibration = self._calibration or getattr(self._frames, "calibration", None)
+        if isinstance(calibration, Calibration):
+            said["plane_map"] = calibration.plane_map
+            said["calibration"] = calibration_text(calibration)
+        return said
 
     def restart(self) -> None:
         """Start again with the first frame."""
@@ -163,6 +178,8 @@ class FrameSource:
             )
         if self.lacks is not None and isinstance(taken, Frame):
             raise ValueError(f"{self.lacks}, or frames that are Observation objects with it")
+        if self._calibration is not None:
+            taken = _mapped(taken, self._calibration)
         if taken is not Arrival.NOTHING_YET:
             self._failed_at = None
         if not self._is_seen:
@@ -185,6 +202,8 @@ class FrameSource:
         if (read := self._read) is None:
             raise LookupError("the frames can be read only once")
         taken = read(k)
+        if self._calibration is not None:
+            taken = _mapped(taken, self._calibration)
         return taken.frame if isinstance(taken, Observation) else taken
 
     @property
@@ -243,6 +262,33 @@ class FrameSource:
             return model
 
         return check
+
+
+def _mapped(taken: Any, calibration: Calibration) -> Any:
+    """Return a frame, or an observation of one, with the map of a calibration."""
+    if isinstance(taken, Observation):
+        if taken.frame is None:
+            return taken
+        return Observation(
+            _mapped(taken.frame, calibration),
+            t=taken.t,
+            last_u=taken.last_u,
+            measurement=taken.measurement,
+            sample=taken.sample,
+            interrupted=taken.interrupted,
+        )
+    if not isinstance(taken, Frame):
+        return taken
+    calibration.check_frames(frame_size(taken.image))
+    return Frame(
+        taken.image,
+        copy=False,
+        t=taken.t,
+        t_arrival=taken.t_arrival,
+        epoch=taken.epoch,
+        index=taken.index,
+        plane_map=calibration.plane_map,
+    )
 
 
 def _described(frames: object) -> str:
