@@ -55,7 +55,7 @@ PYTHON = {
     "records": {"imaging", "trace"},
     "subjects": {
         *("vision", "control", "identification", "evaluation", "reference"),
-        *("capture", "motors", "sessions"),
+        *("calibration", "capture", "motors", "sessions"),
     },
     "robots": {"robots"},
     "loop": {"simulation"},

@@ -1,0 +1,106 @@
+"""Sheets as PDF at true scale, and what is found of them in pictures."""
+
+import re
+
+import numpy as np
+import pytest
+
+from photographed_sheets import Shot, photograph, true_pixels
+from robsim.calibration import Charuco, Chessboard, FloorSheet, find_sheets, save_sheet
+
+pytest.importorskip("cv2")
+
+MM = 72 / 25.4
+NEAR = Shot(rotation=(0.3, -0.2, 0.1), place=(10.0, -5.0, 620.0))
+
+
+def drawn(file):
+    """Width and height of the page, and left, bottom, width, height of all that is black (mm)."""
+    content = file.read_bytes().decode("ascii")
+    width, height = re.search(r"MediaBox \[0 0 (\S+) (\S+)\]", content).groups()
+    scale = float(re.search(r"(\S+) 0 0 \S+ 0 0 cm", content)[1]) / MM
+    black = [
+        [scale * float(one) for one in found]
+        for found in re.findall(r"^(\S+) (\S+) (\S+) (\S+) re f$", content, re.MULTILINE)
+    ]
+    return (float(width) / MM, float(height) / MM), np.array(black), content
+
+
+@pytest.mark.parametrize(
+    ("pattern", "paper", "page"),
+    [
+        (Chessboard(9, 6, 25), "A4", (297, 210)),
+        (Charuco(9, 6, 40), "A3", (420, 297)),
+        (FloorSheet(16), "letter", (279.4, 215.9)),
+    ],
+)
+def test_a_sheet_has_its_true_size_and_a_line_of_100_mm(tmp_path, pattern, paper, page):
+    file = tmp_path / "sheet.pdf"
+    save_sheet(file, pattern, paper=paper)
+    size, black, content = drawn(file)
+    np.testing.assert_allclose(size, page, atol=0.001)
+    np.testing.assert_allclose(black[:, 2].max(), 100, atol=0.001)
+    assert "PrintScaling /None" in content
+    assert "100 %" in content
+    count = len(pattern.rectangles)
+    left, bottom = black[:count, :2].min(axis=0)
+    right, top = (black[:count, :2] + black[:count, 2:]).max(axis=0)
+    expected = (pattern.columns * 25 + 25, 7 * 25) if paper == "A4" else pattern.size
+    np.testing.assert_allclose((right - left, top - bottom), expected, atol=0.01)
+    assert min(left, bottom, page[0] - right, page[1] - top) > 5
+
+
+def test_the_references_of_a_pdf_lead_to_its_objects(tmp_path):
+    file = tmp_path / "sheet.pdf"
+    save_sheet(file, Chessboard())
+    content = file.read_bytes()
+    start = int(re.search(rb"startxref\n(\d+)", content)[1])
+    assert content[start:].startswith(b"xref")
+    offsets = [int(one) for one in re.findall(rb"^(\d{10}) 00000 n ", content, re.MULTILINE)]
+    for number, offset in enumerate(offsets, start=1):
+        assert content[offset:].startswith(b"%d 0 obj" % number)
+    length = int(re.search(rb"/Length (\d+)", content)[1])
+    stream = content.index(b"stream\n") + len(b"stream\n")
+    assert content[stream + length :].startswith(b"\nendstream")
+
+
+def test_what_does_not_fit_on_the_paper_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"at most 287 x 189 mm, got 300 x 210 mm"):
+        save_sheet(tmp_path / "sheet.pdf", Chessboard(9, 6, 30))
+    with pytest.raises(ValueError, match=r"must end in \.pdf"):
+        save_sheet(tmp_path / "sheet.png", Chessboard())
+
+
+@pytest.mark.parametrize("board", [Chessboard(9, 6, 20), Charuco(9, 6, 28)])
+def test_corners_are_found_to_a_tenth_of_a_pixel(board):
+    rng = np.random.default_rng(5)
+    found = board.find(photograph(NEAR, [(board, (0, 0, 0))], rng=rng))
+    from_centre = found.positions - np.array(board.size) / 2
+    if found.pixels[0, 0] > found.pixels[-1, 0]:  # a chessboard has no top
+        from_centre = -from_centre
+    errors = found.pixels - true_pixels(NEAR, from_centre, (0, 0, 0))
+    assert len(errors) >= 30
+    assert np.sqrt((errors**2).sum(axis=1).mean()) < 0.12
+
+
+def test_the_marks_of_floor_sheets_are_found_to_a_twentieth_of_a_pixel():
+    rng = np.random.default_rng(6)
+    shot = Shot(rotation=(-0.5, 0.1, 0.2), place=(0.0, 0.0, 1500.0))
+    places = {3: (-250.0, -100.0, 0.4), 16: (260.0, 150.0, 2.5)}
+    sheets = [(FloorSheet(number), place) for number, place in places.items()]
+    found = find_sheets(photograph(shot, sheets, rng=rng), 80.0)
+    assert list(found) == [3, 16]
+    for number, corners in found.items():
+        errors = corners.pixels - true_pixels(shot, corners.positions, places[number])
+        assert len(errors) == 24
+        assert np.sqrt((errors**2).sum(axis=1).mean()) < 0.1
+        assert np.abs(errors.mean(axis=0)).max() < 0.05
+
+
+@pytest.mark.parametrize("board", [Chessboard(), Charuco()])
+def test_no_board_is_found_where_there_is_none(board):
+    grey = np.full((480, 640, 3), 150, np.uint8)
+    assert board.find(grey) is None
+    assert find_sheets(grey, 80.0) == {}
+    with pytest.raises(TypeError, match="image must be"):
+        board.find(grey[..., 0])

@@ -1,0 +1,134 @@
+"""The lens of a camera, from pictures of a board."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from photographed_sheets import Shot, photograph
+from robsim.calibration import Charuco, Chessboard, calibrate_lens
+
+pytest.importorskip("cv2")
+
+BASE = Shot()
+BOARD = Charuco(9, 6, 28)
+# Where in the picture the middle of the board is, its distance (mm), and its tilts (rad).
+VIEWS = [
+    (0.3, 0.3, 500, 0.5, 0.1),
+    (0.7, 0.3, 520, -0.4, 0.3),
+    (0.3, 0.7, 540, 0.2, -0.5),
+    (0.7, 0.7, 500, -0.3, -0.4),
+    (0.5, 0.5, 420, 0.6, 0.0),
+    (0.5, 0.5, 450, 0.0, 0.6),
+    (0.25, 0.5, 560, -0.5, 0.2),
+    (0.75, 0.5, 560, 0.3, 0.5),
+]
+
+
+def shots(views=VIEWS, base=BASE, rng=None, board=BOARD):
+    rng = rng or np.random.default_rng(1)
+    for across, down, z, tilt_x, tilt_y in views:
+        u, v = across * base.size[0], down * base.size[1]
+        x, y = (u - base.centre[0]) / base.focal * z, (v - base.centre[1]) / base.focal * z
+        shot = dataclasses.replace(base, rotation=(tilt_x, tilt_y, 0.1), place=(x, y, float(z)))
+        yield photograph(shot, [(board, (0, 0, 0))], rng=rng)
+
+
+def errors_over_the_picture(found, base=BASE):
+    """How far apart both lenses show the same ray, but for turning the camera (px)."""
+    grid = np.stack(np.meshgrid(np.linspace(20, 619, 12), np.linspace(20, 459, 9)), -1)
+    pixels = grid.reshape(-1, 2)
+    true = dataclasses.replace(base)
+    import cv2
+
+    rays = cv2.undistortPoints(pixels[:, None], true.matrix, np.array(true.distortion))[:, 0]
+    rays = np.column_stack([rays, np.ones(len(rays))])
+    k = np.asarray(found.matrix)
+    own = np.column_stack([found.ideal(pixels), np.ones(len(pixels))]) @ np.linalg.inv(k).T
+    rays, own = (r / np.linalg.norm(r, axis=1, keepdims=True) for r in (rays, own))
+    # Kabsch's rotation between both bundles of rays
+    left, _, right = np.linalg.svd(own.T @ rays)
+    turned = own @ (left @ right)
+    return base.focal * np.linalg.norm(turned - rays, axis=1)
+
+
+def rms(errors):
+    return float(np.sqrt((errors**2).mean()))
+
+
+def test_a_lens_is_found_from_a_few_pictures_of_a_board():
+    report = calibrate_lens(shots(), BOARD)
+    assert report.rms < 0.15
+    assert rms(errors_over_the_picture(report.calibration.intrinsics)) < 0.6
+    assert report.calibration.size == (640, 480)
+    assert not report.has_k3
+    assert report.calibration.lens_residuals.pictures == 8
+    assert report.verdict in ("good", "poor")
+
+
+@pytest.mark.slow
+def test_more_pictures_give_a_good_lens_by_either_board():
+    rng = np.random.default_rng(2)
+    for board in (Chessboard(9, 6, 20), BOARD):
+        views = [
+            (*rng.uniform(0.28, 0.72, 2), rng.uniform(430, 650), *rng.uniform(-0.6, 0.6, 2))
+            for _ in range(16)
+        ]
+        report = calibrate_lens(shots(views, rng=rng, board=board), board)
+        assert report.rms < 0.12
+        errors = errors_over_the_picture(report.calibration.intrinsics)
+        assert rms(errors) < 0.2
+        assert errors.max() < 1
+
+
+@pytest.mark.slow
+def test_a_third_coefficient_is_fitted_where_the_pictures_determine_it():
+    base = dataclasses.replace(BASE, distortion=(-0.3, 0.2, 0.0, 0.0, -0.12))
+    rng = np.random.default_rng(3)
+    views = [
+        (*rng.uniform(0.2, 0.8, 2), rng.uniform(380, 520), *rng.uniform(-0.6, 0.6, 2))
+        for _ in range(16)
+    ]
+    report = calibrate_lens(shots(views, base, rng), BOARD)
+    assert report.has_k3
+    assert report.calibration.intrinsics.distortion[4] == pytest.approx(-0.12, abs=0.06)
+    assert rms(errors_over_the_picture(report.calibration.intrinsics, base)) < 0.3
+
+
+@pytest.mark.slow
+def test_what_is_missing_is_said():
+    flat = [(0.4, 0.6, 520, 0.02, 0.01), (0.45, 0.55, 500, 0, 0.03), (0.4, 0.5, 480, 0.05, 0.02)]
+    report = calibrate_lens(shots([*flat, (0.45, 0.6, 550, 0.1, 0.0)]), BOARD)
+    said = " ".join(problem.sentence for problem in report.problems)
+    assert "tilt it by 20 to 45" in said
+    assert "4 pictures are few" in said
+    assert "right" in report.empty_parts
+    assert report.verdict != "good"
+
+
+@pytest.mark.slow
+def test_a_picture_with_another_zoom_is_named_and_left_out():
+    pictures = list(shots())
+    other = dataclasses.replace(BASE, focal=640.0)
+    pictures[4:5] = shots(VIEWS[4:5], other)
+    names = [f"board-{n}.png" for n in range(8)]
+    report = calibrate_lens(pictures, BOARD, names=names)
+    assert [one.name for one in report.pictures if not one.is_used] == ["board-4.png"]
+    assert "board-4.png does not fit the others" in report.problems[-1].sentence
+    assert errors_over_the_picture(report.calibration.intrinsics).max() < 1.2
+
+
+def test_pictures_without_a_board_or_of_several_sizes_are_refused():
+    grey = np.full((480, 640, 3), 150, np.uint8)
+    with pytest.raises(ValueError, match=r"got 0 of 2: is it a board of 9 x 6 squares"):
+        calibrate_lens([grey, grey], BOARD)
+    with pytest.raises(ValueError, match=r"640 x 480 px and 640 x 400 px \(2\)"):
+        calibrate_lens([grey, grey[:400]], BOARD)
+    with pytest.raises(ValueError, match="must not be empty"):
+        calibrate_lens([], BOARD)
+    with pytest.raises(TypeError, match="board must be"):
+        calibrate_lens([grey], FloorSheetLike())
+
+
+class FloorSheetLike:
+    """No board."""

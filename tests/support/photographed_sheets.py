@@ -1,0 +1,117 @@
+"""Pictures of printed sheets, taken by a camera whose lens and place are known."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import cv2
+import numpy as np
+from PIL import Image, ImageDraw
+
+from robsim.calibration._sheets import _LABELS, PAPERS, page_of
+
+SAMPLES = 3  # of each pixel, in each direction
+DOTS = 4  # of a printed page, for one mm
+FLOOR = 150  # its level
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A camera: its lens, and where it is.
+
+    The floor has x to the right, y down (as seen from above) and z away from the camera (mm).
+    """
+
+    size: tuple[int, int] = (640, 480)
+    focal: float = 560.0
+    centre: tuple[float, float] = (327.0, 232.0)
+    distortion: tuple[float, ...] = (-0.16, 0.05, 0.001, -0.0006, 0.0)
+    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rotation vector, rad
+    place: tuple[float, float, float] = (0.0, 0.0, 1500.0)  # of the floor's origin, mm
+
+    @property
+    def matrix(self):
+        u, v = self.centre
+        return np.array([(self.focal, 0, u), (0, self.focal, v), (0, 0, 1.0)])
+
+    def pixels(self, points):
+        """Return the pixels (N, 2) of points (N, 3) above the floor (mm)."""
+        points = np.asarray(points, float) * (1, 1, -1)
+        found, _ = cv2.projectPoints(
+            points,
+            np.array(self.rotation, float),
+            np.array(self.place, float),
+            self.matrix,
+            self.distortion,
+        )
+        return found.reshape(-1, 2)
+
+    @property
+    def plane(self):
+        """The homography from the floor (mm) to ideal pixels."""
+        rotation, _ = cv2.Rodrigues(np.array(self.rotation, float))
+        return self.matrix @ np.column_stack([rotation[:, :2], self.place])
+
+
+@cache
+def _ideal(size, focal, centre, distortion):
+    """The ideal pixels (N, 1, 2) of all samples of a picture."""
+    width, height = size
+    shot = Shot(size, focal, centre, distortion)
+    u = (np.arange(width * SAMPLES) + 0.5) / SAMPLES - 0.5
+    v = (np.arange(height * SAMPLES) + 0.5) / SAMPLES - 0.5
+    samples = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 1, 2)
+    k = shot.matrix
+    return cv2.undistortPoints(samples, k, np.array(distortion), P=k)
+
+
+@cache
+def printed(pattern, paper="A4"):
+    """The page of a pattern, in `DOTS` for one mm."""
+    rectangles, _ = page_of(pattern, PAPERS[paper], paper)
+    size = np.array(PAPERS[paper]) * DOTS
+    page = Image.new("L", tuple(np.rint(size).astype(int).tolist()), 245)
+    draw = ImageDraw.Draw(page)
+    for left, top, width, height in rectangles:
+        x0, y0 = (round(DOTS * one) for one in (left, top))
+        x1, y1 = (round(DOTS * one) for one in (left + width, top + height))
+        if x1 > x0 and y1 > y0:
+            draw.rectangle((x0, y0, x1 - 1, y1 - 1), fill=20)
+    return np.array(page)
+
+
+def photograph(shot, sheets, *, rng=None, noise=1.5, paper="A4"):
+    """Return the picture (H, W, 3) of sheets on the floor.
+
+    `sheets` are pairs of a pattern and the place of its centre: x, y (mm) and angle (rad).
+    """
+    ideal = _ideal(shot.size, shot.focal, shot.centre, shot.distortion)
+    width, height = shot.size
+    light = np.full((height * SAMPLES, width * SAMPLES), FLOOR, np.float32)
+    for pattern, (x, y, angle) in sheets:
+        page = printed(pattern, paper)
+        forward = np.array((np.cos(angle), np.sin(angle)))
+        axes = np.array([(*forward, x), (-forward[1], forward[0], y), (0, 0, 1)])
+        axes[:2, :2] = axes[:2, :2].T
+        middle = page.shape[1] / 2, (page.shape[0] - DOTS * _LABELS) / 2
+        dots = np.array([(DOTS, 0, middle[0] - 0.5), (0, DOTS, middle[1] - 0.5), (0, 0, 1)])
+        to_page = dots @ np.linalg.inv(shot.plane @ axes)
+        on_page = cv2.perspectiveTransform(ideal, to_page).astype(np.float32)
+        on_page = on_page.reshape(*light.shape, 2)
+        seen = cv2.remap(page, on_page[..., 0], on_page[..., 1], cv2.INTER_LINEAR, borderValue=0)
+        light[seen > 0] = seen[seen > 0]
+    light = light.reshape(height, SAMPLES, width, SAMPLES).mean(axis=(1, 3))
+    light = cv2.GaussianBlur(light, (0, 0), 0.6)
+    if rng is not None:
+        light = light + noise * rng.standard_normal(light.shape)
+    gray = np.clip(np.rint(light), 0, 255).astype(np.uint8)
+    return np.repeat(gray[:, :, None], 3, axis=2)
+
+
+def true_pixels(shot, positions, place):
+    """The pixels of positions (N, 2) from the centre of a pattern that lies at a place (mm)."""
+    x, y, angle = place
+    positions = np.asarray(positions, float)
+    forward = np.array((np.cos(angle), np.sin(angle)))
+    right = np.array((-forward[1], forward[0]))
+    floor = np.array((x, y)) + positions[:, :1] * forward + positions[:, 1:] * right
+    return shot.pixels(np.column_stack([floor, np.zeros(len(floor))]))
