@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from robsim.cli import bench, check, colors, errors, notebooks, robots, track
+from robsim.cli.calibration import app as calibration
 from robsim.cli.command import Command, Group
 from robsim.cli.live import cameras, live
 from robsim.cli.shared import SWITCH
@@ -36,6 +37,7 @@ app.command(cls=Command, help=cameras.HELP, epilog=cameras.EXAMPLE)(cameras.came
 app.command(cls=Command, help=live.HELP, epilog=live.EXAMPLE)(live.live)
 app.command(cls=Command, help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
 app.command(cls=Command, help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
+app.add_typer(calibration.app, name="calibrate", cls=Group)
 app.add_typer(robots.app, name="robots", cls=Group)
 app.add_typer(colors.app, name="colors", cls=Group)
 

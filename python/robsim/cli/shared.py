@@ -54,6 +54,14 @@ Positions = Annotated[
     str | None,
     typer.Option("--positions", metavar="POINTS", help="Their positions on the work area, in px."),
 ]
+CalibrationFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--calibration",
+        metavar="FILE",
+        help="Calibration of the camera, of robsim calibrate; in place of --pixels.",
+    ),
+]
 Noise = Annotated[
     str | None,
     typer.Option(

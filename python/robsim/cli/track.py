@@ -12,6 +12,7 @@ from robsim.cli.outcome import finish, write_with_progress
 from robsim.cli.shared import (
     SWITCH,
     Area,
+    CalibrationFile,
     Colors,
     Json,
     Out,
@@ -47,6 +48,7 @@ def track(
     area: Area = None,
     pixels: Pixels = None,
     positions: Positions = None,
+    calibration: CalibrationFile = None,
     dt: Annotated[
         float | None,
         typer.Option(
@@ -72,7 +74,13 @@ def track(
         if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
             raise ValueError(f"--out {out} would overwrite {source}: give another folder")
         plane_map = parse_plane_map(pixels, positions)
-        recording = Recording(source, plane_map=plane_map, area=parse_size("--area", area), dt=dt)
+        recording = Recording(
+            source,
+            plane_map=plane_map,
+            area=parse_size("--area", area),
+            dt=dt,
+            calibration=calibration,
+        )
         experiment = Experiment(recording, robot=robot, colors=colors, smoothing=smoothing)
         remark = earlier_run(out)
     failure = None

@@ -15,6 +15,7 @@ from robsim.cli.outcome import finish
 from robsim.cli.shared import (
     SWITCH,
     Area,
+    CalibrationFile,
     CallLimit,
     Colors,
     Json,
@@ -121,6 +122,7 @@ def live(
     area: Area = None,
     pixels: Pixels = None,
     positions: Positions = None,
+    calibration: CalibrationFile = None,
     fps: Annotated[
         float | None,
         typer.Option(
@@ -202,6 +204,7 @@ def live(
             robot=robot,
             area=parse_size("--area", area),
             plane_map=parse_plane_map(pixels, positions),
+            calibration=calibration,
             fps=rate_of(fps, dt),
             every=every,
             model_dt=step_of_model(folder),

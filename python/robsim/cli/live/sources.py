@@ -49,6 +49,7 @@ def opened(
     robot: str | None,
     area: tuple[int, int] | None,
     plane_map: PlaneMap | None,
+    calibration: Path | None,
     fps: float | None,
     every: int | None,
     model_dt: float | None,
@@ -80,6 +81,7 @@ def opened(
             device = WatchedCamera(
                 source,
                 plane_map=plane_map,
+                calibration=calibration,
                 area=area,
                 fps=fps if is_asked else None,
                 every=every or _every(LAB_RATE if lab and fps is None else fps, model_dt),

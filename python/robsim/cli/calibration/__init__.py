@@ -1,0 +1,1 @@
+"""Commands of a calibration: sheets to print, lens, floor, check picture."""

@@ -1,0 +1,23 @@
+"""The commands ``robsim calibrate``."""
+
+from __future__ import annotations
+
+import typer
+
+from robsim.cli.calibration import check, floor, lens, sheet
+from robsim.cli.command import Command
+
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    help="Calibrate a camera: its lens, and where it looks at the floor from.\n\n"
+    "In this order: print a board (sheet), hold it in front of the camera (lens), lay floor sheets "
+    "or measure marks (floor), look at the grid (check). The result is one file, for robsim live, "
+    "robsim track and robsim.Camera. Lock zoom and focus first; after the floor, do not move the "
+    "camera.",
+    epilog="Start with: robsim calibrate sheet --kind chessboard --out board.pdf",
+)
+app.command(cls=Command, help=sheet.HELP, epilog=sheet.EXAMPLE)(sheet.sheet)
+app.command(cls=Command, help=lens.HELP, epilog=lens.EXAMPLE)(lens.lens)
+app.command(cls=Command, help=floor.HELP, epilog=floor.EXAMPLE)(floor.floor)
+app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)

@@ -1,0 +1,53 @@
+"""The command ``robsim calibrate check``: the floor's grid, drawn on a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.calibration.options import pictures_of
+from robsim.cli.text import number
+
+EXAMPLE = "Example: robsim calibrate check floor.png --calibration camera.toml --out check.png"
+HELP = (
+    "Draw the floor's grid on a picture, to see whether a calibration fits.\n\n"
+    "Yellow lines lie on the floor: tiles and marks of known places must lie on them. Blue ones "
+    "are as high as the robot's markers."
+)
+
+
+def check(
+    picture: Annotated[
+        Path,
+        typer.Argument(metavar="PICTURE", help="Picture, folder or video: its first one is taken."),
+    ],
+    calibration: Annotated[
+        Path, typer.Option("--calibration", metavar="FILE", help="The calibration.")
+    ] = Path("camera.toml"),
+    step: Annotated[
+        float | None,
+        typer.Option(
+            "--step",
+            parser=number,
+            metavar="MM",
+            help="Distance of the lines in mm. Default: a round one.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE", help="The picture to write.")
+    ] = Path("check.png"),
+) -> None:
+    """Draw the floor's grid on a picture, to see whether a calibration fits."""
+    from robsim.calibration import draw_grid
+    from robsim.imaging import load_calibration, save_image
+
+    with errors.report_errors():
+        if out.resolve() == picture.resolve():
+            raise ValueError(f"--out {out} would overwrite the picture: give another name")
+        loaded = load_calibration(calibration)
+        image = next(pictures_of([picture]))[1]
+        save_image(out, draw_grid(image, loaded, step=step))
+    errors.say(f"written: {out}")

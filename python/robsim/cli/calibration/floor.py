@@ -1,0 +1,211 @@
+"""The command ``robsim calibrate floor``: where a camera looks at the floor from."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from robsim._base.text import quoted
+from robsim.cli import errors
+from robsim.cli.calibration.options import (
+    Mark,
+    check_out,
+    height_of,
+    pictures_of,
+    report_and_save,
+)
+from robsim.cli.shared import Json
+from robsim.cli.text import number, parse_points, parse_size
+
+if TYPE_CHECKING:
+    from robsim.calibration import FloorCalibration
+
+_COLUMNS = "name", "u", "v", "x", "y"
+_LARGEST_FILE = 2**20  # bytes
+EXAMPLE = (
+    "Example: robsim calibrate floor floor.png --calibration camera.toml --area 1200x1200 "
+    "--scale 2 --marker-height 80mm"
+)
+HELP = (
+    "Calibrate where a camera looks at the floor from.\n\n"
+    "By printed sheets (robsim calibrate sheet --kind floor): lay them anywhere on the floor, "
+    "spread over the whole area, and take a picture; nothing need be measured. --place says where "
+    "the cross of a sheet lies on the area; without it, the sheet of the lowest number is the "
+    "middle of the area, and x points to its right. Or by marks whose places you measured: --marks "
+    "or --pixels and --positions. Six or more are checked against each other. The exit status is 1 "
+    "if the result is bad."
+)
+
+
+def floor(
+    pictures: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="PICTURES",
+            help="Pictures of the floor, folders of them, or videos; the camera stands still.",
+        ),
+    ] = None,
+    area: Annotated[
+        str | None, typer.Option("--area", metavar="WxH", help="Size of the work area in px.")
+    ] = None,
+    scale: Annotated[
+        float | None,
+        typer.Option(
+            "--scale", parser=number, metavar="MM", help="A px of the work area in mm on the floor."
+        ),
+    ] = None,
+    marker_height: Annotated[
+        str,
+        typer.Option(
+            "--marker-height",
+            metavar="LENGTH",
+            help="How high the robot's markers are above the floor, such as 80mm; needs a lens.",
+        ),
+    ] = "0mm",
+    calibration: Annotated[
+        Path | None,
+        typer.Option(
+            "--calibration",
+            metavar="FILE",
+            help="The calibrated lens, of robsim calibrate lens. Default: none, it does not "
+            "distort.",
+        ),
+    ] = None,
+    mark: Mark = 80.0,
+    places: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--place",
+            metavar="N:X,Y",
+            help="Where the cross of sheet N lies in mm from the top left corner of the area. Can "
+            "be repeated.",
+        ),
+    ] = None,
+    marks: Annotated[
+        Path | None,
+        typer.Option(
+            "--marks",
+            metavar="FILE",
+            help="Marks as CSV with the columns name, u, v (px), x, y (mm); those of one name are "
+            "averaged.",
+        ),
+    ] = None,
+    pixels: Annotated[
+        str | None,
+        typer.Option(
+            "--pixels", metavar="POINTS", help="Marks in the picture in px: '12,8 630,11 ...'."
+        ),
+    ] = None,
+    positions: Annotated[
+        str | None,
+        typer.Option(
+            "--positions",
+            metavar="POINTS",
+            help="Their places on the floor in mm from the top left corner of the area.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="FILE",
+            help="The calibration to write. Default: that of --calibration, or camera.toml.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Calibrate where a camera looks at the floor from."""
+    from robsim.imaging import load_calibration
+
+    with errors.report_errors():
+        file = out or calibration or Path("camera.toml")
+        check_out(file, ".toml")
+        if area is None or scale is None:
+            raise ValueError(
+                "--area and --scale are missing: the size of the work area in px, and how many mm "
+                "of the floor a px is, such as --area 1200x1200 --scale 2"
+            )
+        options = {
+            "area": parse_size("--area", area),
+            "mm_per_px": scale,
+            "marker_height": height_of("--marker-height", marker_height),
+            "lens": None if calibration is None else load_calibration(calibration),
+        }
+        report = _calibrated(
+            pictures or [], _given_marks(marks, pixels, positions), mark, places or [], options
+        )
+        report_and_save(report, report.calibration, file, as_json=as_json)
+
+
+def _calibrated(
+    sources: list[Path], marks: Any, mark: float, places: list[str], options: dict[str, Any]
+) -> FloorCalibration:
+    from robsim.calibration import calibrate_floor, calibrate_floor_by_sheets
+
+    if marks is None:
+        if not sources:
+            raise ValueError("give a picture of floor sheets, or measured marks: --marks")
+        images = [image for _, image in pictures_of(sources)]
+        where = dict(_place(text) for text in places)
+        return calibrate_floor_by_sheets(images, mark=mark, places=where or None, **options)
+    if places:
+        raise ValueError("--place is for sheets, and not for marks")
+    size = None
+    if sources:
+        image = next(pictures_of(sources))[1]
+        size = image.shape[1], image.shape[0]
+    elif options["lens"] is None:
+        raise ValueError("give a picture of the floor, too: its size is needed without a lens")
+    names, seen, where_they_are = marks
+    return calibrate_floor(seen, where_they_are, names=names, size=size, **options)
+
+
+def _place(text: str) -> tuple[int, tuple[float, float]]:
+    sheet, _, place = text.partition(":")
+    try:
+        x, y = map(float, place.split(","))
+        return int(sheet), (x, y)
+    except ValueError:
+        raise ValueError(
+            f"--place must be a sheet and its place in mm, such as 1:600,400, got {quoted(text)}"
+        ) from None
+
+
+def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) -> Any:
+    """Return names, pixels and positions; None if no marks are given."""
+    if marks is not None:
+        if pixels or positions:
+            raise ValueError("--marks has pixels and positions: give these or the file")
+        return _read_marks(marks)
+    if (pixels is None) != (positions is None):
+        raise ValueError("--pixels and --positions belong together: give both or neither")
+    if pixels is None:
+        return None
+    seen = parse_points("--pixels", pixels, minimum=4)
+    return None, seen, parse_points("--positions", positions, minimum=4)
+
+
+def _read_marks(file: Path) -> tuple[list[str], list[list[float]], list[list[float]]]:
+    from robsim._base.files import read_text
+
+    rows = list(csv.reader(read_text(file, _LARGEST_FILE).splitlines()))
+    rows = [[cell.strip() for cell in row] for row in rows if any(map(str.strip, row))]
+    if rows and tuple(map(str.lower, rows[0])) == _COLUMNS:
+        rows = rows[1:]
+    names, seen, places = [], [], []
+    for number_of_row, row in enumerate(rows, start=1):
+        try:
+            name, u, v, x, y = row
+            seen.append([float(u), float(v)])
+            places.append([float(x), float(y)])
+        except ValueError:
+            raise ValueError(
+                f"{file}: mark {number_of_row} must be name, u, v, x, y such as corner,12,8,0,0, "
+                f"got {quoted(','.join(row))}"
+            ) from None
+        names.append(name)
+    return names, seen, places

@@ -1,0 +1,120 @@
+"""Options that the commands of a calibration share, and how their texts are read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from robsim._base.text import quoted
+from robsim.cli.text import number
+
+if TYPE_CHECKING:
+    from robsim._base.report import Report
+    from robsim.calibration import Charuco, Chessboard
+    from robsim.imaging import Calibration
+
+_MOST_OF_VIDEO = 40  # pictures; neighbours in a video show the same
+
+Board = Annotated[
+    str | None,
+    typer.Option(
+        "--board",
+        metavar="COLUMNSxROWS",
+        help="Inner corners of the chessboard, or squares of the ChArUco board. Default: 9x6.",
+        show_default=False,
+    ),
+]
+Square = Annotated[
+    float | None,
+    typer.Option(
+        "--square",
+        parser=number,
+        metavar="MM",
+        help="Side of a square in mm, as printed: measure it. Default: 25; 28 on a ChArUco board.",
+        show_default=False,
+    ),
+]
+Mark = Annotated[
+    float,
+    typer.Option(
+        "--mark",
+        parser=number,
+        metavar="MM",
+        help="Side of a mark on the floor sheets in mm, as printed: measure it.",
+    ),
+]
+
+
+def board_of(board: str | None, square: float | None, *, charuco: bool) -> Chessboard | Charuco:
+    """Return the board that --board, --square and --charuco name."""
+    from robsim.calibration import Charuco, Chessboard
+
+    kind = Charuco if charuco else Chessboard
+    options: dict[str, Any] = {} if square is None else {"square": square}
+    if board is None:
+        return kind(**options)
+    if not (found := re.fullmatch(r"(\d{1,3})[xX](\d{1,3})", board)):
+        raise ValueError(f"--board must be columns x rows such as 9x6, got {quoted(board)}")
+    columns, rows = map(int, found.groups())
+    return kind(columns, rows, **options)
+
+
+def height_of(option: str, text: str) -> float:
+    """Return a length in mm from text such as 80, 80mm or 8cm."""
+    found = re.fullmatch(r"(\d+(?:\.\d*)?)\s*(mm|cm|m)?", text.strip())
+    if not found:
+        raise ValueError(f"{option} must be a length such as 80mm or 8cm, got {quoted(text)}")
+    return float(found[1]) * {"m": 1000.0, "cm": 10.0, "mm": 1.0, None: 1.0}[found[2]]
+
+
+def pictures_of(sources: list[Path], most: int = _MOST_OF_VIDEO) -> Iterator[tuple[str, Any]]:
+    """Yield names and RGB pictures of image files, folders and videos.
+
+    Of a video, `most` frames at most, evenly spread.
+    """
+    from robsim.imaging import Recording, load_image
+    from robsim.imaging._images import image_suffixes
+
+    for source in sources:
+        if source.is_file() and source.suffix.lower() in image_suffixes():
+            yield source.name, load_image(source)
+        elif source.is_dir():
+            files = sorted(
+                one for one in source.iterdir() if one.suffix.lower() in image_suffixes()
+            )
+            if not files:
+                raise ValueError(f"{source} has no pictures")
+            for file in files:
+                yield file.name, load_image(file)
+        else:
+            recording = Recording(source)
+            every = max((recording.count or 1) // most, 1)
+            for frame in recording:
+                if frame.index % every == 0:
+                    yield f"{source.name} frame {frame.index}", frame.image
+
+
+def report_and_save(report: Report, calibration: Calibration, out: Path, *, as_json: bool) -> None:
+    """Print a report and write its calibration; exit with 1 if it is bad."""
+    from robsim.cli import errors
+    from robsim.imaging import save_calibration
+
+    save_calibration(out, calibration)
+    errors.show(report.to_json() if as_json else report)
+    if not as_json:
+        errors.say(f"written: {out}")
+    if report.verdict == "bad":
+        raise typer.Exit(1)
+
+
+def check_out(out: Path, suffix: str) -> None:
+    """Raise an error of the file to write before the work, not after it."""
+    from robsim.cli.results import check_folder
+
+    if out.suffix.lower() != suffix:
+        raise ValueError(f"--out must be a file that ends in {suffix}, got {quoted(str(out))}")
+    check_folder(out.absolute().parent)

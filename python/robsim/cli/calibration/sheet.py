@@ -1,0 +1,61 @@
+"""The command ``robsim calibrate sheet``: a pattern to print."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.calibration.options import Board, Square, board_of, check_out
+from robsim.cli.text import number, whole_number
+
+KINDS = "chessboard", "charuco", "floor"
+EXAMPLE = "Example: robsim calibrate sheet --kind floor --number 1 --out floor-1.pdf"
+HELP = (
+    "Write a sheet to print, as PDF at true scale.\n\n"
+    "Print it at 100 %, not 'fit to page', and measure the line of 100 mm on it. chessboard and "
+    "charuco are for the lens: glue the sheet on something flat. A ChArUco board may reach beyond "
+    "the picture. floor is for the floor: print several, of different numbers."
+)
+
+
+def sheet(
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The PDF file to write.")],
+    kind: Annotated[
+        str, typer.Option("--kind", metavar="KIND", help="chessboard, charuco or floor.")
+    ] = "chessboard",
+    paper: Annotated[
+        str, typer.Option("--paper", metavar="SIZE", help="A4, A3, A2, A1, A0 or letter.")
+    ] = "A4",
+    board: Board = None,
+    square: Square = None,
+    sheet_number: Annotated[
+        int,
+        typer.Option(
+            "--number", parser=whole_number, metavar="N", help="Number of a floor sheet: 1 to 16."
+        ),
+    ] = 1,
+    mark: Annotated[
+        float,
+        typer.Option(
+            "--mark", parser=number, metavar="MM", help="Side of a mark on a floor sheet in mm."
+        ),
+    ] = 80.0,
+) -> None:
+    """Write a sheet to print, as PDF at true scale."""
+    from robsim._base.checks import check_choice
+    from robsim.calibration import FloorSheet, save_sheet
+    from robsim.cli.text import about
+
+    with errors.report_errors():
+        check_out(out, ".pdf")
+        with about("--kind"):
+            check_choice("kind", kind, KINDS)
+        if kind == "floor":
+            save_sheet(out, FloorSheet(sheet_number, mark), paper=paper)
+        else:
+            save_sheet(out, board_of(board, square, charuco=kind == "charuco"), paper=paper)
+    errors.say(f"written: {out}")
+    errors.print_note("print it at 100 %, and measure its line of 100 mm")
