@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -13,6 +14,7 @@ from robsim._base.checks import Floats
 from robsim._base.report import Quantity
 from robsim._core import MotorLink
 from robsim.capture import Camera, CameraCounts
+from robsim.live import _calibration_findings as mapping
 from robsim.live._camera_look import CameraLook
 from robsim.live._marker_light import MarkerLight
 
@@ -43,6 +45,8 @@ _POSITION = (0.02, 0.06)  # of the distance between the markers
 _HEADING = (math.radians(1), math.radians(3))
 _STILL = 2.0  # px
 _LATENCY = (0.05, 0.15)  # s
+_EXCESS = (0.025, 0.06)  # of the distance between the markers
+_VISIBLE = (0.9, 0.5)  # of the work area
 
 _REMEDIES = {
     "no blobs": "train the colours in this light (robsim colors train), or is it another robot?",
@@ -127,6 +131,7 @@ def findings_of(
     yield from _markers(look)
     yield from _detection(look)
     yield from _scatter(look)
+    yield from _map(look, camera)
     yield from _latency(look, motors)
 
 
@@ -291,6 +296,30 @@ def _scatter(look: CameraLook) -> Iterator[CameraFinding]:
     limits = (_POSITION[0] * distance, _POSITION[1] * distance)
     yield _judged("scatter of the position", position, "px", limits, noisy)
     yield _judged("scatter of the heading", heading, "rad", _HEADING, noisy)
+
+
+def _map(look: CameraLook, camera: Camera) -> Iterator[CameraFinding]:
+    """Yield whether the map from pixels to the floor fits the robot."""
+    excess = mapping.median_excess(look.pairs)
+    remedy = mapping.remedy(excess, look.pairs, camera.calibration, look.markers.distance)
+    off = _judged("markers' distance", 100 * abs(excess), "%", _percent_limits(_EXCESS), remedy)
+    yield dataclasses.replace(off, value=100 * excess)
+    yield _judged(
+        "markers' distance, by place",
+        100 * mapping.spread_over_places(look.pairs, camera.area),
+        "%",
+        _percent_limits(_EXCESS),
+        mapping.remedy_of_spread(camera.calibration),
+    )
+    if camera.calibration is not None:
+        yield _judged(
+            "work area in the picture",
+            100 * mapping.visible_share(camera.calibration),
+            "%",
+            _percent_limits(_VISIBLE),
+            "the picture does not show all of the work area: was the camera moved since its "
+            "calibration, or is --area too large?",
+        )
 
 
 def _latency(look: CameraLook, motors: MotorLink | None) -> Iterator[CameraFinding]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from robsim._base.checks import Floats
 from robsim._core import Blob, ColorClass, Detection, Frame, MarkerLayout, detect, find_blobs
+from robsim.live._calibration_findings import MarkerPair, marker_pair
 from robsim.live._marker_light import MarkerLight, marker_light
 from robsim.robots import RobotDefinition
 
@@ -42,6 +43,7 @@ class CameraLook:
         self.poses: list[Floats] = []
         self.others: list[int] = []
         self.light: list[tuple[float, float, float]] = []  # mean, shares of white and of black
+        self.pairs: list[MarkerPair] = []
         self.marker_light: dict[str, list[MarkerLight]] = {name: [] for name in _MARKERS}
 
     @property
@@ -59,6 +61,8 @@ class CameraLook:
         self.times.append((frame.index, frame.t or 0.0, frame.t_arrival or frame.t or 0.0))
         self.light.append(_light_of(frame))
         self.others.append(self._others(blobs, detection))
+        if pair := marker_pair(frame, blobs, detection, self.markers):
+            self.pairs.append(pair)
         if detection.measurement is not None or not self.seen:
             self.shown = frame, blobs, detection
         if detection.measurement is None:
