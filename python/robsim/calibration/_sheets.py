@@ -21,7 +21,7 @@ PAPERS = {
 }
 _EDGE = 5.0  # mm that no printer prints on
 _RULER = 100.0  # mm
-_THIN = 0.25
+_THIN = 0.4
 _LABELS = 11.0  # mm below the pattern, for ruler and text
 
 
