@@ -2,7 +2,7 @@
 
 What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `trace`,
 `vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
-`capture`, `motors`, `sessions`, `live`, `plotting`, `gui`, `doctor`, `bench`.
+`capture`, `calibration`, `motors`, `sessions`, `live`, `plotting`, `gui`, `doctor`, `bench`.
 """
 
 import importlib as _importlib
@@ -110,7 +110,8 @@ __all__ = [
 
 # Loaded when asked for: `import robsim` needs no matplotlib, and is quick.
 _LATE_ROOMS = (
-    *("bench", "digests", "doctor", "gui", "live", "motors", "plotting", "reference", "sessions"),
+    *("bench", "calibration", "digests", "doctor", "gui", "live", "motors", "plotting"),
+    *("reference", "sessions"),
 )
 _LATE_NAMES = {
     name: "plotting" if name.startswith("pl") else "doctor"

@@ -11,7 +11,7 @@ from robsim.calibration import Charuco, Chessboard, FloorSheet, find_sheets, sav
 pytest.importorskip("cv2")
 
 MM = 72 / 25.4
-NEAR = Shot(rotation=(0.3, -0.2, 0.1), place=(10.0, -5.0, 620.0))
+NEAR = Shot(turn=(0.3, -0.2, 0.1), place=(10.0, -5.0, 620.0))
 
 
 def drawn(file):
@@ -85,7 +85,7 @@ def test_corners_are_found_to_a_tenth_of_a_pixel(board):
 
 def test_the_marks_of_floor_sheets_are_found_to_a_twentieth_of_a_pixel():
     rng = np.random.default_rng(6)
-    shot = Shot(rotation=(-0.5, 0.1, 0.2), place=(0.0, 0.0, 1500.0))
+    shot = Shot(turn=(-0.5, 0.1, 0.2), place=(0.0, 0.0, 1500.0))
     places = {3: (-250.0, -100.0, 0.4), 16: (260.0, 150.0, 2.5)}
     sheets = [(FloorSheet(number), place) for number, place in places.items()]
     found = find_sheets(photograph(shot, sheets, rng=rng), 80.0)

@@ -20,7 +20,7 @@ from robsim.imaging import Calibration, Intrinsics
 SHOT = Shot(
     focal=620.0,
     distortion=(-0.09, 0.004, 0.0008, -0.0005, 0.0),
-    rotation=(-math.radians(30), 0.0, 0.0),
+    turn=(-math.radians(30), 0.0, 0.0),
     place=(0.0, 100.0, 2400.0),
 )
 LENS = Calibration(size=SHOT.size, intrinsics=Intrinsics(SHOT.matrix, distortion=SHOT.distortion))

@@ -30,7 +30,7 @@ def shots(views=VIEWS, base=BASE, rng=None, board=BOARD):
     for across, down, z, tilt_x, tilt_y in views:
         u, v = across * base.size[0], down * base.size[1]
         x, y = (u - base.centre[0]) / base.focal * z, (v - base.centre[1]) / base.focal * z
-        shot = dataclasses.replace(base, rotation=(tilt_x, tilt_y, 0.1), place=(x, y, float(z)))
+        shot = dataclasses.replace(base, turn=(tilt_x, tilt_y, 0.1), place=(x, y, float(z)))
         yield photograph(shot, [(board, (0, 0, 0))], rng=rng)
 
 
@@ -122,7 +122,9 @@ def test_pictures_without_a_board_or_of_several_sizes_are_refused():
     grey = np.full((480, 640, 3), 150, np.uint8)
     with pytest.raises(ValueError, match=r"got 0 of 2: is it a board of 9 x 6 squares"):
         calibrate_lens([grey, grey], BOARD)
-    with pytest.raises(ValueError, match=r"640 x 480 px and 640 x 400 px \(2\)"):
+    with pytest.raises(
+        ValueError, match=r"640 x 480 px and 640 x 400 px \(the one with number 2\)"
+    ):
         calibrate_lens([grey, grey[:400]], BOARD)
     with pytest.raises(ValueError, match="must not be empty"):
         calibrate_lens([], BOARD)

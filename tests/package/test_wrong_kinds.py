@@ -99,12 +99,40 @@ def report():
 
 
 #: An example of an argument that has to be given, by name; by callable and name where they differ.
+
+
+def calibration(size=(64, 48)):
+    return robsim.imaging.Calibration(size=size, floor=robsim.imaging.PlaneMap(), area=size)
+
+
 EXAMPLES = {
     "Intrinsics.matrix": lambda: [[50, 0, 20], [0, 50, 20], [0, 0, 1]],
+    "draw_grid.calibration": lambda: calibration((32, 32)),
+    "find_sheets.mark": lambda: 80.0,
+    "load_calibration.path": lambda: "camera.toml",
+    "Residuals.points": lambda: 9,
+    "Residuals.rms": lambda: 0.1,
+    "Residuals.worst": lambda: 0.2,
+    "save_calibration.calibration": lambda: calibration(),
+    "save_calibration.path": lambda: "camera.toml",
+    "save_sheet.path": lambda: "sheet.pdf",
+    "save_sheet.pattern": lambda: robsim.calibration.Chessboard(),
     "Lens.distorted.size": lambda: (64, 48),
     "Lens.ideal.size": lambda: (64, 48),
     "Blob.centroid": lambda: (1.0, 2.0),
     "Blob.color": lambda: "red",
+    "BoardPicture.corners": lambda: 40,
+    "calibrate_floor.pixels": lambda: [(0, 0), (9, 0), (9, 9), (0, 9)],
+    "calibrate_floor.positions": lambda: [(0, 0), (9, 0), (9, 9), (0, 9)],
+    "calibrate_floor.area": lambda: (64, 48),
+    "calibrate_floor.mm_per_px": lambda: 2.0,
+    "calibrate_floor_by_sheets.area": lambda: (64, 48),
+    "calibrate_floor_by_sheets.mm_per_px": lambda: 2.0,
+    "calibrate_floor_by_sheets.pictures": lambda: [image()],
+    "calibrate_lens.board": lambda: robsim.calibration.Chessboard(),
+    "calibrate_lens.pictures": lambda: [image()],
+    "Calibration.size": lambda: (64, 48),
+    "Calibration.check_frames.size": lambda: (64, 48),
     "Camera.source": camera,
     "check_camera.camera": lambda: robsim.Camera(camera()),
     "plot_camera_check.check": camera_check,
@@ -259,6 +287,7 @@ EXAMPLES = {
 
 #: What else has to be given, so that the other arguments are looked at.
 ALSO = {
+    "calibrate_floor": lambda: {"size": (64, 48)},
     "Experiment.from_folder": lambda: {"frames": []},
     "Simulation.run": lambda: {"steps": 1},
     "add_robot": lambda: {"overwrite": True},

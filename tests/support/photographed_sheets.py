@@ -25,7 +25,7 @@ class Shot:
     focal: float = 560.0
     centre: tuple[float, float] = (327.0, 232.0)
     distortion: tuple[float, ...] = (-0.16, 0.05, 0.001, -0.0006, 0.0)
-    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rotation vector, rad
+    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rotation vector, rad
     place: tuple[float, float, float] = (0.0, 0.0, 1500.0)  # of the floor's origin, mm
 
     @property
@@ -38,7 +38,7 @@ class Shot:
         points = np.asarray(points, float) * (1, 1, -1)
         found, _ = cv2.projectPoints(
             points,
-            np.array(self.rotation, float),
+            np.array(self.turn, float),
             np.array(self.place, float),
             self.matrix,
             self.distortion,
@@ -48,7 +48,7 @@ class Shot:
     @property
     def plane(self):
         """The homography from the floor (mm) to ideal pixels."""
-        rotation, _ = cv2.Rodrigues(np.array(self.rotation, float))
+        rotation, _ = cv2.Rodrigues(np.array(self.turn, float))
         return self.matrix @ np.column_stack([rotation[:, :2], self.place])
 
 

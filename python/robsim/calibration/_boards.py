@@ -280,7 +280,20 @@ def find_sheets(image: Pixels, mark: float) -> dict[int, Corners]:
         RGB.
     mark : float
         Side of a mark (mm).
+
+    Returns
+    -------
+    dict of int to Corners
+        The corners of the marks that were found, from the centre of each sheet.
+
+    Raises
+    ------
+    ImportError
+        If OpenCV is not installed.
+    TypeError, ValueError
+        If an argument has another type, or is out of range.
     """
+    mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
     cv2 = load_opencv(_PURPOSE)
     options = cv2.aruco.DetectorParameters()
     options.minMarkerPerimeterRate = 0.01

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import stats
 
-from robsim._base.checks import Floats, as_float_array, check_float, check_size
+from robsim._base.checks import Floats, as_float_array, check_float, check_int, check_size
 from robsim._base.text import listed, quoted
 from robsim._core import Frame, PlaneMap
-from robsim.calibration._boards import Corners, find_sheets
+from robsim.calibration._boards import MOST_SHEETS, Corners, find_sheets
 from robsim.calibration._floor_report import FloorCalibration, FloorPoint
+from robsim.calibration._pictures import checked_names, images_of
 from robsim.calibration._plane_fit import PlaneFit, aligned, fit_plane, placed
 from robsim.imaging import Calibration, Residuals
 from robsim.imaging._frames import frame_size
@@ -74,10 +75,11 @@ def calibrate_floor(
         If an argument has the wrong type or shape, too many marks lie on a line, or their order is
         that of a mirrored floor.
     """
-    lens, size = _lens_and_size(lens, size)
     area = check_size("area", area)
     scale = check_float("mm_per_px", mm_per_px, "mm", minimum=1e-3, maximum=1e4)
-    seen, places, called = _marks(pixels, positions, names)
+    seen, places, called = _marks(pixels, positions, checked_names(names))
+    lens, size = _lens_and_size(lens, size)
+    height = check_float("marker_height", marker_height, "mm", minimum=0)
     matrix = None if lens.intrinsics is None else np.asarray(lens.intrinsics.matrix)
     ideal = _ideal(lens, seen)
     _refuse_mirrored(ideal, places)
@@ -85,7 +87,7 @@ def calibrate_floor(
     fit = fit_plane([ideal], [places], matrix)
     if len(seen) >= _TRUSTED:
         wrong, fit = _without_wrong(ideal, places, matrix, fit)
-    calibration = _calibration(lens, fit.to_floor, area, scale, marker_height)
+    calibration = _calibration(lens, fit.to_floor, area, scale, height)
     points = _points(calibration, called, seen, places, {wrong})
     return _report(calibration, fit, points)
 
@@ -135,9 +137,17 @@ def calibrate_floor_by_sheets(
     area = check_size("area", area)
     scale = check_float("mm_per_px", mm_per_px, "mm", minimum=1e-3, maximum=1e4)
     mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
+    height = check_float("marker_height", marker_height, "mm", minimum=0)
+    _check_lens(lens)
+    where = _checked_places(places)
     size, sheets, moved, count = _seen_sheets(pictures, mark)
     lens, size = _lens_and_size(lens, size)
-    where = _checked_places(places, sheets)
+    for number in where:
+        if number not in sheets:
+            raise ValueError(
+                f"places must be of sheets that are seen, got one of sheet {number}: seen are "
+                f"{listed(map(str, sheets))}"
+            )
     numbers = sorted(sheets, key=lambda number: (number not in where, number))
     if not where:
         where = {numbers[0]: (area[0] / 2 * scale, area[1] / 2 * scale)}
@@ -153,7 +163,7 @@ def calibrate_floor_by_sheets(
         [(np.cos(angle), -np.sin(angle), shift[0]), (np.sin(angle), np.cos(angle), shift[1])]
     )
     to_floor = np.vstack([turned, (0, 0, 1)]) @ fit.to_floor
-    calibration = _calibration(lens, to_floor, area, scale, marker_height)
+    calibration = _calibration(lens, to_floor, area, scale, height)
     points: list[FloorPoint] = []
     for number, group, place in zip(numbers, groups, fit.places, strict=True):
         floor = placed(placed(group.positions, place), (*shift, angle))
@@ -177,10 +187,14 @@ def calibrate_floor_by_sheets(
     )
 
 
-def _lens_and_size(lens: Any, size: tuple[int, int] | None) -> tuple[Calibration, tuple[int, int]]:
-    """Return the lens, of frames of this size; without one, it is a lens that is not known."""
+def _check_lens(lens: Any) -> None:
     if not (lens is None or isinstance(lens, Calibration)):
         raise TypeError(f"lens must be a Calibration or None, got {quoted(lens)}")
+
+
+def _lens_and_size(lens: Any, size: tuple[int, int] | None) -> tuple[Calibration, tuple[int, int]]:
+    """Return the lens, of frames of this size; without one, it is a lens that is not known."""
+    _check_lens(lens)
     if lens is None:
         if size is None:
             raise ValueError("size must be given without a lens")
@@ -200,9 +214,7 @@ def _marks(pixels: Any, positions: Any, names: Any) -> tuple[Floats, Floats, lis
             raise ValueError(f"{name} must be finite, and at most 1e7")
     if len(seen) != len(places):
         raise ValueError(f"positions must be as many as pixels, got {len(places)} and {len(seen)}")
-    if isinstance(names, str):
-        raise TypeError(f"names must be a sequence of texts, got {quoted(names)}")
-    called = [str(n + 1) for n in range(len(seen))] if names is None else [str(n) for n in names]
+    called = [str(n + 1) for n in range(len(seen))] if names is None else list(names)
     if len(called) != len(seen):
         raise ValueError(f"names must be as many as pixels, got {len(called)} and {len(seen)}")
     groups = {name: [i for i, one in enumerate(called) if one == name] for name in called}
@@ -338,22 +350,14 @@ def _seen_sheets(
     pictures: Iterable[Any], mark: float
 ) -> tuple[tuple[int, int], dict[int, Corners], float, int]:
     """Return size, corners of each sheet averaged over the pictures, their motion, the number."""
-    size = None
+    size, count = (0, 0), 0
     pixels: dict[tuple[int, float, float], list[Floats]] = {}
-    count = 0
-    for picture in pictures:
-        image = picture.image if isinstance(picture, Frame) else picture
+    for image in images_of(pictures):
+        size, count = frame_size(image), count + 1
         found = find_sheets(image, mark)
-        if size is None:
-            size = frame_size(image)
-        elif frame_size(image) != size:
-            raise ValueError("pictures must have one size")
-        count += 1
         for number, corners in found.items():
             for (x, y), pixel in zip(corners.positions.tolist(), corners.pixels, strict=True):
                 pixels.setdefault((number, x, y), []).append(pixel)
-    if size is None:
-        raise ValueError("pictures must not be empty")
     if not pixels:
         raise ValueError(
             "pictures must show a floor sheet (robsim calibrate sheet --kind floor), got none in "
@@ -370,22 +374,18 @@ def _seen_sheets(
     return size, sheets, moved, count
 
 
-def _checked_places(places: Any, sheets: Mapping[int, Corners]) -> dict[int, tuple[float, float]]:
+def _checked_places(places: Any) -> dict[int, tuple[float, float]]:
     if places is None:
         return {}
     if not isinstance(places, Mapping):
         raise TypeError(f"places must be a mapping of numbers to (x, y), got {quoted(places)}")
     checked = {}
     for number, place in places.items():
+        sheet = check_int("places", number, minimum=1, maximum=MOST_SHEETS)
         where = as_float_array(f"places[{quoted(number)}]", place)
         if where.shape != (2,) or not np.isfinite(where).all():
             raise ValueError(f"places[{quoted(number)}] must be (x, y) in mm, got {quoted(place)}")
-        if number not in sheets:
-            raise ValueError(
-                f"places must be of sheets that are seen, got one of sheet {quoted(number)}: seen "
-                f"are {listed(map(str, sheets))}"
-            )
-        checked[int(number)] = (float(where[0]), float(where[1]))
+        checked[sheet] = (float(where[0]), float(where[1]))
     return checked
 
 

@@ -56,6 +56,7 @@ def draw_grid(
     )
     if not isinstance(calibration, Calibration):
         raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
+    step = None if step is None else check_float("step", step, "mm", exclusive_minimum=0)
     calibration.check_frames(frame_size(pixels))
     above = calibration.plane_map  # refuses a calibration without a floor
     floor, area = calibration.floor, calibration.area

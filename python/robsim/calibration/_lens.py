@@ -16,6 +16,7 @@ from robsim._base.text import quoted
 from robsim._core import Frame, Intrinsics
 from robsim.calibration._boards import Charuco, Chessboard, Corners
 from robsim.calibration._lens_report import CELLS, BoardPicture, LensCalibration
+from robsim.calibration._pictures import checked_names, images_of
 from robsim.imaging import Calibration, Residuals
 from robsim.imaging._frames import frame_size
 from robsim.imaging._images import Pixels
@@ -79,7 +80,7 @@ def calibrate_lens(
     cv2 = load_opencv("calibrating a lens")
     if not isinstance(board, (Chessboard, Charuco)):
         raise TypeError(f"board must be a Chessboard or a Charuco, got {quoted(board)}")
-    size, views, missing = _views(pictures, board, names)
+    size, views, missing = _views(pictures, board, checked_names(names))
     if len(views) < FEWEST:
         raise ValueError(
             f"pictures must show the whole board in {FEWEST} at least, got {len(views)} of "
@@ -124,26 +125,18 @@ def _views(
     pictures: Iterable[Any], board: Chessboard | Charuco, names: Sequence[str] | None
 ) -> tuple[tuple[int, int], list[View], list[str]]:
     """Return the size of the pictures, those with a board, and the names of the others."""
-    size = None
+    size = (0, 0)
     views, missing = [], []
-    for number, picture in enumerate(pictures):
-        name = str(number + 1) if names is None else str(names[number])
-        image = picture.image if isinstance(picture, Frame) else picture
+    for number, image in enumerate(images_of(pictures)):
+        if names is not None and number >= len(names):
+            raise ValueError(f"names must be as many as pictures, got {len(names)}")
+        name = str(number + 1) if names is None else names[number]
+        size = frame_size(image)
         corners = board.find(image)
-        if size is None:
-            size = frame_size(image)
-        elif frame_size(image) != size:
-            other = frame_size(image)
-            raise ValueError(
-                f"pictures must have one size, got {size[0]} x {size[1]} px and {other[0]} x "
-                f"{other[1]} px ({name})"
-            )
         if corners is None:
             missing.append(name)
         else:
             views.append(View(name, corners))
-    if size is None:
-        raise ValueError("pictures must not be empty")
     return size, views, missing
 
 

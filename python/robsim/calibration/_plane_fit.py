@@ -41,7 +41,7 @@ class PlaneFit:
     residuals: list[Floats]
     parameters: Floats
     jacobian: Floats
-    camera: _Camera
+    view: _Camera
 
     @property
     def squares(self) -> float:
@@ -63,7 +63,7 @@ class PlaneFit:
             step = 1e-6 * max(abs(value), 1e-2)
             moved = self.parameters.copy()
             moved[index] += step
-            to_floor = _inverse(self.camera.to_pixels(moved))
+            to_floor = _inverse(self.view.to_pixels(moved))
             steps.append((_applied(to_floor, pixels) - positions) / step)
         sensitivity = np.stack(steps, axis=-1)  # (N, 2, P)
         spread = np.einsum("nip,pq,niq->n", sensitivity, covariance, sensitivity)
@@ -155,7 +155,7 @@ def fit_plane(
         residuals=np.split(best.fun.reshape(-1, 2), ends),
         parameters=best.x,
         jacobian=best.jac,
-        camera=camera,
+        view=camera,
     )
 
 

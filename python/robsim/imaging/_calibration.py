@@ -176,6 +176,7 @@ class Calibration:
             Left, top, width and height of what they show of the sensor (px). Default: not known.
         """
         size = check_size("size", size)
+        region = None if region is None else check_region("region", region)
         if size != self.size:
             raise ValueError(
                 f"calibration must be of frames of {size[0]} x {size[1]} px, as these are, got one "
@@ -184,7 +185,6 @@ class Calibration:
             )
         if region is None or self.region is None:
             return
-        region = check_region("region", region)
         if region != self.region:
             raise ValueError(
                 f"calibration must be of the region {region} of the sensor (left, top, width, "

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import tomlkit
-from tomlkit.items import Table
 
 from robsim._base.checks import as_float_array
 from robsim._base.files import as_path, read_toml, write_whole
 from robsim._base.text import one_line, quoted
 from robsim._core import Intrinsics, PlaneMap
 from robsim.imaging._calibration import Calibration, Residuals
+
+if TYPE_CHECKING:
+    from tomlkit.items import Table
 
 _FORMAT = 1
 _HEADER = (
@@ -90,6 +91,8 @@ def as_calibration(value: Any, plane_map: PlaneMap | None = None) -> Calibration
 
 def calibration_text(one: Calibration) -> str:
     """Return the file of a calibration."""
+    import tomlkit  # it costs milliseconds
+
     document = tomlkit.document()
     for line in _HEADER:
         document.add(tomlkit.comment(line))
@@ -124,6 +127,8 @@ def calibration_text(one: Calibration) -> str:
 
 
 def _table(values: Any, comment: str) -> Table:
+    import tomlkit
+
     table = tomlkit.table()
     table.add(tomlkit.comment(comment))
     for key, value in values.items():

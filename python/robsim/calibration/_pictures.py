@@ -1,0 +1,46 @@
+"""Pictures as a user gives them, all of one size, and their names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import check_text
+from robsim._base.text import quoted
+from robsim._core import Frame
+from robsim.imaging._frames import frame_size
+from robsim.imaging._images import Pixels, check_pixels
+
+
+def images_of(pictures: Any) -> Iterator[Pixels]:
+    """Yield the pixels of pictures of one size, one at least; raise TypeError or ValueError."""
+    is_single = isinstance(pictures, (Frame, str, bytes, dict)) or (
+        isinstance(pictures, np.ndarray) and pictures.ndim < 4
+    )
+    if is_single or not isinstance(pictures, Iterable):
+        raise TypeError(f"pictures must be several, such as a list, got {quoted(pictures)}")
+    size = None
+    for number, picture in enumerate(pictures):
+        given = picture.image if isinstance(picture, Frame) else picture
+        image = check_pixels("pictures", given, 3, "Frame objects, or each ")
+        found = frame_size(image)
+        if size is not None and found != size:
+            raise ValueError(
+                f"pictures must have one size, got {size[0]} x {size[1]} px and {found[0]} x "
+                f"{found[1]} px (the one with number {number + 1})"
+            )
+        size = found
+        yield image
+    if size is None:
+        raise ValueError("pictures must not be empty")
+
+
+def checked_names(names: Any) -> Sequence[str] | None:
+    """Return names, a sequence of texts, or None."""
+    if names is None:
+        return None
+    if isinstance(names, (str, bytes)) or not isinstance(names, (Sequence, np.ndarray)):
+        raise TypeError(f"names must be a sequence of texts, got {quoted(names)}")
+    return [check_text("names", name) for name in names]
