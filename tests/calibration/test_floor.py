@@ -7,9 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
-from photographed_sheets import Shot, photograph
+from photographed_sheets import LAID, Shot, floor_picture
 from robsim.calibration import (
-    FloorSheet,
     calibrate_floor,
     calibrate_floor_by_sheets,
     draw_grid,
@@ -26,13 +25,6 @@ SHOT = Shot(
 LENS = Calibration(size=SHOT.size, intrinsics=Intrinsics(SHOT.matrix, distortion=SHOT.distortion))
 AREA = {"area": (1000, 800), "mm_per_px": 2.0}
 CORNER = np.array((-1000.0, -900.0))  # of the area, in the axes of the camera's floor
-SHEETS = {
-    1: (0.0, 0.0, 0.05),
-    2: (-650.0, -450.0, 0.6),
-    3: (600.0, -500.0, -0.4),
-    4: (-500.0, 380.0, 2.0),
-    5: (520.0, 400.0, 0.3),
-}
 
 
 def floor(count=5):
@@ -106,10 +98,11 @@ def test_a_wrong_mark_is_named_and_left_out(with_lens):
     assert all(one.is_used for one in right.points)
 
 
+@pytest.mark.slow
 def test_the_chance_that_right_marks_are_called_wrong_is_small():
     places, pixels = floor(3)
     rng = np.random.default_rng(11)
-    for _ in range(6):
+    for _ in range(20):
         noisy = pixels + 1.5 * rng.standard_normal(pixels.shape)
         report = calibrate_floor(noisy, places, lens=LENS, **AREA)
         assert all(one.is_used for one in report.points)
@@ -172,13 +165,12 @@ def test_marks_on_a_line_are_refused():
 
 @pytest.fixture(scope="module")
 def picture():
-    sheets = [(FloorSheet(number), place) for number, place in SHEETS.items()]
-    return photograph(SHOT, sheets, rng=np.random.default_rng(4))
+    return floor_picture(SHOT)
 
 
 def crosses():
     return {
-        number: tuple((np.array(place[:2]) - CORNER).tolist()) for number, place in SHEETS.items()
+        number: tuple((np.array(place[:2]) - CORNER).tolist()) for number, place in LAID.items()
     }
 
 
@@ -195,7 +187,7 @@ def test_sheets_anywhere_on_the_floor_give_the_map(picture):
 def test_one_sheet_is_the_middle_of_the_area_in_its_axes(picture):
     only = {"places": None}
     report = calibrate_floor_by_sheets([picture], lens=LENS, **only, **AREA)
-    x, y, angle = SHEETS[1]
+    x, y, angle = LAID[1]
     ahead = np.array([(x, y, 0), (x + 100 * math.cos(angle), y + 100 * math.sin(angle), 0)])
     found = report.calibration.plane_map.to_world(SHOT.pixels(ahead))
     np.testing.assert_allclose(found, [(500, 400), (550, 400)], atol=0.2)

@@ -5,33 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from photographed_sheets import Shot, photograph
+from photographed_sheets import VIEWS, Shot, board_pictures
 from robsim.calibration import Charuco, Chessboard, calibrate_lens
 
 pytest.importorskip("cv2")
 
 BASE = Shot()
 BOARD = Charuco(9, 6, 28)
-# Where in the picture the middle of the board is, its distance (mm), and its tilts (rad).
-VIEWS = [
-    (0.3, 0.3, 500, 0.5, 0.1),
-    (0.7, 0.3, 520, -0.4, 0.3),
-    (0.3, 0.7, 540, 0.2, -0.5),
-    (0.7, 0.7, 500, -0.3, -0.4),
-    (0.5, 0.5, 420, 0.6, 0.0),
-    (0.5, 0.5, 450, 0.0, 0.6),
-    (0.25, 0.5, 560, -0.5, 0.2),
-    (0.75, 0.5, 560, 0.3, 0.5),
-]
-
-
-def shots(views=VIEWS, base=BASE, rng=None, board=BOARD):
-    rng = rng or np.random.default_rng(1)
-    for across, down, z, tilt_x, tilt_y in views:
-        u, v = across * base.size[0], down * base.size[1]
-        x, y = (u - base.centre[0]) / base.focal * z, (v - base.centre[1]) / base.focal * z
-        shot = dataclasses.replace(base, turn=(tilt_x, tilt_y, 0.1), place=(x, y, float(z)))
-        yield photograph(shot, [(board, (0, 0, 0))], rng=rng)
 
 
 def errors_over_the_picture(found, base=BASE):
@@ -57,7 +37,7 @@ def rms(errors):
 
 
 def test_a_lens_is_found_from_a_few_pictures_of_a_board():
-    report = calibrate_lens(shots(), BOARD)
+    report = calibrate_lens(board_pictures(BOARD), BOARD)
     assert report.rms < 0.15
     assert rms(errors_over_the_picture(report.calibration.intrinsics)) < 0.6
     assert report.calibration.size == (640, 480)
@@ -74,7 +54,7 @@ def test_more_pictures_give_a_good_lens_by_either_board():
             (*rng.uniform(0.28, 0.72, 2), rng.uniform(430, 650), *rng.uniform(-0.6, 0.6, 2))
             for _ in range(16)
         ]
-        report = calibrate_lens(shots(views, rng=rng, board=board), board)
+        report = calibrate_lens(board_pictures(board, views, rng=rng), board)
         assert report.rms < 0.12
         errors = errors_over_the_picture(report.calibration.intrinsics)
         assert rms(errors) < 0.2
@@ -89,7 +69,7 @@ def test_a_third_coefficient_is_fitted_where_the_pictures_determine_it():
         (*rng.uniform(0.2, 0.8, 2), rng.uniform(380, 520), *rng.uniform(-0.6, 0.6, 2))
         for _ in range(16)
     ]
-    report = calibrate_lens(shots(views, base, rng), BOARD)
+    report = calibrate_lens(board_pictures(BOARD, views, base, rng), BOARD)
     assert report.has_k3
     assert report.calibration.intrinsics.distortion[4] == pytest.approx(-0.12, abs=0.06)
     assert rms(errors_over_the_picture(report.calibration.intrinsics, base)) < 0.3
@@ -98,7 +78,7 @@ def test_a_third_coefficient_is_fitted_where_the_pictures_determine_it():
 @pytest.mark.slow
 def test_what_is_missing_is_said():
     flat = [(0.4, 0.6, 520, 0.02, 0.01), (0.45, 0.55, 500, 0, 0.03), (0.4, 0.5, 480, 0.05, 0.02)]
-    report = calibrate_lens(shots([*flat, (0.45, 0.6, 550, 0.1, 0.0)]), BOARD)
+    report = calibrate_lens(board_pictures(BOARD, [*flat, (0.45, 0.6, 550, 0.1, 0.0)]), BOARD)
     said = " ".join(problem.sentence for problem in report.problems)
     assert "tilt it by 20 to 45" in said
     assert "4 pictures are few" in said
@@ -108,9 +88,9 @@ def test_what_is_missing_is_said():
 
 @pytest.mark.slow
 def test_a_picture_with_another_zoom_is_named_and_left_out():
-    pictures = list(shots())
+    pictures = list(board_pictures(BOARD))
     other = dataclasses.replace(BASE, focal=640.0)
-    pictures[4:5] = shots(VIEWS[4:5], other)
+    pictures[4:5] = board_pictures(BOARD, VIEWS[4:5], other)
     names = [f"board-{n}.png" for n in range(8)]
     report = calibrate_lens(pictures, BOARD, names=names)
     assert [one.name for one in report.pictures if not one.is_used] == ["board-4.png"]

@@ -9,8 +9,11 @@ import pytest
 import typer
 
 from commands import command as run_command
+from photographed_sheets import OBLIQUE, board_pictures, floor_picture
 from robsim._base.shipped import ASSETS
+from robsim.calibration import Chessboard
 from robsim.cli import app
+from robsim.imaging import save_image
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 SHELL = "".join(re.findall(r"```sh\n(.*?)```", README, re.DOTALL))
@@ -51,6 +54,10 @@ SHORTER = {
 @pytest.mark.usefixtures("user_folder", "small_bench", "closed_page")
 def test_all_of_them_work_one_after_the_other(tmp_path):
     shutil.copy(ASSETS / "robots/sheep/robot.png", tmp_path / "photo.png")
+    (tmp_path / "pictures").mkdir()
+    for number, image in enumerate(board_pictures(Chessboard(9, 6, 25), farther=1.3)):
+        save_image(tmp_path / f"pictures/{number}.png", image)
+    save_image(tmp_path / "floor.png", floor_picture(OBLIQUE))
     for line in typed([*SHELL.splitlines(), *examples()]):
         for long, short in SHORTER.items():
             line = line.replace(long, short)

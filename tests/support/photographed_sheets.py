@@ -1,12 +1,13 @@
 """Pictures of printed sheets, taken by a camera whose lens and place are known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import cv2
 import numpy as np
 from PIL import Image, ImageDraw
 
+from robsim.calibration import FloorSheet
 from robsim.calibration._sheets import _LABELS, PAPERS, page_of
 
 SAMPLES = 3  # of each pixel, in each direction
@@ -115,3 +116,47 @@ def true_pixels(shot, positions, place):
     right = np.array((-forward[1], forward[0]))
     floor = np.array((x, y)) + positions[:, :1] * forward + positions[:, 1:] * right
     return shot.pixels(np.column_stack([floor, np.zeros(len(floor))]))
+
+
+# Where in the picture the middle of the board is, its distance (mm), and its tilts (rad).
+VIEWS = [
+    (0.3, 0.3, 500, 0.5, 0.1),
+    (0.7, 0.3, 520, -0.4, 0.3),
+    (0.3, 0.7, 540, 0.2, -0.5),
+    (0.7, 0.7, 500, -0.3, -0.4),
+    (0.5, 0.5, 420, 0.6, 0.0),
+    (0.5, 0.5, 450, 0.0, 0.6),
+    (0.25, 0.5, 560, -0.5, 0.2),
+    (0.75, 0.5, 560, 0.3, 0.5),
+]
+
+
+def board_pictures(board, views=VIEWS, base=Shot(), rng=None, farther=1.0):
+    """Yield pictures of a board that is held in front of a camera."""
+    rng = rng or np.random.default_rng(1)
+    for across, down, away, tilt_x, tilt_y in views:
+        z = farther * away
+        u, v = across * base.size[0], down * base.size[1]
+        x, y = (u - base.centre[0]) / base.focal * z, (v - base.centre[1]) / base.focal * z
+        shot = replace(base, turn=(tilt_x, tilt_y, 0.1), place=(x, y, z))
+        yield photograph(shot, [(board, (0, 0, 0))], rng=rng)
+
+
+#: Sheets on a floor: their numbers, and where they lie (mm, rad).
+LAID = {
+    1: (0.0, 0.0, 0.05),
+    2: (-650.0, -450.0, 0.6),
+    3: (600.0, -500.0, -0.4),
+    4: (-500.0, 380.0, 2.0),
+    5: (520.0, 400.0, 0.3),
+}
+
+
+def floor_picture(shot):
+    """Return the picture of five floor sheets."""
+    sheets = [(FloorSheet(number), place) for number, place in LAID.items()]
+    return photograph(shot, sheets, rng=np.random.default_rng(4))
+
+
+#: Looks at them, 30 degrees aside.
+OBLIQUE = Shot(turn=(-0.5236, 0.0, 0.0), place=(0.0, 100.0, 2400.0))

@@ -1,0 +1,177 @@
+"""The commands ``robsim calibrate``, and those that take a calibration."""
+
+import json
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from photographed_sheets import LAID, OBLIQUE, VIEWS, Shot, board_pictures, floor_picture
+from python_cameras import EndlessCamera
+from robsim.calibration import Chessboard
+from robsim.cli import app
+from robsim.cli.calibration.taking import BoardTaker
+from robsim.imaging import (
+    Calibration,
+    Intrinsics,
+    load_calibration,
+    load_image,
+    save_calibration,
+    save_image,
+)
+
+pytest.importorskip("cv2")
+BOARD = Chessboard(9, 6, 25)
+AREA = ("--area", "1000x800", "--scale", "2")
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def calibrate(*arguments):
+    """Run ``robsim calibrate`` in this process."""
+    return CliRunner(env={"COLUMNS": "80"}).invoke(app, ["calibrate", *map(str, arguments)])
+
+
+def refused(*arguments):
+    result = calibrate(*arguments)
+    assert result.exit_code == 2, result.output
+    return result.stderr
+
+
+def lens_file(size=OBLIQUE.size):
+    lens = Intrinsics(OBLIQUE.matrix, distortion=OBLIQUE.distortion)
+    save_calibration("camera.toml", Calibration(size=size, intrinsics=lens))
+
+
+def marks_file(count=9):
+    places = np.array([(x, y) for y in (200, 800, 1400) for x in (200, 1000, 1800)], float)
+    seen = OBLIQUE.pixels(np.column_stack([places - (1000, 800), np.zeros(9)]))
+    lines = [
+        f"m{n}, {u}, {v}, {x}, {y}"
+        for n, ((u, v), (x, y)) in enumerate(zip(seen.tolist(), places.tolist(), strict=True))
+    ]
+    Path("marks.csv").write_text("\n".join(["name,u,v,x,y", *lines[:count]]))
+
+
+def test_marks_give_a_floor_and_its_grid():
+    lens_file()
+    marks_file()
+    options = ("--calibration", "camera.toml", *AREA, "--marker-height", "16cm")
+    result = calibrate("floor", "--marks", "marks.csv", *options)
+    assert result.exit_code == 0, result.output
+    assert "Calibration of the floor: good" in result.stdout
+    made = load_calibration("camera.toml")
+    assert made.marker_height == 160
+    ahead = OBLIQUE.pixels([(100.0, 50.0, 160.0)])
+    np.testing.assert_allclose(made.plane_map.to_world(ahead), [(550, 425)], atol=0.01)
+    save_image("floor.png", np.full((480, 640, 3), 90, np.uint8))
+    assert calibrate("check", "floor.png", "--out", "grid.png").exit_code == 0
+    assert load_image("grid.png").shape == (480, 640, 3)
+    assert "would overwrite" in refused("check", "floor.png", "--out", "floor.png")
+
+
+def test_what_is_missing_or_wrong_is_said():
+    lens_file()
+    marks_file(3)
+    save_image("grey.png", np.full((480, 640, 3), 90, np.uint8))
+    floor = ("floor", "--calibration", "camera.toml", *AREA)
+    assert "4 marks or more, got 3" in refused(*floor, "--marks", "marks.csv")
+    assert "--area and --scale are missing" in refused("floor", "x.png")
+    assert "give a picture of floor sheets" in refused(*floor)
+    assert "--marker-height must be a length" in refused(*floor, "--marker-height", "high")
+    assert "--place must be a sheet" in refused(*floor, "grey.png", "--place", "one")
+    assert "belong together" in refused(*floor, "--pixels", "1,2 3,4 5,6 7,8")
+    Path("bad.csv").write_text("a,1,2,3\n")
+    assert "mark 1 must be name, u, v, x, y" in refused(*floor, "--marks", "bad.csv")
+    assert "--out must be a file that ends in .pdf" in refused("sheet", "--out", "sheet.png")
+    assert "did you mean 'charuco'" in refused("sheet", "--kind", "charco", "--out", "a.pdf")
+    assert "--board must be columns x rows" in refused("lens", "x.png", "--board", "9")
+    assert "either pictures, or --camera" in refused("lens")
+
+
+def test_a_calibration_of_other_frames_is_refused_by_track():
+    lens_file()
+    marks_file()
+    calibrate("floor", "--marks", "marks.csv", "--calibration", "camera.toml", *AREA)
+    save_image("frames-0.png", np.full((480, 320, 3), 90, np.uint8))
+    Path("frames").mkdir()
+    Path("frames-0.png").rename("frames/0.png")
+    result = CliRunner().invoke(app, ["track", "frames", "--calibration", "camera.toml"])
+    assert result.exit_code == 2
+    assert "320 x 480 px" in result.stderr
+    assert "640 x 480 px" in result.stderr
+    result = CliRunner().invoke(
+        app, ["live", "--camera", "frames", "--fps", "5", "--calibration", "camera.toml"]
+    )
+    assert result.exit_code == 2
+    assert "320 x 480 px" in result.stderr
+
+
+@pytest.mark.slow
+def test_a_board_is_taken_when_it_stands_still_somewhere_new():
+    first, second = list(board_pictures(BOARD, farther=1.3))[:2]
+    taker = BoardTaker(BOARD, (640, 480))
+    grey = np.full((480, 640, 3), 150, np.uint8)
+    shown = [first, first, first, second, second, grey, first, first]
+    taken = [index for index, image in enumerate(shown) if taker.takes(image)]
+    assert taken == [1, 4]
+    assert "bottom right" in taker.empty_parts
+
+
+@pytest.mark.slow
+def test_from_pictures_to_a_floor(tmp_path):
+    """Lens, tilt of 30 degrees, markers 80 px high: below 0.3 px over the whole floor."""
+    sharp = {"size": (1280, 960), "focal": 1120.0, "centre": (654.5, 464.5)}
+    camera = replace(OBLIQUE, **sharp)
+    views = [*VIEWS, *((1 - a, 1 - d, 1.1 * z, -y, x) for a, d, z, x, y in VIEWS)]
+    (tmp_path / "board").mkdir()
+    boards = board_pictures(BOARD, views, replace(Shot(), **sharp), farther=1.3)
+    for number, image in enumerate(boards):
+        save_image(tmp_path / f"board/{number}.png", image)
+    save_image("floor.png", floor_picture(camera))
+    result = calibrate("lens", "board", "--json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["rms"] < 0.2
+    places = [f"{n}:{x + 1000},{y + 800}" for n, (x, y, _) in LAID.items()]
+    laid = [part for place in places for part in ("--place", place)]
+    options = ("--calibration", "camera.toml", *AREA, "--marker-height", "160")
+    result = calibrate("floor", "floor.png", *options, *laid)
+    assert result.exit_code == 0, result.output
+    grid = np.stack(np.meshgrid(np.linspace(-1000, 1000, 21), np.linspace(-800, 800, 17)), -1)
+    points = np.column_stack([grid.reshape(-1, 2), np.full(grid[..., 0].size, 160.0)])
+    pixels = camera.pixels(points)
+    seen = ((pixels >= 0) & (pixels < camera.size)).all(axis=1)
+    assert seen.mean() > 0.8
+    found = load_calibration("camera.toml").plane_map.to_world(pixels[seen])
+    errors = found - (points[seen, :2] + (1000, 800)) / 2
+    assert np.sqrt((errors**2).sum(axis=1).mean()) < 0.3
+
+
+@pytest.mark.slow
+def test_pictures_are_taken_from_a_live_camera(monkeypatch, tmp_path):
+    from robsim.cli.live import sources
+
+    images = list(board_pictures(BOARD, farther=1.3))
+
+    class Held(EndlessCamera):
+        """Shows one picture after the other, each for a while."""
+
+        number = 0
+
+        def read(self):
+            self.image = images[min(self.number // 8, len(images) - 1)]
+            self.number += 1
+            time.sleep(0.02)
+            return super().read()
+
+    monkeypatch.setattr(sources, "_source", lambda text: Held(images[0], 8 * len(images)))
+    result = calibrate("lens", "--camera", "0", "--count", "5", "--keep", tmp_path / "kept")
+    assert result.exit_code in (0, 1), result.output
+    assert "5 of 5" in result.stderr
+    assert len(list((tmp_path / "kept").glob("*.png"))) == 5
