@@ -71,6 +71,7 @@ def test_what_does_not_fit_on_the_paper_is_refused(tmp_path):
         save_sheet(tmp_path / "sheet.png", Chessboard())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("board", [Chessboard(9, 6, 20), Charuco(9, 6, 28)])
 def test_corners_are_found_to_a_tenth_of_a_pixel(board):
     rng = np.random.default_rng(5)

@@ -85,6 +85,13 @@ def test_the_calibration_of_another_mounting_shows(oblique, tilt, away):
     assert report.verdict != "good"
 
 
+def test_no_height_is_advised_that_no_robot_has(oblique):
+    remedy = check(oblique, calibration(30, 900, marker_height=80))["markers' distance"].remedy
+    assert "they would fit" not in remedy
+    assert "was the camera moved or zoomed since its calibration" in remedy
+
+
+@pytest.mark.slow
 def test_without_a_calibration_it_is_advised(oblique):
     with robsim.Camera(EndlessCamera(oblique, 2000), area=AREA) as camera:
         finding = check_camera(camera, seconds=0.1)["markers' distance"]
@@ -105,6 +112,7 @@ def test_a_tilt_that_was_forgotten_shows_from_place_to_place():
     assert math.isnan(mapping.spread_over_places(pairs[:3] * 5, AREA))
 
 
+@pytest.mark.slow
 def test_a_lens_that_was_forgotten_changes_the_distance():
     scenario = robsim.Scenario(area=AREA, resolution=SIZE, start=(70, 70, 0.7), seed=1, noise=None)
     with (

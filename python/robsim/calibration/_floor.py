@@ -338,7 +338,8 @@ def _refuse_mirrored(pixels: Floats, places: Floats) -> None:
     """Raise ValueError if x, y on the floor turn the other way than in the picture."""
     middle = pixels.mean(axis=0)
     # places = A (pixels - middle) + b, but for perspective
-    about, *_ = np.linalg.lstsq(np.column_stack([pixels - middle, np.ones(len(pixels))]), places)
+    known = np.column_stack([pixels - middle, np.ones(len(pixels))])
+    about, *_ = np.linalg.lstsq(known, places, rcond=None)
     if np.linalg.det(about[:2]) < 0:
         raise ValueError(
             "positions must turn as in the picture, x to the right and y down, got those of a "

@@ -17,6 +17,7 @@ _APART = 0.15  # of the area's longer side: the robot was in several places
 _FEWEST = 12  # frames
 _PARTS = 4  # of the frames, by place
 _STEPS = 40  # of a bisection
+_TALLEST = 300.0  # mm, of a robot on such a floor
 
 
 @dataclass(frozen=True)
@@ -151,7 +152,7 @@ def remedy(
         )
     height = explaining_height(pairs, calibration, distance)
     given = calibration.marker_height
-    if height is not None and abs(height - given) > 1:
+    if height is not None and abs(height - given) > 1 and height <= _TALLEST:
         if not given:
             return (
                 said + f"it is calibrated for markers on the floor, and {height:.0f} mm above it "
