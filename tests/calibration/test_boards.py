@@ -84,6 +84,7 @@ def test_corners_are_found_to_a_tenth_of_a_pixel(board):
     assert np.sqrt((errors**2).sum(axis=1).mean()) < 0.12
 
 
+@pytest.mark.slow
 def test_the_marks_of_floor_sheets_are_found_to_a_twentieth_of_a_pixel():
     rng = np.random.default_rng(6)
     shot = Shot(turn=(-0.5, 0.1, 0.2), place=(0.0, 0.0, 1500.0))
