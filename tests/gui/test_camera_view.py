@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from robsim.imaging import Intrinsics, PlaneMap
+
 pytestmark = pytest.mark.slow
 
 GREEN, MAGENTA, BLUE = (18, 161, 80), (214, 33, 156), (59, 130, 246)
@@ -107,6 +109,38 @@ def test_overlays_follow_the_perspective_of_a_tilted_camera(camera):
     assert has_near(host, (corner[0] / scale, corner[1] / scale), GREEN)
     host.tab.mouse.click(*at(300, 400))
     assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": x, "y": y}, abs=1.5)
+
+
+def test_overlays_are_drawn_and_clicked_through_the_lens(camera):
+    # A pincushion that moves the corners out by 20 px, of a camera that is tilted, too.
+    tilted = [1, 0, 0, 0, 1, 0, 0, -1 / 1200, 1]
+    distortion = (0.13, 0.02, 0.004, -0.003, 0.001)
+    lens = Intrinsics([[600, 0, 299.5], [0, 580, 305], [0, 0, 1]], distortion)
+    plane_map = PlaneMap(np.reshape(tilted, (3, 3)), lens)
+    x, y = plane_map.to_world((60, 90))
+    frame = {"map": tilted, "intrinsics": [600, 580, 299.5, 305, *distortion]}
+    host, at = camera(
+        frame=frame | {"measured": [x, y, 0.0]}, setup={"area": [1200, 1200]}, state=DRIVEN
+    )
+    corner = plane_map.to_pixel((x + 40, y - 25))
+    plain = PlaneMap(plane_map.matrix).to_pixel((x + 40, y - 25))
+    assert np.hypot(*(corner - plain)) > 8
+    assert has_near(host, corner, GREEN)
+    assert not has_near(host, plain, GREEN)
+    for pixel in ((60, 90), (550, 40), (580, 590), (300, 300)):
+        host.forget()
+        host.tab.mouse.click(*at(*pixel))
+        x, y = plane_map.to_world(pixel)
+        assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": x, "y": y}, abs=1.5)
+
+
+def test_no_place_is_clicked_where_the_lens_shows_nothing(camera):
+    frame = {"intrinsics": [300, 300, 299.5, 299.5, -0.3, 0, 0, 0, 0]}  # up to 210 px
+    host, at = camera(frame=frame, state=DRIVEN)
+    host.tab.mouse.click(*at(20, 20))
+    assert host.sent("go_to") == []
+    host.tab.mouse.click(*at(300, 400))
+    assert len(host.sent("go_to")) == 1
 
 
 def test_columns_are_asked_for_when_they_are_shown(camera):

@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image
 
 from robsim._base.checks import Floats
-from robsim._core import Blob, Frame, Step, detect, reduced
+from robsim._core import Blob, Frame, PlaneMap, Step, detect, reduced
 from robsim.imaging._images import Pixels
 
 if TYPE_CHECKING:
@@ -55,16 +55,17 @@ class Shot:
 
     def head(self, area: tuple[int, int]) -> dict[str, Any]:
         """Return the message about it; without a picture it shows the bare work area."""
-        size, plane_map = [*area], np.eye(3)
+        size, plane_map = [*area], PlaneMap()
         if self.frame is not None:
             height, width = self.frame.image.shape[:2]
-            size, plane_map = [width, height], np.asarray(self.frame.plane_map.matrix)
+            size, plane_map = [width, height], self.frame.plane_map
         return {
             "type": "frame",
             "k": self.k,
             "t": self.t,
             "size": size,
-            "map": plane_map.ravel().tolist(),
+            "map": plane_map.matrix.ravel().tolist(),
+            "intrinsics": _lens_of(plane_map),
             "measured": self.measured,
             "held": self.held,
             "truth": self.truth,
@@ -73,6 +74,15 @@ class Shot:
             "missed": self.missed,
             "past": self.past,
         }
+
+
+def _lens_of(plane_map: PlaneMap) -> list[float] | None:
+    """Return fx, fy, cx, cy and the distortion; None for a camera whose lens is not known."""
+    lens = plane_map.intrinsics
+    if lens is None:
+        return None
+    (fx, _, cx), (_, fy, cy), _ = lens.matrix.tolist()
+    return [fx, fy, cx, cy, *lens.distortion.tolist()]
 
 
 def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_tracked: bool) -> Shot:

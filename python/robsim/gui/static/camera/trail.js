@@ -16,7 +16,8 @@ export function makeTrail() {
   const prepare = (scene, rows, upto) => {
     const { canvas } = scene.pen;
     const { scale, left, top } = scene.lens;
-    const view = [canvas.width, canvas.height, scale, left, top, ...scene.frame.map];
+    const { map, intrinsics } = scene.frame;
+    const view = [canvas.width, canvas.height, scale, left, top, ...map, intrinsics];
     const now = [...view, scene.colors.measured, rows.epoch].join();
     const isShort = upto - first <= 1.25 * LONGEST_TRAIL;
     if (now == key && rows == known && drawn <= upto && isShort) return;
