@@ -43,6 +43,14 @@ def edit(file, old, new):
     file.write_bytes(text.replace(old, new, 1))
 
 
+EYE = b"[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
+FIVE = b"[0, 0, 0, 0, 0]"
+
+
+def _with_lens(intrinsics):
+    return b"dt = 0.2\nplane_map = {matrix = %s, intrinsics = %s}" % (EYE, intrinsics)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "match"),
     [
@@ -56,6 +64,24 @@ def edit(file, old, new):
         (b"dt = 0.2", b"dt = true", "dt must be"),
         (b"dt = 0.2", b"dt = 0.2\nplane_map = [[1, 2, 3], [2, 4, 6], [0, 0, 0]]", "inverse"),
         (b"dt = 0.2", b"dt = 0.2\nplane_map = [[1, 2], [3]]", "plane_map must be"),
+        (b"dt = 0.2", _with_lens(b"4"), r"plane_map\.intrinsics must be a table, got 4"),
+        (b"dt = 0.2", _with_lens(b"{}"), r"plane_map\.intrinsics\.matrix must be an array"),
+        (
+            b"dt = 0.2",
+            _with_lens(b"{matrix = %s}" % EYE),
+            r"intrinsics\.distortion must be an array",
+        ),
+        (
+            b"dt = 0.2",
+            _with_lens(b"{matrix = %s, distortion = [nan, 0, 0, 0, 0]}" % EYE),
+            r"plane_map\.intrinsics\.distortion must be 5 finite",
+        ),
+        (
+            b"dt = 0.2",
+            _with_lens(b"{matrix = [[0, 0, 0], [0, 1, 0], [0, 0, 1]], distortion = %s}" % FIVE),
+            "plane_map: matrix must have focal lengths above 0",
+        ),
+        (b"dt = 0.2", b"dt = 0.2\nplane_map = {}", r"plane_map\.matrix must be"),
         (b"dt = 0.2", b"dt = 0.2\ncolors = [{name = 'red'}]", "colors must have y"),
         (b"dt = 0.2", b"dt = 0.2\ncolors = [{name=1, y=2, u=3, v=4}]", "colors: "),
         (b"dt = 0.2", b"dt = 0.2\nmodel = {dt = 1, theta = [[inf]]}", "model.theta must be"),
@@ -89,6 +115,9 @@ def test_a_damaged_set_up_is_named(folder, old, new, match):
         (b",0,,2,,2,", b",0,,0,,2,", "video_frame of step 2 must be 2, got 0"),
         (b",0,,2,,2,", b",0,,99,,2,", "video_frame of step 2 must be 2, got 99"),
         (b",0,,2,,2,", b",0,,2,,2,1 2 3", "line 4: plane_map must be 9 numbers"),
+        (b",0,,2,,2,", b",0,,2,,2,1 0 0 0 1 0 0 0 1 5 5", "must be 9 numbers, or 18 with a lens"),
+        (b",0,,2,,2,", b",0,,2,,2,1 0 0 0 1 0 0 0 1 0 5 1 1 0 0 0 0 0", "line 4: .*focal lengths"),
+        (b",0,,2,,2,", b",0,,2,,2,1 0 0 0 1 0 0 0 1 5 5 1 1 0 x 0 0 0", "line 4: plane_map must"),
         (b",0,,2,,2,", b",0,,2,,2,0 0 0 0 0 0 0 0 0", "line 4: .*inverse"),
     ],
 )

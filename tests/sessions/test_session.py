@@ -134,6 +134,17 @@ def test_a_spreadsheet_reads_the_steps(recorded):
     np.testing.assert_array_equal(table["video_frame"], table["k"])
 
 
+LENS = robsim.imaging.Intrinsics(
+    [[1 / 3e-3, 0, 159.5], [0, 333.3, 119.5], [0, 0, 1]], (-0.1, 0.01, 1e-3, -2 / 3e3, 0.1 + 0.2)
+)
+THROUGH_LENS = robsim.imaging.PlaneMap([[2, 0.1, 1 / 3], [0, 2.2, 7], [1e-4, 2e-5, 1]], LENS)
+
+
+def test_a_plane_map_with_a_lens_comes_back(tmp_path):
+    SessionWriter(tmp_path, setup={"plane_map": THROUGH_LENS}).close()
+    assert Session(tmp_path).plane_map == THROUGH_LENS
+
+
 def test_the_setup_comes_back(tmp_path):
     robot = robsim.robots.load_robot("lab")
     setup = {
@@ -166,7 +177,7 @@ def test_a_frame_keeps_its_own_numbers(tmp_path):
     scaled = robsim.imaging.PlaneMap.scaled((300, 300), (600, 600))
     writer = SessionWriter(tmp_path, setup={"plane_map": scaled}, lossless=True, waits=True)
     image = numbered(3)[0].image
-    maps = [scaled, robsim.imaging.PlaneMap(), scaled]
+    maps = [scaled, robsim.imaging.PlaneMap(), THROUGH_LENS]
     for k, plane_map in enumerate(maps):
         frame = robsim.Frame(image, t=k, t_arrival=k + 0.04, index=7 * k, plane_map=plane_map)
         writer.add(Row(k=5 + k, t=k, t_arrival=k + 0.04, t_sent=k + 0.06), frame)

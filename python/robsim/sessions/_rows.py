@@ -14,7 +14,7 @@ import numpy as np
 
 from robsim._base.checks import Floats
 from robsim._base.text import as_cell, cut, one_line, quoted
-from robsim._core import PlaneMap
+from robsim._core import Intrinsics, PlaneMap
 
 #: Limits of the file and of a line (bytes).
 MOST_BYTES = 2**31
@@ -96,7 +96,7 @@ def _cell(value: Any) -> str:
         text = one_line(value)[:200]
         return '"' + as_cell(text).replace('"', '""') + '"' if text else ""
     if isinstance(value, PlaneMap):
-        return " ".join(map(repr, value.matrix.ravel().tolist()))
+        return " ".join(map(repr, _numbers_of(value)))
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, bool):
@@ -184,11 +184,25 @@ def _int(name: str, text: str) -> int:
     return int(text)
 
 
+def _numbers_of(plane_map: PlaneMap) -> list[float]:
+    """Return the nine numbers of a homography, and those of the lens where there is one."""
+    numbers: list[float] = plane_map.matrix.ravel().tolist()
+    lens = plane_map.intrinsics
+    if lens is not None:
+        (fx, _, cx), (_, fy, cy), _ = lens.matrix.tolist()
+        numbers += [fx, fy, cx, cy, *lens.distortion.tolist()]
+    return numbers
+
+
 def _plane_map(text: str) -> PlaneMap:
     numbers = [_float("plane_map", part) for part in text.split(" ")]
-    if len(numbers) != 9:
-        raise ValueError(f"plane_map must be 9 numbers, got {len(numbers)}")
-    return PlaneMap(np.reshape(numbers, (3, 3)))
+    if len(numbers) not in (9, 18):
+        raise ValueError(f"plane_map must be 9 numbers, or 18 with a lens, got {len(numbers)}")
+    lens = None
+    if len(numbers) == 18:
+        fx, fy, cx, cy, *distortion = numbers[9:]
+        lens = Intrinsics(((fx, 0, cx), (0, fy, cy), (0, 0, 1)), distortion)
+    return PlaneMap(np.reshape(numbers[:9], (3, 3)), lens)
 
 
 def columns_of(rows: Iterable[Row], *names: str) -> dict[str, Floats]:

@@ -16,7 +16,7 @@ import tomlkit
 from robsim._base.checks import as_float_array, check_float, check_size
 from robsim._base.files import MOST_TOML, parse_toml, read_toml
 from robsim._base.text import one_line, quoted
-from robsim._core import ColorClass, MarkerLayout, PlaneMap, RobotModel
+from robsim._core import ColorClass, Intrinsics, MarkerLayout, PlaneMap, RobotModel
 
 FORMAT = 1
 _KINDS = (str, bool, int, float, list, dict, datetime.datetime)
@@ -68,7 +68,7 @@ def _as_toml(name: str, value: Any) -> Any:
         plain = {key: item for key, item in items.items() if key not in tables}
         return {key: item for key, item in (plain | tables).items() if item is not None}
     if isinstance(value, PlaneMap):
-        return value.matrix.tolist()
+        return _plane_map_as_toml(value)
     if isinstance(value, RobotModel):
         return {"dt": value.dt, "theta": value.theta.tolist()}
     if isinstance(value, ColorClass):
@@ -87,6 +87,16 @@ def _as_toml(name: str, value: Any) -> Any:
     if value is None or isinstance(value, _KINDS):
         return value
     raise TypeError(f"{name} must be numbers, texts, lists and tables, got {quoted(value)}")
+
+
+def _plane_map_as_toml(plane_map: PlaneMap) -> Any:
+    """Return a homography as its rows; with a lens, as a table of both."""
+    lens = plane_map.intrinsics
+    matrix = plane_map.matrix.tolist()
+    if lens is None:
+        return matrix
+    camera = {"matrix": lens.matrix.tolist(), "distortion": lens.distortion.tolist()}
+    return {"matrix": matrix, "intrinsics": camera}
 
 
 def _lines(text: str) -> Any:
@@ -155,7 +165,21 @@ def _numbers(name: str, value: Any, shape: tuple[int, ...]) -> Any:
 
 
 def _plane_map(name: str, value: Any) -> PlaneMap:
-    return PlaneMap(_numbers(name, value, (3, 3)))
+    if not isinstance(value, dict):
+        return PlaneMap(_numbers(name, value, (3, 3)))
+    matrix = _part(name, value, "matrix", (3, 3))
+    camera, place = value.get("intrinsics"), f"{name}.intrinsics"
+    if not isinstance(camera, dict):
+        raise TypeError(f"{place} must be a table, got {quoted(camera)}")
+    numbers = _part(place, camera, "matrix", (3, 3)), _part(place, camera, "distortion", (5,))
+    try:
+        return PlaneMap(matrix, Intrinsics(*numbers))
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from error
+
+
+def _part(name: str, table: dict[str, Any], key: str, shape: tuple[int, ...]) -> Any:
+    return _numbers(f"{name}.{key}", table.get(key), shape)
 
 
 def _input(name: str, value: Any) -> tuple[float, float]:

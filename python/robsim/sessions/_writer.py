@@ -274,11 +274,11 @@ class _Files:
         row, frame = item.row, item.frame
         number, left_out = None, "busy" if item.is_full else ""
         if frame is not None:
-            matrix = frame.plane_map
+            seen = frame.plane_map
             row = replace(
                 row,
                 frame_index=frame.index,
-                plane_map=None if matrix == self._plane_map else matrix,
+                plane_map=None if seen == self._plane_map else seen,
             )
             if time.monotonic() > item.until:
                 left_out = "busy"
