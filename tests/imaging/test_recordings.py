@@ -157,6 +157,21 @@ class TestPlaneMap:
             Recording(folder, plane_map=plane_map)
         assert Recording(folder, plane_map=plane_map, area=(99, 88)).area == (99, 88)
 
+    def test_through_a_lens(self, folder):
+        camera = [[20, 0, 15.5], [0, 20, 11.5], [0, 0, 1]]
+        lens = robsim.imaging.Intrinsics(camera, (0.4, 0, 0, 0, 0))
+        plane_map = robsim.imaging.PlaneMap(np.diag([100, 100, 1]), lens)
+        # It bends the sides outwards: most is seen in their middles.
+        width, height = plane_map.to_world([(31.5, 11.5), (15.5, 23.5)]).max(axis=0) + 0.5
+        assert plane_map.to_world((31.5, 23.5))[0] < width - 50
+        area = Recording(folder, plane_map=plane_map).area
+        np.testing.assert_allclose(area, (width, height), atol=1)
+        folded = robsim.imaging.PlaneMap(
+            plane_map.matrix, robsim.imaging.Intrinsics(camera, (-0.4, 0, 0, 0, 0))
+        )
+        with pytest.raises(ValueError, match=r"area: .* give its width and height"):
+            Recording(folder, plane_map=folded)
+
 
 class TestVideo:
     def test_gives_its_frames_in_rgb_again_and_again(self, video):

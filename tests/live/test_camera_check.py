@@ -9,7 +9,9 @@ import robsim
 from python_cameras import EndlessCamera
 from robsim.capture import Camera, FrameTimeoutError
 from robsim.live import CameraFaults, SimulatedLab, check_camera
+from robsim.live._marker_light import marker_light
 from robsim.motors import UdpMotors
+from robsim.robots._appearance import _pixels_at
 
 SIZE = (400, 400)
 
@@ -186,3 +188,16 @@ def test_the_picture_shows_the_robot_or_that_there_is_none():
     assert "the robot was not detected" in [text.get_text() for text in figure.axes[1].texts]
     with pytest.raises(TypeError, match="check must be a CameraCheck"):
         robsim.plotting.plot_camera_check(3)
+
+
+def test_a_marker_that_the_lens_shows_in_part_has_no_light():
+    folding = robsim.imaging.Intrinsics([[200, 0, 90], [0, 200, 90], [0, 0, 1]], (-0.3, *4 * (0,)))
+    plane_map = robsim.imaging.PlaneMap(np.diag([3, 3, 1]), folding)
+    frame = robsim.Frame(np.full((400, 400, 3), 90, np.uint8), plane_map=plane_map)
+    corners = plane_map.to_pixel([(300, 300), (5000, 300), (300, 5000)])
+    assert np.isnan(corners).any()
+    blob = robsim.vision.Blob("red", area=9, centroid=(99, 99), bounding_box=(97, 97, 101, 101))
+    assert marker_light(frame, corners, blob, robsim.load_colors()[0]) is None
+    pixels = _pixels_at(np.array([(0, 0), (5000, 0)]), (300, 300, 0), plane_map)
+    assert pixels[0].min() > 0
+    assert pixels[1].max() < 0  # outside of the frame

@@ -123,9 +123,14 @@ def test_text_stands_at_the_bottom_and_fits(size):
         assert np.ptp(light[:, 0]) >= 6
 
 
-def test_places_go_through_the_plane_map():
+CAMERA = [[300, 0, 199.5], [0, 300, 149.5], [0, 0, 1]]
+
+
+@pytest.mark.parametrize("distortion", [None, (-0.2, 0, 0, 0, 0)])
+def test_places_go_through_the_plane_map(distortion):
     # a camera of 400 x 300 px, at an angle
-    plane_map = robsim.imaging.PlaneMap([[3, 0.4, -60], [0, 4, 20], [0, 0.001, 1]])
+    lens = distortion and robsim.imaging.Intrinsics(CAMERA, distortion)
+    plane_map = robsim.imaging.PlaneMap([[3, 0.4, -60], [0, 4, 20], [0, 0.001, 1]], lens)
     measurement = robsim.Measurement((500, 500, 0.3))
     pixels = draw_overlay(
         make_frame(400, 300, plane_map),

@@ -781,6 +781,17 @@ def test_frame_of_a_camera_from_the_side_shows_the_path_of_a_run_without_truth()
     np.testing.assert_allclose(measured.get_xydata()[0], plane_map.to_pixel(position))
 
 
+def test_frame_of_a_lens_from_above_is_in_its_own_pixels():
+    # The corners of the frame are those of a rectangle on the floor; its sides are bent.
+    lens = robsim.imaging.Intrinsics([[40, 0, 29.5], [0, 40, 19.5], [0, 0, 1]], (-0.2, 0, 0, 0, 0))
+    plane_map = robsim.imaging.PlaneMap(np.diag([20, 20, 1]), lens)
+    measurement = robsim.Measurement((200, 200, 0.0))
+    axes = plot_frame(make_frame(plane_map), measurement=measurement)
+    assert axes.get_xlabel() == "u (pixels)"
+    drawn = lines(axes, style.MEASURED)[0].get_xydata()[0]
+    np.testing.assert_allclose(drawn, plane_map.to_pixel((200, 200)))
+
+
 def test_frame_draws_in_given_axes():
     given = Figure().add_subplot()
     assert plot_frame(make_frame(), ax=given) is given

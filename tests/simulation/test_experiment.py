@@ -322,6 +322,9 @@ def test_frames_of_another_size_are_refused_and_the_run_goes_on_behind_them(run)
     assert told[0].filename == __file__
     assert str(told[0].message).endswith("((50, 40), (1200, 1200)), or Experiment area=(50, 40)")
     robsim.Experiment([small], area=(50, 40)).run()
+    lens = robsim.imaging.Intrinsics([[40, 0, 25], [0, 40, 20], [0, 0, 1]])
+    mapped = robsim.imaging.PlaneMap(intrinsics=lens)
+    robsim.Experiment([robsim.Frame(small.image, plane_map=mapped)]).run()
 
 
 def test_a_part_of_the_frames_has_times(run):

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import check_float, check_size
+from robsim._base.checks import Floats, check_float, check_size
 from robsim._base.files import as_path
 from robsim._base.text import one_line, quoted
 from robsim._base.warn import warn_user
@@ -29,6 +29,7 @@ _COMPLETE = 0.95  # fraction of the frames; some files only estimate their numbe
 MAXIMUM_RATE = 1000.0  # 1/s; files with an unknown frame rate often claim this or more
 
 _LONGEST_DT = 1e6  # s
+_BORDER = 32  # points of each side of a frame that a lens bends
 
 
 class Recording:
@@ -272,15 +273,26 @@ class _Video:
 
 def _area_seen(plane_map: PlaneMap, size: tuple[int, int]) -> tuple[int, int]:
     """Return the width and height of the work area that the frames show (px)."""
-    right, bottom = size[0] - 0.5, size[1] - 0.5
-    corners = np.array([(-0.5, -0.5), (right, -0.5), (right, bottom), (-0.5, bottom)])
+    border = _border(size, 1 if plane_map.intrinsics is None else _BORDER)
+    ideal = border if plane_map.intrinsics is None else plane_map.intrinsics.ideal(border)
+    is_seen = np.isfinite(ideal).all()
     # The third homogeneous coordinate changes its sign at the horizon.
-    scale = plane_map.matrix[2, :2] @ corners.T + plane_map.matrix[2, 2]
-    extent = plane_map.to_world(corners).max(axis=0) + 0.5
-    if np.ptp(np.sign(scale)) or extent.min() < 1:
+    scale = plane_map.matrix[2, :2] @ ideal.T + plane_map.matrix[2, 2]
+    extent = plane_map.to_world(border).max(axis=0) + 0.5
+    if not is_seen or np.ptp(np.sign(scale)) or extent.min() < 1:
         raise ValueError(
             "area: with this plane map the frames do not show how large the area is, "
             "give its width and height in px"
         )
     width, height = np.rint(extent).astype(int).tolist()
     return width, height
+
+
+def _border(size: tuple[int, int], n: int) -> Floats:
+    """Return n points of each side of a frame, from its corners on (pixels)."""
+    right, bottom = size[0] - 0.5, size[1] - 0.5
+    corners = np.array([(-0.5, -0.5), (right, -0.5), (right, bottom), (-0.5, bottom)])
+    way = np.roll(corners, -1, axis=0) - corners
+    parts = np.arange(n) / n
+    points: Floats = (corners[:, None] + parts[:, None] * way[:, None]).reshape(-1, 2)
+    return points

@@ -61,6 +61,8 @@ def marker_light(
     color : ColorClass
         The class that found it.
     """
+    if not np.isfinite(corners).all():  # where the lens shows nothing
+        return None
     centre = corners.mean(axis=0)
     reach = _AROUND * np.abs(corners - centre).max(axis=0) + 1
     height, width = frame.image.shape[:2]

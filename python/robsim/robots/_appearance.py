@@ -66,7 +66,8 @@ def _pixels_at(points: Floats, pose: Floats, plane_map: PlaneMap) -> Pixels:
     cos, sin = np.cos(heading), np.sin(heading)
     # position = centre + R(heading) (forward, right)
     positions = points @ np.array(((cos, sin), (-sin, cos))) + (x, y)
-    pixels: Pixels = np.rint(plane_map.to_pixel(positions)).astype(int)
+    seen = np.nan_to_num(plane_map.to_pixel(positions), nan=-1)  # not shown: outside of the frame
+    pixels: Pixels = np.rint(seen).astype(int)
     return pixels
 
 

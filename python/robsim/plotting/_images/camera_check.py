@@ -77,9 +77,11 @@ def _zoom(axes: Axes, check: CameraCheck) -> None:
     corners = centre + _NEAR * check.robot.size * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     if axes.get_xlabel().startswith("u"):
         corners = check.frame.plane_map.to_pixel(corners)
-    left, top = corners.min(axis=0)
-    right, bottom = corners.max(axis=0)
-    axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="", ylabel="")
+    if np.isfinite(corners).all():  # the lens shows all of them
+        left, top = corners.min(axis=0)
+        right, bottom = corners.max(axis=0)
+        axes.set(xlim=(left, right), ylim=(bottom, top))
+    axes.set(xlabel="", ylabel="")
     axes.set_title("", loc="left")
     if legend := axes.get_legend():
         legend.remove()

@@ -103,7 +103,10 @@ def _show_image(axes: Axes, frame: Frame) -> tuple[_Map, _Map]:
     right, bottom = width - 0.5, height - 0.5
     corners = [(-0.5, -0.5), (right, -0.5), (right, bottom), (-0.5, bottom)]
     x, y = frame.plane_map.to_world(corners).T
-    if np.allclose((x[0], x[1], y[0], y[2]), (x[3], x[2], y[1], y[3]), rtol=0, atol=1e-3):
+    is_straight = frame.plane_map.intrinsics is None
+    if is_straight and np.allclose(
+        (x[0], x[1], y[0], y[2]), (x[3], x[2], y[1], y[3]), rtol=0, atol=1e-3
+    ):
         extent, labels = (x[0], x[1], y[2], y[0]), ("x (px)", "y (px)")
         maps: tuple[_Map, _Map] = frame.plane_map.to_world, np.asarray
     else:

@@ -19,7 +19,7 @@ import numpy as np
 from robsim._base.checks import check_size
 from robsim._base.text import quoted
 from robsim._base.warn import warn_user
-from robsim._core import Arrival, Frame, Observation, RobotModel, RobotParameters
+from robsim._core import Arrival, Frame, Observation, PlaneMap, RobotModel, RobotParameters
 from robsim.imaging import Calibration
 from robsim.imaging._calibration_file import calibration_text
 from robsim.imaging._frames import frame_size
@@ -232,7 +232,7 @@ class FrameSource:
             return
         self._is_seen = True
         size = frame_size(frame.image)
-        is_mapped = not np.array_equal(frame.plane_map.matrix, np.eye(3))
+        is_mapped = frame.plane_map != PlaneMap()
         if size != self.area and not is_mapped:
             warn_user(
                 f"the frames have {size[0]} x {size[1]} px and no plane map, but the area has "
