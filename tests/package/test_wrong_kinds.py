@@ -146,6 +146,7 @@ EXAMPLES = {
     "Experiment.record": lambda: "session",
     "Estimate.covariance": lambda: np.eye(3),
     "FollowPath.waypoints": lambda: [(1, 2)],
+    "GigeServer.lab": lab,
     "instrumental_variables.u": lambda: trace().u,
     "least_squares.y": lambda: np.ones(5),
     "load_image.path": lambda: "images/0.png",

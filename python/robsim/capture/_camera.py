@@ -70,7 +70,8 @@ class Camera:
     ----------
     source : int, str or path
         Number of a camera (of ``/dev/video0``: 0); an address such as
-        ``"http://camera.local/video.mjpg"``, ``"rtsp://camera.local/stream"``, or
+        ``"http://camera.local/video.mjpg"``, ``"rtsp://camera.local/stream"``,
+        ``"gige://192.168.1.20"`` (or a serial number or name: a GigE Vision camera), or
         ``"firewire://"`` (the first camera on FireWire; ``"firewire://1"`` is the second one, and
         16 digits stand for a certain one); a video file or a folder of images; or an object of
         robsim that is a camera.
@@ -86,22 +87,24 @@ class Camera:
         Width and height of the work area (px). Default: that of the calibration, or the size of the
         frames.
     size : tuple of int, optional
-        Width and height of the frames (px), asked of a camera by number or on FireWire. Frames of
-        another size are an error. Default: that of the calibration, or the camera's own.
+        Width and height of the frames (px), asked of a camera by number, on FireWire or on GigE.
+        Frames of another size are an error. Default: that of the calibration, or the camera's own.
     region : tuple of int, optional
         Left, top, width and height of the part of the sensor that is sent (px): on FireWire, by
-        its format 7. Default: all of it.
+        its format 7, and on GigE. Default: all of it; on GigE as the camera has it.
     fps : float, optional
-        Frames per second: asked of a camera by number or on FireWire; that of an address, which
-        tells none; the rate at which a folder is played. Default: that of the file; on FireWire 30,
-        or the next lower one that the camera, and the bus, can have; otherwise `dt` is unknown.
+        Frames per second: asked of a camera by number, on FireWire or on GigE; that of another
+        address, which tells none; the rate at which a folder is played. Default: that of the file;
+        on FireWire 30, or the next lower one that the camera, and the bus, can have; on GigE that
+        which the camera has; otherwise `dt` is unknown.
     coding : str, optional
         How a camera on FireWire codes its pixels: ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
-        ``"raw8"`` (behind a Bayer filter), ``"yuv411"``, ``"mono8"`` or ``"mono16"``. Default:
-        the first of these that it has at that rate.
+        ``"raw8"`` (behind a Bayer filter), ``"yuv411"``, ``"mono8"`` or ``"mono16"``; on GigE
+        ``"rgb8"``, ``"raw8"``, ``"yuv422"`` or ``"mono8"``. Default: the first of these that it
+        has at that rate.
     features : CameraFeatures, optional
-        Exposure, gain, white balance and the like, on FireWire. Default: all as they are, and none
-        automatic.
+        Exposure, gain, white balance and the like, on FireWire and on GigE. Default: all as they
+        are, and none automatic.
     every : int
         Only each n-th frame is handed over.
     open_timeout : float
@@ -234,7 +237,7 @@ class Camera:
                     f"{opened.name} gave no {'whole ' * bool(torn)}frame within open_timeout = "
                     f"{timeout:g} s"
                     + (
-                        f", and {torn} torn ones: does the line lose data?"
+                        f", and {torn} torn ones: {opened.advice or 'does the line lose data?'}"
                         if torn
                         else ": does it send, and does the address say where?"
                     )

@@ -9,9 +9,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from robsim._base.checks import check_bool
 from robsim._base.report import Report
 from robsim._base.text import cut, one_line
-from robsim.capture._devices import firewire
+from robsim.capture._devices import firewire, gige
 from robsim.capture._devices.opencv import back_end_of_system, back_ends, no_permission
 from robsim.capture._errors import NoBackEndError
 from robsim.imaging._opencv import load_opencv
@@ -49,17 +50,29 @@ class CameraReport(Report):
         return (*self.found, *self.missing)
 
 
-def find_cameras() -> CameraReport:
+def find_cameras(*, network: bool = False) -> CameraReport:
     """Return which cameras there are, what is missing and why; none of them is opened.
+
+    Parameters
+    ----------
+    network : bool
+        Whether to look for GigE Vision cameras on the networks of this computer, too, which takes
+        1 s.
+
+    Raises
+    ------
+    TypeError
+        If `network` is not a bool.
 
     Examples
     --------
     >>> robsim.capture.find_cameras().found
     ('camera 0: /dev/video0 (UVC Camera): robsim.Camera(0)', ...)
     """
+    on_gige = _gige(check_bool("network", network))
     found: list[str] = []
     missing: list[str] = []
-    for is_there, sentence in (*_opencv(), *_video_nodes(), *_fire_wire(), *_always()):
+    for is_there, sentence in (*_opencv(), *_video_nodes(), *_fire_wire(), *on_gige, *_always()):
         (found if is_there else missing).append(sentence)
     return CameraReport(found=tuple(found), missing=tuple(missing))
 
@@ -128,6 +141,34 @@ def _fire_wire() -> Iterator[tuple[bool, str]]:
     for number, (guid, vendor, model) in enumerate(extension.cameras()):
         name = one_line(f"{vendor} {model}")
         yield True, f'camera on FireWire: {name}, {guid}: robsim.Camera("firewire://{number}")'
+
+
+def _gige(is_network_searched: bool) -> Iterator[tuple[bool, str]]:
+    try:
+        extension = gige.extension()
+    except NoBackEndError as error:
+        yield False, f"cameras on GigE: {error}"
+        return
+    yield (
+        True,
+        'GigE Vision, by its address, serial number or name: robsim.Camera("gige://ADDRESS")',
+    )
+    if is_network_searched:
+        cameras = extension.find_cameras()
+        for one in cameras:
+            url = f"gige://{one['address']}"
+            name = one_line(f"{one['vendor']} {one['model']} {one['serial']}")
+            yield True, f'camera on GigE: {name}: robsim.Camera("{url}")'
+        if not cameras:
+            yield False, "cameras on GigE: none answers on the networks of this computer within 1 s"
+    largest = gige.largest_receive_buffer()
+    if largest is not None and largest < gige.ENOUGH_RECEIVE_BUFFER:
+        yield (
+            False,
+            f"room for large frames from GigE: this system keeps {largest} bytes of what arrives, "
+            "and frames of more may be torn; sudo sysctl -w "
+            f"net.core.rmem_max={8 * gige.ENOUGH_RECEIVE_BUFFER}",
+        )
 
 
 def _always() -> Iterator[tuple[bool, str]]:

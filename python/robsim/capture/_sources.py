@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 from robsim._base.checks import check_choice, check_int, is_int
 from robsim._base.text import one_line, quoted
 from robsim._core import CaptureDevice, PlaneMap, PythonCamera, StreamedCamera
-from robsim.capture._devices import firewire
+from robsim.capture._devices import firewire, gige
 from robsim.capture._devices.opencv import (
     OF_ADDRESSES,
     OF_INDICES,
@@ -33,6 +33,7 @@ class Source:
     plane_map: PlaneMap | None = None
     region: tuple[int, int, int, int] | None = None
     coding: str | None = None
+    advice: str = ""  # where frames are torn
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,8 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
     """
     if isinstance(source, str) and source.startswith(f"{firewire.SCHEME}://"):
         return _fire_wire(source, wishes)
+    if isinstance(source, str) and source.startswith(f"{gige.SCHEME}://"):
+        return _gige(source, wishes)
     wishes.refuse(_kind_of(source), "region", "coding", "features")
     dt, back_end = wishes.dt, wishes.back_end
     if hasattr(source, "_open_device"):
@@ -120,6 +123,31 @@ def _fire_wire(url: str, wishes: Wishes) -> Source:
         dt=1 / sent["fps"],
         region=sent["region"],
         coding=sent["coding"],
+    )
+
+
+def _gige(url: str, wishes: Wishes) -> Source:
+    wishes.refuse("GigE Vision", "back_end")
+    if wishes.coding is not None:
+        check_choice("coding", wishes.coding, gige.CODINGS)
+    device = gige.new_camera(
+        url,
+        size=wishes.size,
+        region=wishes.region,
+        fps=wishes.fps,
+        coding=wishes.coding,
+        features=wishes.features,
+    )
+    device.open()
+    info = device.info
+    assert info is not None  # it is open
+    return Source(
+        f"the GigE camera {info['serial'] or info['address']}",
+        device,
+        dt=1 / info["fps"] if info["fps"] else wishes.dt,
+        region=info["region"],
+        coding=info["coding"],
+        advice=info["advice"],
     )
 
 

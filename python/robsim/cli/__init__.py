@@ -14,7 +14,7 @@ import typer
 from robsim.cli import bench, check, colors, errors, notebooks, robots, track
 from robsim.cli.calibration import app as calibration
 from robsim.cli.command import Command, Group
-from robsim.cli.live import cameras, live
+from robsim.cli.live import cameras, live, serving
 from robsim.cli.shared import SWITCH
 from robsim.cli.simulated import demo, gui, run
 
@@ -35,6 +35,7 @@ app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
 app.command(cls=Command, help=track.HELP, epilog=track.EXAMPLE)(track.track)
 app.command(cls=Command, help=cameras.HELP, epilog=cameras.EXAMPLE)(cameras.cameras)
 app.command(cls=Command, help=live.HELP, epilog=live.EXAMPLE)(live.live)
+app.command(cls=Command, help=serving.HELP, epilog=serving.EXAMPLE)(serving.serve)
 app.command(cls=Command, help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
 app.command(cls=Command, help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
 app.add_typer(calibration.app, name="calibrate", cls=Group)

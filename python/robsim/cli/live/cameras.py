@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+import typer
+
 from robsim.cli import errors
-from robsim.cli.shared import Json
+from robsim.cli.shared import SWITCH, Json
 
 EXAMPLE = "Example: robsim cameras"
 HELP = (
@@ -12,12 +16,22 @@ HELP = (
 )
 
 
-def cameras(as_json: Json = False) -> None:
+def cameras(
+    network: Annotated[
+        bool,
+        typer.Option(
+            "--network",
+            metavar=SWITCH,
+            help="Look for GigE Vision cameras on the network, too: that takes 1 s.",
+        ),
+    ] = False,
+    as_json: Json = False,
+) -> None:
     """List the cameras of this computer, what is missing, and why."""
     from robsim.capture import find_cameras
 
     with errors.report_errors():
-        report = find_cameras()
+        report = find_cameras(network=network)
     if as_json:
         errors.show(report.to_json())
         return

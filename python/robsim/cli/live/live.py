@@ -52,8 +52,9 @@ def live(
         typer.Option(
             "--camera",
             metavar="SOURCE",
-            help="Number of a camera, such as 0; address, such as http://camera.local/video.mjpg; "
-            "video file or folder of images, played at its own rate; or: simulated.",
+            help="Number of a camera, such as 0; address, such as http://camera.local/video.mjpg "
+            "or gige://192.168.1.20; video file or folder of images, played at its own rate; or: "
+            "simulated.",
         ),
     ] = None,
     motors: Annotated[

@@ -74,7 +74,7 @@ def opened(
     with ExitStack() as stack:
         lab = None
         if camera == SIMULATED:
-            lab = stack.enter_context(_new_lab(robot, area, plane_map, fps))
+            lab = stack.enter_context(new_lab(robot, area, plane_map, fps))
         source = lab or _source(camera)
         is_asked = lab is None and fps is not None
         with about("--camera"):
@@ -109,12 +109,13 @@ def _check_step(camera: Camera, model_dt: float | None, every: int | None) -> No
         )
 
 
-def _new_lab(
+def new_lab(
     robot: str | None,
     area: tuple[int, int] | None,
     plane_map: PlaneMap | None,
     fps: float | None,
 ) -> SimulatedLab:
+    """Return the simulated lab of the options."""
     width, height = area or Scenario.area
     scale = _LAB_SIZE / max(width, height)
     scenario = Scenario(

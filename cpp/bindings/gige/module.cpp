@@ -1,0 +1,178 @@
+// The extension _gige: GigE Vision by Aravis.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "capture/capture_errors.hpp"
+#include "python/interpreter.hpp"
+#include "python/public_names.hpp"
+#include "robsim/capture/gige/discovery.hpp"
+#include "robsim/capture/gige/frame_ids.hpp"
+#include "robsim/capture/gige/gige_camera.hpp"
+#include "robsim/capture/gige/gige_server.hpp"
+#include "robsim/threads/native_thread.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+const char* const name = "robsim._gige";
+
+// In a forked process there is no thread of it, and its locks may be held for ever.
+using Server = OfProcess<GigeServer>;
+
+std::shared_ptr<Server> make_server(const std::shared_ptr<CaptureDevice>& device,
+                                    const std::string& address, const std::string& serial,
+                                    std::pair<int, int> size, double fps) {
+  const WithoutInterpreter wait;
+  GigeServerOptions options;
+  options.address = address;
+  options.serial = serial;
+  options.width = size.first;
+  options.height = size.second;
+  options.fps = fps;
+  return {new Server("the server", device, options), [](const Server* server) {
+            if (!PyGILState_Check()) {
+              delete server;
+              return;
+            }
+            const WithoutInterpreter others;
+            delete server;
+          }};
+}
+
+void close_server(const Server& server) {
+  if (!server.is_here()) return;
+  const WithoutInterpreter wait;
+  server->close();
+}
+
+py::dict identity_dict(const GigeIdentity& identity) {
+  py::dict values;
+  values["address"] = identity.address;
+  values["vendor"] = identity.vendor;
+  values["model"] = identity.model;
+  values["serial"] = identity.serial;
+  values["user_name"] = identity.user_name;
+  return values;
+}
+
+py::object info_of(const GigeCamera& camera) {
+  const std::optional<GigeInfo> info = camera.info();
+  if (!info) return py::none();
+  py::dict values = identity_dict(info->identity);
+  const SensorRegion& region = info->region;
+  values["format"] = info->format;
+  values["coding"] = info->coding;
+  values["region"] = py::make_tuple(region.left, region.top, region.width, region.height);
+  values["fps"] = info->fps;
+  values["packet_size"] = info->packet_size;
+  values["advice"] = info->advice;
+  return values;
+}
+
+// (name, None for automatic or values)
+using Wishes = std::vector<std::pair<std::string, std::optional<std::vector<double>>>>;
+using Feature = std::tuple<std::string, bool, std::vector<double>, std::string, double, double>;
+
+std::vector<gige::FeatureWish> wishes_from(const Wishes& given) {
+  std::vector<gige::FeatureWish> wishes;
+  for (const auto& [wished, values] : given) {
+    wishes.push_back({wished, !values, values.value_or(std::vector<double>())});
+  }
+  return wishes;
+}
+
+std::vector<Feature> features_of(const GigeCamera& self) {
+  std::vector<gige::FeatureState> states;
+  {
+    const WithoutInterpreter work;
+    states = self.features();
+  }
+  std::vector<Feature> found;
+  for (const gige::FeatureState& state : states) {
+    found.emplace_back(state.name, state.is_automatic, state.values, state.unit, state.low,
+                       state.high);
+  }
+  return found;
+}
+
+std::shared_ptr<GigeCamera> make_camera(const std::string& source,
+                                        std::optional<std::pair<int, int>> size,
+                                        std::optional<std::array<int, 4>> region,
+                                        std::optional<double> fps, const std::string& format,
+                                        const Wishes& features, int packet_size) {
+  GigeCameraOptions options;
+  options.source = source;
+  options.packet_size = packet_size;
+  options.settings.format = format;
+  options.settings.size = size;
+  if (region) {
+    options.settings.region = SensorRegion{(*region)[0], (*region)[1], (*region)[2], (*region)[3]};
+  }
+  options.settings.fps = fps;
+  options.settings.features = wishes_from(features);
+  return std::make_shared<GigeCamera>(std::move(options));
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_gige, module) {
+  module.doc() = "GigE Vision cameras, read and served by Aravis.";
+  py::module_::import("robsim._core");  // which knows the classes that these build on
+  translate_capture_errors();
+  py::class_<GigeCamera, CaptureDevice, std::shared_ptr<GigeCamera>>(
+      public_in(module, name), "GigeCamera",
+      "A GigE Vision camera, for a grabber. Users take robsim.Camera.")
+      .def(py::init(&make_camera), py::arg("source"), py::kw_only(), py::arg("size"),
+           py::arg("region"), py::arg("fps"), py::arg("format"), py::arg("features"),
+           py::arg("packet_size"))
+      .def("open", &GigeCamera::open, py::call_guard<WithoutInterpreter>(),
+           "Start it, so that what it sends is known. Raises CaptureError.")
+      .def("close", &GigeCamera::close, py::call_guard<WithoutInterpreter>(), "Give it back.")
+      .def_property_readonly("info", &info_of,
+                             "dict or None: what it is and what it sends, once it was open.")
+      .def_property_readonly(
+          "features", &features_of,
+          "list of tuple: name, whether it is automatic, values, unit, least, greatest value.")
+      .def(
+          "set_features",
+          [](GigeCamera& self, const Wishes& wishes) {
+            const WithoutInterpreter work;
+            self.set_features(wishes_from(wishes));
+          },
+          py::arg("wishes"), "Set features: pairs (name, values, or None for automatic).");
+  py::class_<Server, std::shared_ptr<Server>>(
+      public_in(module, name), "GigeServer",
+      "The thread that serves a camera. Users take robsim.live.GigeServer.")
+      .def(py::init(&make_server), py::arg("device"), py::kw_only(), py::arg("address"),
+           py::arg("serial"), py::arg("size"), py::arg("fps"))
+      .def_property_readonly("sent", [](const Server& self) { return self->sent(); })
+      .def_property_readonly("failure", [](const Server& self) { return self->failure(); })
+      .def("close", &close_server);
+  module.def(
+      "find_cameras",
+      [](double seconds) {
+        std::vector<GigeIdentity> found;
+        {
+          const WithoutInterpreter wait;
+          found = find_gige_cameras(seconds);
+        }
+        py::list list;
+        for (const GigeIdentity& one : found) list.append(identity_dict(one));
+        return list;
+      },
+      py::arg("seconds") = 1.0);
+  module.def("lost_between", &lost_between, py::arg("last"), py::arg("id"));
+  module.attr("aravis_version") = ARAVIS_VERSION;
+  py::delattr(module, "__module__");
+}

@@ -1,0 +1,355 @@
+#include "robsim/capture/gige/gige_camera.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <thread>
+#include <utility>
+
+#include "robsim/capture/gige/frame_ids.hpp"
+#include "robsim/imaging/raw/to_rgb.hpp"
+#include "robsim/threads/native_thread.hpp"
+#include "robsim/timing/monotonic.hpp"
+
+namespace robsim {
+
+namespace {
+
+constexpr double patience_for_answer = 0.5;      // s; a camera answers within milliseconds
+constexpr double patience_for_discovery = 1;     // s
+constexpr guint64 patience_for_frame = 100'000;  // us
+constexpr int local_packet = 8000;  // bytes: on loopback more of them lose less than at 1500
+constexpr int safe_packet = 1500;   // bytes, of any Ethernet
+constexpr std::size_t memory_of_buffers = 64u << 20;                                     // bytes
+constexpr std::size_t least_receive_buffer = 4u << 20, most_receive_buffer = 64u << 20;  // bytes
+
+[[noreturn]] void fail(CaptureFault fault, const std::string& text) {
+  throw CaptureError(fault, text);
+}
+
+// Errors while a camera is opened.
+[[noreturn]] void fail(const std::string& name, const GFailure& failure) {
+  if (failure.is(ARV_DEVICE_ERROR_NOT_CONTROLLER) ||
+      failure.is(ARV_DEVICE_ERROR_PROTOCOL_ERROR_ACCESS_DENIED) ||
+      failure.is(ARV_DEVICE_ERROR_PROTOCOL_ERROR_BUSY)) {
+    fail(CaptureFault::busy,
+         name + ": another program has the camera (" + failure.text() +
+             "): close it there; the camera lets go of one that crashed after some seconds");
+  }
+  if (failure.is(ARV_DEVICE_ERROR_TIMEOUT) || failure.is(ARV_DEVICE_ERROR_NOT_FOUND)) {
+    fail(CaptureFault::no_camera, name + " has stopped answering (" + failure.text() + ")");
+  }
+  fail(CaptureFault::failed, name + " cannot be opened: " + failure.text());
+}
+
+std::optional<long> largest_receive_buffer() {
+  std::ifstream file("/proc/sys/net/core/rmem_max");
+  long bytes = 0;
+  return file >> bytes ? std::optional(bytes) : std::nullopt;
+}
+
+std::string advice_on(std::size_t payload) {
+  const std::optional<long> largest = largest_receive_buffer();
+  // Linux counts its own administration of each packet, too.
+  if (!largest || *largest >= static_cast<long>(payload + payload / 2)) return "";
+  const std::string wanted = std::to_string(std::max(4 * payload, least_receive_buffer));
+  return "the system's receive buffer of " + std::to_string(*largest) +
+         " bytes is small for frames of " + std::to_string(payload) +
+         " bytes: sudo sysctl -w net.core.rmem_max=" + wanted;
+}
+
+GReference<GInetAddress> inet_address(const std::string& text) {
+  return GReference<GInetAddress>(g_inet_address_new_from_string(text.c_str()));
+}
+
+bool is_local(const GigeIdentity& identity) {
+  return identity.address == identity.interface_address || identity.address.rfind("127.", 0) == 0;
+}
+
+// Lets a flag be set when the control of a device is lost. The flag lives as long as either.
+void watch_control(ArvDevice* device, const std::shared_ptr<std::atomic<bool>>& is_lost) {
+  using Flag = std::shared_ptr<std::atomic<bool>>;
+  const auto set = +[](ArvDevice*, gpointer flag) { **static_cast<Flag*>(flag) = true; };
+  const auto release = +[](gpointer flag, GClosure*) { delete static_cast<Flag*>(flag); };
+  g_signal_connect_data(device, "control-lost", G_CALLBACK(set), new Flag(is_lost), release,
+                        GConnectFlags(0));
+}
+
+std::optional<PixelFormat> format_of(ArvPixelFormat code) {
+  switch (code) {
+    case ARV_PIXEL_FORMAT_RGB_8_PACKED:
+      return PixelFormat::rgb8;
+    case ARV_PIXEL_FORMAT_BAYER_RG_8:
+      return PixelFormat::bayer_rggb;
+    case ARV_PIXEL_FORMAT_BAYER_GR_8:
+      return PixelFormat::bayer_grbg;
+    case ARV_PIXEL_FORMAT_BAYER_GB_8:
+      return PixelFormat::bayer_gbrg;
+    case ARV_PIXEL_FORMAT_BAYER_BG_8:
+      return PixelFormat::bayer_bggr;
+    case ARV_PIXEL_FORMAT_YUV_422_PACKED:
+    case ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED:
+      return PixelFormat::yuv422;
+    case ARV_PIXEL_FORMAT_MONO_8:
+      return PixelFormat::mono8;
+    default:
+      return std::nullopt;
+  }
+}
+
+// A buffer of a stream, which gets it back.
+struct GivenBack {
+  ArvStream* stream;
+  void operator()(ArvBuffer* buffer) const { arv_stream_push_buffer(stream, buffer); }
+};
+using Lent = std::unique_ptr<ArvBuffer, GivenBack>;
+
+bool is_complete(ArvBuffer* buffer) {
+  return arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS &&
+         arv_buffer_get_payload_type(buffer) == ARV_BUFFER_PAYLOAD_TYPE_IMAGE;
+}
+
+}  // namespace
+
+GigeCamera::GigeCamera(GigeCameraOptions options)
+    : options_(std::move(options)),
+      name_("GigE camera " + options_.source),
+      is_lost_(std::make_shared<std::atomic<bool>>(false)) {}
+
+std::optional<GigeInfo> GigeCamera::info() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return info_;
+}
+
+ArvCamera* GigeCamera::camera() const {
+  if (!camera_) fail(CaptureFault::failed, name_ + " is not open");
+  return camera_.get();
+}
+
+std::vector<gige::FeatureState> GigeCamera::features() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return gige::features_of(camera());
+}
+
+void GigeCamera::set_features(const std::vector<gige::FeatureWish>& wishes) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  gige::set_features(camera(), wishes);
+}
+
+void GigeCamera::open() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (stream_) return;
+  give_back();
+  const GigeIdentity identity = find();
+  connect(identity);
+  apply(options_.settings, camera_.get(), name_);
+  choose_packet_size(identity);
+  prepare();
+  tell(identity);
+  start();
+}
+
+GigeIdentity GigeCamera::find() const {
+  const std::string& source = options_.source;
+  std::string others;
+  if (!is_ipv4_address(source)) {
+    for (const GigeIdentity& one : find_gige_cameras(patience_for_discovery)) {
+      if (one.serial == source || one.user_name == source) return one;
+      others += (others.empty() ? "" : ", ") + one.serial + " at " + one.address;
+    }
+  }
+  if (const auto identity = ask_gige_camera(source, patience_for_answer)) return *identity;
+  fail(CaptureFault::no_camera,
+       "no GigE Vision camera answers at " + source +
+           ": is it on, is the address right, and in "
+           "the network of this computer? " +
+           (others.empty() ? "robsim cameras --network looks for all" : "Found: " + others));
+}
+
+void GigeCamera::connect(const GigeIdentity& identity) {
+  GFailure failure;
+  const GReference<GInetAddress> interface = inet_address(identity.interface_address);
+  const GReference<GInetAddress> address = inet_address(identity.address);
+  GReference<ArvDevice> device(
+      arv_gv_device_new(interface.get(), address.get(), failure.out()));
+  if (!device || failure) fail(name_, failure);
+  if (!arv_gv_device_is_controller(ARV_GV_DEVICE(device.get()))) {
+    // It waits for leave to give back what it never had.
+    start_thread([left = device.release()] { g_object_unref(left); }).detach();
+    fail(CaptureFault::busy,
+         name_ +
+             ": another program has the camera: close it there; the camera lets go of one "
+             "that crashed after some seconds");
+  }
+  is_lost_ = std::make_shared<std::atomic<bool>>(false);
+  watch_control(device.get(), is_lost_);
+  address_ = identity.address;
+  camera_.reset(arv_camera_new_with_device(device.get(), failure.out()));
+  if (!camera_ || failure) fail(name_, failure);
+}
+
+void GigeCamera::choose_packet_size(const GigeIdentity& identity) {
+  ArvCamera* const camera = camera_.get();
+  const bool can_test = ARV_IS_GC_NODE(
+      arv_device_get_feature(arv_camera_get_device(camera), "GevSCPSFireTestPacket"));
+  GFailure failure;
+  if (options_.packet_size > 0) {
+    arv_camera_gv_set_packet_size(camera, options_.packet_size, failure.out());
+  } else if (can_test) {
+    arv_camera_gv_auto_packet_size(camera, failure.out());
+  } else if (is_local(identity)) {
+    arv_camera_gv_set_packet_size(camera, local_packet, failure.out());
+  } else if (arv_camera_gv_get_packet_size(camera, failure.out()) > safe_packet) {
+    arv_camera_gv_set_packet_size(camera, safe_packet, failure.out());
+  }
+  if (failure) fail(name_, failure);
+  // It is chosen: the stream is not to try again.
+  arv_camera_gv_set_packet_size_adjustment(camera, ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
+  // A packet socket, which Aravis takes where it is allowed to, gets nothing on loopback.
+  arv_camera_gv_set_stream_options(camera, is_local(identity)
+                                               ? ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED
+                                               : ARV_GV_STREAM_OPTION_NONE);
+}
+
+void GigeCamera::prepare() {
+  GFailure failure;
+  payload_ = arv_camera_get_payload(camera_.get(), failure.out());
+  if (failure) fail(name_, failure);
+  stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, failure.out()));
+  if (!stream_ || failure) fail(name_, failure);
+  // In part what the system allows: it takes less without a word.
+  const auto room =
+      static_cast<gint>(std::clamp(4 * payload_, least_receive_buffer, most_receive_buffer));
+  g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
+               "socket-buffer-size", room, nullptr);
+  const std::size_t n_buffers =
+      std::clamp<std::size_t>(memory_of_buffers / std::max<std::size_t>(payload_, 1), 4, 16);
+  for (std::size_t i = 0; i < n_buffers; ++i) {
+    arv_stream_push_buffer(stream_.get(), arv_buffer_new(payload_, nullptr));
+  }
+  is_first_ = true;
+  last_id_ = 0;
+  n_incomplete_ = 0;
+}
+
+void GigeCamera::start() {
+  GFailure failure;
+  arv_camera_start_acquisition(camera_.get(), failure.out());
+  if (failure) fail(name_, failure);
+}
+
+void GigeCamera::tell(const GigeIdentity& identity) {
+  ArvCamera* const camera = camera_.get();
+  GigeInfo info;
+  info.identity = identity;
+  const char* const format = arv_camera_get_pixel_format_as_string(camera, GFailure().out());
+  info.format = format ? format : "";
+  const ArvPixelFormat code = arv_camera_get_pixel_format(camera, GFailure().out());
+  for (const GigeFormat& one : gige_formats()) {
+    if (one.code == code) info.coding = one.coding;
+  }
+  SensorRegion& region = info.region;
+  arv_camera_get_region(camera, &region.left, &region.top, &region.width, &region.height,
+                        GFailure().out());
+  info.fps = rate_of(camera);
+  info.packet_size = static_cast<int>(arv_camera_gv_get_packet_size(camera, GFailure().out()));
+  info.advice = advice_on(payload_);
+  info_ = std::move(info);
+}
+
+std::optional<Captured> GigeCamera::next(ImagePool& pool) {
+  if (!stream_ || *is_lost_) {
+    fail(CaptureFault::unplugged, name_ + " answers no more: is it on, and its cable plugged in?");
+  }
+  ArvStream* const stream = stream_.get();
+  Lent newest(nullptr, {stream});
+  Captured before;
+  for (ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream, patience_for_frame); buffer;
+       buffer = arv_stream_try_pop_buffer(stream)) {
+    Lent one(buffer, {stream});
+    count(buffer, before);
+    if (!is_complete(buffer)) continue;
+    before.passed += newest != nullptr;
+    newest = std::move(one);
+  }
+  if (!newest) {
+    if (before.torn == 0) return std::nullopt;
+    --before.torn;  // it is this one
+    before.is_complete = false;
+    before.arrived = monotonic_now();
+    return before;
+  }
+  Captured captured = this->captured(newest.get(), pool);
+  captured.passed = before.passed;
+  captured.torn = before.torn;
+  return captured;
+}
+
+// Counts what is torn, and what has not come: of incomplete frames the number may be missing, too.
+void GigeCamera::count(ArvBuffer* buffer, Captured& captured) {
+  const bool is_first = std::exchange(is_first_, false);
+  if (!is_complete(buffer)) {
+    // The first frame after the start may have begun before it.
+    if (is_first) return;
+    ++n_incomplete_;
+    ++captured.torn;
+    return;
+  }
+  const std::uint64_t id = arv_buffer_get_frame_id(buffer);
+  const std::int64_t n_lost = last_id_ == 0 ? 0 : lost_between(last_id_, id);
+  captured.torn += std::max<std::int64_t>(n_lost - n_incomplete_, 0);
+  n_incomplete_ = 0;
+  last_id_ = id;
+}
+
+Captured GigeCamera::captured(ArvBuffer* buffer, ImagePool& pool) {
+  Captured captured;
+  captured.arrived = monotonic_now();
+  const guint64 device_time = arv_buffer_get_timestamp(buffer);
+  if (device_time > 0) captured.device_time = 1e-9 * static_cast<double>(device_time);
+  const int width = arv_buffer_get_image_width(buffer);
+  const int height = arv_buffer_get_image_height(buffer);
+  const ArvPixelFormat code = arv_buffer_get_image_pixel_format(buffer);
+  std::size_t size = 0;
+  const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
+  captured.image = pool.take(width, height);
+  const WritableView pixels = captured.image.writable_view();
+  if (code == ARV_PIXEL_FORMAT_BGR_8_PACKED && size >= std::size_t{3} * width * height) {
+    copy_bgr({data, width, height, std::ptrdiff_t{3} * width}, pixels);
+    return captured;
+  }
+  const std::optional<PixelFormat> format = format_of(code);
+  if (!format) fail(CaptureFault::failed, name_ + " delivers frames of another pixel format");
+  if (code == ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED) {
+    swapped_.resize(size);
+    for (std::size_t i = 0; i + 1 < size; i += 2) {
+      swapped_[i] = data[i + 1];
+      swapped_[i + 1] = data[i];
+    }
+    data = swapped_.data();
+  }
+  try {
+    to_rgb(raw_view(data, size, *format, width, height), pixels);
+  } catch (const std::invalid_argument& error) {
+    fail(CaptureFault::failed, name_ + ": " + error.what());
+  }
+  return captured;
+}
+
+void GigeCamera::close() noexcept {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  give_back();
+}
+
+void GigeCamera::give_back() noexcept {
+  if (!camera_) return;
+  const bool is_there = !*is_lost_ && ask_gige_camera(address_, patience_for_answer).has_value();
+  const auto end = [is_there, stream = stream_.release(), camera = camera_.release()] {
+    if (is_there && stream) arv_camera_stop_acquisition(camera, GFailure().out());
+    if (stream) g_object_unref(stream);
+    g_object_unref(camera);
+  };
+  // Aravis waits seconds for answers of a camera that is gone, and nobody needs to wait for that.
+  is_there ? end() : start_thread(end).detach();
+}
+
+}  // namespace robsim

@@ -1,0 +1,29 @@
+"""What tests need that not every machine has. CI names it in ROBSIM_NEEDS: there it must be."""
+
+import importlib
+import os
+import shutil
+
+import pytest
+
+
+def needs_extension(name):
+    """Return the extension of robsim; skip the test where it is not built."""
+    try:
+        return importlib.import_module(f"robsim._{name}")
+    except ImportError as error:
+        _without(name, str(error))
+
+
+def needs_program(name, what):
+    """Return the path of a program; skip the test where it is not installed."""
+    path = shutil.which(name)
+    if path is None:
+        _without(what, f"there is no {name}")
+    return path
+
+
+def _without(what, reason):
+    if what in os.environ.get("ROBSIM_NEEDS", "").split(","):
+        pytest.fail(f"{what} is in ROBSIM_NEEDS, and {reason}")
+    pytest.skip(reason)
