@@ -68,7 +68,8 @@ def test_every_pixel_format_shows_the_lab(pixel_format):
         if pixel_format == "Mono8":
             assert (frame.image == frame.image[..., :1]).all()
         else:
-            assert np.hypot(*(measured(frame)[:2] - truth.pose[tick, :2])) < 1
+            # 0.4 px of the frame, which the means of neighbours cost.
+            assert np.hypot(*(measured(frame)[:2] - truth.pose[tick, :2])) < 1.5
 
 
 def test_colour_is_chosen_first_and_the_rate_is_known():
