@@ -34,7 +34,7 @@ def open_files():
 def test_frames_are_those_of_the_lab_and_poses_are_right():
     with served() as server:
         with camera_of(server) as camera:
-            frames = driven(server, camera, 20)
+            frames = driven(server, camera, 30)
             counts = camera.counts
         ticks = ticks_of(server, frames)
         truth = server.lab.truth
@@ -44,8 +44,8 @@ def test_frames_are_those_of_the_lab_and_poses_are_right():
         assert np.hypot(*(measured(frame)[:2] - truth.pose[tick, :2])) < 1
         # The device's own clock says when, and never before it was.
         assert truth.t[tick] <= frame.epoch + frame.t <= frame.epoch + frame.t_arrival
-    assert counts.delivered == 20
-    assert server.sent_frames >= 20
+    assert counts.delivered == 30
+    assert server.sent_frames >= 30
 
 
 @pytest.mark.parametrize(

@@ -169,8 +169,7 @@ void GigeCamera::connect(const GigeIdentity& identity) {
   GFailure failure;
   const GReference<GInetAddress> interface = inet_address(identity.interface_address);
   const GReference<GInetAddress> address = inet_address(identity.address);
-  GReference<ArvDevice> device(
-      arv_gv_device_new(interface.get(), address.get(), failure.out()));
+  GReference<ArvDevice> device(arv_gv_device_new(interface.get(), address.get(), failure.out()));
   if (!device || failure) fail(name_, failure);
   if (!arv_gv_device_is_controller(ARV_GV_DEVICE(device.get()))) {
     // It waits for leave to give back what it never had.

@@ -209,10 +209,22 @@ void GigeServer::pump() {
 }
 
 void GigeServer::take(Captured captured) {
-  const Lock lock(mutex_);
-  waiting_.push_back(std::move(captured));
-  if (waiting_.size() > most_waiting) waiting_.pop_front();
-  changed_.notify_all();
+  bool must_wake = false;
+  {
+    const Lock lock(mutex_);
+    waiting_.push_back(std::move(captured));
+    if (waiting_.size() > most_waiting) waiting_.pop_front();
+    changed_.notify_all();
+    must_wake = !is_awaited_ && has_client();
+  }
+  // If its time for a frame passes while the fake camera looks at the clock, it subtracts without
+  // a sign, and sleeps for 0.1 s. A question wakes it.
+  if (must_wake) knock(options_.address);
+}
+
+// With the mutex.
+bool GigeServer::has_client() const {
+  return monotonic_now() - last_fill_ < 2 / options_.fps + longest_wait;
 }
 
 void GigeServer::fill(ArvBuffer* buffer, void* server, guint32 exposure, guint32 gain,
@@ -249,10 +261,12 @@ std::optional<Captured> GigeServer::wait_for_next() {
   Lock lock(mutex_);
   const double period = 1 / options_.fps;
   // Nobody was there to see those from before.
-  const bool is_new = monotonic_now() - last_fill_ > 2 * period + longest_wait;
+  const bool is_new = !has_client();
   while (is_new && waiting_.size() > 1) waiting_.pop_front();
+  is_awaited_ = true;
   changed_.wait_for(lock, Seconds(std::min(period, longest_wait)),
                     [&] { return ends_ || !waiting_.empty(); });
+  is_awaited_ = false;
   last_fill_ = monotonic_now();
   if (ends_ || waiting_.empty()) return std::nullopt;
   Captured next = std::move(waiting_.front());

@@ -52,6 +52,7 @@ class GigeServer {
   void plug_out();
   bool lose(double part);
   std::optional<Captured> wait_for_next();
+  bool has_client() const;
   void take(Captured captured);
   static void fill(ArvBuffer* buffer, void* server, guint32 exposure, guint32 gain,
                    ArvPixelFormat format);
@@ -68,7 +69,8 @@ class GigeServer {
   std::condition_variable changed_;
   // Under the mutex:
   std::deque<Captured> waiting_;
-  double last_fill_ = 0;  // monotonic, s
+  double last_fill_ = 0;     // monotonic, s
+  bool is_awaited_ = false;  // the next frame
   std::string failure_;
   bool stops_ = false;
   bool ends_ = false;  // the camera on the network does
