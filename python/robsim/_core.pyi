@@ -6,7 +6,94 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Lens', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
+class Intrinsics:
+    """
+    A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
+    
+    Parameters
+    ----------
+    matrix : array (3, 3)
+        The camera matrix ``[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]``: focal lengths and principal point
+        (px; an integer is a pixel's centre).
+    distortion : array (5,), optional
+        The coefficients k1, k2, p1, p2, k3. Default: none, an ideal lens.
+    
+    Raises
+    ------
+    TypeError, ValueError
+        If the shapes are others, a number is not finite, or a focal length not above 0.
+    
+    Notes
+    -----
+    What an ideal lens would show at x = (u - cx) / fx, y = (v - cy) / fy, with r^2 = x^2 + y^2, appears
+    at ::
+    
+        x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2)
+        y (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 y^2) + 2 p2 x y
+    
+    as far as that grows with r; farther out the lens would fold the picture over, and both ways give
+    NaN. Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8), 1971;
+    ``cv2.calibrateCamera`` gives the coefficients in the same order.
+    
+    Examples
+    --------
+    >>> matrix = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
+    >>> intrinsics = Intrinsics(matrix, (-0.12, 0.02, 0, 0, 0))
+    >>> plane_map = PlaneMap.from_points(seen, corners, intrinsics)
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, matrix: numpy.typing.ArrayLike, distortion: numpy.typing.ArrayLike | None = None) -> None:
+        ...
+    def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: typing.Any) -> None:
+        ...
+    def distorted(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return where frames show what an ideal lens would show at these pixels.
+        
+        Parameters
+        ----------
+        pixels : array (2,) or (N, 2)
+            Ideal pixels (u, v).
+        
+        Returns
+        -------
+        array (2,) or (N, 2)
+            Pixels (u, v) of the frames; NaN where the lens shows nothing.
+        """
+    def ideal(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return where an ideal lens would show what frames show at these pixels.
+        
+        Parameters
+        ----------
+        pixels : array (2,) or (N, 2)
+            Pixels (u, v) of the frames.
+        
+        Returns
+        -------
+        array (2,) or (N, 2)
+            Ideal pixels (u, v); NaN where the lens shows nothing.
+        """
+    @property
+    def distortion(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (5,): k1, k2, p1, p2, k3.
+        """
+    @property
+    def matrix(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3, 3): the camera matrix (px).
+        """
 class PlaneMap:
     """
     Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
@@ -15,14 +102,17 @@ class PlaneMap:
     ----------
     matrix : array (3, 3), optional
         Homography that takes (u, v, 1) to (x, y, 1) times a number. Default: the identity.
+    intrinsics : Intrinsics, optional
+        Those of the camera: its lens first leads from (u, v) to the ideal pixel, from where the
+        homography goes on. Default: the pixels are ideal.
     
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         If the matrix is not finite or has no inverse.
     """
     @staticmethod
-    def from_points(pixels: numpy.typing.ArrayLike, positions: numpy.typing.ArrayLike) -> PlaneMap:
+    def from_points(pixels: numpy.typing.ArrayLike, positions: numpy.typing.ArrayLike, intrinsics: Intrinsics | None = None) -> PlaneMap:
         """
         Return the map of a camera that looks at the work area from any direction.
         
@@ -32,6 +122,8 @@ class PlaneMap:
             Pixels (u, v) of four or more points on the floor; of four, no three on a line.
         positions : array (N, 2)
             Positions (x, y) of these points on the work area, in the same order (work-area px).
+        intrinsics : Intrinsics, optional
+            Those of the camera. Default: its lens does not distort.
         
         Returns
         -------
@@ -42,8 +134,8 @@ class PlaneMap:
         Raises
         ------
         TypeError, ValueError
-            If the shapes are others, too many points lie on a line, or the positions are in another order
-            than the pixels.
+            If the shapes are others, too many points lie on a line, the positions are in another order
+            than the pixels, or the lens shows nothing at a pixel.
         
         Examples
         --------
@@ -69,7 +161,7 @@ class PlaneMap:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, matrix: numpy.typing.ArrayLike | None = None) -> None:
+    def __init__(self, matrix: numpy.typing.ArrayLike | None = None, intrinsics: Intrinsics | None = None) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -77,6 +169,32 @@ class PlaneMap:
         ...
     def __setstate__(self, arg0: typing.Any) -> None:
         ...
+    def at_height(self, height: float) -> PlaneMap:
+        """
+        Return the map of what lies above the floor, such as markers on a robot.
+        
+        Parameters
+        ----------
+        height : float
+            How far above what this map is of (work-area px).
+        
+        Returns
+        -------
+        PlaneMap
+            Pixels <-> the places on the work area above which they lie.
+        
+        Raises
+        ------
+        TypeError, ValueError
+            If the map has no intrinsics, or the camera is not above that height.
+        
+        Notes
+        -----
+        The floor's homography to ideal pixels is K [r1 r2 t], times a number, which |r1| = |r2| = 1 gives
+        (the mean of both, as they are measured); that of the height h is K [r1 r2 t + h n], where
+        n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new technique for camera
+        calibration, PAMI 22(11), 2000.
+        """
     def to_pixel(self, positions: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
         Return the pixels of positions.
@@ -89,7 +207,7 @@ class PlaneMap:
         Returns
         -------
         array (2,) or (N, 2)
-            Pixels (u, v).
+            Pixels (u, v); NaN where the lens shows nothing.
         """
     def to_world(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -103,29 +221,18 @@ class PlaneMap:
         Returns
         -------
         array (2,) or (N, 2)
-            Positions (x, y) in work-area px.
+            Positions (x, y) in work-area px; NaN where the lens shows nothing.
+        """
+    @property
+    def intrinsics(self) -> Intrinsics | None:
+        """
+        Intrinsics or None: those of the camera.
         """
     @property
     def matrix(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (3, 3): the homography from pixels to the work area.
+        array (3, 3): the homography from pixels, ideal ones with intrinsics, to the work area.
         """
-class Lens:
-    """
-    A lens before frames of one size. Users take robsim.live.Lens.
-    """
-    def __init__(self, k1: float, k2: float, size: tuple[int, int]) -> None:
-        ...
-    def distorted(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
-        ...
-    def ideal(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
-        ...
-class Warp:
-    """
-    Makes an image from another, each pixel at its own place.
-    """
-    def apply(self, image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.uint8]:
-        ...
 class Frame:
     """
     A camera image with its time: all that the robot half gets to know of the world.
@@ -229,6 +336,12 @@ class Frame:
         """
         float or None: when it reached this computer, by the clock of `t` (s).
         """
+class Warp:
+    """
+    Makes an image from another, each pixel at its own place.
+    """
+    def apply(self, image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.uint8]:
+        ...
 class CaptureDevice:
     """
     A camera as a grabber sees it. Users take robsim.Camera.
@@ -2275,8 +2388,18 @@ class LaboratoryCamera(CaptureDevice):
     """
     The camera of a laboratory, for a grabber. Users take robsim.live.SimulatedLab.
     """
-    def __init__(self, laboratory: Laboratory, scene: Scene, *, warp: Warp | None, noise: VisualNoise, noise_seed: int, delay: float, faults: CameraFaults) -> None:
+    def __init__(self, laboratory: Laboratory, scene: Scene, *, warp: Warp | None, top: Warp | None, noise: VisualNoise, noise_seed: int, delay: float, faults: CameraFaults) -> None:
         ...
+class RaisedRobot:
+    """
+    A robot's top above the floor, as a camera elsewhere sees it.
+    """
+    def __init__(self, scene: Scene, warp: Warp) -> None:
+        ...
+    def drawn(self, floor: numpy.typing.NDArray[numpy.uint8], pose: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        Return a frame of the floor with the robot.
+        """
 def atan2(y: float, x: float) -> float:
     """
     Return the angle of the point (x, y) from the x axis (rad), in [-pi, pi].
@@ -2647,7 +2770,7 @@ def trace_schema() -> list[TraceGroup]:
     list of TraceGroup
         The groups in the order of the documentation.
     """
-def view_warp(scene: Scene, size: tuple[int, int], plane_map: PlaneMap, lens: tuple[float, float]) -> Warp:
+def view_warp(scene: Scene, size: tuple[int, int], plane_map: PlaneMap) -> Warp:
     """
     Return the warp from a scene to the frames of a camera elsewhere.
     """

@@ -289,6 +289,7 @@ ALLOWED = {
     "sessions/_rows.py": "opens to read",
     "sessions/_writer.py": "appends to new files, so that a killed run is there",
     "simulation/_scenario_file.py": "opens an image in memory",
+    "capture/_sources.py": "opens a camera",
     "capture/_devices/jpeg.py": "opens an image in memory",
     "capture/_devices/opencv_process.py": "opens a camera",
     "capture/_devices/worker.py": "opens a camera",

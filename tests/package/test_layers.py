@@ -30,6 +30,7 @@ CPP = {
     "vision/pixels": {"simd", "imaging", "vision/color"},
     "vision": {"text", "elementary", "geometry", "imaging", "vision/color", "vision/pixels"},
     "capture": {"text", "timing", "threads", "imaging"},
+    "capture/firewire": {"timing", "imaging", "imaging/raw", "capture"},
     "capture/gige": {"timing", "threads", "imaging", "imaging/raw", "capture"},
     "motors": {"text", "timing", "threads", "model"},
     "simulation/seam": {"imaging", "model", "vision"},
@@ -42,16 +43,18 @@ CPP = {
         "simulation/seam",
     },
     "simulation": {"timing", "simulation/seam", "simulation/robot"},
+    "virtual_bus": {"threads", "imaging", "imaging/raw"},
     "laboratory": {
         *("timing", "threads", "elementary", "geometry", "random", "imaging", "model", "world"),
         *("world/noise", "capture", "motors", "simulation/seam", "simulation/world"),
+        "virtual_bus",
     },
 }
 
 # The storeys of the Python package, from the ground up. A room imports from the storeys below its
 # own, and from no other room of its own storey: there are no cycles.
 PYTHON = {
-    "core": {"_core", "_gige"},
+    "core": {"_core", "_firewire", "_gige"},
     "base": {"_base"},
     "records": {"imaging", "trace"},
     "subjects": {

@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -73,6 +74,13 @@ def run():
 @cache
 def lab():
     return robsim.live.SimulatedLab(robsim.Scenario(area=(300, 300), seed=1))
+
+
+def virtual_bus():
+    """A bus as far as its methods look at what they are given: it may not be built here."""
+    bus = object.__new__(robsim.live.VirtualBus)
+    bus.cameras, bus._server = (lab(),), MagicMock()
+    return bus
 
 
 def trace():
@@ -147,6 +155,8 @@ EXAMPLES = {
     "Estimate.covariance": lambda: np.eye(3),
     "FollowPath.waypoints": lambda: [(1, 2)],
     "GigeServer.lab": lab,
+    "VirtualBus.cameras": lab,
+    "VirtualCamera.lab": lab,
     "instrumental_variables.u": lambda: trace().u,
     "least_squares.y": lambda: np.ones(5),
     "load_image.path": lambda: "images/0.png",
@@ -312,6 +322,7 @@ OBJECTS = {
     "Trace": trace,
     "SimulatedLab": lab,
     "LabTruth": lambda: lab().truth,
+    "VirtualBus": virtual_bus,
 }
 
 

@@ -56,7 +56,7 @@ class CameraFeatures:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if value is None or value == AUTOMATIC:
+            if value is None or _is_automatic(value):
                 continue
             object.__setattr__(self, field.name, _checked(field.name, value))
 
@@ -65,7 +65,7 @@ class CameraFeatures:
         wishes: list[tuple[str, list[float] | None]] = []
         for field in fields(self):
             value = getattr(self, field.name)
-            if value == AUTOMATIC:
+            if _is_automatic(value):
                 wishes.append((field.name, None))
             elif value is not None:
                 wishes.append((field.name, list(value) if field.name in _PAIRS else [value]))
@@ -81,6 +81,10 @@ class CameraFeatures:
             else:
                 values[name] = tuple(numbers) if name in _PAIRS else numbers[0]
         return cls(**values)
+
+
+def _is_automatic(value: Any) -> bool:
+    return isinstance(value, str) and value == AUTOMATIC
 
 
 def _checked(name: str, value: Any) -> float | tuple[float, ...]:

@@ -53,7 +53,7 @@ class VirtualCamera:
     def __post_init__(self) -> None:
         if not isinstance(self.lab, SimulatedLab):
             raise TypeError(f"lab must be a SimulatedLab, got {quoted(self.lab)}")
-        if isinstance(self.codings, str) or not self.codings:
+        if not isinstance(self.codings, (list, tuple)) or not self.codings:
             raise TypeError(f"codings must be a sequence of names, got {quoted(self.codings)}")
         for coding in self.codings:
             check_choice("a coding", coding, CODINGS)
@@ -70,9 +70,9 @@ class VirtualBus:
 
     Parameters
     ----------
-    *cameras : SimulatedLab or VirtualCamera
-        Its one to four cameras. The camera of each lab is taken as long as the bus goes on; while
-        it is unplugged, so is the camera on the bus.
+    cameras : SimulatedLab, VirtualCamera, or sequence of these
+        Its camera, or its one to four cameras. The camera of each lab is taken as long as the bus
+        goes on; while it is unplugged, so is the camera on the bus.
 
     Attributes
     ----------
@@ -100,7 +100,16 @@ class VirtualBus:
     ...     subprocess.run(["robsim", "live", "--camera", "firewire://"], env=bus.environment)
     """
 
-    def __init__(self, *cameras: SimulatedLab | VirtualCamera) -> None:
+    def __init__(
+        self, cameras: SimulatedLab | VirtualCamera | Sequence[SimulatedLab | VirtualCamera]
+    ) -> None:
+        if isinstance(cameras, (SimulatedLab, VirtualCamera)):
+            cameras = (cameras,)
+        if not isinstance(cameras, (list, tuple)):
+            raise TypeError(
+                "cameras must be a SimulatedLab, a VirtualCamera or a sequence of these, got "
+                f"{quoted(cameras)}"
+            )
         if not 1 <= len(cameras) <= _MOST:
             raise ValueError(f"cameras must be 1 to {_MOST}, got {len(cameras)}")
         self.cameras = tuple(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 from typing import Any
 
@@ -31,12 +32,11 @@ def extension() -> Any:
         If it, or what it needs, is not there; the message says what to install.
     """
     try:
-        from robsim import _firewire
+        return importlib.import_module("robsim._firewire")
     except ModuleNotFoundError as error:
         raise NoBackEndError(_REBUILD) from error
     except ImportError as error:  # a library of the system is missing
         raise NoBackEndError(f"{_INSTALL} ({error})") from error
-    return _firewire
 
 
 def new_camera(
