@@ -1,0 +1,91 @@
+"""Each coding, each Bayer filter, regions and rates: the pose is right."""
+
+import numpy as np
+import pytest
+
+import robsim
+from bus_cameras import SIZE, error_of, new_lab
+from robsim.capture import CameraFeatures, CaptureError
+from robsim.live import VirtualCamera
+
+COLORED = ("yuv422", "rgb8", "yuv444", "raw8", "yuv411")
+
+
+@pytest.mark.parametrize("coding", COLORED)
+def test_the_pose_is_right_in_each_coding(start, coding):
+    lab = new_lab()
+    start(lab)
+    with robsim.Camera("firewire://", coding=coding) as camera:
+        assert (camera.coding, camera.size) == (coding, SIZE)
+        assert [error_of(lab, camera.read()) for _ in range(5)] == pytest.approx([0] * 5, abs=0.5)
+
+
+@pytest.mark.parametrize("coding", ["mono8", "mono16"])
+def test_grey_is_the_brightness_of_the_picture(start, coding):
+    lab = new_lab()
+    start(lab)
+    with robsim.Camera("firewire://", coding="rgb8") as camera:
+        colored = camera.read().image.astype(float)
+    with robsim.Camera("firewire://", coding=coding) as camera:
+        grey = camera.read().image.astype(float)
+    assert np.ptp(grey, axis=2).max() == 0
+    assert abs(grey[..., 0] - colored @ (0.299, 0.587, 0.114)).max() < 2
+
+
+@pytest.mark.parametrize("color_filter", ["rggb", "gbrg", "grbg", "bggr"])
+def test_each_bayer_filter_gives_the_right_colors(start, color_filter):
+    lab = new_lab()
+    start(VirtualCamera(lab=lab, codings=("raw8",), color_filter=color_filter))
+    with robsim.Camera("firewire://") as camera:
+        assert camera.coding == "raw8"
+        assert error_of(lab, camera.read()) < 0.5
+
+
+def test_a_region_is_that_part_of_the_sensor(start):
+    lab = new_lab()
+    start(lab)
+    with robsim.Camera("firewire://", coding="rgb8") as camera:
+        whole = camera.read().image
+    region = (64, 32, 320, 240)
+    with robsim.Camera("firewire://", coding="rgb8", region=region) as camera:
+        assert camera.region == region
+        part = camera.read().image
+    assert np.array_equal(part, whole[32:272, 64:384])
+    with pytest.raises(CaptureError, match=r"steps of 8 x 2 px"):
+        robsim.Camera("firewire://", region=(0, 0, 321, 240))
+
+
+@pytest.mark.parametrize("fps", [30, 15, 7.5, 10])
+def test_the_rate_is_that_asked_for(start, fps):
+    start(new_lab())
+    with robsim.Camera("firewire://", fps=fps) as camera:
+        assert camera.dt == pytest.approx(1 / fps, rel=0.02)
+        camera.read()
+        times = [camera.read().t for _ in range(5)]
+    assert np.diff(times).min() == pytest.approx(1 / fps, abs=2e-3)
+
+
+def test_what_a_camera_cannot_is_refused_with_what_it_can(start):
+    start(VirtualCamera(lab=new_lab(), codings=("yuv422",)))
+    with pytest.raises(CaptureError, match=r"it has .*640 x 480 px yuv422 at 30 frames/s"):
+        robsim.Camera("firewire://", coding="rgb8")
+
+
+def test_features_are_manual_and_stay_as_they_are_set(start):
+    start(new_lab())
+    with robsim.Camera("firewire://") as camera:
+        assert "auto" not in vars(camera.features).values()
+        bright = camera.read().image.mean()
+    chosen = CameraFeatures(shutter=0.004, white_balance=(400, 600), exposure="auto")
+    with robsim.Camera("firewire://", features=chosen) as camera:
+        seen = camera.features
+        assert seen.shutter == pytest.approx(0.004)
+        assert (seen.white_balance, seen.exposure) == ((400, 600), "auto")
+        camera.read()
+        assert camera.read().image.mean() < 0.6 * bright
+        camera.features = CameraFeatures(shutter=0.01, white_balance=(512, 512))
+        for _ in range(4):
+            camera.read()
+        assert camera.read().image.mean() == pytest.approx(bright, rel=0.02)
+    with pytest.raises(CaptureError, match=r"features.gain must be a number from 0 to 24 dB"):
+        robsim.Camera("firewire://", features=CameraFeatures(gain=99))

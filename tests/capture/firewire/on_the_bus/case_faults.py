@@ -1,0 +1,147 @@
+"""What goes wrong on a bus: each by its name, and mended where it can be."""
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+
+import robsim
+from bus_cameras import error_of, new_lab, wait_until
+from robsim.capture import (
+    FrameTimeoutError,
+    NoBandwidthError,
+    NoBusError,
+    NoCameraError,
+    NoPermissionError,
+    UnpluggedError,
+)
+
+
+def read_until(camera, error, seconds=10):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        try:
+            camera.read()
+        except error:
+            return
+    pytest.fail(f"no {error.__name__} came")
+
+
+def test_without_a_bus():
+    assert not any(name.startswith("fw") for name in os.listdir("/dev"))
+    with pytest.raises(NoBusError, match="no /dev/fw0"):
+        robsim.Camera("firewire://")
+
+
+def test_a_node_that_must_not_be_read_is_named(start):
+    start(new_lab()).deny()
+    with pytest.raises(NoPermissionError, match="/dev/fw1"):
+        robsim.Camera("firewire://")
+
+
+def test_no_camera_is_another_thing_than_no_bus(start):
+    start(new_lab()).unplug()
+    with pytest.raises(NoCameraError, match="no camera on the FireWire bus"):
+        robsim.Camera("firewire://")
+    assert NoBusError not in NoCameraError.__mro__
+
+
+def test_unplugged(start):
+    bus = start(new_lab())
+    with robsim.Camera("firewire://") as camera:
+        camera.read()
+        bus.unplug()
+        read_until(camera, UnpluggedError)
+
+
+def test_plugged_in_again(start):
+    lab = new_lab()
+    bus = start(lab)
+    with robsim.Camera("firewire://", reopen=True, frame_timeout=0.3) as camera:
+        camera.read()
+        bus.unplug()
+        read_until(camera, FrameTimeoutError)
+        bus.plug_in()
+        wait_until(lambda: camera.counts.reopened)
+        assert error_of(lab, camera.read(5)) < 0.5
+
+
+def test_a_stall_is_a_time_out_and_passes(start):
+    lab = new_lab()
+    bus = start(lab)
+    with robsim.Camera("firewire://", frame_timeout=0.3) as camera:
+        camera.read()
+        bus.stall(1.0)
+        read_until(camera, FrameTimeoutError)
+        assert error_of(lab, camera.read(5)) < 0.5
+        assert camera.counts.reopened == 0
+
+
+@pytest.mark.parametrize("power_fails", [False, True])
+def test_frames_come_again_after_a_reset_of_the_bus(start, power_fails):
+    lab = new_lab()
+    bus = start(lab)
+    with robsim.Camera("firewire://", frame_timeout=5) as camera:
+        camera.read()
+        bus.reset(power_fails=power_fails)
+        camera.read()
+        time.sleep(0.5)
+        assert [error_of(lab, camera.read()) for _ in range(3)] == pytest.approx([0] * 3, abs=0.5)
+        assert camera._device.restarts == power_fails
+
+
+@pytest.mark.parametrize("what", ["channels", "bandwidth"])
+def test_what_the_bus_has_no_more_of_is_named(start, what):
+    bus = start(new_lab())
+    bus.refuse(**{what: True})
+    words = {"channels": "no isochronous channel left", "bandwidth": "no bandwidth left for 640 x"}
+    with pytest.raises(NoBandwidthError, match=words[what]):
+        robsim.Camera("firewire://")
+    bus.refuse()
+    with robsim.Camera("firewire://") as camera:
+        camera.read()
+
+
+def test_two_cameras_share_the_bus(start):
+    labs = new_lab(), new_lab()
+    bus = start(*labs)
+    with robsim.Camera("firewire://0") as first:
+        # Both at 30 frames/s do not fit: the second one takes what is left.
+        with robsim.Camera(f"firewire://{bus.guid(1)}") as second:
+            assert first.dt < 1 / 29
+            for lab, camera in zip(labs, (first, second), strict=True):
+                assert error_of(lab, camera.read()) < 0.5
+        with pytest.raises(NoBandwidthError, match=r"yuv422 at 30 frames/s, which takes 5\d %"):
+            robsim.Camera("firewire://1", coding="yuv422", fps=30)
+    with pytest.raises(NoCameraError, match=r"no camera 5 .*there are: "):
+        robsim.Camera("firewire://5")
+
+
+def test_who_reads_late_gets_the_newest_frame(start):
+    start(new_lab())
+    with robsim.Camera("firewire://") as camera:
+        camera.read()
+        time.sleep(1)
+        frame = camera.read()
+        assert frame.epoch + frame.t > time.monotonic() - 0.2
+        assert camera.counts.dropped > 20
+
+
+def test_a_camera_that_a_crashed_program_left_sending_is_taken_over(start):
+    lab = new_lab()
+    bus = start(lab)
+    code = (
+        "import robsim, time\n"
+        "camera = robsim.Camera('firewire://')\n"
+        "print(camera.read().index, flush=True)\n"
+        "time.sleep(60)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as child:
+        assert child.stdout.readline()
+        child.kill()
+    assert bus.is_sending()
+    with robsim.Camera("firewire://") as camera:
+        assert error_of(lab, camera.read()) < 0.5
+    assert not bus.is_sending()
