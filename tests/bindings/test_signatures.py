@@ -53,7 +53,7 @@ def test_every_native_function_has_a_signature_and_its_types_in_the_doc(name, fu
         (Spin, "(voltage=0.05)"),
         (RobotModel.predict, "(self, pose_1, pose_2, u, *, unwrapped=False)"),
         (RobotModel().predict, "(pose_1, pose_2, u, *, unwrapped=False)"),
-        (PlaneMap.from_points, "(pixels, positions)"),
+        (PlaneMap.from_points, "(pixels, positions, intrinsics=None)"),
         (robsim.wrap_angle, "(angle)"),
     ],
 )

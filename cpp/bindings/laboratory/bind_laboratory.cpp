@@ -141,10 +141,11 @@ using Bus = OfProcess<BusServer>;
 using BusCamera =
     std::tuple<std::pair<int, int>, double, std::vector<std::string>, std::string, bool>;
 
-std::shared_ptr<Bus> make_bus(const std::string& path, const std::vector<BusCamera>& cameras,
-                              std::vector<std::shared_ptr<CaptureDevice>> devices) {
+std::shared_ptr<Bus> make_bus(const std::string& path, const py::object& cameras,
+                              const py::object& cameras_in_labs) {
+  auto devices = cameras_in_labs.cast<std::vector<std::shared_ptr<CaptureDevice>>>();
   std::vector<BusCameraOptions> options;
-  for (const auto& [size, fps, codings, filter, is_fast] : cameras) {
+  for (const auto& [size, fps, codings, filter, is_fast] : cameras.cast<std::vector<BusCamera>>()) {
     options.push_back({size.first, size.second, fps, codings, filter, is_fast});
   }
   return {new Bus("the virtual bus", path, options, std::move(devices)), [](const Bus* bus) {
@@ -158,9 +159,8 @@ std::shared_ptr<Bus> make_bus(const std::string& path, const std::vector<BusCame
 }
 
 void bind_bus(py::module_& module) {
-  py::class_<Bus, std::shared_ptr<Bus>>(
-      public_in(module, "robsim._core"), "BusServer",
-      "The virtual FireWire bus. Users take robsim.live.VirtualBus.")
+  Class<Bus, std::shared_ptr<Bus>>(public_in(module, "robsim._core"), "BusServer",
+                                   "The virtual FireWire bus. Users take robsim.live.VirtualBus.")
       .def(py::init(&make_bus), py::arg("path"), py::arg("cameras"), py::arg("devices"))
       .def("close",
            [](const Bus& self) {

@@ -197,10 +197,9 @@ class Camera:
         self.calibration = as_calibration(calibration, plane_map)
         if self.calibration is not None:
             plane_map, area = self.calibration.plane_map, area or self.calibration.area
-            size = size or self.calibration.size
         wishes = Wishes(
             back_end=back_end,
-            size=size,
+            size=self.calibration.size if size is None and self.calibration else size,
             region=None if region is None else check_region("region", region),
             fps=fps,
             coding=None if coding is None else check_text("coding", coding),

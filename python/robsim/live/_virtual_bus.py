@@ -20,7 +20,7 @@ from robsim.live._lab import SimulatedLab
 FILTERS = ("rggb", "gbrg", "grbg", "bggr")
 _MOST = 4  # cameras
 _VARIABLE = "ROBSIM_VIRTUAL_BUS"  # as bus_memory.hpp has it
-_LIBRARY = "_virtual_bus.so"
+_LIBRARY = Path("preloaded", "virtual_bus.so")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -199,7 +199,7 @@ def _end(server: Any, folder: tempfile.TemporaryDirectory[str]) -> None:
 
 def _library() -> str:
     """Return the path of the library that shows the bus."""
-    path = Path(_core.__file__).with_name(_LIBRARY)
+    path = Path(_core.__file__).parent / _LIBRARY
     if not path.exists():
         raise NoBackEndError(
             "a virtual FireWire bus needs Linux, and a robsim that was built with libdc1394: sudo "

@@ -18,7 +18,7 @@ from robsim import _core
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 
 CASES = sorted(Path(__file__).with_name("on_the_bus").glob("case_*.py"))
-LIBRARY = Path(_core.__file__).with_name("_virtual_bus.so")
+LIBRARY = Path(_core.__file__).parent / "preloaded" / "virtual_bus.so"
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.stem)
