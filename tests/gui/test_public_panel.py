@@ -101,6 +101,28 @@ def test_finish_estimates_once_for_table_and_caller(monkeypatch):
     assert made == [50, 51]
 
 
+def test_a_table_that_is_late_is_of_the_newest_steps(monkeypatch):
+    go, made, told = threading.Event(), [], []
+
+    def estimate(trace):
+        made.append(len(trace))
+        return robsim.batch_estimate(trace)
+
+    compute = _result.Result._compute
+    monkeypatch.setattr(_result.Result, "_compute", lambda part: go.wait(10) and compute(part))
+    monkeypatch.setattr(_result, "batch_estimate", estimate)
+    monkeypatch.setattr(_result, "_figure_of", lambda report: told.append(report) or b"")
+    with robsim.panel(simulation(control=robsim.DriveAround())) as panel:
+        panel._view.runner.run(50)
+        panel.finish()
+        panel.step()
+        panel.finish()
+        go.set()
+        wait_for(lambda: len(told) == 2)
+    assert made == [50, 51]
+    assert [report.stop for report in told] == [51, 51]
+
+
 def test_finish_pauses_and_estimates(monkeypatch):
     monkeypatch.setattr("robsim.gui._panel.analysis.result._figure_of", lambda report: b"")
     with robsim.panel(simulation(control=robsim.DriveAround()), speed=float("inf")) as panel:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from robsim.gui._link import Link
 from robsim.gui._panel.analysis.beside import Beside
@@ -13,28 +11,30 @@ from robsim.gui._panel.analysis.parameters import excitation_of, listed
 from robsim.gui._panel.drawing import drawing
 from robsim.gui._panel.part import Part
 from robsim.identification import BatchEstimate, batch_estimate
-from robsim.trace import PARAMETER_NAMES, Trace
+from robsim.trace import PARAMETER_NAMES
 
 if TYPE_CHECKING:
     from robsim.gui._panel.view import PanelView
+
+Steps: TypeAlias = tuple[int, int]  # resets, and steps since
+Told: TypeAlias = tuple[dict[str, Any], list[bytes]]  # message and pictures
 
 
 class Result(Part):
     """Estimates the parameters from the whole record, which takes a second or so."""
 
-    _newest: tuple[dict[str, Any], list[bytes]] | None = None
-    _seen = (0, 0)  # resets and steps that it was estimated from
+    _newest: Told | None = None
+    _seen: Steps = (0, 0)  # that it was estimated from
     _is_wanted = False
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         self._beside = Beside(panel, "robsim result")
-        self._estimated: tuple[tuple[int, int], BatchEstimate] | None = None
+        self._estimated: tuple[Steps, BatchEstimate] | None = None
         self._estimating = threading.Lock()  # of that
 
     def greet(self, link: Link) -> None:
-        record = self.panel.record
-        if self._newest is not None and self._seen == (record.n_resets, record.n_steps):
+        if self._newest is not None and self._seen == self._steps:
             message, pictures = self._newest
             link.send({**message, "again": True}, pictures)
 
@@ -45,20 +45,22 @@ class Result(Part):
 
     def estimate(self) -> BatchEstimate:
         """Return the estimate, made once for the same steps; any thread may call this."""
-        return self._estimate(*self._record())
+        return self._estimate()[1]
 
-    def _record(self) -> tuple[tuple[int, int], Trace]:
-        """Return the steps by now: resets and their number, and the trace."""
-        n_resets, trace = self.panel.record.n_resets, self.panel.record.trace
-        return (n_resets, len(trace)), trace
+    @property
+    def _steps(self) -> Steps:
+        record = self.panel.record
+        return record.n_resets, record.n_steps
 
-    def _estimate(self, seen: tuple[int, int], trace: Trace) -> BatchEstimate:
-        if not len(trace):
-            raise ValueError("nothing has run yet")
-        with self._estimating:
+    def _estimate(self) -> tuple[Steps, BatchEstimate]:
+        with self._estimating:  # which steps, too: older ones never take the place of newer ones
+            n_resets, trace = self.panel.record.n_resets, self.panel.record.trace
+            seen = n_resets, len(trace)
+            if not len(trace):
+                raise ValueError("nothing has run yet")
             if self._estimated is None or self._estimated[0] != seen:
                 self._estimated = seen, batch_estimate(trace)
-            return self._estimated[1]
+            return self._estimated
 
     def close(self, timeout: float) -> None:
         self._beside.wait(timeout)
@@ -67,27 +69,29 @@ class Result(Part):
         if not self._is_wanted or self._beside.is_busy:
             return
         self._is_wanted = False
-        seen, trace = self._record()
-        estimate = partial(self._estimate, seen, trace)
-        self._beside.begin(lambda: _result_of(estimate), lambda result: self._take(seen, result))
+        self._beside.begin(self._compute, self._take)
 
-    def _take(
-        self, seen: tuple[int, int], result: tuple[dict[str, Any], list[bytes]] | None
-    ) -> None:
+    def _compute(self) -> tuple[Steps, Told]:
+        try:
+            seen, report = self._estimate()
+        except ValueError as error:  # too short, or no such poses were recorded
+            return self._steps, _without_estimate(str(error))
+        return seen, _told(report)
+
+    def _take(self, result: tuple[Steps, Told] | None) -> None:
         if result is not None:
-            self._seen, self._newest = seen, result
-            message, pictures = result
+            self._seen, self._newest = result
+            message, pictures = self._newest
             self.panel.send({**message, "again": False}, *pictures)
         self._begin()
 
 
-def _result_of(estimate: Callable[[], BatchEstimate]) -> tuple[dict[str, Any], list[bytes]]:
-    try:
-        report = estimate()
-    except ValueError as error:  # too short, or no such poses were recorded
-        text = str(error)
-        verdict = {"verdict": "no estimate", "good": None}
-        return {"type": "result", "rows": [], "text": text, **verdict}, []
+def _without_estimate(why: str) -> Told:
+    verdict = {"verdict": "no estimate", "good": None}
+    return {"type": "result", "rows": [], "text": why, **verdict}, []
+
+
+def _told(report: BatchEstimate) -> Told:
     excitation = excitation_of(report.identifiability)
     message = {
         "type": "result",
