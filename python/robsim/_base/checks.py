@@ -135,14 +135,13 @@ def check_size(name: str, value: Any) -> tuple[int, int]:
 
 def check_region(name: str, value: Any) -> tuple[int, int, int, int]:
     """Return a part of a sensor (left, top, width, height), four ints within 0..16384 px."""
-    expected = f"{name} must be (left, top, width, height), four ints in px, got {quoted(value)}"
+    expected = f"{name} must be (left, top, width, height), four ints in px"
     try:
         left, top, width, height = value
     except (TypeError, ValueError):
-        raise TypeError(expected) from None
-    if not all(is_int(number) for number in (left, top, width, height)):
-        raise TypeError(expected)
-    if not (0 <= left <= 16384 and 0 <= top <= 16384):
-        raise ValueError(f"{name} must begin within 0..16384 px, got {quoted(value)}")
-    check_size(f"the size of {name}", (width, height))
+        raise TypeError(f"{expected}, got {quoted(value)}") from None
+    if not all(map(is_int, (left, top, width, height))):
+        raise TypeError(f"{expected}, got {quoted(value)}")
+    if min(left, top) < 0 or min(width, height) < 1 or max(left, top, width, height) > 16384:
+        raise ValueError(f"{expected}, within 0..16384 px, got {quoted(value)}")
     return int(left), int(top), int(width), int(height)

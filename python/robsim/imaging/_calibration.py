@@ -9,11 +9,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from robsim._base.checks import check_float, check_int, check_size, is_int
+from robsim._base.checks import check_float, check_int, check_region, check_size
 from robsim._base.text import quoted
 from robsim._core import Intrinsics, PlaneMap
 
-_LARGEST_SENSOR = 65536  # px
 _MOST = 10**7  # points, pictures
 _HIGHEST = 1e5  # mm
 Feature = str | bool | int | float
@@ -197,20 +196,6 @@ class Calibration:
         return (
             f"<Calibration: {self.size[0]} x {self.size[1]} px, {' and '.join(parts) or 'empty'}>"
         )
-
-
-def check_region(name: str, value: Any) -> tuple[int, int, int, int]:
-    """Return a region (left, top, width, height) of a sensor; raise TypeError or ValueError."""
-    expected = f"{name} must be (left, top, width, height), four ints in px"
-    try:
-        left, top, width, height = value
-    except (TypeError, ValueError):
-        raise TypeError(f"{expected}, got {quoted(value)}") from None
-    if not all(map(is_int, (left, top, width, height))):
-        raise TypeError(f"{expected}, got {quoted(value)}")
-    if min(left, top) < 0 or min(width, height) < 1 or max(value) > _LARGEST_SENSOR:
-        raise ValueError(f"{expected}, within a sensor, got {quoted(value)}")
-    return int(left), int(top), int(width), int(height)
 
 
 def _check_kind(name: str, value: Any, kind: type) -> None:
