@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+
+#include "robsim/virtual_bus/iidc_features.hpp"
+#include "robsim/virtual_bus/register_bits.hpp"
 
 namespace robsim::virtual_bus {
 
 namespace {
 
-constexpr std::uint32_t on = 1u << 31;
-
 // Addresses. Those of the control registers are counted from `control_base`.
 constexpr std::uint64_t rom_base = 0x400, rom_end = 0x800;
 constexpr std::uint64_t control_base = 0xF00000, control_size = 0x900;
 constexpr std::uint64_t format7_base = 0xF10000, format7_size = 0x80;
-constexpr std::uint64_t absolute_base = 0xF20000, absolute_size = 0x10;
+constexpr std::uint64_t absolute_size = 0x400;
 
 enum Control : std::uint64_t {
   initialize = 0x000,
@@ -24,17 +24,13 @@ enum Control : std::uint64_t {
   rate_inquiry = 0x200,
   format7_inquiry = 0x2E0,
   basic_function_inquiry = 0x400,
-  feature_inquiry = 0x404,
-  features_inquiry = 0x500,
-  absolute_inquiry = 0x700,
   frame_rate = 0x600,
   video_mode = 0x604,
   video_format = 0x608,
   iso_data = 0x60C,
   power = 0x610,
   iso_enable = 0x614,
-  data_depth = 0x630,
-  features = 0x800
+  data_depth = 0x630
 };
 
 enum Format7 : std::uint64_t {
@@ -57,38 +53,9 @@ enum Format7 : std::uint64_t {
   value_setting = 0x7C
 };
 
-// Bits of a feature's registers.
-constexpr std::uint32_t present = on, absolute = 1u << 30, readable = 1u << 27,
-                        can_be_automatic = 1u << 25, can_be_manual = 1u << 24;
-constexpr std::uint32_t is_enabled = 1u << 25, is_automatic = 1u << 24;
-
 constexpr int format7 = 7;
 constexpr int unit_width = 8, unit_height = 2, unit_step = 2;  // px
 constexpr double cycles = 8000;                                // 1/s, of the bus
-
-struct Feature {
-  int index;  // place among the registers
-  std::uint32_t low, high, start;
-  double unit;  // of the absolute value; 0: it has none
-};
-
-enum FeatureIndex { brightness = 0, exposure = 1, white_balance = 3, shutter = 7, gain = 8 };
-constexpr double shutter_unit = 1e-5;  // s
-constexpr double gain_unit = 0.05;     // dB
-constexpr std::uint32_t start_shutter = 1000, start_gain = 0, start_balance = 512;
-
-constexpr std::array<Feature, 5> feature_table{{{brightness, 0, 255, 128, 0},
-                                                {exposure, 0, 1023, 512, 0},
-                                                {white_balance, 1, 1023, start_balance, 0},
-                                                {shutter, 1, 4095, start_shutter, shutter_unit},
-                                                {gain, 0, 480, start_gain, gain_unit}}};
-
-const Feature* feature_at(std::uint64_t offset) {
-  for (const Feature& feature : feature_table) {
-    if (offset == static_cast<std::uint64_t>(4 * feature.index)) return &feature;
-  }
-  return nullptr;
-}
 
 // A mode of the formats 0 to 2: IIDC 1.31, 2.1.
 struct Mode {
@@ -190,19 +157,6 @@ std::uint32_t pair(int high, int low) {
 
 int high_of(std::uint32_t value) { return static_cast<int>(value >> 16); }
 int low_of(std::uint32_t value) { return static_cast<int>(value & 0xFFFF); }
-
-std::uint32_t bits_of_float(double value) {
-  const auto narrow = static_cast<float>(value);
-  std::uint32_t bits;
-  std::memcpy(&bits, &narrow, sizeof bits);
-  return bits;
-}
-
-double float_of_bits(std::uint32_t bits) {
-  float value;
-  std::memcpy(&value, &bits, sizeof value);
-  return value;
-}
 
 // What format 7 has chosen.
 struct Region {
@@ -317,77 +271,18 @@ std::uint32_t read_control(const CameraState& camera, std::uint64_t offset) {
   }
   if (offset == format7_inquiry) return format7_base / 4;
   if (offset == basic_function_inquiry) return camera.speed > 2 ? 1u << 23 : 0;
-  if (offset == feature_inquiry) {
-    std::uint32_t found = 0;
-    for (const Feature& feature : feature_table) found |= on >> feature.index;
-    return found;
-  }
-  if (offset >= features_inquiry && offset < features_inquiry + 0x80) {
-    const Feature* feature = feature_at(offset - features_inquiry);
-    if (!feature) return 0;
-    return present | readable | can_be_automatic | can_be_manual |
-           (feature->unit > 0 ? absolute : 0) | feature->low << 12 | feature->high;
-  }
-  if (offset >= absolute_inquiry && offset < absolute_inquiry + 0x80) {
-    const Feature* feature = feature_at(offset - absolute_inquiry);
-    if (!feature || feature->unit <= 0) return 0;
-    return static_cast<std::uint32_t>(
-        (absolute_base + static_cast<std::uint64_t>(feature->index) * absolute_size) / 4);
-  }
+  if (const auto value = read_feature(camera, offset)) return *value;
   if (offset == data_depth) return (sends_mono16(camera) ? 16u : 8u) << 24;
   return camera.control[offset / 4];
-}
-
-void write_feature(CameraState& camera, std::uint64_t offset, const Feature& feature,
-                   std::uint32_t value) {
-  const std::uint32_t kept = value & (absolute | is_automatic);
-  if (feature.index == white_balance) {
-    camera.control[offset / 4] = present | is_enabled | kept | (value & 0xFFFFFF);
-    return;
-  }
-  // The absolute value rules the other while it is chosen.
-  const std::uint32_t before = camera.control[offset / 4] & 0xFFF;
-  const std::uint32_t chosen =
-      value & absolute ? before : std::clamp(value & 0xFFF, feature.low, feature.high);
-  camera.control[offset / 4] = present | is_enabled | kept | chosen;
 }
 
 void write_control(CameraState& camera, std::uint64_t offset, std::uint32_t value) {
   if (offset == initialize) {
     if (value & on) power_on(camera);
-  } else if (offset >= features && offset < features + 0x80) {
-    if (const Feature* feature = feature_at(offset - features)) {
-      write_feature(camera, offset, *feature, value);
-    }
-  } else if (offset >= frame_rate && offset <= iso_enable) {
+  } else if (!write_feature(camera, offset, value) && offset >= frame_rate &&
+             offset <= iso_enable) {
     camera.control[offset / 4] = value;
   }
-}
-
-const Feature* absolute_feature(std::uint64_t address) {
-  for (const Feature& feature : feature_table) {
-    const auto base = absolute_base + static_cast<std::uint64_t>(feature.index) * absolute_size;
-    if (feature.unit > 0 && address >= base && address < base + 12) return &feature;
-  }
-  return nullptr;
-}
-
-// Least, greatest, present value.
-std::uint32_t read_absolute(const CameraState& camera, const Feature& feature,
-                            std::uint64_t place) {
-  const std::uint32_t now =
-      camera.control[features / 4 + static_cast<std::size_t>(feature.index)] & 0xFFF;
-  const std::uint32_t raw = place == 0 ? feature.low : place == 4 ? feature.high : now;
-  return bits_of_float(raw * feature.unit);
-}
-
-void write_absolute(CameraState& camera, const Feature& feature, std::uint32_t value) {
-  auto& place = camera.control[features / 4 + static_cast<std::size_t>(feature.index)];
-  if (!(place & absolute)) return;
-  const double raw = std::round(float_of_bits(value) / feature.unit);
-  const double bounded =
-      std::clamp(raw, static_cast<double>(feature.low), static_cast<double>(feature.high));
-  place = (place & ~0xFFFu) | static_cast<std::uint32_t>(bounded);
 }
 
 bool is_in(std::uint64_t address, std::uint64_t base, std::uint64_t length) {
@@ -407,9 +302,8 @@ std::optional<std::uint32_t> read_register(CameraState& camera, std::uint64_t ad
     return read_control(camera, address - control_base);
   if (is_in(address, format7_base, format7_size))
     return read_format7(camera, address - format7_base);
-  if (const Feature* feature = absolute_feature(address)) {
-    return read_absolute(camera, *feature, address % absolute_size);
-  }
+  if (is_in(address, absolute_base, absolute_size))
+    return read_absolute(camera, address - absolute_base);
   return std::nullopt;
 }
 
@@ -419,10 +313,9 @@ bool write_register(CameraState& camera, std::uint64_t address, std::uint32_t va
     write_control(camera, address - control_base, value);
   } else if (is_in(address, format7_base, format7_size)) {
     write_format7(camera, address - format7_base, value);
-  } else if (const Feature* feature = absolute_feature(address)) {
-    if (address % absolute_size == 8) write_absolute(camera, *feature, value);
   } else {
-    return false;
+    return is_in(address, absolute_base, absolute_size) &&
+           write_absolute(camera, address - absolute_base, value);
   }
   return true;
 }
@@ -432,12 +325,7 @@ void power_on(CameraState& camera) {
   camera.format7.fill(0);
   camera.control[power / 4] = on;
   camera.control[iso_data / 4] = 2u << 24;  // S400
-  for (const Feature& feature : feature_table) {
-    const std::uint32_t value =
-        feature.index == white_balance ? start_balance << 12 | start_balance : feature.start;
-    camera.control[features / 4 + static_cast<std::size_t>(feature.index)] =
-        present | is_enabled | is_automatic | value;
-  }
+  power_features_on(camera);
   camera.format7[size / 4] = pair(camera.width, camera.height);
   std::uint32_t first = 0;
   while (first < 11 && !(camera.codings >> first & 1)) ++first;
@@ -488,26 +376,6 @@ Transmission transmission_of(CameraState& camera) {
   sent.every = std::max(1, static_cast<int>(std::lround(camera.fps / rate_of(rate))));
   sent.is_on = sent.is_on && sent.packet_bytes <= most_packet_bytes(iso_speed(camera));
   return sent;
-}
-
-Brightness brightness_of(const CameraState& camera) {
-  const auto setting = [&](FeatureIndex index) {
-    return camera.control[features / 4 + static_cast<std::size_t>(index)];
-  };
-  Brightness result;
-  double light = 1;
-  if (!(setting(shutter) & is_automatic))
-    light *= (setting(shutter) & 0xFFF) / double{start_shutter};
-  if (!(setting(gain) & is_automatic)) {
-    light *= std::pow(10.0, (setting(gain) & 0xFFF) * gain_unit / 20);
-  }
-  result = {light, light, light};
-  const std::uint32_t balance = setting(white_balance);
-  if (!(balance & is_automatic)) {
-    result.red *= (balance & 0xFFF) / double{start_balance};
-    result.blue *= (balance >> 12 & 0xFFF) / double{start_balance};
-  }
-  return result;
 }
 
 }  // namespace robsim::virtual_bus

@@ -27,12 +27,6 @@ bool write_register(CameraState& camera, std::uint64_t address, std::uint32_t va
 
 Transmission transmission_of(CameraState& camera);
 
-/// How bright its settings make red, green and blue, as multiples of what the world is.
-struct Brightness {
-  double red = 1, green = 1, blue = 1;
-};
-Brightness brightness_of(const CameraState& camera);
-
 /// All values as after power-on.
 void power_on(CameraState& camera);
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "robsim/virtual_bus/device_file.hpp"
+#include "robsim/virtual_bus/iidc_features.hpp"
 #include "robsim/virtual_bus/iidc_registers.hpp"
 
 namespace robsim::virtual_bus {
