@@ -134,7 +134,14 @@ def test_every_column_has_its_unit():
         **poses,
         **covariances,
         **blobs,
-        **dict.fromkeys(PARAMETER_NAMES, ""),
+        **{
+            f"{name}{axis}": unit
+            for axis, length in (("X", "px"), ("Y", "px"), ("P", "rad"))
+            for name, unit in (
+                *(("a1", ""), ("a2", "")),
+                *(("b1", f"{length}/V"), ("b2", f"{length}/V"), ("d1", length)),
+            )
+        },
     }
 
 

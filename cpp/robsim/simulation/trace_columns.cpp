@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace robsim {
 
 namespace {
+
+using std::string_literals::operator""s;
 
 using Fields = std::vector<TraceField>;
 
@@ -27,13 +30,27 @@ Fields covariances() {
   return fields;
 }
 
-// The 15 parameters of the robot model, row by row of theta.
-Fields parameters(const std::string& prefix) {
+// The 15 parameters of the robot model, row by row of theta. The model is that of a pose: a1 and a2
+// are plain numbers, b1 and b2 are for 1 V, d1 is a length or an angle.
+Fields parameters() {
   Fields fields;
-  for (const char axis : {'X', 'Y', 'P'}) {
-    for (const char* const name : {"a1", "a2", "b1", "b2", "d1"}) {
-      fields.push_back({prefix + name + axis, ""});
-    }
+  for (const auto& [axis, unit] : {std::pair{"X", "px"}, {"Y", "px"}, {"P", "rad"}}) {
+    for (const std::string name : {"a1", "a2"}) fields.push_back({name + axis, ""});
+    for (const std::string name : {"b1", "b2"}) fields.push_back({name + axis, unit + "/V"s});
+    fields.push_back({"d1"s + axis, unit});
+  }
+  return fields;
+}
+
+// Their standard errors, divided by those of the equation noise.
+Fields standard_errors_unscaled() {
+  Fields fields = parameters();
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::string noise = i < 10 ? "px" : "rad";
+    const std::string& unit = fields[i].unit;
+    fields[i] = {"standard_error_unscaled_" + fields[i].name, unit.empty()    ? "1/" + noise
+                                                              : unit == noise ? ""
+                                                                              : "1/V"};
   }
   return fields;
 }
@@ -85,9 +102,9 @@ std::vector<TraceGroup> make_schema() {
       group("pose_estimated", {3}, poses("estimated"),
             "Estimated pose (N, 3), NaN without a state estimator."),
       group("covariance", {3, 3}, covariances(), "Covariance of the estimated pose (N, 3, 3)."),
-      group("parameters", {3, 5}, parameters(""),
+      group("parameters", {3, 5}, parameters(),
             "Online estimate of the model's parameters (N, 3, 5), NaN without an estimator."),
-      group("standard_errors_unscaled", {3, 5}, parameters("standard_error_unscaled_"),
+      group("standard_errors_unscaled", {3, 5}, standard_errors_unscaled(),
             "Standard errors of the parameters (N, 3, 5), for equation noise of standard "
             "deviation 1 px, 1 px and 1 rad; NaN if the estimator gives none."),
       zero_where_missing(group("view", {2}, {{"x_view", "px"}, {"y_view", "px"}},
