@@ -119,6 +119,11 @@ def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
     return value
 
 
+def check_mm_per_px(value: Any) -> float:
+    """Return how long a px of the work area is on the floor (mm)."""
+    return check_float("mm_per_px", value, "mm", minimum=1e-3, maximum=1e4)
+
+
 def check_size(name: str, value: Any) -> tuple[int, int]:
     """Return a size (width, height), two ints within 16..16384 px."""
     try:

@@ -11,7 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import stats
 
-from robsim._base.checks import Floats, as_float_array, check_float, check_int, check_size
+from robsim._base.checks import (
+    Floats,
+    as_float_array,
+    check_float,
+    check_int,
+    check_mm_per_px,
+    check_size,
+)
 from robsim._base.text import listed, quoted
 from robsim._core import Frame, PlaneMap
 from robsim.calibration._boards import MOST_SHEETS, Corners, find_sheets
@@ -76,7 +83,7 @@ def calibrate_floor(
         that of a mirrored floor.
     """
     area = check_size("area", area)
-    scale = check_float("mm_per_px", mm_per_px, "mm", minimum=1e-3, maximum=1e4)
+    scale = check_mm_per_px(mm_per_px)
     seen, places, called = _marks(pixels, positions, checked_names(names))
     lens, size = _lens_and_size(lens, size)
     height = check_float("marker_height", marker_height, "mm", minimum=0)
@@ -135,7 +142,7 @@ def calibrate_floor_by_sheets(
         show no sheet, or not those that have a place.
     """
     area = check_size("area", area)
-    scale = check_float("mm_per_px", mm_per_px, "mm", minimum=1e-3, maximum=1e4)
+    scale = check_mm_per_px(mm_per_px)
     mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
     height = check_float("marker_height", marker_height, "mm", minimum=0)
     _check_lens(lens)

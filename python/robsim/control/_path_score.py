@@ -14,6 +14,7 @@ from robsim.control._waypoints import as_waypoints, nearest_on_segment
 from robsim.trace import Trace
 from robsim.trace._columns import POSES
 from robsim.trace._trace import check_trace
+from robsim.trace._units import length_format
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,11 +32,13 @@ class PathScore(Report):
     completed_step : int or None
         The step at which the last waypoint was reached; None = it was not.
     rmse, max_error : float
-        Root mean square and maximum of the cross-track error (work-area px).
+        Root mean square and maximum of the cross-track error (in `unit`).
     final_distance : float
-        Distance from the last waypoint at the end of the run (work-area px).
+        Distance from the last waypoint at the end of the run (in `unit`).
     effort : float
         Root mean square of the voltages of both motors (V); NaN = not known.
+    unit : str
+        The unit of lengths: that of the trace.
     """
 
     source: str
@@ -46,6 +49,7 @@ class PathScore(Report):
     max_error: float
     final_distance: float
     effort: float
+    unit: str = "px"
 
     @property
     def title(self) -> str:
@@ -60,14 +64,15 @@ class PathScore(Report):
     @property
     def quantities(self) -> tuple[Quantity, ...]:
         """Waypoints, cross-track error and effort."""
+        unit, length = self.unit, length_format(self.unit, 1)
         final = "distance from the last one at the end"
         return (
             Quantity("waypoints", "waypoints", self.waypoints),
             Quantity("reached", "reached", self.reached),
             Quantity("completed_step", "reached the last one at step", self.completed_step),
-            Quantity("rmse", "cross-track error, rmse", self.rmse, "px", ".1f"),
-            Quantity("max_error", "cross-track error, maximum", self.max_error, "px", ".1f"),
-            Quantity("final_distance", final, self.final_distance, "px", ".1f"),
+            Quantity("rmse", "cross-track error, rmse", self.rmse, unit, length),
+            Quantity("max_error", "cross-track error, maximum", self.max_error, unit, length),
+            Quantity("final_distance", final, self.final_distance, unit, length),
             Quantity("effort", "rms voltage", self.effort, "V", ".2f"),
             Quantity("source", "poses from", self.source),
         )
@@ -81,7 +86,8 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
     trace : Trace
         The run; its true path is scored, or the measured one if it has no truth.
     waypoints : array (N, 2)
-        Positions (x, y) in work-area px, in the order in which they are to be reached.
+        Positions (x, y) in work-area px, as the controller has them, in the order in which they
+        are to be reached.
     waypoint_radius : float
         Distance at which a waypoint counts as reached (work-area px).
 
@@ -111,8 +117,9 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
     where waypoints lie close together.
     """
     check_trace(trace)
-    points = as_waypoints(waypoints)
-    radius = check_float("waypoint_radius", waypoint_radius, "px", minimum=0)
+    px = trace.info.px_length
+    points = as_waypoints(waypoints) * px
+    radius = check_float("waypoint_radius", waypoint_radius, "px", minimum=0) * px
     source, poses = _known_poses(trace)
     rows = np.flatnonzero(np.isfinite(poses[:, :2]).all(axis=1))
     if not len(rows):
@@ -130,6 +137,7 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
         max_error=float(errors.max()),
         final_distance=float(np.hypot(*(positions[-1] - points[-1]))),
         effort=float(np.sqrt(np.mean(np.square(voltages)))) if len(voltages) else math.nan,
+        unit=trace.info.unit,
     )
 
 

@@ -84,8 +84,8 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
     trace : Trace
         The run: its true poses and inputs are the regressors. Samples across a bounce are omitted.
     sigma : array (3,)
-        Standard deviation of the equation noise of x, y (px) and heading (rad): of the process
-        noise of each step, or of the one-step prediction errors of your data.
+        Standard deviation of the equation noise of x, y (in the unit of the trace) and heading
+        (rad): of the process noise of each step, or of the one-step prediction errors of your data.
 
     Returns
     -------

@@ -281,7 +281,7 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
         error=wrapped_error(poses, truth),
         reported_sd=_standard_deviations(covariances) if of == "estimate" else None,
         names=("x", "y", "heading"),
-        units=("px", "px", "rad"),
+        units=(runs[0].info.unit,) * 2 + ("rad",),
         k=runs[0].k,
     )
 
@@ -292,6 +292,9 @@ def as_runs(traces: Trace | Sequence[Trace]) -> list[Trace]:
     if not runs or not all(isinstance(trace, Trace) for trace in runs):
         hint = ": give sim.trace of each" if any(hasattr(one, "trace") for one in runs) else ""
         raise TypeError(f"traces must be a Trace or a sequence of them, got {quoted(traces)}{hint}")
+    units = sorted({trace.info.unit for trace in runs})
+    if len(units) > 1:
+        raise ValueError(f"traces must have one unit of length, got {', '.join(units)}")
     steps = {(int(trace.k[0]) if len(trace) else 0, len(trace)) for trace in runs}
     if len(steps) > 1 or not len(runs[0]):
         lengths = sorted({len(trace) for trace in runs})

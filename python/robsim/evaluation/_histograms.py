@@ -6,14 +6,18 @@ import numpy as np
 
 from robsim._base.checks import Floats
 
+_MINIMUM_MARGINS = {"cm": 1e-4, "m": 1e-6}
 
-def usual_limits(values: Floats) -> tuple[float, float]:
+
+def usual_limits(values: Floats, unit: str = "px") -> tuple[float, float]:
     """Return limits that contain 0 and all values except those far outside the middle 90 %.
 
     Parameters
     ----------
     values : array (n,)
         Finite numbers.
+    unit : str
+        Their unit.
     """
     if not len(values):
         return -1.0, 1.0
@@ -24,7 +28,7 @@ def usual_limits(values: Floats) -> tuple[float, float]:
         usual = values
     low, high = min(float(usual.min()), 0.0), max(float(usual.max()), 0.0)
     # A minimum range: rounding errors must not look like measurement errors.
-    margin = max(0.15 * (high - low), 1e-3)
+    margin = max(0.15 * (high - low), _MINIMUM_MARGINS.get(unit, 1e-3))
     return low - margin, high + margin
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TypedDict
+from dataclasses import dataclass, field, replace
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from robsim.identification._fits import METHODS
 from robsim.identification._fits.delay_fit import LONGEST_DELAY, check_delay_or_fit
 from robsim.identification._fits.model_fit import delay_quantities
 from robsim.identification._identifiability import Identifiability, judge
-from robsim.identification._parameter_table import equation_noise, parameter_table
+from robsim.identification._parameter_table import equation_noise, lengths_in, parameter_table
 from robsim.identification._regression import (
     Regression,
     inputs_of,
@@ -26,6 +26,7 @@ from robsim.identification._regression import (
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace._columns import POSES
 from robsim.trace._trace import check_trace
+from robsim.trace._units import scaled
 
 _MINIMUM_SAMPLES = 5
 _ROUNDING = 1e-6  # px and rad
@@ -70,8 +71,8 @@ class BatchEstimate(Report):
         Condition number of the regressors of each axis, scaled to length 1; NaN for a method other
         than least squares.
     residual_rms : array (3,)
-        Root mean square of the one-step prediction error (px, px, rad); for a method other than
-        least squares, of the residuals of its fit.
+        Root mean square of the one-step prediction error (x, y in `unit`, heading in rad); for a
+        method other than least squares, of the residuals of its fit.
     standard_errors : array (3, 5)
         Standard errors of `batch`, with the noise estimated from the residuals. Those of least
         squares are valid for equation noise; measurement noise also biases it. Those of the other
@@ -79,7 +80,7 @@ class BatchEstimate(Report):
         function of the pose, so those of neighbouring steps resemble each other: the estimates are
         then 1 to 4 times as far off as their standard errors say.
     standard_errors_unscaled : array (3, 5)
-        Standard errors for noise of standard deviation 1 (px, px, rad).
+        Standard errors for noise of standard deviation 1 (x, y in `unit`, heading in rad).
     n_samples : int, optional
         Number of samples. Default: that of the steps start..stop - 1 without interruption.
     left_out : int
@@ -91,10 +92,15 @@ class BatchEstimate(Report):
     converged : bool
         Whether the method converged; if not, `batch` is the result of its last iteration.
     model_error : array (3,)
-        Root mean square one-step prediction error of `theta_true` on the true path (px, px, rad).
-        If it is not 0, the robot does not move as its model says: `theta_true` is not the truth.
+        Root mean square one-step prediction error of `theta_true` on the true path (x, y in `unit`,
+        heading in rad). If it is not 0, the robot does not move as its model says: `theta_true` is
+        not the truth.
     input_delay, input_delay_error : float
         How late the inputs act (steps), and the standard error if it was estimated, otherwise 0.
+    unit : str
+        The unit of lengths: that of the trace.
+    px_length : float
+        Length of a px of the work area in that unit.
     """
 
     theta_true: Floats
@@ -117,6 +123,8 @@ class BatchEstimate(Report):
     model_error: Floats = field(default_factory=lambda: np.zeros(3))
     input_delay: float = 0.0
     input_delay_error: float = 0.0
+    unit: str = "px"
+    px_length: float = 1.0
 
     @property
     def _samples(self) -> int:
@@ -130,12 +138,14 @@ class BatchEstimate(Report):
         return (
             f"Batch estimate from {self.identify_from}{method}, steps "
             f"{self.start}..{self.stop - 1} ({self._samples} samples{kind.get(self.select, '')})"
+            f"{lengths_in(self.unit)}"
         )
 
     @property
     def is_model_exact(self) -> bool:
         """Whether the robot moved as its model says, so that `theta_true` is the truth."""
-        return bool((self.model_error <= _ROUNDING).all())
+        lengths = np.array((self.px_length, self.px_length, 1.0))
+        return bool((self.model_error <= _ROUNDING * lengths).all())
 
     @property
     def identifiability(self) -> Identifiability:
@@ -146,7 +156,13 @@ class BatchEstimate(Report):
         """
         n_samples = self._samples
         if self.identify_from == "truth":
-            return judge(self.standard_errors_unscaled, self.batch, freedom=max(n_samples - 5, 1))
+            return judge(
+                self.standard_errors_unscaled,
+                self.batch,
+                freedom=max(n_samples - 5, 1),
+                unit=self.unit,
+                px_length=self.px_length,
+            )
         freedom = np.maximum(n_samples - self.rank, 1)
         sigma = self.residual_rms
         if self.method == "least_squares":
@@ -157,6 +173,7 @@ class BatchEstimate(Report):
             sigma=sigma,
             freedom=float(freedom.min()),
             identify_from=self.identify_from,
+            unit=self.unit,
         )
 
     @property
@@ -200,8 +217,8 @@ class BatchEstimate(Report):
         if not self.is_model_exact:
             remarks.append(
                 "the robot does not move as its model says (rmse "
-                f"{equation_noise(self.model_error, '.2g')} per step): the model's values need "
-                "not be true"
+                f"{equation_noise(self.model_error, self.unit, '.2g')} per step): the model's "
+                "values need not be true"
             )
         if not self._has_online:
             remarks.append("no online estimate: run with estimate_parameters=True")
@@ -262,6 +279,8 @@ def batch_estimate(
         between two steps is not a multiple of the model's dt.
     """
     check_trace(trace)
+    # The fits are made for px.
+    info, trace = trace.info, trace.in_unit("px")
     check_choice("method", method, _METHODS)
     delay = check_delay_or_fit(input_delay)
     if delay is None and method != "output_error":
@@ -287,7 +306,7 @@ def batch_estimate(
         if method == "least_squares" and delay is not None
         else _fitted(trace, found, start, stop, select, method, delay)
     )
-    return BatchEstimate(
+    report = BatchEstimate(
         theta_true=np.array(trace.info.theta_true),
         online=np.array(trace.parameters[-1]),
         identify_from=found.identify_from,
@@ -300,6 +319,26 @@ def batch_estimate(
         method=method,
         model_error=_model_error(trace, fit["input_delay"]),
         **fit,
+    )
+    return report if info.unit == "px" else _converted(report, info.unit, info.px_length)
+
+
+def _converted(report: BatchEstimate, unit: str, px_length: float) -> BatchEstimate:
+    """Return a report in px with lengths in another unit."""
+    lengths = np.array((px_length, px_length, 1.0))
+    parameters: dict[str, Any] = {
+        name: scaled("parameters", getattr(report, name), px_length)
+        for name in ("theta_true", "batch", "online", "standard_errors")
+    }
+    unscaled = report.standard_errors_unscaled
+    return replace(
+        report,
+        **parameters,
+        standard_errors_unscaled=scaled("standard_errors_unscaled", unscaled, px_length),
+        residual_rms=report.residual_rms * lengths,
+        model_error=report.model_error * lengths,
+        unit=unit,
+        px_length=px_length,
     )
 
 

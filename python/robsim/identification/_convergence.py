@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import Floats, as_float_array, check_float
 from robsim._base.report import Column, Report, Table
 from robsim.identification._identifiability import prediction_sigma
-from robsim.identification._parameter_table import parameter_table
+from robsim.identification._parameter_table import lengths_in, parameter_table
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace._trace import check_trace
 
@@ -74,6 +74,8 @@ class ConvergenceReport(Report):
         The data of the online estimate: truth, measurement or estimate.
     spread : array (3, 5)
         Standard errors of the last estimate from the prediction errors; 0 where they are not known.
+    unit : str
+        The unit of lengths: that of the trace.
     """
 
     theta_true: Floats
@@ -82,11 +84,12 @@ class ConvergenceReport(Report):
     time: Floats
     identify_from: str = "truth"
     spread: Floats = field(default_factory=lambda: np.zeros((3, 5)))
+    unit: str = "px"
 
     @property
     def title(self) -> str:
         """What was judged."""
-        return f"Online estimate from {self.identify_from}"
+        return f"Online estimate from {self.identify_from}{lengths_in(self.unit)}"
 
     @property
     def verdict(self) -> str:
@@ -145,7 +148,8 @@ def parameter_convergence(
     tolerance : float
         Half width of the band of a1, a2, b1 and b2, relative to the true value.
     offset_tolerance : float
-        Half width of the band of d1, whose true value may be 0 (px, px, rad).
+        Half width of the band of d1, whose true value may be 0 (px, px, rad), in any unit of the
+        trace.
 
     Returns
     -------
@@ -165,7 +169,7 @@ def parameter_convergence(
     theta_true = np.array(trace.info.theta_true)
     trace.require("parameters", "theta_true")
     half_width = relative * np.abs(theta_true)
-    half_width[:, 4] = offset
+    half_width[:, 4] = offset * np.array((trace.info.px_length, trace.info.px_length, 1.0))
     return ConvergenceReport(
         theta_true=theta_true,
         last=np.array(trace.parameters[-1]),
@@ -173,6 +177,7 @@ def parameter_convergence(
         time=convergence_time(trace.parameters, theta_true, half_width, t=trace.t - trace.t[0]),
         identify_from=trace.info.identify_from,
         spread=_spread(trace),
+        unit=trace.info.unit,
     )
 
 

@@ -11,7 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from robsim._base.checks import Floats, as_float_array, check_choice, check_int
 from robsim._base.report import Column, Report, Table, percent
 from robsim._base.text import quoted
-from robsim.identification._parameter_table import equation_noise, noise_remarks, parameter_table
+from robsim.identification._parameter_table import (
+    equation_noise,
+    lengths_in,
+    noise_remarks,
+    parameter_table,
+)
 from robsim.identification._regression import regression_of
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace._trace import check_trace
@@ -39,7 +44,7 @@ class Identifiability(Report):
         Standard errors as a fraction of the parameter's magnitude; for d1, which may be 0, as a
         fraction of the larger of b1 and b2, the effect of 1 V.
     sigma : array (3,)
-        Standard deviations of the equation noise of x, y (px) and heading (rad).
+        Standard deviations of the equation noise of x, y (in `unit`) and heading (rad).
     is_assumed : bool
         Whether sigma is `ASSUMED_SIGMA`, since true poses have no noise; otherwise it was given,
         or comes from the prediction errors.
@@ -48,6 +53,8 @@ class Identifiability(Report):
         better and worse; equal where the poses are true and sigma was given.
     identify_from : str
         The data of the estimates: truth, measurement or estimate.
+    unit : str
+        The unit of lengths: that of the trace.
     """
 
     standard_errors: Floats
@@ -56,6 +63,7 @@ class Identifiability(Report):
     is_assumed: bool
     relative_range: Floats
     identify_from: str = "truth"
+    unit: str = "px"
 
     @property
     def verdicts(self) -> NDArray[np.str_]:
@@ -95,7 +103,7 @@ class Identifiability(Report):
     @property
     def title(self) -> str:
         """What was judged."""
-        return "Excitation of the parameters"
+        return f"Excitation of the parameters{lengths_in(self.unit)}"
 
     @property
     def verdict(self) -> str:
@@ -125,7 +133,7 @@ class Identifiability(Report):
         remarks = [
             f"excited well: standard error at most {percent(WELL, 0)} of the parameter (of d1: "
             f"of b1 or b2); poorly: at most {percent(POORLY, 0)}; for noise of "
-            f"{equation_noise(self.sigma)} in each step{source}"
+            f"{equation_noise(self.sigma, self.unit)} in each step{source}"
         ]
         if self.are_at_limit.any():
             remarks.append(
@@ -162,6 +170,8 @@ def judge(
     sigma: ArrayLike | None = None,
     freedom: float = math.inf,
     identify_from: str = "truth",
+    unit: str = "px",
+    px_length: float = 1.0,
 ) -> Identifiability:
     """Return how well parameters are determined, from their unscaled standard errors.
 
@@ -173,22 +183,27 @@ def judge(
     theta : array (3, 5)
         The estimates.
     sigma : array (3,), optional
-        Standard deviations of the equation noise of x, y (px) and heading (rad). Default:
+        Standard deviations of the equation noise of x, y (in `unit`) and heading (rad). Default:
         `ASSUMED_SIGMA`.
     freedom : float
         Degrees of freedom that sigma was estimated with; inf = it is known.
     identify_from : str
         The data of the estimates: truth, measurement or estimate.
+    unit : str
+        The unit of lengths.
+    px_length : float
+        Length of a px in that unit.
 
     Raises
     ------
     ValueError
         If sigma is not three numbers of at least 0.
     """
-    values = np.array(as_float_array("sigma", ASSUMED_SIGMA if sigma is None else sigma))
+    assumed = np.multiply(ASSUMED_SIGMA, (px_length, px_length, 1.0))
+    values = np.array(as_float_array("sigma", assumed if sigma is None else sigma))
     if values.shape != (3,) or not (np.isfinite(values) & (values >= 0)).all():
         raise ValueError(
-            f"sigma must be three numbers of at least 0 (px, px, rad), got {quoted(sigma)}"
+            f"sigma must be three numbers of at least 0 ({unit}, {unit}, rad), got {quoted(sigma)}"
         )
     size = np.abs(np.asarray(theta, dtype=np.float64))
     size[:, 4] = size[:, 2:4].max(axis=1)
@@ -202,6 +217,7 @@ def judge(
         is_assumed=sigma is None,
         relative_range=_range(relative, freedom, is_random=identify_from != "truth"),
         identify_from=identify_from,
+        unit=unit,
     )
 
 
@@ -217,9 +233,10 @@ def identifiability(
     k : int, optional
         The step. Default: the last one.
     sigma : array (3,), optional
-        Standard deviations of the equation noise of x, y (px) and heading (rad). Default:
-        (0.1, 0.1, 0.005) for an estimate from the truth, which has no noise; otherwise those of the
-        one-step prediction errors of the estimate, from the samples up to the step.
+        Standard deviations of the equation noise of x, y (in the unit of the trace) and heading
+        (rad). Default: 0.1 px, 0.1 px, 0.005 rad for an estimate from the truth, which has no
+        noise; otherwise those of the one-step prediction errors of the estimate, from the samples
+        up to the step.
 
     Returns
     -------
@@ -244,7 +261,15 @@ def identifiability(
     if sigma is None and source != "truth":
         sigma, freedom = prediction_sigma(until, theta)
     errors = until.standard_errors_unscaled[-1]
-    return judge(errors, theta, sigma=sigma, freedom=freedom, identify_from=source)
+    return judge(
+        errors,
+        theta,
+        sigma=sigma,
+        freedom=freedom,
+        identify_from=source,
+        unit=trace.info.unit,
+        px_length=trace.info.px_length,
+    )
 
 
 def prediction_sigma(trace: Trace, theta: Floats) -> tuple[Floats, int]:
@@ -260,7 +285,8 @@ def prediction_sigma(trace: Trace, theta: Floats) -> tuple[Floats, int]:
     Returns
     -------
     array (3,), int
-        Standard deviations of x, y (px) and heading (rad), and degrees of freedom.
+        Standard deviations of x, y (in the unit of the trace) and heading (rad), and degrees of
+        freedom.
     """
     found = regression_of(trace)
     errors = found.y - np.sum(found.phi * theta, axis=2)

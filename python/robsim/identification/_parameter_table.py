@@ -50,7 +50,12 @@ def noise_remarks(identify_from: str) -> tuple[str, ...]:
     return (sentences[identify_from],) if identify_from in sentences else ()
 
 
-def equation_noise(sigma: Floats, spec: str = ".3g") -> str:
-    """Return standard deviations of x, y (px) and heading (rad) as people read them."""
+def lengths_in(unit: str) -> str:
+    """Return the end of a title that names the unit of lengths where it is not the usual px."""
+    return "" if unit == "px" else f", lengths in {unit}"
+
+
+def equation_noise(sigma: Floats, unit: str, spec: str = ".3g") -> str:
+    """Return standard deviations of x, y (in `unit`) and heading (rad) as people read them."""
     x, y, heading = sigma
-    return f"{x:{spec}} px, {y:{spec}} px, {np.rad2deg(heading):{spec}} deg"
+    return f"{x:{spec}} {unit}, {y:{spec}} {unit}, {np.rad2deg(heading):{spec}} deg"

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from robsim._base.checks import check_float, check_int, check_region, check_size
+from robsim._base.checks import check_float, check_int, check_mm_per_px, check_region, check_size
 from robsim._base.text import quoted
 from robsim._core import Intrinsics, PlaneMap
 
@@ -110,8 +110,7 @@ class Calibration:
         if self.area is not None:
             put(self, "area", check_size("area", self.area))
         if self.mm_per_px is not None:
-            scale = check_float("mm_per_px", self.mm_per_px, "mm", minimum=1e-3, maximum=1e4)
-            put(self, "mm_per_px", scale)
+            put(self, "mm_per_px", check_mm_per_px(self.mm_per_px))
         height = check_float("marker_height", self.marker_height, "mm", minimum=0, maximum=_HIGHEST)
         put(self, "marker_height", height)
         put(self, "features", _checked_features(self.features))

@@ -21,7 +21,9 @@ from matplotlib.transforms import offset_copy
 from robsim._base.checks import Floats
 from robsim._core import wrap_angle
 from robsim.plotting._arguments import check_kind
-from robsim.trace import PARAMETER_NAMES, Trace
+from robsim.trace import Trace
+from robsim.trace._columns import GROUPS
+from robsim.trace._units import in_unit
 
 TRUE = "#d100c9"  # the true pose and the true parameters
 MEASURED = "#17a02b"  # what the camera measured
@@ -44,13 +46,6 @@ _LEGEND_COLUMN = 1.05
 
 #: The background of a note in a figure.
 BOX: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 2}
-
-_UNITS = [
-    unit
-    for length in ("px", "px", "rad")
-    for unit in ("", "", f" ({length}/V)", f" ({length}/V)", f" ({length})")
-]
-PARAMETER_LABELS = [name + unit for name, unit in zip(PARAMETER_NAMES, _UNITS, strict=True)]
 
 _STYLE: dict[Any, Any] = {
     "figure.dpi": 110,
@@ -106,6 +101,17 @@ def panel(ax: Axes | None, size: tuple[float, float]) -> Axes:
         return NotebookFigure(figsize=size).add_subplot(axes_class=NotebookAxes)
     check_kind("ax", ax, Axes)
     return ax
+
+
+def position_labels(unit: str) -> tuple[str, str]:
+    """Return what stands beside axes of x and y."""
+    return f"x ({unit})", f"y ({unit})"
+
+
+def parameter_labels(unit: str) -> list[str]:
+    """Return the names of the 15 parameters with their units."""
+    units = GROUPS["parameters"].units
+    return [f"{name} ({in_unit(of, unit)})" if of else name for name, of in units.items()]
 
 
 def show_steps(axes: Axes, trace: Trace) -> None:

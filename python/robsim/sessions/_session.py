@@ -56,6 +56,8 @@ class Session:
         Sample time (s).
     plane_map : PlaneMap
         Map from frame pixels to the work area.
+    mm_per_px : float or None
+        Length of a px of the work area on the floor (mm), if the camera was calibrated.
     colors : list of ColorClass, or None
         The colours of the markers.
     markers : MarkerLayout or None
@@ -98,6 +100,7 @@ class Session:
         self.setup = setup.table
         self.area, self.dt = setup.area, setup.dt
         self.plane_map = setup.plane_map or PlaneMap()
+        self.mm_per_px: float | None = setup.mm_per_px
         self.colors: list[ColorClass] | None = setup.colors
         self.markers: MarkerLayout | None = setup.markers
         self.model: RobotModel | None = setup.model
@@ -254,6 +257,7 @@ class Session:
                 area=self.area or self.size or (1200, 1200),
                 boundary="recorded",
                 robot=self._parsed.robot,
+                mm_per_px=self.mm_per_px,
             )
             first = self._rows[0].k if self._rows else 0
             return Trace(groups, info, first_step=first)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import tomlkit
 
-from robsim._base.checks import as_float_array, check_float, check_size
+from robsim._base.checks import as_float_array, check_float, check_mm_per_px, check_size
 from robsim._base.files import MOST_TOML, parse_toml, read_toml
 from robsim._base.text import one_line, quoted
 from robsim._core import ColorClass, Intrinsics, MarkerLayout, PlaneMap, RobotModel
@@ -134,6 +134,7 @@ class Setup:
             self.area = self._read("area", _size)
             self.dt = self._read("dt", _dt)
             self.plane_map = self._read("plane_map", _plane_map)
+            self.mm_per_px = self._read("mm_per_px", lambda _, value: check_mm_per_px(value))
             self.stop_input = self._read("stop_input", _input)
             self.colors = self._read("colors", _colors)
             self.markers = self._read("markers", _markers)

@@ -465,6 +465,9 @@ class Experiment(Runner):
                 "send was given, but there is no controller: nothing is sent; give control=...",
             )
 
+    def _mm_per_px(self) -> float | None:
+        return self._source.mm_per_px
+
     def _theta_true(self) -> ArrayLike:
         return np.full((3, 5), np.nan)
 

@@ -26,5 +26,6 @@ def run_info(runner: Runner) -> RunInfo:
         robot=runner.robot.name,
         scenario=runner._described(),
         changed=runner._changed,
+        mm_per_px=runner._mm_per_px(),
         callbacks=tuple(slot for slot, value in runner._callbacks.items() if is_code(value)),
     )

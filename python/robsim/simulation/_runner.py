@@ -323,6 +323,10 @@ class Runner(Slotted):
             known.append(info)
         return info
 
+    def _mm_per_px(self) -> float | None:
+        """Return the length of a px of the work area on the floor (mm); None = not known."""
+        return None
+
     def _described(self) -> Any:
         """Return the scenario of the run, None if there is none."""
         return None

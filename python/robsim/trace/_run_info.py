@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import check_text
+from robsim._base.checks import check_mm_per_px, check_text
 from robsim._base.text import quoted
 from robsim.trace._columns import as_numbers
+from robsim.trace._units import px_length
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +42,12 @@ class RunInfo:
         The slots that were filled with Python code, which is not part of the scenario.
     changed : tuple of str
         Options that were changed in the middle of the run; the scenario has the last values.
+    mm_per_px : float, optional
+        Length of a px of the work area on the floor (mm), from the camera's calibration. Default:
+        not known.
+    unit : str
+        The unit of all lengths of the trace, and of theta_true: ``"px"``, or, as `Trace.in_unit`
+        returns them, ``"mm"``, ``"cm"``, ``"m"``.
     """
 
     dt: float
@@ -53,6 +60,8 @@ class RunInfo:
     scenario: Any = field(default=None, compare=False, repr=False)
     callbacks: tuple[str, ...] = field(default=(), compare=False, repr=False)
     changed: tuple[str, ...] = field(default=(), compare=False, repr=False)
+    mm_per_px: float | None = None
+    unit: str = "px"
 
     def __post_init__(self) -> None:
         for name in ("identify_from", "boundary", "robot"):
@@ -72,6 +81,9 @@ class RunInfo:
         area = self.area if isinstance(self.area, tuple) else ()
         if len(area) != 2 or not all(type(size) is int and size > 0 for size in area):
             raise ValueError(f"area must be (width, height), two ints, got {quoted(self.area)}")
+        if self.mm_per_px is not None:
+            object.__setattr__(self, "mm_per_px", check_mm_per_px(self.mm_per_px))
+        px_length(self.unit, self.mm_per_px)
         for name in ("callbacks", "changed"):
             texts = getattr(self, name)
             if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
@@ -80,6 +92,11 @@ class RunInfo:
             raise ValueError(
                 f"scenario must be a Scenario or its text, got {quoted(self.scenario)}"
             )
+
+    @property
+    def px_length(self) -> float:
+        """Length of a px of the work area in `unit`."""
+        return px_length(self.unit, self.mm_per_px)
 
     def _has_text(self) -> bool:
         return callable(getattr(self.scenario, "to_toml", None))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim._base.report import Column, Quantity, Report, Row, Table, count
 from robsim.trace._columns import fields_of
+from robsim.trace._run_info import RunInfo
+from robsim.trace._units import in_unit
 
 # Characters that a line has room for.
 _NAMES, _UNITS = 40, 10
@@ -59,25 +61,35 @@ class TraceSummary(Report):
             Column("known", "steps known", format=lambda n: count(n, self.steps)),
         )
         rows = [
-            Row(group, (list(fields), list(dict.fromkeys(fields.values())), self.known[group]))
+            Row(group, (list(fields), _different(fields.values()), self.known[group]))
             for group, fields in self.columns.items()
         ]
         return (Table(key="groups", columns=columns, rows=rows, row_title="attribute"),)
 
 
-def summary_of(groups: Mapping[str, Floats], *, first_step: int, dt: float) -> TraceSummary:
+def summary_of(groups: Mapping[str, Floats], info: RunInfo, *, first_step: int) -> TraceSummary:
     """Return the summary of the groups of a trace."""
     steps = {len(values) for values in groups.values()}
     return TraceSummary(
         steps=max(steps),
         first_step=first_step,
-        dt=dt,
+        dt=info.dt,
         known={
             name: int(np.count_nonzero(np.isfinite(values).any(axis=1)))
             for name, values in groups.items()
         },
-        columns={name: fields_of(name, values.shape[1]) for name, values in groups.items()},
+        columns={
+            name: {
+                field: in_unit(unit, info.unit)
+                for field, unit in fields_of(name, values.shape[1]).items()
+            }
+            for name, values in groups.items()
+        },
     )
+
+
+def _different(units: Iterable[str]) -> list[str]:
+    return list(dict.fromkeys(filter(None, units)))
 
 
 def _listed(names: list[str], room: int) -> str:

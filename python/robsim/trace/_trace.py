@@ -24,6 +24,7 @@ from robsim.trace._run_info import RunInfo, is_same_run
 from robsim.trace._summary import TraceSummary, summary_of
 from robsim.trace._timing import TimingReport, timing_report
 from robsim.trace._tracking import FALSE_POSE_LIMITS, TrackingStatistics, tracking_statistics
+from robsim.trace._units import converted, in_unit
 
 if TYPE_CHECKING:
     import pandas
@@ -224,6 +225,43 @@ class Trace:
         """The robot was seen in this step (N,)."""
         return np.isfinite(self.pose_measured[:, 0])
 
+    def in_unit(self, unit: str, *, mm_per_px: float | None = None) -> Trace:
+        """Return the run with its lengths in another unit, for reports, figures and tables.
+
+        Poses, covariances, parameters and blobs change; `state` does not, as only its estimator
+        knows the units. What is computed from the trace, and drawn of it, then has that unit, too.
+        Only lengths change: (x, y) in mm is `mm_per_px` times (x, y) in px, from the same origin.
+
+        Parameters
+        ----------
+        unit : str
+            ``"px"`` of the work area, ``"mm"``, ``"cm"`` or ``"m"``.
+        mm_per_px : float, optional
+            Length of a px of the work area on the floor (mm). Default: that of the camera's
+            calibration.
+
+        Returns
+        -------
+        Trace
+            Of the same steps, with `unit` and `mm_per_px` in its `info`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If the unit is none of them, or the length of a px is not known, or another one than
+            that of the calibration.
+
+        Examples
+        --------
+        >>> import robsim
+        >>> sim = robsim.Simulation(seed=1, measure=True)
+        >>> trace = sim.run(100).in_unit("cm", mm_per_px=2)
+        >>> trace.units["x_true"], trace.units["b1X"]
+        ('cm', 'cm/V')
+        """
+        groups, info = converted(self._groups, self.info, unit=unit, mm_per_px=mm_per_px)
+        return Trace(groups, info, first_step=self._first_step)
+
     def poses_from(self, source: str) -> Floats:
         """Return the poses (N, 3) of a source.
 
@@ -250,13 +288,13 @@ class Trace:
     def is_false(self) -> Bools:
         """Steps with a measured pose that is more than 10 px or 20 degrees off."""
         error = self.error
-        distance = np.hypot(error[:, 0], error[:, 1])
+        distance = np.hypot(error[:, 0], error[:, 1]) / self.info.px_length
         position, heading = FALSE_POSE_LIMITS
         return np.asarray((distance > position) | (np.abs(error[:, 2]) > heading))
 
     def tracking(self) -> TrackingStatistics:
         """Return how well the measurement followed the truth."""
-        return tracking_statistics(self.error, self.seen, self.is_false)
+        return tracking_statistics(self.error, self.seen, self.is_false, info=self.info)
 
     def timing(self) -> TimingReport:
         """Return how regular the frames came, and how late the inputs went out.
@@ -280,7 +318,7 @@ class Trace:
             units |= fields_of(name, values.shape[1])
             if name == "pose_measured":
                 units["seen"] = ""
-        return units
+        return {name: in_unit(unit, self.info.unit) for name, unit in units.items()}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -322,7 +360,7 @@ class Trace:
 
     def summary(self) -> TraceSummary:
         """Return what was recorded: groups of columns, units, in how many steps they are known."""
-        return summary_of(self._groups, first_step=self._first_step, dt=self.info.dt)
+        return summary_of(self._groups, self.info, first_step=self._first_step)
 
     def __str__(self) -> str:
         return str(self.summary())

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
 from robsim._base.report import Quantity, Report, count
+from robsim.trace._run_info import RunInfo
+from robsim.trace._units import length_format
 
 #: Farther from the truth than this, a measured pose is a false one (px, rad).
 FALSE_POSE_LIMITS = (10.0, np.deg2rad(20.0))
@@ -28,15 +30,19 @@ class TrackingStatistics(Report):
     false_poses : int
         Steps seen with a pose more than 10 px or 20 degrees off.
     rmse_xy : float
-        sqrt(mean(dx^2 + dy^2)) over the poses that are not false (work-area px); NaN if there are
+        sqrt(mean(dx^2 + dy^2)) over the poses that are not false (in `unit`); NaN if there are
         none, or the truth is not known.
     rmse_heading_deg : float
         Root mean square of the heading error over the poses that are not false (degrees).
     median_xy : float
-        Median of sqrt(dx^2 + dy^2) over all steps seen, false poses included (work-area px); NaN
-        if the truth is not known.
+        Median of sqrt(dx^2 + dy^2) over all steps seen, false poses included (in `unit`); NaN if
+        the truth is not known.
     median_heading_deg : float
         Median of the absolute heading error over all steps seen (degrees).
+    unit : str
+        The unit of lengths: ``"px"`` of the work area, or that of `Trace.in_unit`.
+    position_limit : float
+        Farther from the truth than this, a pose is false: 10 px (in `unit`).
     """
 
     steps: int
@@ -46,6 +52,8 @@ class TrackingStatistics(Report):
     rmse_heading_deg: float
     median_xy: float
     median_heading_deg: float
+    unit: str = "px"
+    position_limit: float = FALSE_POSE_LIMITS[0]
 
     @property
     def title(self) -> str:
@@ -57,13 +65,14 @@ class TrackingStatistics(Report):
         """Steps seen, false poses, errors."""
         false_poses = None if self._is_truth_unknown else self.false_poses
         heading = "rmse of the heading"
+        unit, length = self.unit, length_format(self.unit, 3)
         return (
             Quantity("steps", "steps", self.steps),
             Quantity("seen", "seen", self.seen, format=lambda n: count(n, self.steps)),
             Quantity("false_poses", "false poses", false_poses),
-            Quantity("rmse_xy", "rmse of the position", self.rmse_xy, "px", ".3f"),
+            Quantity("rmse_xy", "rmse of the position", self.rmse_xy, unit, length),
             Quantity("rmse_heading_deg", heading, self.rmse_heading_deg, "deg", ".3f"),
-            Quantity("median_xy", "median error of the position", self.median_xy, "px", ".3f"),
+            Quantity("median_xy", "median error of the position", self.median_xy, unit, length),
             Quantity(
                 "median_heading_deg",
                 "median error of the heading",
@@ -91,7 +100,7 @@ class TrackingStatistics(Report):
             return ()
         remarks = ["the rmse is that of the poses that are not false, the median that of all"]
         # The positions are right: it is the headings that make the poses false.
-        if 2 * self.false_poses > self.seen and self.median_xy < FALSE_POSE_LIMITS[0]:
+        if 2 * self.false_poses > self.seen and self.median_xy < self.position_limit:
             remarks.append(
                 "the positions are right, the headings are not: is the heading of the Measurement "
                 "in rad, and does it grow from +x towards +y?"
@@ -100,16 +109,18 @@ class TrackingStatistics(Report):
 
 
 def tracking_statistics(
-    error: Floats, seen: NDArray[np.bool_], is_false: NDArray[np.bool_]
+    error: Floats, seen: NDArray[np.bool_], is_false: NDArray[np.bool_], *, info: RunInfo
 ) -> TrackingStatistics:
     """Return the statistics of measured poses.
 
     Parameters
     ----------
     error : array (N, 3)
-        Measured minus true poses (px, px, rad).
+        Measured minus true poses (x, y in the unit of the trace, heading in rad).
     seen, is_false : array (N,) of bool
         Steps with a measured pose; those with a false one.
+    info : RunInfo
+        What concerns the run as a whole.
     """
     distance = np.hypot(error[:, 0], error[:, 1])
     turn = np.rad2deg(np.abs(error[:, 2]))
@@ -122,6 +133,8 @@ def tracking_statistics(
         rmse_heading_deg=math.degrees(_rms(error[good, 2:])),
         median_xy=_median(distance[seen]),
         median_heading_deg=_median(turn[seen]),
+        unit=info.unit,
+        position_limit=FALSE_POSE_LIMITS[0] * info.px_length,
     )
 
 

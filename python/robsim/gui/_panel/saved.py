@@ -36,7 +36,7 @@ class SavedRecord(Record):
     source = "trace"
 
     def __init__(self, saved: Trace | Session) -> None:
-        self._trace = _trace_of(saved)
+        self._trace = _trace_of(saved).in_unit("px")
         if not len(self._trace):
             raise ValueError("the trace cannot be shown: it has no steps")
         if first := int(self._trace.k[0]):

@@ -26,10 +26,10 @@ _COLORS = {
 }
 
 _LABELS = {
-    "true": "error: deviation from the true value\n(of d1, hollow, absolute: 100 % = 1 px, 1 rad)",
+    "true": "error: deviation from the true value\n(of d1, hollow, absolute: 100 % = 1 {}, 1 rad)",
     "model": "error: deviation from the model's value\n"
-    "(of d1, hollow, absolute: 100 % = 1 px, 1 rad)",
-    "none": "standard errors, relative to the estimates\n(of d1, absolute: 100 % = 1 px, 1 rad)",
+    "(of d1, hollow, absolute: 100 % = 1 {}, 1 rad)",
+    "none": "standard errors, relative to the estimates\n(of d1, absolute: 100 % = 1 {}, 1 rad)",
 }
 
 # The rows of the 15 parameters, with some room between the axes of the model.
@@ -76,7 +76,8 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     bars = 2 * report.standard_errors.ravel() / scale
     low, high = _decades(np.concatenate([*deviations.values(), bars]))
     origin = "true" if report.is_model_exact else "model"
-    _finish_axes(ax, low, high, _LABELS[origin] if is_known else _LABELS["none"])
+    label = _LABELS[origin if is_known else "none"].format(report.unit)
+    _finish_axes(ax, low, high, label, style.parameter_labels(report.unit))
     _draw_standard_errors(ax, bars, low)
     if is_known:
         for name, values in deviations.items():
@@ -96,13 +97,13 @@ def _decades(deviations: Floats) -> tuple[float, float]:
     return 10.0 ** (math.floor(math.log10(low)) - 0.5), 10.0 ** (math.ceil(math.log10(high)) + 0.2)
 
 
-def _finish_axes(axes: Axes, low: float, high: float, label: str) -> None:
+def _finish_axes(axes: Axes, low: float, high: float, label: str, names: list[str]) -> None:
     axes.set_xscale("log")
     axes.set(xlim=(low, high), ylim=(_ROWS[-1] + 0.6, -0.6))
     axes.xaxis.set_major_locator(LogLocator(numticks=6))
     axes.xaxis.set_major_formatter(percent)
     axes.minorticks_off()
-    axes.set_yticks(_ROWS, style.PARAMETER_LABELS)
+    axes.set_yticks(_ROWS, names)
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel(label)
 

@@ -83,7 +83,7 @@ def plot_ellipses(
             ax.add_collection(_polygons(corners[chosen], color, label), autolim=True)
     _draw_paths(ax, trace, rows)
     ax.set_title(_title(trace, is_missed, times), loc="left", wrap=True)
-    _finish(ax)
+    _finish(ax, trace.info.unit)
     return ax
 
 
@@ -146,7 +146,7 @@ def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
 
 
 def _extent(trace: Trace) -> float:
-    """Return the extent of the estimated path, the larger of x and y (px)."""
+    """Return the extent of the estimated path, the larger of x and y."""
     return float(
         np.ptp(trace.pose_estimated[np.isfinite(trace.pose_estimated[:, 0]), :2], axis=0).max()
     )
@@ -199,8 +199,9 @@ def _draw_paths(ax: Axes, trace: Trace, rows: NDArray[np.int64]) -> None:
     ax.plot(*estimated[rows].T, ".", color=style.ESTIMATED, markersize=4)
 
 
-def _finish(ax: Axes) -> None:
-    ax.set(xlabel="x (px)", ylabel="y (px)")
+def _finish(ax: Axes, unit: str) -> None:
+    x, y = style.position_labels(unit)
+    ax.set(xlabel=x, ylabel=y)
     ax.autoscale_view()
     ax.set_aspect("equal", adjustable="datalim")
     if not ax.yaxis_inverted():

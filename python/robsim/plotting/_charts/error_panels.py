@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from robsim._base.checks import Floats
 from robsim.evaluation._histograms import number_of_bins, usual_limits
 from robsim.plotting import _style as style
+from robsim.trace._units import length_format
 
 # Of a long run each of so many parts is drawn as one column.
 _COLUMNS = 250
@@ -60,7 +61,9 @@ def _draw_ranges(panel: Axes, k: NDArray[np.int64], errors: Floats, color: str) 
     panel.fill_between(starts, inner_low, inner_high, alpha=0.6, label="68 % of them", **look)
 
 
-def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats, *, band: float = 0.0) -> None:
+def limit_panel(
+    panel: Axes, k: NDArray[np.int64], errors: Floats, *, unit: str, band: float = 0.0
+) -> None:
     """Set limits that contain 0 and all errors but outliers, which become triangles at the edge.
 
     Parameters
@@ -69,11 +72,13 @@ def limit_panel(panel: Axes, k: NDArray[np.int64], errors: Floats, *, band: floa
         Errors over the steps.
     k, errors : array (N,)
         The steps and errors drawn there; NaN = not known.
+    unit : str
+        The unit of the errors.
     band : float
         Half the width of a band around 0 that is to be seen, too, unless it is so wide that the
         errors would be a line.
     """
-    low, high = usual_limits(errors[np.isfinite(errors)])
+    low, high = usual_limits(errors[np.isfinite(errors)], unit)
     seen = min(1.1 * band, _WIDEST_BAND * max(-low, high))
     low, high = min(low, -seen), max(high, seen)
     above, below = errors > high, errors < low
@@ -117,4 +122,5 @@ def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.
         density = np.exp(-0.5 * ((values - mean) / sd) ** 2) / (sd * math.sqrt(2.0 * math.pi))
         axes.plot(len(errors) * width * density, values, color=style.FITTED, linewidth=1.0)
     axes.margins(x=0.06)
-    axes.set_title(f"mean {mean:.3f}, sd {sd:.3f} {unit}", loc="left", fontsize=8, pad=3)
+    spec = length_format(unit, 3)
+    axes.set_title(f"mean {mean:{spec}}, sd {sd:{spec}} {unit}", loc="left", fontsize=8, pad=3)

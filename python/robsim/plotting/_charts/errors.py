@@ -60,7 +60,7 @@ def plot_errors(
         factor, unit = style.shown_unit(report.units[i])
         errors = report.error[:, :, i] * factor
         band = _draw_reported_sd(panel, report, i, factor)
-        _draw_errors(panel, report, errors, color, band)
+        _draw_errors(panel, report, errors, unit, color, band)
         if minimum_sd is not None:
             _draw_bound(panel, report, 2.0 * factor * minimum_sd[:, i])
         name = no_formula(f"{report.names[i]} error")
@@ -108,7 +108,9 @@ def _minimum_sd(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | Non
     return np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
 
 
-def _draw_errors(panel: Axes, report: ErrorReport, errors: Floats, color: str, band: float) -> None:
+def _draw_errors(
+    panel: Axes, report: ErrorReport, errors: Floats, unit: str, color: str, band: float
+) -> None:
     runs = len(errors)
     panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
     if runs == 1:
@@ -121,7 +123,7 @@ def _draw_errors(panel: Axes, report: ErrorReport, errors: Floats, color: str, b
         line: dict[str, Any] = {"color": style.FITTED, "linewidth": 1.2}
         panel.plot(report.k, 2.0 * rmse, label="2 rmse of the runs", **line)
         panel.plot(report.k, -2.0 * rmse, **line)
-    limit_panel(panel, np.tile(report.k, runs), errors.ravel(), band=band)
+    limit_panel(panel, np.tile(report.k, runs), errors.ravel(), unit=unit, band=band)
     panel.set_xlim(report.k[0] - 0.5, report.k[-1] + 0.5)
 
 

@@ -73,7 +73,8 @@ def plot_parameters(
         figure = style.NotebookFigure(figsize=(9, 7))
         dashed = "" if limits is None else "; dashed: two standard errors"
         source = f"Online parameter estimates from {trace.info.identify_from}"
-        figure.suptitle(f"{source}; dotted: d1, absolute, 100 % = 1 px, 1 rad{dashed}", wrap=True)
+        dotted = f"dotted: d1, absolute, 100 % = 1 {trace.info.unit}, 1 rad"
+        figure.suptitle(f"{source}; {dotted}{dashed}", wrap=True)
         axes = figure.subplots(3, sharex=True)
     axes = check_axes(axes, (3,))
     true, last = np.array(trace.info.theta_true), _last(trace.parameters)
@@ -90,7 +91,8 @@ def plot_parameters(
             _draw_limits(panel, trace, limits[:, axis] / scale)
         _finish_axes(panel, deviations, f"{_AXES[axis]}: {quantity}")
         columns = {"true": true[axis]} if is_true else {}
-        _write_values(panel, axis, columns | {"last": last[axis]}, verdicts[axis])
+        names = style.parameter_labels(trace.info.unit)[5 * axis : 5 * axis + 5]
+        _write_values(panel, names, columns | {"last": last[axis]}, verdicts[axis])
     for panel in axes[:-1]:
         panel.set_xlabel("")
     style.rasterize_long_lines(axes.ravel().tolist())
@@ -149,7 +151,9 @@ def _finish_axes(panel: Axes, deviations: Floats, label: str) -> None:
     panel.set_ylabel(label)
 
 
-def _write_values(panel: Axes, axis: int, columns: Mapping[str, Floats], verdicts: Floats) -> None:
+def _write_values(
+    panel: Axes, names: list[str], columns: Mapping[str, Floats], verdicts: Floats
+) -> None:
     """Write the true values and the last estimates right of the panel, as its legend."""
     look: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
     look |= {"va": "center", "size": 8}
@@ -161,8 +165,7 @@ def _write_values(panel: Axes, axis: int, columns: Mapping[str, Floats], verdict
     for i in range(5):
         height, color = 0.81 - 0.17 * i, _LOOKS[i]["color"]
         _draw_sample(panel, height, _LOOKS[i])
-        name = style.PARAMETER_LABELS[5 * axis + i]
-        panel.annotate(name, (1, height), (27, 0), color=color, weight="bold", **look)
+        panel.annotate(names[i], (1, height), (27, 0), color=color, weight="bold", **look)
         for column, values in columns.items():
             text = f"{values[i]:.5g}" if np.isfinite(values[i]) else "none"
             panel.annotate(text, (1, height), (offsets[column], 0), ha="right", **look)

@@ -16,6 +16,7 @@ from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_panels, check_steps
 from robsim.plotting._charts.error_panels import draw_errors, draw_histogram, limit_panel
 from robsim.trace import Trace
+from robsim.trace._units import length_format
 
 
 @style.applied
@@ -110,7 +111,8 @@ def _title(trace: Trace) -> str:
     if seen.false_poses:
         parts.append(f"{seen.false_poses} poses false")
     if seen.rmse_xy == seen.rmse_xy:
-        parts.append(f"rmse {seen.rmse_xy:.3f} px and {seen.rmse_heading_deg:.3f} deg")
+        length = format(seen.rmse_xy, length_format(seen.unit, 3))
+        parts.append(f"rmse {length} {seen.unit} and {seen.rmse_heading_deg:.3f} deg")
     return ", ".join(parts)
 
 
@@ -131,7 +133,8 @@ def draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> No
     _draw_poses(panels, k, trace.pose_true, label="true", **line)
     line |= {"color": style.ESTIMATED, "linewidth": 0.7, **near}
     _draw_poses(panels, k, trace.pose_estimated, label="estimated", **line)
-    for panel, label in zip(panels, ("x (px)", "y (px)", "heading (deg)"), strict=True):
+    labels = style.position_labels(trace.info.unit)
+    for panel, label in zip(panels, (*labels, "heading (deg)"), strict=True):
         panel.set_ylabel(label)
         panel.ticklabel_format(axis="y", useOffset=False)
     for panel in panels[:2]:
@@ -193,25 +196,29 @@ def _draw_plan(axes: Axes, trace: Trace) -> None:
         markeredgewidth=1.6,
         path_effects=style.haloed(1.6),
     )
-    axes.set(xlabel="x (px)", ylabel="y (px)", title="path (circle: start)")
+    x, y = style.position_labels(trace.info.unit)
+    axes.set(xlabel=x, ylabel=y, title="path (circle: start)")
     if trace.info.boundary == "unlimited":
         axes.set_aspect("equal", adjustable="datalim")
         axes.invert_yaxis()
     else:
-        width, height = trace.info.area
+        # The edges of the outer pixels, whose centres are 0 and width - 1.
+        right, bottom = (np.array(trace.info.area) - 0.5) * trace.info.px_length
+        left = top = -0.5 * trace.info.px_length
         axes.set_aspect("equal")
-        axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
+        axes.set(xlim=(left, right), ylim=(bottom, top))
         axes.spines[["top", "right"]].set_visible(True)
 
 
 def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trace) -> None:
     errors = trace.error
     errors[:, 2] = np.rad2deg(errors[:, 2])
-    for axis, (name, unit) in enumerate((("x", "px"), ("y", "px"), ("heading", "deg"))):
+    length = trace.info.unit
+    for axis, (name, unit) in enumerate((("x", length), ("y", length), ("heading", "deg"))):
         panel, known = panels[axis], errors[trace.seen, axis]
         panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
         draw_errors(panel, trace.k, errors[:, axis], color=style.MEASURED)
-        limit_panel(panel, trace.k, errors[:, axis])
+        limit_panel(panel, trace.k, errors[:, axis], unit=unit)
         panel.set_ylabel(f"{name} error\n({unit})")
         histograms[axis].sharey(panel)
         draw_histogram(histograms[axis], known[np.isfinite(known)], unit)

@@ -126,6 +126,7 @@ def _part(trace: Trace | None, k: int | None) -> Trace | None:
             raise ValueError(f"k needs a trace, got k = {k} and no trace")
         return None
     check_kind("trace", trace, Trace)
+    trace = trace.in_unit("px")
     if k is None:
         return trace
     if k not in trace.k:

@@ -16,6 +16,7 @@ from robsim.plotting._images.overlay import draw_overlay
 from robsim.simulation._runner import Runner
 from robsim.simulation._simulation import Simulation
 from robsim.trace import Trace
+from robsim.trace._units import length_format
 
 
 def annotated_frames(
@@ -55,6 +56,7 @@ def _annotated(frames: Iterable[Frame], trace: Trace, simulation: Runner) -> Ite
     robot = simulation.robot
     is_tracked = trace.is_tracked
     outline = robot.to_robot_frame(robot.outline)
+    told, trace = trace, trace.in_unit("px")
     measured, estimated, covariance = trace.pose_measured, trace.pose_estimated, trace.covariance
     for i, frame in zip(range(len(trace)), frames, strict=False):
         check_kind(f"frames[{i}]", frame, Frame)
@@ -66,15 +68,16 @@ def _annotated(frames: Iterable[Frame], trace: Trace, simulation: Runner) -> Ite
             outline=outline,
             path=measured[: i + 1, :2],
             estimate=Estimate(estimated[i], covariance[i]) if is_estimated else None,
-            text=_caption(int(trace.k[i]), float(trace.t[i]), measured[i]),
+            text=_caption(told, i),
         )
 
 
-def _caption(k: int, t: float, pose: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
-    text = f"k {k}   t {t:.1f} s"
-    if np.isfinite(pose).all():
-        x, y, degrees = pose[0], pose[1], np.rad2deg(pose[2])
-        text += f"   x {x:.1f}  y {y:.1f} px   heading {degrees:.1f} deg"
+def _caption(trace: Trace, i: int) -> str:
+    text = f"k {trace.k[i]}   t {trace.t[i]:.1f} s"
+    if trace.seen[i]:
+        (x, y, heading), unit = trace.pose_measured[i], trace.info.unit
+        spec = length_format(unit, 1)
+        text += f"   x {x:{spec}}  y {y:{spec}} {unit}   heading {np.rad2deg(heading):.1f} deg"
     return text
 
 

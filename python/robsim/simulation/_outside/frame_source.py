@@ -114,15 +114,25 @@ class FrameSource:
         """What has become of the frames of a live camera; None if they are of something else."""
         return getattr(self._frames, "counts", None) if self.is_live else None
 
+    @property
+    def mm_per_px(self) -> float | None:
+        """Length of a px of the work area on the floor (mm), as calibrated; None = not known."""
+        return getattr(self._known_calibration or self._frames, "mm_per_px", None)
+
+    @property
+    def _known_calibration(self) -> Calibration | None:
+        found = self._calibration or getattr(self._frames, "calibration", None)
+        return found if isinstance(found, Calibration) else None
+
     def described(self) -> dict[str, Any]:
         """Return what the set-up of a session says of the frames."""
         said = {
             "frames": quoted(self._frames),
             "plane_map": getattr(self._frames, "plane_map", None),
+            "mm_per_px": self.mm_per_px,
             "camera": _camera_of(self._frames),
         }
-        calibration = self._calibration or getattr(self._frames, "calibration", None)
-        if isinstance(calibration, Calibration):
+        if (calibration := self._known_calibration) is not None:
             said["plane_map"] = calibration.plane_map
             said["calibration"] = calibration_text(calibration)
         return said
