@@ -22,6 +22,7 @@ from robsim.imaging import (
     save_calibration,
     save_image,
 )
+from robsim.trace import Trace
 
 pytest.importorskip("cv2")
 BOARD = Chessboard(9, 6, 25)
@@ -111,6 +112,21 @@ def test_a_calibration_of_other_frames_is_refused_by_track():
     )
     assert result.exit_code == 2
     assert "320 x 480 px" in result.stderr
+
+
+def test_what_was_calibrated_is_told_in_mm():
+    lens_file()
+    marks_file()
+    calibrate("floor", "--marks", "marks.csv", "--calibration", "camera.toml", *AREA)
+    Path("frames").mkdir()
+    save_image("frames/0.png", np.full((480, 640, 3), 90, np.uint8))
+    track = ("track", "frames", "--calibration", "camera.toml", "--no-video", "--unit", "mm")
+    result = CliRunner().invoke(app, [*track, "--scale", "3"])
+    assert "--scale and --calibration both say how long a px is: give one" in result.stderr
+    result = CliRunner().invoke(app, track)
+    assert result.exit_code == 0, result.output
+    info = Trace.load("robsim-track/trace.npz").info
+    assert (info.unit, info.mm_per_px, info.area) == ("mm", 2, (1000, 800))
 
 
 @pytest.mark.slow

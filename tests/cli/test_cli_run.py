@@ -165,6 +165,11 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
             "--pixels must be at least four points",
         ),
         (("track", "."), "there are no images in the folder"),
+        (("run", "--unit", "inch"), "--unit must be one of 'px', 'mm', 'cm', 'm', got 'inch'"),
+        (("run", "--unit", "mm"), "--unit mm needs --scale MM, how long a px of the work area is"),
+        (("track", ".", "--unit", "mm"), "in mm, or a --calibration that says it"),
+        (("run", "--scale", "2"), "--scale is for lengths in mm, cm or m: add --unit mm"),
+        (("run", "--unit", "mm", "--scale", "0"), "--scale must lie within 0.001..10000 (mm)"),
     ],
 )
 def test_a_wrong_call_says_what_is_wrong(arguments, message, tmp_path, monkeypatch):
@@ -184,6 +189,22 @@ def test_a_run_with_estimates_writes_their_figures(tmp_path):
     names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
     assert names == {"camera.jpg", "traces.png", "parameters.png", "batch.png", "trace.npz"}
     assert "Batch estimate from truth" in run.stdout
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_the_results_have_the_unit_that_was_asked_for(tmp_path):
+    run = command(
+        *("run", "--steps", "10", "--measure", "--seed", "1", "--unit", "cm", "--scale", "2"),
+        *("--estimate-parameters", "--json"),
+        cwd=tmp_path,
+    )
+    assert run.exit_code == 0, run.stderr
+    numbers = json.loads(run.stdout)
+    assert numbers["batch_estimate"]["parameters"]["b1X"]["true"] == pytest.approx(0.2083333 / 5)
+    trace = robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")
+    assert (trace.info.unit, trace.info.mm_per_px) == ("cm", 2)
+    assert numbers["tracking"]["rmse_xy"] == trace.tracking().rmse_xy < 0.2  # 1 px
+    np.testing.assert_allclose(trace.pose_true[0, :2], (120, 120))
 
 
 @pytest.mark.usefixtures("undrawn")

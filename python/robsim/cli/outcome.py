@@ -25,10 +25,12 @@ def finish(
     video: Path | None = None,
     record: Path | None = None,
     more: Mapping[str, Report] | None = None,
+    unit: str = "px",
+    scale: float | None = None,
 ) -> None:
     """Write the results and videos of a run, and print a summary.
 
-    `more` are other reports of it, by name.
+    `more` are other reports of it, by name; `scale` is the length of a px (mm).
     """
     from robsim.cli.results import write_results
     from robsim.vision._missed_detections import explain_missed
@@ -37,9 +39,10 @@ def finish(
         errors.print_note("no steps, no results")
         return
     with errors.report_errors():
-        results = write_results(out, simulation, more=more)
+        results = write_results(out, simulation, more=more, unit=unit, scale=scale)
         if video or record:
-            _write_videos(cast("Simulation", simulation), video, record)
+            trace = simulation.trace.in_unit(unit, mm_per_px=scale)
+            _write_videos(cast("Simulation", simulation), trace, video, record)
     if as_json:
         errors.show(json.dumps(results.to_dict(), indent=2, allow_nan=False))
     elif text := str(results):
@@ -55,10 +58,11 @@ def finish(
         errors.say(f"written: {file}")
 
 
-def _write_videos(simulation: Simulation, video: Path | None, record: Path | None) -> None:
+def _write_videos(
+    simulation: Simulation, trace: Trace, video: Path | None, record: Path | None
+) -> None:
     from robsim.plotting._images.replay import annotated_frames
 
-    trace = simulation.trace
     if video:
         frames = annotated_frames(
             _frames(simulation),

@@ -17,7 +17,7 @@ from robsim._base.report import Report
 from robsim._base.text import one_line
 from robsim.identification._batch import BatchEstimate, batch_estimate
 from robsim.simulation._runner import Runner
-from robsim.trace import TrackingStatistics
+from robsim.trace import Trace, TrackingStatistics
 
 _FIGURES = ("camera.jpg", "traces.png", "parameters.png", "batch.png")
 
@@ -97,6 +97,8 @@ def write_results(
     *,
     method: str = "least_squares",
     more: Mapping[str, Report] | None = None,
+    unit: str = "px",
+    scale: float | None = None,
 ) -> Results:
     """Write the figures and the trace of a run.
 
@@ -110,6 +112,10 @@ def write_results(
         The method of the batch estimate.
     more : dict of str to Report, optional
         Other reports of the run.
+    unit : str
+        The unit of lengths in reports, figures and the trace.
+    scale : float, optional
+        Length of a px of the work area (mm). Default: as the run was calibrated.
 
     Returns
     -------
@@ -117,7 +123,7 @@ def write_results(
         The numbers, and the files: camera.jpg, traces.png, trace.npz; parameters.png and
         batch.png if parameters were estimated.
     """
-    trace = simulation.trace
+    trace = simulation.trace.in_unit(unit, mm_per_px=scale)
     is_tracked = trace.is_tracked
     out.mkdir(parents=True, exist_ok=True)
     trace.save(out / "trace.npz")
@@ -125,7 +131,7 @@ def write_results(
         "camera.jpg": _camera_figure(simulation),
         "traces.png": plotting.plot_traces(trace),
     }
-    report = _report(simulation, method)
+    report = _report(trace, method)
     if np.isfinite(trace.parameters).any() and np.isfinite(trace.pose_true).any():
         figures["parameters.png"] = plotting.plot_parameters(trace)
     if report is not None:
@@ -153,11 +159,11 @@ def _camera_figure(simulation: Runner) -> Any:
     return axes.get_figure()
 
 
-def _report(simulation: Runner, method: str) -> BatchEstimate | None:
+def _report(trace: Trace, method: str) -> BatchEstimate | None:
     """Return the batch estimate, if parameters were estimated and the record is long enough."""
-    if not np.isfinite(simulation.trace.parameters).any():
+    if not np.isfinite(trace.parameters).any():
         return None
     try:
-        return batch_estimate(simulation.trace, method=method)
+        return batch_estimate(trace, method=method)
     except ValueError:
         return None

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from robsim._base.checks import check_choice, check_float
 from robsim.cli import errors
-from robsim.cli.text import number, parse_points, whole_number
+from robsim.cli.text import about, number, parse_points, whole_number
 
 if TYPE_CHECKING:
     from robsim._core import PlaneMap
@@ -62,6 +63,23 @@ CalibrationFile = Annotated[
         help="Calibration of the camera, of robsim calibrate; in place of --pixels.",
     ),
 ]
+Unit = Annotated[
+    str,
+    typer.Option(
+        "--unit",
+        metavar="UNIT",
+        help="Unit of lengths in the results and figures: px, mm, cm or m.",
+    ),
+]
+Scale = Annotated[
+    float | None,
+    typer.Option(
+        "--scale",
+        parser=number,
+        metavar="MM",
+        help="With --unit: how long a px of the work area is on the floor, in mm.",
+    ),
+]
 Noise = Annotated[
     str | None,
     typer.Option(
@@ -93,6 +111,32 @@ Out = Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Folder for t
 Json = Annotated[
     bool, typer.Option("--json", metavar=SWITCH, help="Print only the numbers, as JSON.")
 ]
+
+
+def check_unit(
+    unit: str, scale: float | None, calibration: Path | None = None, *, is_simulated: bool = False
+) -> None:
+    """Raise an error unless lengths can be told in a unit."""
+    from robsim.imaging import load_calibration
+    from robsim.trace._units import UNITS
+
+    with about("--unit"):
+        check_choice("unit", unit, UNITS)
+    if scale is not None:
+        with about("--scale"):
+            check_float("scale", scale, "mm", minimum=1e-3, maximum=1e4)
+        if unit == "px":
+            raise ValueError("--scale is for lengths in mm, cm or m: add --unit mm")
+        if calibration is not None:
+            raise ValueError("--scale and --calibration both say how long a px is: give one")
+    elif unit != "px":
+        known = load_calibration(calibration).mm_per_px if calibration is not None else None
+        if known is None:
+            other = "" if is_simulated else ", or a --calibration that says it"
+            raise ValueError(
+                f"--unit {unit} needs --scale MM, how long a px of the work area is on the floor, "
+                f"in mm{other}"
+            )
 
 
 def earlier_run(out: Path) -> str | None:

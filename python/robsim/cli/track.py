@@ -19,7 +19,10 @@ from robsim.cli.shared import (
     Pixels,
     Positions,
     Robot,
+    Scale,
     Smoothing,
+    Unit,
+    check_unit,
     earlier_run,
     parse_plane_map,
 )
@@ -28,6 +31,7 @@ from robsim.cli.text import number, parse_size
 if TYPE_CHECKING:
     from robsim.imaging._recordings import Recording
     from robsim.simulation import Experiment
+    from robsim.trace import Trace
 
 VIDEO = "tracked.mp4"
 EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
@@ -62,6 +66,8 @@ def track(
     video: Annotated[
         bool, typer.Option(metavar=SWITCH, help="Write the annotated video, tracked.mp4, too.")
     ] = True,
+    unit: Unit = "px",
+    scale: Scale = None,
     as_json: Json = False,
 ) -> None:
     """Track the robot in a video file or a folder of images."""
@@ -71,6 +77,7 @@ def track(
 
     with errors.report_errors():
         check_folder(out)
+        check_unit(unit, scale, calibration)
         if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
             raise ValueError(f"--out {out} would overwrite {source}: give another folder")
         plane_map = parse_plane_map(pixels, positions)
@@ -91,11 +98,12 @@ def track(
     except Exception as error:
         failure = error
     if count := len(experiment.trace):
-        finish(experiment, out, as_json=as_json)
+        finish(experiment, out, as_json=as_json, unit=unit, scale=scale)
         if remark:
             errors.print_note(remark)
         if video:
-            _write_video(experiment, recording, out / VIDEO)
+            trace = experiment.trace.in_unit(unit, mm_per_px=scale)
+            _write_video(experiment, trace, recording, out / VIDEO)
         if failure is not None:
             errors.print_note(f"the {count} frames before the error are tracked")
     with errors.report_errors():
@@ -103,7 +111,7 @@ def track(
             raise failure
 
 
-def _write_video(experiment: Experiment, recording: Recording, file: Path) -> None:
+def _write_video(experiment: Experiment, trace: Trace, recording: Recording, file: Path) -> None:
     from robsim.imaging._opencv import load_opencv
     from robsim.plotting._images.replay import annotated_frames
 
@@ -114,8 +122,8 @@ def _write_video(experiment: Experiment, recording: Recording, file: Path) -> No
         return
     shown = annotated_frames(
         recording,
-        experiment.trace,
+        trace,
         simulation=experiment,
     )
     with errors.report_errors():
-        write_with_progress(file, shown, experiment.trace)
+        write_with_progress(file, shown, trace)

@@ -23,7 +23,10 @@ from robsim.cli.shared import (
     Pixels,
     Positions,
     Robot,
+    Scale,
     Smoothing,
+    Unit,
+    check_unit,
     earlier_run,
     parse_plane_map,
 )
@@ -175,6 +178,8 @@ def live(
     lossless: Annotated[
         bool, typer.Option("--lossless", metavar=SWITCH, help="Record the frames without loss.")
     ] = False,
+    unit: Unit = "px",
+    scale: Scale = None,
     as_json: Json = False,
 ) -> None:
     """Drive a robot under a real camera."""
@@ -199,6 +204,7 @@ def live(
             steps = None if steps is None else step_count(steps)
         controller = parse_control("--control", control)
         check_folder(out)
+        check_unit(unit, scale, calibration)
         line = opened(
             camera,
             motors,
@@ -230,7 +236,7 @@ def live(
         run.drive(line, folder, {name: one for name, one in options.items() if one is not None})
         remark = earlier_run(out)
     if run.experiment is not None:
-        finish(run.experiment, out, as_json=as_json, more=run.reports)
+        finish(run.experiment, out, as_json=as_json, more=run.reports, unit=unit, scale=scale)
         if remark and run.experiment.trace:
             errors.print_note(remark)
         if session is not None and (session / "steps.csv").exists():

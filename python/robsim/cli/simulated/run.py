@@ -18,8 +18,11 @@ from robsim.cli.shared import (
     Noise,
     Out,
     Robot,
+    Scale,
     Seed,
     Smoothing,
+    Unit,
+    check_unit,
     earlier_run,
 )
 from robsim.cli.simulated.options import (
@@ -156,6 +159,8 @@ def run(
             f"{_LOSSLESS} for measurements.",
         ),
     ] = None,
+    unit: Unit = "px",
+    scale: Scale = None,
     as_json: Json = False,
 ) -> None:
     """Run a simulation."""
@@ -164,6 +169,7 @@ def run(
     with errors.report_errors(folder):
         with about("--steps"):
             step_count(steps)
+        check_unit(unit, scale, is_simulated=True)
         shared = shared_options(
             folder,
             scenario=scenario,
@@ -194,7 +200,7 @@ def run(
         _check_outputs(out, video, record)
         remark = earlier_run(out)
         run_kept(simulation, steps, out)
-    finish(simulation, out, as_json=as_json, video=video, record=record)
+    finish(simulation, out, as_json=as_json, video=video, record=record, unit=unit, scale=scale)
     if remark and len(simulation.trace):
         errors.print_note(remark)
 
