@@ -111,7 +111,9 @@ def test_frames_of_another_size_or_region_are_refused():
 def test_without_a_floor_there_is_no_map():
     lens = Calibration(size=(640, 480), intrinsics=LENS)
     with pytest.raises(ValueError, match="robsim calibrate floor"):
-        lens.plane_map  # noqa: B018
+        lens.check_floor()
+    with pytest.raises(ValueError, match="robsim calibrate floor"):
+        _ = lens.plane_map
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import datetime
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 from robsim._base.checks import check_float, check_int, check_mm_per_px, check_region, check_size
@@ -94,6 +93,7 @@ class Calibration:
     floor_residuals: Residuals | None = None
     date: datetime.datetime | None = None
     features: Mapping[str, Feature] = field(default_factory=dict, hash=False)
+    _plane_map: PlaneMap = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -114,26 +114,26 @@ class Calibration:
         height = check_float("marker_height", self.marker_height, "mm", minimum=0, maximum=_HIGHEST)
         put(self, "marker_height", height)
         put(self, "features", _checked_features(self.features))
-        self._check_floor()
+        self._check_parts()
 
-    def _check_floor(self) -> None:
+    def _check_parts(self) -> None:
         if (self.floor is None) != (self.area is None):
             raise ValueError("floor and area belong together: give both or neither")
-        if self.floor is not None:
-            floor = PlaneMap(self.floor.matrix, intrinsics=self.intrinsics)
-            object.__setattr__(self, "floor", floor)
-        if not self.marker_height:
-            return
-        if self.intrinsics is None:
+        if self.marker_height and self.intrinsics is None:
             raise ValueError(
                 "marker_height must be 0 without intrinsics: how much higher things are shifted in "
                 "the picture depends on the lens; calibrate it first (robsim calibrate lens), or "
                 "calibrate the floor with marks that lie as high as the markers"
             )
-        if self.floor is not None and self.mm_per_px is None:
+        if self.floor is None:
+            return
+        if self.marker_height and self.mm_per_px is None:
             raise ValueError("marker_height must be 0 without mm_per_px")
-        if self.floor is not None:
-            self.plane_map  # noqa: B018 - refuses a height above the camera
+        floor = PlaneMap(self.floor.matrix, intrinsics=self.intrinsics)
+        height = self.marker_height_px
+        object.__setattr__(self, "floor", floor)
+        # It refuses a height above the camera.
+        object.__setattr__(self, "_plane_map", floor.at_height(height) if height else floor)
 
     @property
     def marker_height_px(self) -> float:
@@ -149,17 +149,15 @@ class Calibration:
         ValueError
             If the floor is not calibrated yet.
         """
+        self.check_floor()
+        return self._plane_map
+
+    def check_floor(self) -> None:
+        """Raise a ValueError if the floor is not calibrated yet."""
         if self.floor is None:
             raise ValueError(
                 "calibration must have a floor: it has only a lens as yet (robsim calibrate floor)"
             )
-        return self._plane_map
-
-    @cached_property
-    def _plane_map(self) -> PlaneMap:
-        assert self.floor is not None  # of `plane_map`
-        height = self.marker_height_px
-        return self.floor.at_height(height) if height else self.floor
 
     def check_frames(
         self, size: tuple[int, int], region: tuple[int, int, int, int] | None = None

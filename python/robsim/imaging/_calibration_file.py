@@ -84,8 +84,7 @@ def as_calibration(value: Any, plane_map: PlaneMap | None = None) -> Calibration
         value = load_calibration(value)
     if not isinstance(value, Calibration):
         raise TypeError(f"calibration must be a Calibration or a path, got {quoted(value)}")
-    if value.floor is None:
-        value.plane_map  # noqa: B018 - says what is missing
+    value.check_floor()
     return value
 
 
