@@ -3,11 +3,13 @@
 import re
 import shlex
 import shutil
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 import typer
 
+import gige_cameras
 from commands import command as run_command
 from photographed_sheets import OBLIQUE, board_pictures, floor_picture
 from robsim._base.shipped import ASSETS
@@ -61,7 +63,8 @@ def test_all_of_them_work_one_after_the_other(tmp_path):
     for line in typed([*SHELL.splitlines(), *examples()]):
         for long, short in SHORTER.items():
             line = line.replace(long, short)
-        run = run_command(*shlex.split(line)[1:], cwd=tmp_path)
+        with gige_cameras.alone() if "--gige" in line else nullcontext():
+            run = run_command(*shlex.split(line)[1:], cwd=tmp_path)
         assert run.exit_code == 0, f"{line}: {run.stderr}"
         assert run.stdout.strip(), line
 

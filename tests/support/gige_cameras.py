@@ -28,8 +28,7 @@ BAYER = {"RG": "rggb", "GR": "grbg", "GB": "gbrg", "BG": "bggr"}
 
 @contextlib.contextmanager
 def alone():
-    """Wait until no other test has a camera on loopback; skip where there is no Aravis."""
-    needs_extension("gige")
+    """Wait until no other test has a camera on loopback."""
     with Path(tempfile.gettempdir(), f"robsim-gige-{os.getuid()}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield

@@ -1,9 +1,11 @@
 import pytest
 
 import gige_cameras
+from needs import needs_extension
 
 
 @pytest.fixture(autouse=True)
 def _alone():
+    needs_extension("gige")
     with gige_cameras.alone():
         yield
