@@ -142,6 +142,7 @@ void BusServer::State::fill(const std::vector<BusCameraOptions>& cameras) {
     camera.color_filter = number_of_filter(cameras[i].color_filter);
     camera.speed = cameras[i].is_fast ? 3 : 2;
     camera.pixels = pixels;
+    camera.is_plugged_in = true;  // a program that starts at once finds it
     pixels += n_slots * picture_bytes(cameras[i]);
   }
   bus->n_cameras = static_cast<int>(cameras.size());

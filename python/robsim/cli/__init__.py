@@ -35,7 +35,13 @@ app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
 app.command(cls=Command, help=track.HELP, epilog=track.EXAMPLE)(track.track)
 app.command(cls=Command, help=cameras.HELP, epilog=cameras.EXAMPLE)(cameras.cameras)
 app.command(cls=Command, help=live.HELP, epilog=live.EXAMPLE)(live.live)
-app.command(cls=Command, help=serving.HELP, epilog=serving.EXAMPLE)(serving.serve)
+app.command(
+    cls=Command,
+    help=serving.HELP,
+    epilog=serving.EXAMPLE,
+    # What stands after COMMAND is for the command, options as well.
+    context_settings={"allow_interspersed_args": False},
+)(serving.serve)
 app.command(cls=Command, help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
 app.command(cls=Command, help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
 app.add_typer(calibration.app, name="calibrate", cls=Group)

@@ -13,10 +13,19 @@ from needs import needs_program
 from robsim.motors import UdpMotors
 
 
-def test_it_must_be_said_as_what():
-    result = command("serve")
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "--gige or --firewire COMMAND is missing"),
+        (["--gige", "--firewire"], "--gige and --firewire exclude each other"),
+        (["--gige", "ls"], "with --gige, start ls by itself"),
+        (["--gige", "--motor-port", "0"], "--motor-port must be from 1 to 65535, got 0"),
+    ],
+)
+def test_it_must_be_said_as_what(arguments, words):
+    result = command("serve", *arguments)
     assert result.exit_code == 2
-    assert "--gige is missing" in result.stderr
+    assert words in result.stderr
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from robsim._core import Frame, MotorLink, PlaneMap
 from robsim.capture import Camera
 from robsim.cli.text import about
 from robsim.live import SimulatedLab
-from robsim.motors import SerialMotors, UdpMotors
+from robsim.motors import MotorReceiver, SerialMotors, UdpMotors
 from robsim.simulation._outside.frame_source import DT_TOLERANCE
 
 SIMULATED, NONE = "simulated", "none"
@@ -114,17 +114,29 @@ def new_lab(
     area: tuple[int, int] | None,
     plane_map: PlaneMap | None,
     fps: float | None,
+    *,
+    steps: tuple[int, int] = (1, 1),
+    receiver: MotorReceiver | None = None,
 ) -> SimulatedLab:
-    """Return the simulated lab of the options."""
+    """Return the simulated lab of the options; its frames have a size in steps of `steps` (px)."""
     width, height = area or Scenario.area
     scale = _LAB_SIZE / max(width, height)
     scenario = Scenario(
         robot=robot,
         area=(width, height),
-        resolution=(max(round(scale * width), 16), max(round(scale * height), 16)),
+        resolution=(_rounded(scale * width, steps[0]), _rounded(scale * height, steps[1])),
         headings=None,
     )
-    return SimulatedLab(scenario, fps=LAB_RATE if fps is None else fps, plane_map=plane_map)
+    return SimulatedLab(
+        scenario,
+        fps=LAB_RATE if fps is None else fps,
+        plane_map=plane_map,
+        receiver=receiver,
+    )
+
+
+def _rounded(length: float, step: int) -> int:
+    return max(round(length / step) * step, 16)
 
 
 def _source(text: str) -> int | str:
