@@ -182,6 +182,9 @@ void bind_bus(py::module_& module) {
           "deny", [](const Bus& self, int camera, bool denied) { self->deny(camera, denied); },
           py::arg("camera"), py::arg("is_denied"))
       .def(
+          "shorten", [](const Bus& self, int camera, bool is) { self->shorten(camera, is); },
+          py::arg("camera"), py::arg("is_short"))
+      .def(
           "reset", [](const Bus& self, bool power_fails) { self->reset(power_fails); },
           py::arg("power_fails"))
       .def(

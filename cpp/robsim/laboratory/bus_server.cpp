@@ -257,6 +257,8 @@ void BusServer::stall(int camera, double seconds) {
 
 void BusServer::deny(int camera, bool is_denied) { state_->camera(camera).is_denied = is_denied; }
 
+void BusServer::shorten(int camera, bool is_short) { state_->camera(camera).is_short = is_short; }
+
 void BusServer::reset(bool power_fails) {
   if (power_fails) {
     const BusLock lock(*state_->bus);
@@ -295,6 +297,7 @@ void BusServer::unplug(int) {}
 void BusServer::plug_in(int) {}
 void BusServer::stall(int, double) {}
 void BusServer::deny(int, bool) {}
+void BusServer::shorten(int, bool) {}
 void BusServer::reset(bool) {}
 void BusServer::refuse(bool, bool) {}
 bool BusServer::is_sending(int) const { return false; }

@@ -41,6 +41,7 @@ class BusServer {
   void plug_in(int camera);
   void stall(int camera, double seconds);
   void deny(int camera, bool is_denied);
+  void shorten(int camera, bool is_short);
 
   /// Resets the bus. Where the power fails for a moment, cameras forget that they were to send.
   void reset(bool power_fails);

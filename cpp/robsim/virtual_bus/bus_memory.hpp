@@ -14,7 +14,7 @@
 /// in others a preloaded library shows it as the device nodes of the kernel.
 namespace robsim::virtual_bus {
 
-constexpr std::uint64_t bus_magic = 0x3262'7573'3133'3934;  // of this layout
+constexpr std::uint64_t bus_magic = 0x3362'7573'3133'3934;  // of this layout
 constexpr int most_cameras = 4;
 constexpr int n_slots = 4;             // pictures of a camera that are kept
 constexpr int bandwidth_units = 4915;  // of a bus, for isochronous packets: IEEE 1394, 8.4
@@ -53,6 +53,7 @@ struct CameraState {
   // Ordered by the maker at any time:
   std::atomic<bool> is_plugged_in{false};
   std::atomic<bool> is_denied{false};         // for lack of permission
+  std::atomic<bool> is_short{false};          // says that a frame has half of its packets
   std::atomic<std::int64_t> silent_until{0};  // ns, monotonic
   // Pictures: RGB, number n in slot n % n_slots.
   std::atomic<std::uint32_t> n_pictures{0};                  // how many there have been; a futex

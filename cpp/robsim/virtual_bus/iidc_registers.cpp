@@ -203,6 +203,11 @@ bool is_packet_valid(const CameraState& camera) {
   return bytes >= 4 && bytes % 4 == 0 && bytes <= most_packet_bytes(iso_speed(camera));
 }
 
+// As the camera says it.
+int told_packets(const CameraState& camera, const Region& region) {
+  return camera.is_short ? (region.n_packets + 1) / 2 : region.n_packets;
+}
+
 std::uint32_t read_format7(const CameraState& camera, std::uint64_t offset) {
   const Region region = region_of(camera);
   switch (offset) {
@@ -224,13 +229,13 @@ std::uint32_t read_format7(const CameraState& camera, std::uint64_t offset) {
     case total_bytes_high:
       return 0;
     case total_bytes_low:
-      return static_cast<std::uint32_t>(region.packet * region.n_packets);
+      return static_cast<std::uint32_t>(region.packet * told_packets(camera, region));
     case packet_parameters:
       return pair(4, most_packet_bytes(iso_speed(camera)));
     case bytes_per_packet:
       return camera.format7[offset / 4] | static_cast<std::uint32_t>(recommended_packet(camera));
     case packets_per_frame:
-      return static_cast<std::uint32_t>(region.n_packets);
+      return static_cast<std::uint32_t>(told_packets(camera, region));
     case frame_interval:
       return bits_of_float(region.interval);
     case format7_depth:

@@ -174,7 +174,6 @@ bool IsoReceiver::receive(CameraState& camera, std::uint32_t number) {
 bool IsoReceiver::fill(CameraState& camera, std::uint32_t number, const Transmission& sent,
                        const Brightness& light, const Buffer& buffer) {
   const PixelFormat format = format_of(camera, sent.coding);
-  if (buffer.size < bytes_of(format, sent.width, sent.height)) return false;
   const std::ptrdiff_t stride = 3 * std::ptrdiff_t{camera.width};
   ImageView seen{bus_.picture(camera, number) + sent.top * stride + 3 * sent.left, sent.width,
                  sent.height, stride};
@@ -189,7 +188,14 @@ bool IsoReceiver::fill(CameraState& camera, std::uint32_t number, const Transmis
     }
     seen = {changed_.data(), sent.width, sent.height, static_cast<std::ptrdiff_t>(row_bytes)};
   }
-  from_rgb(seen, format, buffer.data);
+  const std::size_t bytes = bytes_of(format, sent.width, sent.height);
+  if (buffer.size < bytes) {  // the packets that there is room for
+    coded_.resize(bytes);
+    from_rgb(seen, format, coded_.data());
+    std::memcpy(buffer.data, coded_.data(), buffer.size);
+  } else {
+    from_rgb(seen, format, buffer.data);
+  }
   return camera.n_pictures - number < n_slots;
 }
 

@@ -167,6 +167,10 @@ class VirtualBus:
         """Take the permission to read a camera away, or give it."""
         self._server.deny(self._number(camera), check_bool("denied", denied))
 
+    def shorten(self, camera: int = 0, *, shortened: bool = True) -> None:
+        """Let a camera say of regions that frames have fewer packets than they need, or no more."""
+        self._server.shorten(self._number(camera), check_bool("shortened", shortened))
+
     def reset(self, *, power_fails: bool = False) -> None:
         """Reset the bus; where the power fails for a moment, cameras forget that they send."""
         self._server.reset(check_bool("power_fails", power_fails))

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "robsim/imaging/raw/to_rgb.hpp"
@@ -47,14 +49,18 @@ PixelFormat format_of(const dc1394video_frame_t& frame) {
   }
 }
 
+// The library has room for as many packets as the camera says that a frame has, however few.
 RawView view_of(const dc1394video_frame_t& frame) {
-  const int bits = std::clamp(static_cast<int>(frame.data_depth), 8, 16);
-  return {frame.image,
-          static_cast<int>(frame.size[0]),
-          static_cast<int>(frame.size[1]),
-          static_cast<std::ptrdiff_t>(frame.stride),
-          format_of(frame),
-          bits};
+  try {
+    RawView raw = raw_view(frame.image, frame.total_bytes, format_of(frame),
+                           static_cast<int>(frame.size[0]), static_cast<int>(frame.size[1]));
+    raw.bits = std::clamp(static_cast<int>(frame.data_depth), 8, 16);
+    return raw;
+  } catch (const std::invalid_argument& error) {
+    throw CaptureError(CaptureFault::failed,
+                       std::string("the FireWire camera sends what is no frame: ") + error.what() +
+                           ": ask for another coding or region");
+  }
 }
 
 double wall_now() {

@@ -14,7 +14,9 @@ from robsim.cli.text import about, number, parse_size, whole_number
 if TYPE_CHECKING:
     from robsim.live import GigeServer, SimulatedLab
 
-EXAMPLE = "Example: robsim serve --firewire robsim live --camera firewire:// --area 1200x1200 --check"
+EXAMPLE = (
+    "Example: robsim serve --firewire robsim live --camera firewire:// --area 1200x1200 --check"
+)
 HELP = (
     "Serve the simulated lab as a camera that other programs open.\n\n"
     "--gige: as a GigE Vision camera, which any viewer on the network can open, and robsim live "

@@ -10,6 +10,7 @@ import pytest
 import robsim
 from bus_cameras import error_of, new_lab, wait_until
 from robsim.capture import (
+    CaptureError,
     FrameTimeoutError,
     NoBandwidthError,
     NoBusError,
@@ -102,6 +103,18 @@ def test_what_the_bus_has_no_more_of_is_named(start, what):
     bus.refuse()
     with robsim.Camera("firewire://") as camera:
         camera.read()
+
+
+def test_frames_that_are_too_small_are_not_read(start):
+    bus = start(new_lab())
+    bus.shorten()
+    region = (64, 32, 320, 240)
+    words = r"no frame: a frame of 320 x 240 px in rgb8 has 230400 bytes, got 115\d\d\d:"
+    with pytest.raises(CaptureError, match=words):
+        robsim.Camera("firewire://", coding="rgb8", region=region)
+    bus.shorten(shortened=False)
+    with robsim.Camera("firewire://", coding="rgb8", region=region) as camera:
+        assert camera.read().image.shape == (240, 320, 3)
 
 
 def test_two_cameras_share_the_bus(start):
