@@ -2330,7 +2330,7 @@ class BusServer:
     """
     The virtual FireWire bus. Users take robsim.live.VirtualBus.
     """
-    def __init__(self, path: str, cameras: typing.Any, devices: typing.Any) -> None:
+    def __init__(self, path: str, cameras: typing.Any, devices: typing.Any, card_is_fast: bool) -> None:
         ...
     def close(self) -> None:
         ...

@@ -69,6 +69,7 @@ py::dict video_of(const FireWireCamera& self) {
           ? py::object(py::make_tuple(video->left, video->top, video->width, video->height))
           : py::none();
   found["fps"] = video->fps;
+  found["speed"] = 100 << (video->speed - DC1394_ISO_SPEED_100);  // Mbit/s
   found["coding"] = fire_wire::name_of_coding(video->coding);
   return found;
 }

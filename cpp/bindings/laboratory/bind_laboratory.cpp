@@ -142,13 +142,14 @@ using BusCamera =
     std::tuple<std::pair<int, int>, double, std::vector<std::string>, std::string, bool>;
 
 std::shared_ptr<Bus> make_bus(const std::string& path, const py::object& cameras,
-                              const py::object& cameras_in_labs) {
+                              const py::object& cameras_in_labs, bool card_is_fast) {
   auto devices = cameras_in_labs.cast<std::vector<std::shared_ptr<CaptureDevice>>>();
   std::vector<BusCameraOptions> options;
   for (const auto& [size, fps, codings, filter, is_fast] : cameras.cast<std::vector<BusCamera>>()) {
     options.push_back({size.first, size.second, fps, codings, filter, is_fast});
   }
-  return {new Bus("the virtual bus", path, options, std::move(devices)), [](const Bus* bus) {
+  return {new Bus("the virtual bus", path, options, std::move(devices), card_is_fast),
+          [](const Bus* bus) {
             if (!PyGILState_Check()) {
               delete bus;
               return;
@@ -161,7 +162,8 @@ std::shared_ptr<Bus> make_bus(const std::string& path, const py::object& cameras
 void bind_bus(py::module_& module) {
   Class<Bus, std::shared_ptr<Bus>>(public_in(module, "robsim._core"), "BusServer",
                                    "The virtual FireWire bus. Users take robsim.live.VirtualBus.")
-      .def(py::init(&make_bus), py::arg("path"), py::arg("cameras"), py::arg("devices"))
+      .def(py::init(&make_bus), py::arg("path"), py::arg("cameras"), py::arg("devices"),
+           py::arg("card_is_fast"))
       .def("close",
            [](const Bus& self) {
              if (!self.is_here()) return;

@@ -98,7 +98,7 @@ struct BusServer::State {
     return bus->cameras[static_cast<std::size_t>(number)];
   }
 
-  void make(const std::vector<BusCameraOptions>& cameras);
+  void make(const std::vector<BusCameraOptions>& cameras, bool card_is_fast);
   void fill(const std::vector<BusCameraOptions>& cameras);
   void pump(std::size_t index);
   void deliver(std::size_t index);
@@ -106,7 +106,7 @@ struct BusServer::State {
   void set_plugged_in(CameraState& camera, bool is_plugged_in);
 };
 
-void BusServer::State::make(const std::vector<BusCameraOptions>& cameras) {
+void BusServer::State::make(const std::vector<BusCameraOptions>& cameras, bool card_is_fast) {
   size = (sizeof(BusMemory) + page - 1) / page * page;
   for (const BusCameraOptions& camera : cameras) size += n_slots * picture_bytes(camera);
   const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
@@ -121,6 +121,7 @@ void BusServer::State::make(const std::vector<BusCameraOptions>& cameras) {
     throw std::runtime_error(path + ": there is no room for the pictures of the bus");
   }
   bus = new (memory) BusMemory;
+  bus->card_speed = card_is_fast ? 3 : 2;
   fill(cameras);
 }
 
@@ -197,7 +198,7 @@ void BusServer::State::pump(std::size_t index) {
 }
 
 BusServer::BusServer(const std::string& path, const std::vector<BusCameraOptions>& cameras,
-                     std::vector<std::shared_ptr<CaptureDevice>> devices)
+                     std::vector<std::shared_ptr<CaptureDevice>> devices, bool card_is_fast)
     : state_(std::make_unique<State>()) {
   if (cameras.empty() || cameras.size() > most_cameras || cameras.size() != devices.size()) {
     throw std::invalid_argument("a bus must have 1 .. " + std::to_string(most_cameras) +
@@ -210,7 +211,7 @@ BusServer::BusServer(const std::string& path, const std::vector<BusCameraOptions
   }
   state_->path = path;
   state_->devices = std::move(devices);
-  state_->make(cameras);
+  state_->make(cameras, card_is_fast);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     state_->threads.push_back(start_thread([state = state_.get(), i] { state->pump(i); }));
   }
@@ -287,7 +288,7 @@ namespace robsim {
 struct BusServer::State {};
 
 BusServer::BusServer(const std::string&, const std::vector<BusCameraOptions>&,
-                     std::vector<std::shared_ptr<CaptureDevice>>) {
+                     std::vector<std::shared_ptr<CaptureDevice>>, bool) {
   throw std::runtime_error("the virtual FireWire bus imitates Linux, and this is another system");
 }
 BusServer::~BusServer() = default;

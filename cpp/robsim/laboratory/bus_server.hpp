@@ -25,10 +25,10 @@ struct BusCameraOptions {
 class BusServer {
  public:
   /// `path` is the file of the bus, which must not be there yet. A camera shows what its device
-  /// delivers; while that is unplugged, so is the camera. Throws std::invalid_argument, and
-  /// std::runtime_error if it cannot be made.
+  /// delivers; while that is unplugged, so is the camera. The computer's card has S800, or only
+  /// S400. Throws std::invalid_argument, and std::runtime_error if it cannot be made.
   BusServer(const std::string& path, const std::vector<BusCameraOptions>& cameras,
-            std::vector<std::shared_ptr<CaptureDevice>> devices);
+            std::vector<std::shared_ptr<CaptureDevice>> devices, bool card_is_fast);
   ~BusServer();
   BusServer(const BusServer&) = delete;
   BusServer& operator=(const BusServer&) = delete;

@@ -68,7 +68,8 @@ struct BusMemory {
   std::uint64_t magic = 0;  // written last
   std::uint64_t size = 0;   // bytes of the file
   int n_cameras = 0;
-  pthread_mutex_t lock;  // of all processes
+  std::uint32_t card_speed = 3;  // as that of a camera
+  pthread_mutex_t lock;          // of all processes
   std::atomic<std::uint32_t> generation{1};
   std::atomic<bool> refuses_channels{false};
   std::atomic<bool> refuses_bandwidth{false};

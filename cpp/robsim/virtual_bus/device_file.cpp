@@ -91,8 +91,19 @@ int DeviceFile::control(unsigned long request, void* argument) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!is_alive()) {
     events_->hang_up();
-    return ENODEV;
+    return -ENODEV;
   }
+  return request == FW_CDEV_IOC_GET_SPEED ? speed() : -perform(request, argument);
+}
+
+// Between the card and this node.
+int DeviceFile::speed() const {
+  const CameraState* const state = camera();
+  return static_cast<int>(state ? std::min(state->speed, bus_.card_speed) : bus_.card_speed);
+}
+
+// 0, or the number of an error.
+int DeviceFile::perform(unsigned long request, void* argument) {
   switch (request) {
     case FW_CDEV_IOC_GET_INFO:
       return get_info(argument);

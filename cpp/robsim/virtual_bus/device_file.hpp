@@ -40,7 +40,7 @@ class DeviceFile {
   DeviceFile(const DeviceFile&) = delete;
   DeviceFile& operator=(const DeviceFile&) = delete;
 
-  /// 0, or the number of an error.
+  /// What the kernel returns: 0 or more, or the number of an error less than 0.
   int control(unsigned long request, void* argument);
 
   /// Whether its node is there still, and is the one that was opened.
@@ -48,6 +48,8 @@ class DeviceFile {
 
  private:
   CameraState* camera() const;
+  int speed() const;
+  int perform(unsigned long request, void* argument);
   int get_info(void* argument);
   int send_request(const void* argument);
   std::uint32_t answer(std::uint32_t tcode, std::uint64_t offset, std::vector<std::uint32_t>& data);

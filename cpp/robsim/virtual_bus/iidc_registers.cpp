@@ -352,6 +352,7 @@ Transmission transmission_of(CameraState& camera) {
   const std::uint32_t data = camera.control[iso_data / 4];
   Transmission sent;
   sent.is_on = camera.control[iso_enable / 4] & on;
+  sent.speed = iso_speed(camera);
   sent.channel = static_cast<int>(data & 0x8000 ? data >> 8 & 0x3F : data >> 28);
   const std::uint32_t format = camera.control[video_format / 4] >> 29;
   if (format == format7) {

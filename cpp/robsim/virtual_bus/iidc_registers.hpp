@@ -12,6 +12,7 @@ namespace robsim::virtual_bus {
 struct Transmission {
   bool is_on = false;
   int channel = 0;
+  std::uint32_t speed = 0;  // 2: S400
   Coding coding = Coding::mono8;
   int left = 0, top = 0, width = 0, height = 0;  // px
   int packet_bytes = 0;

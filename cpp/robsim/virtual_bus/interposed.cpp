@@ -231,8 +231,8 @@ INTERPOSED int ioctl(int descriptor, unsigned long request, ...) noexcept {
   void* const argument = va_arg(arguments, void*);
   va_end(arguments);
   if (const auto file = file_of(descriptor)) {
-    const int error = file->control(request, argument);
-    return error ? fail(error) : 0;
+    const int result = file->control(request, argument);
+    return result < 0 ? fail(-result) : result;
   }
   static auto* const next = real<int(int, unsigned long, ...)>("ioctl");
   return next(descriptor, request, argument);

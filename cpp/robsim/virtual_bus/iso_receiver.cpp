@@ -118,8 +118,9 @@ void IsoReceiver::run() {
     for (std::size_t i = 0; i < n_cameras; ++i) {
       CameraState& camera = bus_.cameras[i];
       const BusLock lock(bus_);
-      if (camera.is_plugged_in && camera.is_on && transmission_of(camera).is_on &&
-          transmission_of(camera).channel == channel_) {
+      const bool sends = camera.is_plugged_in && camera.is_on;
+      const Transmission sent = sends ? transmission_of(camera) : Transmission{};
+      if (sent.is_on && sent.channel == channel_ && sent.speed <= bus_.card_speed) {
         source = &camera;
         index = i;
       } else {

@@ -73,6 +73,8 @@ class VirtualBus:
     cameras : SimulatedLab, VirtualCamera, or sequence of these
         Its camera, or its one to four cameras. The camera of each lab is taken as long as the bus
         goes on; while it is unplugged, so is the camera on the bus.
+    card_is_fast : bool
+        Whether the computer's card has the speed S800 of IEEE 1394b; otherwise S400.
 
     Attributes
     ----------
@@ -101,8 +103,12 @@ class VirtualBus:
     """
 
     def __init__(
-        self, cameras: SimulatedLab | VirtualCamera | Sequence[SimulatedLab | VirtualCamera]
+        self,
+        cameras: SimulatedLab | VirtualCamera | Sequence[SimulatedLab | VirtualCamera],
+        *,
+        card_is_fast: bool = True,
     ) -> None:
+        check_bool("card_is_fast", card_is_fast)
         if isinstance(cameras, (SimulatedLab, VirtualCamera)):
             cameras = (cameras,)
         if not isinstance(cameras, (list, tuple)):
@@ -129,6 +135,7 @@ class VirtualBus:
                     for one in self.cameras
                 ],
                 [one.lab._open_device() for one in self.cameras],
+                card_is_fast,
             )
         except BaseException:
             self._folder.cleanup()

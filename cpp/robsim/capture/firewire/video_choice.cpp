@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "robsim/capture/firewire/fire_wire_bus.hpp"
+#include "robsim/capture/firewire/link_speed.hpp"
 
 namespace robsim::fire_wire {
 
@@ -50,27 +51,41 @@ double rate_of(dc1394framerate_t rate) {
   return dc1394_framerate_as_float(rate, &value) == DC1394_SUCCESS ? double{value} : 0.0;
 }
 
-// The fastest speed of the bus that a camera has.
-dc1394speed_t speed_of(const dc1394camera_t* camera) {
-  return camera->bmode_capable ? DC1394_ISO_SPEED_800 : DC1394_ISO_SPEED_400;
+// The fastest speed that a camera and the way to it have.
+dc1394speed_t fastest_speed(const dc1394camera_t* camera) {
+  const dc1394speed_t own = camera->bmode_capable ? DC1394_ISO_SPEED_800 : DC1394_ISO_SPEED_400;
+  return std::min(own, link_speed(camera->guid).value_or(own));
 }
 
 int most_packet_bytes(dc1394speed_t speed) { return 1024 << (speed - DC1394_ISO_SPEED_100); }
 
+// S400, or the fastest one where packets need it; nothing if they are too large for that.
+std::optional<dc1394speed_t> speed_for(double packet_bytes, dc1394speed_t fastest) {
+  for (const dc1394speed_t speed : {std::min(fastest, DC1394_ISO_SPEED_400), fastest}) {
+    if (packet_bytes <= most_packet_bytes(speed)) return speed;
+  }
+  return {};
+}
+
+// Packets of a frame of the formats 0 to 2, whole fractions of its lines each: IIDC 1.31, 2.1.
+double packets_of(const Video& video) { return (video.height == 768 ? 256 : 240) * 30 / video.fps; }
+
 void set_speed(dc1394camera_t* camera, dc1394speed_t speed) {
-  if (speed > DC1394_ISO_SPEED_400) {
-    check(dc1394_video_set_operation_mode(camera, DC1394_OPERATION_MODE_1394B),
+  if (camera->bmode_capable) {
+    const bool is_fast = speed > DC1394_ISO_SPEED_400;
+    check(dc1394_video_set_operation_mode(
+              camera, is_fast ? DC1394_OPERATION_MODE_1394B : DC1394_OPERATION_MODE_LEGACY),
           "set the mode of 1394b");
   }
   check(dc1394_video_set_iso_speed(camera, speed), "set the speed of the bus");
 }
 
 // Modes of the formats 0 to 2.
-void add_fixed(dc1394camera_t* camera, dc1394video_mode_t mode, std::vector<Video>& found) {
+void add_fixed(dc1394camera_t* camera, dc1394video_mode_t mode, dc1394speed_t fastest,
+               std::vector<Video>& found) {
   std::uint32_t width = 0, height = 0;
   Video video;
   video.mode = mode;
-  video.speed = speed_of(camera);
   dc1394framerates_t rates{};
   if (dc1394_get_image_size_from_video_mode(camera, mode, &width, &height) != DC1394_SUCCESS ||
       dc1394_get_color_coding_from_video_mode(camera, mode, &video.coding) != DC1394_SUCCESS ||
@@ -84,8 +99,12 @@ void add_fixed(dc1394camera_t* camera, dc1394video_mode_t mode, std::vector<Vide
   for (std::uint32_t i = 0; i < rates.num; ++i) {
     video.rate = rates.framerates[i];
     video.fps = rate_of(video.rate);
+    if (video.fps <= 0) continue;
     const double bytes = video.width * video.height * coding->bits / 8.0;
-    if (bytes * video.fps / cycles <= most_packet_bytes(video.speed)) found.push_back(video);
+    const auto speed = speed_for(bytes / packets_of(video), fastest);
+    if (!speed) continue;
+    video.speed = *speed;
+    found.push_back(video);
   }
 }
 
@@ -120,7 +139,7 @@ std::optional<std::array<int, 4>> region_for(dc1394camera_t* camera, dc1394video
 
 // Format 7: any region, and any rate that the packets allow.
 void add_scalable(dc1394camera_t* camera, dc1394video_mode_t mode, const VideoWish& wish,
-                  std::vector<Video>& found) {
+                  dc1394speed_t fastest, std::vector<Video>& found) {
   const auto region = region_for(camera, mode, wish);
   dc1394color_codings_t offered{};
   if (!region || dc1394_format7_get_color_codings(camera, mode, &offered) != DC1394_SUCCESS) return;
@@ -130,19 +149,19 @@ void add_scalable(dc1394camera_t* camera, dc1394video_mode_t mode, const VideoWi
     Video video;
     video.mode = mode;
     video.coding = coding->coding;
-    video.speed = speed_of(camera);
     video.left = (*region)[0];
     video.top = (*region)[1];
     video.width = (*region)[2];
     video.height = (*region)[3];
     const int bytes = video.width * video.height * coding->bits / 8;
-    const int most = most_packet_bytes(video.speed);
     for (const double rate : {wish.fps.value_or(wanted_rate), 15.0, 7.5, 3.75, 1.875}) {
       if (wish.fps && rate != *wish.fps) break;
       // A frame goes in whole packets, one a cycle, in steps of four bytes.
       const int n_packets = std::max(1, static_cast<int>(cycles / rate));
       const int packet = (bytes + 4 * n_packets - 1) / (4 * n_packets) * 4;
-      if (packet > most) continue;
+      const auto speed = speed_for(packet, fastest);
+      if (!speed) continue;
+      video.speed = *speed;
       video.packet_bytes = packet;
       video.fps = rate;
       found.push_back(video);
@@ -166,12 +185,13 @@ double interval_of(dc1394camera_t* camera, dc1394video_mode_t mode) {
 std::vector<Video> all_videos(dc1394camera_t* camera, const VideoWish& wish) {
   dc1394video_modes_t modes{};
   check(dc1394_video_get_supported_modes(camera, &modes), "ask the camera for its modes");
+  const dc1394speed_t fastest = fastest_speed(camera);
   std::vector<Video> found;
   for (std::uint32_t i = 0; i < modes.num; ++i) {
     if (dc1394_is_video_mode_scalable(modes.modes[i])) {
-      add_scalable(camera, modes.modes[i], wish, found);
+      add_scalable(camera, modes.modes[i], wish, fastest, found);
     } else if (!wish.region && !dc1394_is_video_mode_still_image(modes.modes[i])) {
-      add_fixed(camera, modes.modes[i], found);
+      add_fixed(camera, modes.modes[i], fastest, found);
     }
   }
   return found;

@@ -65,6 +65,28 @@ def test_the_rate_is_that_asked_for(start, fps):
     assert np.diff(times).min() == pytest.approx(1 / fps, abs=2e-3)
 
 
+@pytest.mark.parametrize("card_is_fast", [True, False])
+def test_a_fast_camera_sends_no_faster_than_it_must_and_the_card_can(start, card_is_fast):
+    lab = new_lab(fps=60)
+    start(VirtualCamera(lab=lab, is_fast=True), card_is_fast=card_is_fast)
+    with robsim.Camera("firewire://", fps=30) as camera:
+        assert camera._device.video["speed"] == 400
+        assert error_of(lab, camera.read()) < 0.5
+    # 6912 bytes a cycle, of which S400 has 4096.
+    asked = {"coding": "rgb8", "fps": 60}
+    if not card_is_fast:
+        with pytest.raises(CaptureError, match=r"it has .*640 x 480 px rgb8 at 30 frames/s"):
+            robsim.Camera("firewire://", **asked)
+        return
+    with robsim.Camera("firewire://", **asked) as camera:
+        assert camera._device.video["speed"] == 800
+        assert error_of(lab, camera.read()) < 0.5
+    # What the last program has set does not stay.
+    with robsim.Camera("firewire://", fps=30) as camera:
+        assert camera._device.video["speed"] == 400
+        assert error_of(lab, camera.read()) < 0.5
+
+
 def test_what_a_camera_cannot_is_refused_with_what_it_can(start):
     start(VirtualCamera(lab=new_lab(), codings=("yuv422",)))
     with pytest.raises(CaptureError, match=r"it has .*640 x 480 px yuv422 at 30 frames/s"):

@@ -20,8 +20,8 @@ def _bus_is_below_the_library():
 class OnTheBus:
     """Labs, and the bus that this process sees."""
 
-    def __init__(self, *cameras):
-        self.bus = VirtualBus(cameras)
+    def __init__(self, cameras, options):
+        self.bus = VirtualBus(cameras, **options)
         os.environ["ROBSIM_VIRTUAL_BUS"] = self.bus.environment["ROBSIM_VIRTUAL_BUS"]
         wait_until(lambda: len(_firewire.cameras()) == len(cameras))
         assert all(vendor == VENDOR for _, vendor, _ in _firewire.cameras())
@@ -36,8 +36,8 @@ def start():
     """Start a bus with cameras: ``start(lab, ...)`` or ``start(VirtualCamera(...), ...)``."""
     opened = []
 
-    def begin(*cameras):
-        here = OnTheBus(*cameras)
+    def begin(*cameras, **options):
+        here = OnTheBus(cameras, options)
         opened.extend([here, *(c.lab if isinstance(c, VirtualCamera) else c for c in cameras)])
         return here.bus
 
