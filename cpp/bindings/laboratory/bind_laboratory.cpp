@@ -193,6 +193,9 @@ void bind_bus(py::module_& module) {
           "refuse", [](const Bus& self, bool c, bool b) { self->refuse(c, b); },
           py::arg("channels"), py::arg("bandwidth"))
       .def(
+          "lost_frames", [](const Bus& self, int camera) { return self->lost_frames(camera); },
+          py::arg("camera"))
+      .def(
           "is_sending", [](const Bus& self, int camera) { return self->is_sending(camera); },
           py::arg("camera"));
 }

@@ -273,6 +273,8 @@ void BusServer::refuse(bool channels, bool bandwidth) {
   state_->bus->refuses_bandwidth = bandwidth;
 }
 
+std::int64_t BusServer::lost_frames(int camera) const { return state_->camera(camera).n_lost; }
+
 bool BusServer::is_sending(int camera) const {
   CameraState& state = state_->camera(camera);
   const BusLock lock(*state_->bus);
@@ -301,6 +303,7 @@ void BusServer::deny(int, bool) {}
 void BusServer::shorten(int, bool) {}
 void BusServer::reset(bool) {}
 void BusServer::refuse(bool, bool) {}
+std::int64_t BusServer::lost_frames(int) const { return 0; }
 bool BusServer::is_sending(int) const { return false; }
 
 }  // namespace robsim

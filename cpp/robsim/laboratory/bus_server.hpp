@@ -48,6 +48,9 @@ class BusServer {
 
   void refuse(bool channels, bool bandwidth);
 
+  /// Number of a camera's frames for which a reader had no buffer left.
+  std::int64_t lost_frames(int camera) const;
+
   /// Whether a camera is to send frames.
   bool is_sending(int camera) const;
 

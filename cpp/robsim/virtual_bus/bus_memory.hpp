@@ -58,6 +58,7 @@ struct CameraState {
   // Pictures: RGB, number n in slot n % n_slots.
   std::atomic<std::uint32_t> n_pictures{0};                  // how many there have been; a futex
   std::array<std::atomic<std::int64_t>, n_slots> exposed{};  // ns, monotonic
+  std::atomic<std::uint32_t> n_lost{0};  // frames for which a reader had no buffer
   // Registers, under the lock of the bus:
   bool is_on = false;  // they have the values of the start
   std::array<std::uint32_t, 0x900 / 4> control{};

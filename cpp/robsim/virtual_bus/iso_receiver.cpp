@@ -158,7 +158,10 @@ bool IsoReceiver::receive(CameraState& camera, std::uint32_t number) {
   Buffer buffer{};
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (buffers_.empty()) return false;  // overrun
+    if (buffers_.empty()) {  // overrun
+      ++camera.n_lost;
+      return false;
+    }
     buffer = buffers_.front();
     if (!fill(camera, number, sent, light, buffer)) return false;
     buffers_.pop_front();

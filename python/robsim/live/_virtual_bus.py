@@ -157,6 +157,10 @@ class VirtualBus:
         """Return whether somebody has told a camera to send, and not to stop."""
         return self._server.is_sending(self._number(camera))
 
+    def lost_frames(self, camera: int = 0) -> int:
+        """Return how many of a camera's frames were lost, since a reader was late."""
+        return self._server.lost_frames(self._number(camera))
+
     def unplug(self, camera: int = 0) -> None:
         """Unplug a camera; any thread may call this."""
         self._server.unplug(self._number(camera))

@@ -91,6 +91,7 @@ void FireWireCamera::open() {
   }
   last_frame_ = monotonic_now();
   next_look_ = next_restart_ = 0;
+  n_passed_ = 0;
 }
 
 void FireWireCamera::start() {
@@ -191,15 +192,21 @@ dc1394video_frame_t* FireWireCamera::dequeue() const {
 }
 
 // The newest frame of those that have come, null if none has; the others are given back.
-dc1394video_frame_t* FireWireCamera::newest(Captured& captured) const {
+dc1394video_frame_t* FireWireCamera::newest() {
   Frame* frame = dequeue();
   if (!frame) return nullptr;
+  std::uint32_t n_frames = 1;
   while (Frame* const newer = dequeue()) {
     dc1394_capture_enqueue(camera(), frame);
     frame = newer;
-    ++captured.passed;
+    ++n_frames;
+    ++n_passed_;
   }
-  return frame;
+  if (n_frames < n_buffers) return frame;
+  // All buffers were full: what came later is lost, and nobody knows how old this one is.
+  dc1394_capture_enqueue(camera(), frame);
+  ++n_passed_;
+  return nullptr;
 }
 
 std::optional<Captured> FireWireCamera::next(ImagePool& pool) {
@@ -210,9 +217,10 @@ std::optional<Captured> FireWireCamera::next(ImagePool& pool) {
     look_after_silence(now);
     return std::nullopt;
   }
-  Captured captured;
-  Frame* const frame = newest(captured);
+  Frame* const frame = newest();
   if (!frame) return std::nullopt;
+  Captured captured;
+  captured.passed = std::exchange(n_passed_, 0);
   captured.arrived = now;
   captured.exposed = exposure_of(*frame);
   last_frame_ = now;

@@ -54,7 +54,7 @@ class FireWireCamera : public CaptureDevice {
   void stop_capture() noexcept;
 
   Frame* dequeue() const;
-  Frame* newest(Captured& captured) const;
+  Frame* newest();
   std::optional<double> exposure_of(const Frame& frame) const;
   void look_after_silence(double now);
 
@@ -65,6 +65,7 @@ class FireWireCamera : public CaptureDevice {
   std::string guid_;
   bool is_capturing_ = false;
   double last_frame_ = 0, next_look_ = 0, next_restart_ = 0;  // monotonic, s
+  std::int64_t n_passed_ = 0;  // frames since the last one that was read
   std::atomic<int> restarts_{0};
 };
 

@@ -18,6 +18,7 @@ from robsim.capture import (
     NoPermissionError,
     UnpluggedError,
 )
+from robsim.capture._sources import source_of
 
 
 def read_until(camera, error, seconds=10):
@@ -140,6 +141,27 @@ def test_who_reads_late_gets_the_newest_frame(start):
         frame = camera.read()
         assert frame.epoch + frame.t > time.monotonic() - 0.2
         assert camera.counts.dropped > 20
+
+
+def test_after_an_overrun_no_old_frame_comes(start, monkeypatch):
+    lab = new_lab()
+    bus = start(lab)
+    lost, ends = 20, []
+
+    def opened_and_not_read(*args, **options):
+        opened = source_of(*args, **options)
+        wait_until(lambda: bus.lost_frames() >= lost)
+        ends.append(lab.truth.t[-1])
+        return opened
+
+    monkeypatch.setattr("robsim.capture._camera.source_of", opened_and_not_read)
+    with robsim.Camera("firewire://") as camera:
+        frame = camera.read()
+        assert camera.counts.dropped >= 6  # all that the buffers had
+        assert error_of(lab, frame) < 0.5
+        # What the buffers had was exposed before all of those.
+        assert frame.epoch + frame.t > ends[0] - 0.5 * lost * lab.dt
+        assert error_of(lab, camera.read()) < 0.5
 
 
 def test_a_camera_that_a_crashed_program_left_sending_is_taken_over(start):
