@@ -1,5 +1,11 @@
 // The functions of the C library through which libdc1394 reaches the kernel. What is not of the
 // virtual bus goes on to the next library.
+
+// These would have the headers give open, read and others bodies or names of their own, and some
+// compilers set them.
+#undef _FORTIFY_SOURCE
+#undef _FILE_OFFSET_BITS
+
 #include <dirent.h>
 #include <fcntl.h>
 #include <stdarg.h>
@@ -185,6 +191,11 @@ INTERPOSED int open64(const char* path, int flags, ...) {
   static auto* const next = real<int(const char*, int, ...)>("open64");
   return next(path, flags, mode);
 }
+
+// What programs call that were built with _FORTIFY_SOURCE.
+INTERPOSED int __open_2(const char* path, int flags) { return open(path, flags); }
+
+INTERPOSED int __open64_2(const char* path, int flags) { return open64(path, flags); }
 
 INTERPOSED int access(const char* path, int mode) noexcept {
   if (std::strncmp(path, "/dev/fw", 7) == 0) {
