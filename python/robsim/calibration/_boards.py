@@ -55,6 +55,12 @@ class Pattern(Protocol):
         """What is printed below."""
 
 
+def _check_squares(board: Chessboard | Charuco) -> None:
+    check_int("columns", board.columns, minimum=3, maximum=_LARGEST)
+    check_int("rows", board.rows, minimum=3, maximum=_LARGEST)
+    check_float("square", board.square, "mm", minimum=1, maximum=1000)
+
+
 @dataclass(frozen=True)
 class Chessboard:
     """A chessboard, for the calibration of a lens.
@@ -72,9 +78,7 @@ class Chessboard:
     square: float = 25.0
 
     def __post_init__(self) -> None:
-        check_int("columns", self.columns, minimum=3, maximum=_LARGEST)
-        check_int("rows", self.rows, minimum=3, maximum=_LARGEST)
-        check_float("square", self.square, "mm", minimum=1, maximum=1000)
+        _check_squares(self)
 
     @property
     def size(self) -> tuple[float, float]:
@@ -132,9 +136,7 @@ class Charuco:
     square: float = 28.0
 
     def __post_init__(self) -> None:
-        check_int("columns", self.columns, minimum=3, maximum=_LARGEST)
-        check_int("rows", self.rows, minimum=3, maximum=_LARGEST)
-        check_float("square", self.square, "mm", minimum=1, maximum=1000)
+        _check_squares(self)
         if self.columns * self.rows > 200:
             raise ValueError(
                 f"columns and rows must give at most 200 squares, got {self.columns} x {self.rows}"
