@@ -129,7 +129,7 @@ def _name_of(node: str) -> str:
 
 def _fire_wire() -> Iterator[tuple[bool, str]]:
     try:
-        extension = firewire.extension()
+        extension = firewire.EXTENSION.load()
     except NoBackEndError as error:
         yield False, f"cameras on FireWire: {error}"
         return
@@ -145,7 +145,7 @@ def _fire_wire() -> Iterator[tuple[bool, str]]:
 
 def _gige(is_network_searched: bool) -> Iterator[tuple[bool, str]]:
     try:
-        extension = gige.extension()
+        extension = gige.EXTENSION.load()
     except NoBackEndError as error:
         yield False, f"cameras on GigE: {error}"
         return

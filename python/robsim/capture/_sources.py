@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from os import PathLike
+from types import ModuleType
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -65,10 +66,9 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
 
     That of a bus is open: only then is known what it sends.
     """
-    if isinstance(source, str) and source.startswith(f"{firewire.SCHEME}://"):
-        return _fire_wire(source, wishes)
-    if isinstance(source, str) and source.startswith(f"{gige.SCHEME}://"):
-        return _gige(source, wishes)
+    for bus in (firewire, gige):
+        if isinstance(source, str) and source.startswith(f"{bus.SCHEME}://"):
+            return _on_bus(bus, source, wishes)
     wishes.refuse(_kind_of(source), "region", "coding", "features")
     dt, back_end = wishes.dt, wishes.back_end
     if hasattr(source, "_open_device"):
@@ -103,11 +103,11 @@ def _kind_of(source: Any) -> str:
     return "a camera by number" if is_int(source) else "a file, a folder or an object of robsim"
 
 
-def _fire_wire(url: str, wishes: Wishes) -> Source:
-    wishes.refuse("FireWire", "back_end")
+def _on_bus(bus: ModuleType, url: str, wishes: Wishes) -> Source:
+    wishes.refuse(bus.NAME, "back_end")
     if wishes.coding is not None:
-        check_choice("coding", wishes.coding, firewire.CODINGS)
-    device = firewire.new_camera(
+        check_choice("coding", wishes.coding, bus.CODINGS)
+    device = bus.new_camera(
         url,
         size=wishes.size,
         region=wishes.region,
@@ -116,38 +116,14 @@ def _fire_wire(url: str, wishes: Wishes) -> Source:
         features=wishes.features,
     )
     device.open()
-    sent = device.video
+    sent = bus.sent_by(device)
     return Source(
-        f"the FireWire camera {device.guid}",
+        sent.name,
         device,
-        dt=1 / sent["fps"],
-        region=sent["region"],
-        coding=sent["coding"],
-    )
-
-
-def _gige(url: str, wishes: Wishes) -> Source:
-    wishes.refuse("GigE Vision", "back_end")
-    if wishes.coding is not None:
-        check_choice("coding", wishes.coding, gige.CODINGS)
-    device = gige.new_camera(
-        url,
-        size=wishes.size,
-        region=wishes.region,
-        fps=wishes.fps,
-        coding=wishes.coding,
-        features=wishes.features,
-    )
-    device.open()
-    info = device.info
-    assert info is not None  # it is open
-    return Source(
-        f"the GigE camera {info['serial'] or info['address']}",
-        device,
-        dt=1 / info["fps"] if info["fps"] else wishes.dt,
-        region=info["region"],
-        coding=info["coding"],
-        advice=info["advice"],
+        dt=1 / sent.fps if sent.fps else wishes.dt,
+        region=sent.region,
+        coding=sent.coding,
+        advice=sent.advice,
     )
 
 

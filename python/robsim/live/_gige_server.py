@@ -72,7 +72,7 @@ class GigeServer:
                 f"lab must have frames of at most {_LARGEST_SIDE} px a side to be served, got "
                 f"{lab.size[0]} x {lab.size[1]} px"
             )
-        self._server = gige.extension().GigeServer(
+        self._server = gige.EXTENSION.load().GigeServer(
             lab._open_device(),
             address=self.address,
             serial=self.serial,

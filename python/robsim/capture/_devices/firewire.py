@@ -2,41 +2,24 @@
 
 from __future__ import annotations
 
-import importlib
 import re
 from typing import Any
 
 from robsim._base.text import quoted
-from robsim.capture._errors import NoBackEndError
+from robsim.capture._devices.extensions import Extension, Sent
 from robsim.capture._features import CameraFeatures
 
-SCHEME = "firewire"
+SCHEME, NAME = "firewire", "FireWire"
 CODINGS = ("yuv422", "rgb8", "yuv444", "raw8", "yuv411", "mono8", "mono16")
 
-_INSTALL = (
-    "FireWire needs libdc1394: sudo apt-get install libdc1394-25 (Debian, Ubuntu), dnf install "
-    "libdc1394 (Fedora)"
+EXTENSION = Extension(
+    module="robsim._firewire",
+    cameras=NAME,
+    library="libdc1394",
+    debian="libdc1394-25",
+    fedora="libdc1394",
+    development="libdc1394-dev",
 )
-_REBUILD = (
-    "this robsim was built without libdc1394: sudo apt-get install libdc1394-dev pkg-config, then "
-    "pip install --force-reinstall --no-binary robsim robsim"
-)
-
-
-def extension() -> Any:
-    """Return the extension that reads FireWire.
-
-    Raises
-    ------
-    NoBackEndError
-        If it, or what it needs, is not there; the message says what to install.
-    """
-    try:
-        return importlib.import_module("robsim._firewire")
-    except ModuleNotFoundError as error:
-        raise NoBackEndError(_REBUILD) from error
-    except ImportError as error:  # a library of the system is missing
-        raise NoBackEndError(f"{_INSTALL} ({error})") from error
 
 
 def new_camera(
@@ -65,6 +48,17 @@ def new_camera(
             f"{quoted(url)}"
         )
     wishes = (features or CameraFeatures())._wishes()
-    return extension().FireWireCamera(
+    return EXTENSION.load().FireWireCamera(
         choice, size=size, region=region, fps=fps, coding=coding or "", features=wishes
+    )
+
+
+def sent_by(device: Any) -> Sent:
+    """Return what an open device sends."""
+    video = device.video
+    return Sent(
+        name=f"the FireWire camera {device.guid}",
+        fps=video["fps"],
+        region=video["region"],
+        coding=video["coding"],
     )

@@ -2,48 +2,31 @@
 
 from __future__ import annotations
 
-import importlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
 from robsim._base.text import quoted
-from robsim.capture._errors import NoBackEndError
+from robsim.capture._devices.extensions import Extension, Sent
 from robsim.capture._features import CameraFeatures
 
 if TYPE_CHECKING:
     from robsim._gige import GigeCamera
 
-SCHEME = "gige"
+SCHEME, NAME = "gige", "GigE Vision"
 CODINGS = ("rgb8", "raw8", "yuv422", "mono8")
 
-_INSTALL = (
-    "GigE Vision needs Aravis 0.8: sudo apt-get install libaravis-0.8-0 (Debian, Ubuntu), dnf "
-    "install aravis (Fedora)"
-)
-_REBUILD = (
-    "this robsim was built without Aravis: sudo apt-get install libaravis-dev pkg-config, then "
-    "pip install --force-reinstall --no-binary robsim robsim"
+EXTENSION = Extension(
+    module="robsim._gige",
+    cameras=NAME,
+    library="Aravis 0.8",
+    debian="libaravis-0.8-0",
+    fedora="aravis",
+    development="libaravis-dev",
 )
 
 #: Bytes: where a socket gets less, packets of large frames are lost.
 ENOUGH_RECEIVE_BUFFER = 4 << 20
-
-
-def extension() -> Any:
-    """Return the extension that reads and serves GigE Vision.
-
-    Raises
-    ------
-    NoBackEndError
-        If it, or what it needs, is not there; the message says what to install.
-    """
-    try:
-        return importlib.import_module("robsim._gige")
-    except ModuleNotFoundError as error:
-        raise NoBackEndError(_REBUILD) from error
-    except ImportError as error:  # a library of the system is missing
-        raise NoBackEndError(f"{_INSTALL} ({error})") from error
 
 
 def new_camera(
@@ -80,7 +63,7 @@ def new_camera(
             "an address of GigE Vision may choose format and packet_size (bytes, at most 65535), "
             f"as in gige://192.168.1.20?format=BayerRG8&packet_size=8000, got {quoted(url)}"
         )
-    camera: GigeCamera = extension().GigeCamera(
+    camera: GigeCamera = EXTENSION.load().GigeCamera(
         parts.netloc,
         size=size,
         region=region,
@@ -90,6 +73,19 @@ def new_camera(
         packet_size=int(packet_size),
     )
     return camera
+
+
+def sent_by(device: GigeCamera) -> Sent:
+    """Return what an open device sends."""
+    info = device.info
+    assert info is not None  # it is open
+    return Sent(
+        name=f"the GigE camera {info['serial'] or info['address']}",
+        fps=info["fps"],
+        region=info["region"],
+        coding=info["coding"],
+        advice=info["advice"],
+    )
 
 
 def largest_receive_buffer() -> int | None:
