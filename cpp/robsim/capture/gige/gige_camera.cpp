@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "robsim/capture/gige/frame_ids.hpp"
+#include "robsim/capture/gige/pixel_format_of.hpp"
 #include "robsim/imaging/raw/to_rgb.hpp"
 #include "robsim/threads/native_thread.hpp"
 #include "robsim/timing/monotonic.hpp"
@@ -26,14 +27,18 @@ constexpr std::size_t least_receive_buffer = 4u << 20, most_receive_buffer = 64u
   throw CaptureError(fault, text);
 }
 
+[[noreturn]] void fail_busy(const std::string& name, const std::string& reason = "") {
+  fail(CaptureFault::busy, name + ": another program has the camera" + reason +
+                               ": close it there; the camera lets go of one that crashed after "
+                               "some seconds");
+}
+
 // Errors while a camera is opened.
 [[noreturn]] void fail(const std::string& name, const GFailure& failure) {
   if (failure.is(ARV_DEVICE_ERROR_NOT_CONTROLLER) ||
       failure.is(ARV_DEVICE_ERROR_PROTOCOL_ERROR_ACCESS_DENIED) ||
       failure.is(ARV_DEVICE_ERROR_PROTOCOL_ERROR_BUSY)) {
-    fail(CaptureFault::busy,
-         name + ": another program has the camera (" + failure.text() +
-             "): close it there; the camera lets go of one that crashed after some seconds");
+    fail_busy(name, " (" + failure.text() + ")");
   }
   if (failure.is(ARV_DEVICE_ERROR_TIMEOUT) || failure.is(ARV_DEVICE_ERROR_NOT_FOUND)) {
     fail(CaptureFault::no_camera, name + " has stopped answering (" + failure.text() + ")");
@@ -72,28 +77,6 @@ void watch_control(ArvDevice* device, const std::shared_ptr<std::atomic<bool>>& 
   const auto release = +[](gpointer flag, GClosure*) { delete static_cast<Flag*>(flag); };
   g_signal_connect_data(device, "control-lost", G_CALLBACK(set), new Flag(is_lost), release,
                         GConnectFlags(0));
-}
-
-std::optional<PixelFormat> format_of(ArvPixelFormat code) {
-  switch (code) {
-    case ARV_PIXEL_FORMAT_RGB_8_PACKED:
-      return PixelFormat::rgb8;
-    case ARV_PIXEL_FORMAT_BAYER_RG_8:
-      return PixelFormat::bayer_rggb;
-    case ARV_PIXEL_FORMAT_BAYER_GR_8:
-      return PixelFormat::bayer_grbg;
-    case ARV_PIXEL_FORMAT_BAYER_GB_8:
-      return PixelFormat::bayer_gbrg;
-    case ARV_PIXEL_FORMAT_BAYER_BG_8:
-      return PixelFormat::bayer_bggr;
-    case ARV_PIXEL_FORMAT_YUV_422_PACKED:
-    case ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED:
-      return PixelFormat::yuv422;
-    case ARV_PIXEL_FORMAT_MONO_8:
-      return PixelFormat::mono8;
-    default:
-      return std::nullopt;
-  }
 }
 
 // A buffer of a stream, which gets it back.
@@ -174,10 +157,7 @@ void GigeCamera::connect(const GigeIdentity& identity) {
   if (!arv_gv_device_is_controller(ARV_GV_DEVICE(device.get()))) {
     // It waits for leave to give back what it never had.
     start_thread([left = device.release()] { g_object_unref(left); }).detach();
-    fail(CaptureFault::busy,
-         name_ +
-             ": another program has the camera: close it there; the camera lets go of one "
-             "that crashed after some seconds");
+    fail_busy(name_);
   }
   is_lost_ = std::make_shared<std::atomic<bool>>(false);
   watch_control(device.get(), is_lost_);
@@ -316,9 +296,10 @@ Captured GigeCamera::captured(ArvBuffer* buffer, ImagePool& pool) {
     copy_bgr({data, width, height, std::ptrdiff_t{3} * width}, pixels);
     return captured;
   }
-  const std::optional<PixelFormat> format = format_of(code);
+  const bool is_swapped = code == ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED;
+  const auto format = pixel_format_of(is_swapped ? ARV_PIXEL_FORMAT_YUV_422_PACKED : code);
   if (!format) fail(CaptureFault::failed, name_ + " delivers frames of another pixel format");
-  if (code == ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED) {
+  if (is_swapped) {
     swapped_.resize(size);
     for (std::size_t i = 0; i + 1 < size; i += 2) {
       swapped_[i] = data[i + 1];

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "robsim/capture/gige/discovery.hpp"
+#include "robsim/capture/gige/pixel_format_of.hpp"
 #include "robsim/imaging/raw/from_rgb.hpp"
 #include "robsim/threads/native_thread.hpp"
 #include "robsim/timing/monotonic.hpp"
@@ -34,6 +35,12 @@ constexpr double torn_part = 0.5;  // of the packets
 using Seconds = std::chrono::duration<double>;
 using Lock = std::unique_lock<std::mutex>;
 
+[[noreturn]] void fail_at(const std::string& address, const std::string& reason = "") {
+  throw CaptureError(CaptureFault::failed, "no camera can be served at " + address + ": " + reason +
+                                               "it must be the address of an interface of this "
+                                               "computer, such as 127.0.0.1");
+}
+
 // The fake camera of Aravis would go on in silence if the port is taken.
 void check_address(const std::string& text) {
   sockaddr_in address{};
@@ -51,33 +58,12 @@ void check_address(const std::string& text) {
                            " is taken: an address serves one GigE Vision camera, and another "
                            "program does; end it, or give the address of another interface");
   }
-  if (error != 0) {
-    throw CaptureError(CaptureFault::failed, "no camera can be served at " + text + ": " +
-                                                 std::strerror(error) +
-                                                 "; it must be the address of an interface of "
-                                                 "this computer, such as 127.0.0.1");
-  }
+  if (error != 0) fail_at(text, std::strerror(error) + std::string("; "));
 }
 
 std::optional<PixelFormat> served_format(ArvPixelFormat code) {
-  switch (code) {
-    case ARV_PIXEL_FORMAT_RGB_8_PACKED:
-      return PixelFormat::rgb8;
-    case ARV_PIXEL_FORMAT_BAYER_RG_8:
-      return PixelFormat::bayer_rggb;
-    case ARV_PIXEL_FORMAT_BAYER_GR_8:
-      return PixelFormat::bayer_grbg;
-    case ARV_PIXEL_FORMAT_BAYER_GB_8:
-      return PixelFormat::bayer_gbrg;
-    case ARV_PIXEL_FORMAT_BAYER_BG_8:
-      return PixelFormat::bayer_bggr;
-    case ARV_PIXEL_FORMAT_MONO_8:
-      return PixelFormat::mono8;
-    case ARV_PIXEL_FORMAT_MONO_16:
-      return PixelFormat::mono16;
-    default:
-      return std::nullopt;
-  }
+  if (code == ARV_PIXEL_FORMAT_MONO_16) return PixelFormat::mono16;
+  return pixel_format_of(code);
 }
 
 // The part of an image that a client has chosen, moved into it where it does not lie in it.
@@ -131,10 +117,7 @@ void GigeServer::plug_in() {
   });
   starter.join();
   if (!camera_ || !arv_gv_fake_camera_is_running(camera_.get())) {
-    throw CaptureError(CaptureFault::failed,
-                       "no camera can be served at " + options_.address +
-                           ": it must be the "
-                           "address of an interface of this computer, such as 127.0.0.1");
+    fail_at(options_.address);
   }
   ArvFakeCamera* const camera = arv_gv_fake_camera_get_fake_camera(camera_.get());
   write_register(camera, ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, options_.width);
