@@ -1,10 +1,11 @@
 """Cameras on FireWire, by libdc1394. Users take robsim.Camera("firewire://")."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from robsim._core import CaptureDevice
 
-_Wishes = list[tuple[str, list[float] | None]]
+_Wishes = Sequence[tuple[str, Sequence[float] | None]]
 
 class FireWireCamera(CaptureDevice):
     """A camera for a grabber. Users take robsim.Camera."""
