@@ -121,7 +121,7 @@ bool write_absolute(CameraState& camera, std::uint64_t offset, std::uint32_t val
   std::uint32_t& place = camera.control[values / 4 + feature->index];
   if (offset % absolute_size != 8 || !(place & absolute)) return true;
   const double raw = std::round(float_of_bits(value) / feature->unit);
-  const double bounded = std::clamp<double>(raw, feature->low, feature->high);
+  const double bounded = std::fmax(feature->low, std::fmin(raw, feature->high));
   place = (place & ~0xFFFu) | static_cast<std::uint32_t>(bounded);
   return true;
 }
