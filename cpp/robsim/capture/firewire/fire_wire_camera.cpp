@@ -1,7 +1,9 @@
 #include "robsim/capture/firewire/fire_wire_camera.hpp"
 
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/time.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -152,9 +154,17 @@ void FireWireCamera::stop_capture() noexcept {
   if (!handle_) return;
   if (is_capturing_) {
     dc1394_video_set_transmission(handle_->get(), DC1394_OFF);
-    dc1394_capture_stop(handle_->get());
+    if (dc1394_capture_stop(handle_->get()) == DC1394_IOCTL_FAILURE) release_capture();
   }
   is_capturing_ = false;
+  buffers_ = nullptr;
+}
+
+// Of a camera that is gone the library (2.2.7) stops nothing, and leaves open and mapped what it
+// has.
+void FireWireCamera::release_capture() noexcept {
+  ::close(dc1394_capture_get_fileno(handle_->get()));
+  if (buffers_) munmap(buffers_, buffer_bytes_);
 }
 
 void FireWireCamera::close() noexcept {
@@ -219,6 +229,8 @@ std::optional<Captured> FireWireCamera::next(ImagePool& pool) {
   }
   Frame* const frame = newest();
   if (!frame) return std::nullopt;
+  buffers_ = frame->image - frame->id * frame->total_bytes;
+  buffer_bytes_ = n_buffers * frame->total_bytes;
   Captured captured;
   captured.passed = std::exchange(n_passed_, 0);
   captured.arrived = now;

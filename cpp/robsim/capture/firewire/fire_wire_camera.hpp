@@ -52,6 +52,7 @@ class FireWireCamera : public CaptureDevice {
   dc1394error_t set_up(const Video& video, std::uint32_t flags);
   [[noreturn]] void tell_of_no_room(const Video& video);
   void stop_capture() noexcept;
+  void release_capture() noexcept;
 
   Frame* dequeue() const;
   Frame* newest();
@@ -64,6 +65,8 @@ class FireWireCamera : public CaptureDevice {
   std::optional<Video> video_;
   std::string guid_;
   bool is_capturing_ = false;
+  void* buffers_ = nullptr;  // of the library, once a frame of theirs has come
+  std::size_t buffer_bytes_ = 0;
   double last_frame_ = 0, next_look_ = 0, next_restart_ = 0;  // monotonic, s
   std::int64_t n_passed_ = 0;  // frames since the last one that was read
   std::atomic<int> restarts_{0};

@@ -12,6 +12,7 @@ import pytest
 
 import robsim
 from bus_cameras import error_of, new_lab, wait_until
+from robsim import _firewire
 from robsim.capture import (
     CaptureError,
     FrameTimeoutError,
@@ -74,6 +75,25 @@ def test_unplugged(start):
         camera.read()
         bus.unplug()
         read_until(camera, UnpluggedError)
+
+
+def held():
+    """Threads and open files of this process."""
+    return len(os.listdir("/proc/self/task")), len(os.listdir("/proc/self/fd"))
+
+
+def test_nothing_is_left_of_cameras_that_were_unplugged(start):
+    bus = start(new_lab())
+    kept = []
+    for _ in range(3):
+        wait_until(_firewire.cameras)
+        with robsim.Camera("firewire://") as camera:
+            camera.read()
+            bus.unplug()
+            read_until(camera, UnpluggedError)
+        bus.plug_in()
+        kept.append(held())
+    assert kept[-1] == kept[0]
 
 
 def test_plugged_in_again(start):
