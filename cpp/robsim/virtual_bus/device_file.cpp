@@ -63,6 +63,8 @@ void EventQueue::send(const void* event, std::size_t size) {
   if (descriptor_ >= 0) ::send(descriptor_, event, size, MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
+void EventQueue::wait() { const std::lock_guard<std::mutex> lock(mutex_); }
+
 void EventQueue::hang_up() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (descriptor_ >= 0) real_close(descriptor_);

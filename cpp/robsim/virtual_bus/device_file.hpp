@@ -23,6 +23,9 @@ class EventQueue {
 
   void send(const void* event, std::size_t size);
 
+  /// Waits until nobody is sending.
+  void wait();
+
   /// Whoever waits for events is woken, and finds none.
   void hang_up();
 
@@ -42,6 +45,10 @@ class DeviceFile {
 
   /// What the kernel returns: 0 or more, or the number of an error less than 0.
   int control(unsigned long request, void* argument);
+
+  /// An event has been read. A frame was written before its event was sent: by the rules of C++ it
+  /// may be read after a lock that both took, of which a descriptor knows nothing.
+  void has_been_read() { events_->wait(); }
 
   /// Whether its node is there still, and is the one that was opened.
   bool is_alive() const;

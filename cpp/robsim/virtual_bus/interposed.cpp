@@ -229,6 +229,7 @@ INTERPOSED ssize_t read(int descriptor, void* to, std::size_t size) {
   const auto file = file_of(descriptor);
   if (file && !file->is_alive()) return fail(ENODEV);
   const ssize_t result = next(descriptor, to, size);
+  if (file) file->has_been_read();
   return result == 0 ? fail(ENODEV) : result;
 }
 
