@@ -70,13 +70,15 @@ bool is_local(const GigeIdentity& identity) {
   return identity.address == identity.interface_address || identity.address.rfind("127.", 0) == 0;
 }
 
-// Lets a flag be set when the control of a device is lost. The flag lives as long as either.
-void watch_control(ArvDevice* device, const std::shared_ptr<std::atomic<bool>>& is_lost) {
+// A flag that is set when the control of a device is lost. It lives as long as either.
+std::shared_ptr<std::atomic<bool>> watch_control(ArvDevice* device) {
   using Flag = std::shared_ptr<std::atomic<bool>>;
+  Flag is_lost = std::make_shared<std::atomic<bool>>(false);
   const auto set = +[](ArvDevice*, gpointer flag) { **static_cast<Flag*>(flag) = true; };
   const auto release = +[](gpointer flag, GClosure*) { delete static_cast<Flag*>(flag); };
   g_signal_connect_data(device, "control-lost", G_CALLBACK(set), new Flag(is_lost), release,
                         GConnectFlags(0));
+  return is_lost;
 }
 
 // A buffer of a stream, which gets it back.
@@ -159,8 +161,7 @@ void GigeCamera::connect(const GigeIdentity& identity) {
     start_thread([left = device.release()] { g_object_unref(left); }).detach();
     fail_busy(name_);
   }
-  is_lost_ = std::make_shared<std::atomic<bool>>(false);
-  watch_control(device.get(), is_lost_);
+  is_lost_ = watch_control(device.get());
   address_ = identity.address;
   camera_.reset(arv_camera_new_with_device(device.get(), failure.out()));
   if (!camera_ || failure) fail(name_, failure);
