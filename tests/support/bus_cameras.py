@@ -5,8 +5,10 @@ import time
 import numpy as np
 
 import robsim
+from sanitizers import THREAD
 
-SIZE = (640, 480)
+LARGE = (640, 480)
+SIZE = (320, 240) if THREAD else LARGE  # it takes ten times as long
 
 
 def new_lab(size=SIZE, fps=30):

@@ -31,6 +31,7 @@ def open_files():
     return len(os.listdir("/proc/self/fd"))
 
 
+@pytest.mark.sanitized
 def test_frames_are_those_of_the_lab_and_poses_are_right():
     with served() as server:
         with camera_of(server) as camera:
@@ -79,6 +80,7 @@ def test_colour_is_chosen_first_and_the_rate_is_known():
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_a_coding_is_chosen():
     with served() as server:
         for coding, way in (("raw8", "BayerRG8"), ("mono8", "Mono8"), ("rgb8", "RGB8")):
@@ -123,6 +125,7 @@ def test_no_frame_is_taken_for_a_lost_one_where_the_numbers_begin_anew():
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_a_region_of_the_sensor():
     with served() as server:
         with camera_of(server, region=(40, 60, 128, 96)) as camera:
@@ -138,6 +141,7 @@ def test_a_region_of_the_sensor():
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_features_are_set_and_read_back():
     def half(image):
         return np.floor(np.arange(256) / 2 + 0.5).astype(np.uint8)[image]
@@ -186,6 +190,7 @@ def test_it_is_found_by_its_serial_number():
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_nothing_is_left_of_a_closed_camera():
     with served() as server:
         with camera_of(server) as camera:

@@ -87,6 +87,7 @@ def test_a_back_end_that_does_not_read_them():
         robsim.Camera("gige://127.0.0.1", back_end="ffmpeg")
 
 
+@pytest.mark.sanitized
 def test_an_address_serves_one_camera():
     with served() as server:
         with SimulatedLab(SCENARIO) as lab, pytest.raises(CameraBusyError, match="3956 of"):
@@ -120,6 +121,7 @@ def test_frames_that_are_too_large_or_no_lab():
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_silence_is_a_timeout_and_frames_come_again():
     with served() as server, camera_of(server, frame_timeout=0.2) as camera:
         driven(server, camera, 3)
@@ -132,6 +134,7 @@ def test_silence_is_a_timeout_and_frames_come_again():
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_torn_frames_are_counted_and_never_seen():
     faults = CameraFaults(torn=0.3)
     with served(faults=faults) as server:
@@ -152,6 +155,7 @@ def test_dropped_frames_are_missing():
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_an_unplugged_camera_times_out_first_and_is_lost_then():
     with served() as server, camera_of(server, frame_timeout=0.5) as camera:
         driven(server, camera, 3)
@@ -168,6 +172,7 @@ def test_an_unplugged_camera_times_out_first_and_is_lost_then():
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_it_is_opened_again_when_it_is_plugged_in():
     with served() as server, camera_of(server, frame_timeout=0.3, reopen=True) as camera:
         driven(server, camera, 3)
@@ -233,6 +238,7 @@ def test_the_camera_lets_go_of_a_reader_that_was_killed(python):
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_the_end_of_the_lab_is_the_end_of_its_server():
     with SimulatedLab(SCENARIO, fps=100) as lab, GigeServer(lab) as server:
         wait_for_camera()
@@ -245,6 +251,7 @@ def test_the_end_of_the_lab_is_the_end_of_its_server():
 
 
 @pytest.mark.slow
+@pytest.mark.sanitized
 def test_a_program_ends_with_an_open_camera_and_server(python):
     text = """
 import robsim

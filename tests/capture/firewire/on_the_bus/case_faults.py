@@ -11,7 +11,7 @@ import time
 import pytest
 
 import robsim
-from bus_cameras import error_of, new_lab, wait_until
+from bus_cameras import LARGE, SIZE, error_of, new_lab, wait_until
 from robsim import _firewire
 from robsim.capture import (
     CaptureError,
@@ -136,7 +136,10 @@ def test_frames_come_again_after_a_reset_of_the_bus(start, power_fails):
 def test_what_the_bus_has_no_more_of_is_named(start, what):
     bus = start(new_lab())
     bus.refuse(**{what: True})
-    words = {"channels": "no isochronous channel left", "bandwidth": "no bandwidth left for 640 x"}
+    words = {
+        "channels": "no isochronous channel left",
+        "bandwidth": f"no bandwidth left for {SIZE[0]} x",
+    }
     with pytest.raises(NoBandwidthError, match=words[what]):
         robsim.Camera("firewire://")
     bus.refuse()
@@ -157,7 +160,7 @@ def test_frames_that_are_too_small_are_not_read(start):
 
 
 def test_two_cameras_share_the_bus(start):
-    labs = new_lab(), new_lab()
+    labs = new_lab(LARGE), new_lab(LARGE)
     bus = start(*labs)
     with robsim.Camera("firewire://0") as first:
         # Both at 30 frames/s do not fit: the second one takes what is left.
