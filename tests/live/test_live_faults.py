@@ -7,8 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from needs import needs_extension
+
 SUPPORT = Path(__file__).parents[1] / "support"
 ROUNDS = range(0, 60, 3)
+ROUNDS_ON_WIRES = (17, 21, 24, 35, 52)  # what goes wrong with cameras
 SLACK = 3  # s, by which a busy machine may be late
 FRAMES = 10_000
 
@@ -34,6 +37,16 @@ def check(*words):
 def test_whatever_goes_wrong_the_robot_stands():
     pytest.importorskip("serial")
     check("live_faults", "--slack", SLACK, "--only", *ROUNDS)
+
+
+def test_whatever_goes_wrong_with_a_bus_or_a_server_the_robot_stands():
+    pytest.importorskip("serial")
+    needs_extension("firewire")
+    needs_extension("gige")
+    check(
+        *("live_faults", "--slack", SLACK, "--cameras", "firewire", "gige"),
+        *("--only", *ROUNDS_ON_WIRES),
+    )
 
 
 def test_a_long_stream_needs_no_more_memory():

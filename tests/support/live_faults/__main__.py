@@ -11,10 +11,12 @@ import threading
 import time
 from collections import defaultdict
 
+from . import cameras, wired
+
 HARD_LIMIT = 60  # s, for a round
 
 
-def work(numbers, seed, slack):
+def work(numbers, seed, slack, kinds):
     """Run rounds in this process; a line of JSON before and after each."""
     from . import children, rounds
 
@@ -23,11 +25,13 @@ def work(numbers, seed, slack):
     if not all(map(children.is_turn, numbers)):
         for number in range(16, 20):
             rounds.play(number, seed, slack)  # so that what is made once is there
+        for kind in set(kinds) & set(wired.KINDS):
+            rounds.play(0, seed, slack, [kind])
     for number in numbers:
         print(json.dumps({"begins": number}), flush=True)
         faulthandler.dump_traceback_later(HARD_LIMIT, exit=True)
         play = children.play if children.is_turn(number) else rounds.play
-        print(json.dumps(play(number, seed, slack)), flush=True)
+        print(json.dumps(play(number, seed, slack, kinds)), flush=True)
         faulthandler.cancel_dump_traceback_later()
 
 
@@ -47,8 +51,10 @@ class Worker(threading.Thread):
     def run_process(self, errors):
         command = [sys.executable, "-m", "live_faults", "--seed", str(self.arguments.seed)]
         command += ["--slack", str(self.arguments.slack), "--only", *map(str, self.left), "--work"]
+        command += ["--cameras", *self.arguments.cameras]
         begun = None
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True) as process:
+        pipes = {"stdout": subprocess.PIPE, "stderr": errors, "text": True}
+        with subprocess.Popen(command, env=self.arguments.environment, **pipes) as process:
             for line in process.stdout:
                 said = json.loads(line)
                 if "begins" in said:
@@ -77,17 +83,17 @@ def table(results):
     rows = defaultdict(list)
     for result in results:
         rows[result["fault"]].append(result)
-    print(f"{'fault':44} rounds  worst lateness (s)  overtaken  not reached  failures")
+    width = max(map(len, rows))
+    titles = "rounds  worst lateness (s)  overtaken  not reached  failures"
+    print(f"{'fault':{width}} {titles}")
     for fault, those in sorted(rows.items()):
         late = [result["late"] for result in those if result.get("late") is not None]
         worst = f"{max(late):+.3f}" if late else "-"
         overtaken = sum(bool(result.get("overtaken")) for result in those)
         missed = sum(not result.get("reached", True) for result in those)
         failed = [result["round"] for result in those if result["failures"]]
-        print(
-            f"{fault:44} {len(those):6}  {worst:>18}  {overtaken:9}  {missed:11}  {len(failed)} "
-            + " ".join(map(str, failed))
-        )
+        numbers = " ".join(map(str, [len(failed), *failed]))
+        print(f"{fault:{width}} {len(those):6}  {worst:>18}  {overtaken:9}  {missed:11}  {numbers}")
 
 
 def main():
@@ -98,13 +104,21 @@ def main():
         "--slack", type=float, default=0.5, help="s, by which the machine may be late"
     )
     parser.add_argument("--only", type=int, nargs="+", help="numbers of rounds to repeat")
+    parser.add_argument(
+        "--cameras",
+        nargs="+",
+        choices=cameras.KINDS,
+        default=cameras.SOFTWARE,
+        help="kinds of them; firewire is the virtual bus, gige a server on loopback",
+    )
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--work", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     numbers = range(arguments.rounds) if arguments.only is None else arguments.only
     if arguments.work:
-        work(numbers, arguments.seed, arguments.slack)
+        work(numbers, arguments.seed, arguments.slack, arguments.cameras)
         return
+    arguments.environment = wired.with_bus() if "firewire" in arguments.cameras else None
     start, results = time.monotonic(), []
     workers = [
         Worker(list(numbers)[i :: arguments.workers], arguments, results)

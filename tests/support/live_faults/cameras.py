@@ -13,7 +13,10 @@ import robsim
 import sessions
 from mjpeg_server import MjpegServer, jpeg
 
-KINDS = ("lab", "http", "file", "generator")
+from . import wired
+
+SOFTWARE = ("lab", "http", "file", "generator")
+KINDS = (*SOFTWARE, *wired.KINDS)
 FPS = 50
 DT = 1 / FPS  # s
 FILE_FRAMES = 45
@@ -68,6 +71,7 @@ def pictures():
 
 class ServedFrames(Frames):
     can = ("stall", "unplug", "torn", "size", "dead server")
+    area = environment = None
 
     def parts(self):
         whole, other = pictures()
@@ -95,6 +99,7 @@ class ServedFrames(Frames):
 def http_server(rng):
     made = ServedFrames()
     made.server = MjpegServer(made.parts)
+    made.url = made.server.url
     with made.server, robsim.Camera(made.server.url, fps=FPS) as camera:
         made.frames = camera
         yield made
@@ -152,5 +157,18 @@ def generator(rng):
         made.released.set()
 
 
-MADE = {"lab": simulated_lab, "http": http_server, "file": played_file, "generator": generator}
-CAN = {"lab": LabFrames.can, "http": ServedFrames.can, "file": (), "generator": GeneratedFrames.can}
+MADE = {
+    "lab": simulated_lab,
+    "http": http_server,
+    "file": played_file,
+    "generator": generator,
+    "firewire": wired.firewire,
+    "gige": wired.gige,
+}
+CAN = {
+    "lab": LabFrames.can,
+    "http": ServedFrames.can,
+    "file": (),
+    "generator": GeneratedFrames.can,
+    **{kind: made.can for kind, made in wired.SERVED.items()},
+}

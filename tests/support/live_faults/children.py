@@ -23,11 +23,12 @@ import robsim
 from robsim.sessions import Session
 from waiting import wait_for
 
-from . import cameras, robots
+from . import cameras, robots, wired
 from .rounds import input_of
 
 LOST_AT_MOST = 1.0  # s, of a session that is killed
 HARD_LIMIT = 40  # s
+STOPPED = 0.8  # s
 EVERY = 4  # each so many rounds one is in a process of its own
 
 #: name -> (by when the robot must stand, exit code, what the last line of stderr begins with)
@@ -39,6 +40,7 @@ ENDS = {
     "SIGKILL, a fork lives on": ("time to live", -signal.SIGKILL, ""),
     "SIGKILL, interpreter held": ("time to live", -signal.SIGKILL, ""),
     "SIGKILL after step()": ("time to live", -signal.SIGKILL, ""),
+    "stopped, child's SIGINT": ("at once", -signal.SIGINT, "KeyboardInterrupt"),
     "child's SIGINT": ("at once", -signal.SIGINT, "KeyboardInterrupt"),
     "child's SIGINT after step()": ("at once", -signal.SIGINT, "KeyboardInterrupt"),
     "sys.exit()": ("at once", 5, ""),
@@ -55,12 +57,12 @@ def is_turn(number):
 class ChildRound:
     """What the parent does: the robot's end of the line, and the camera if it is served."""
 
-    def __init__(self, number, seed, slack):
+    def __init__(self, number, seed, slack, kinds):
         self.rng = rng = random.Random(f"child {seed} {number}")
         self.slack, self.failures = slack, []
         self.end = list(ENDS)[number // EVERY % len(ENDS)]
         self.promise, self.code, self.last_line = ENDS[self.end]
-        self.camera_kind = rng.choice(["lab", "http", "generator"])
+        self.camera_kind = rng.choice([kind for kind in kinds if kind != "file"])
         fits = robots.NATIVE if self.promise == "time to live" else ("udp", "serial", "python")
         self.motors_kind = rng.choice(fits)
         self.is_recorded = rng.random() < 0.6
@@ -71,21 +73,28 @@ class ChildRound:
     def run(self, folder):
         robot = robots.LineRobot(self.motors_kind)
         try:
-            is_served = self.camera_kind == "http"
-            with cameras.http_server(self.rng) if is_served else nullcontext() as camera:
-                self.run_child(folder, robot, camera and camera.server.url)
+            with self.served() as camera:
+                self.run_child(folder, robot, camera)
             self.check_stop(robot)
             if self.is_recorded:
                 self.check_session(Path(folder, "session"), robot)
         finally:
             robot.close()
 
-    def run_child(self, folder, robot, url):
+    def served(self):
+        """The camera that this process shows to the child, if it does."""
+        if self.camera_kind in wired.KINDS:
+            return wired.served(self.camera_kind, self.rng)
+        is_http = self.camera_kind == "http"
+        return cameras.http_server(self.rng) if is_http else nullcontext()
+
+    def run_child(self, folder, robot, camera):
         told = {
             "end": self.end,
             "k": self.rng.randrange(2, 20),
             "camera": self.camera_kind,
-            "url": url,
+            "url": camera and camera.url,
+            "area": camera and camera.area,
             "motors": self.motors_kind,
             "address": robot.address,
             "record": str(Path(folder, "session")) if self.is_recorded else None,
@@ -94,12 +103,20 @@ class ChildRound:
         }
         command = [sys.executable, "-W", "ignore", "-m", "live_faults.children", json.dumps(told)]
         with tempfile.TemporaryFile("w+") as errors:
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True)
+            process = subprocess.Popen(
+                command,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+                env=camera and camera.environment,
+            )
             watch = threading.Timer(HARD_LIMIT, process.kill)
             watch.start()
             said = process.stdout.readline()
             if said and (number := self.signal()):
                 time.sleep(self.delay)
+                if "stopped" in self.end:
+                    self.hold_for_a_while(process)
                 self.happened = time.monotonic()
                 process.send_signal(number)
             elif said:
@@ -113,6 +130,13 @@ class ChildRound:
             process.stdout.close()
             errors.seek(0)
             self.check_end(process.returncode, errors.read())
+
+    def hold_for_a_while(self, process):
+        """Nobody takes frames meanwhile: those that wait are overrun."""
+        process.send_signal(signal.SIGSTOP)
+        time.sleep(STOPPED)
+        process.send_signal(signal.SIGCONT)
+        time.sleep(self.delay)
 
     def signal(self):
         """The signal that the parent sends, if it does."""
@@ -170,9 +194,9 @@ class ChildRound:
                 self.failures.append(f"the session says: {wrong}")
 
 
-def play(number, seed, slack):
-    """Run a round with a child; return what a line of the table needs."""
-    made = ChildRound(number, seed, slack)
+def play(number, seed, slack, kinds=cameras.SOFTWARE):
+    """Run a round with a child and a camera of these kinds; return what a line needs."""
+    made = ChildRound(number, seed, slack, kinds)
     start, folder = time.monotonic(), tempfile.mkdtemp()
     try:
         made.run(folder)
@@ -235,8 +259,8 @@ def main(told):
             print("drives", flush=True)
         return input_of(step.k)
 
-    if told["camera"] == "http":
-        frames = robsim.Camera(told["url"])
+    if told["url"]:
+        frames = robsim.Camera(told["url"], area=told["area"])
     else:
         made = cameras.MADE[told["camera"]](rng)
         frames = made.__enter__().frames

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from robsim.capture import CaptureError
 from robsim.motors import LineError
 
-from . import cameras, robots
+from . import cameras, robots, wired
 
 
 class OddError(BaseException):
@@ -162,7 +162,9 @@ ANY_TIME = (
     Fault("SIGINT", ctrl_c, (KeyboardInterrupt,)),
     Fault("stop()", stop),
     Fault("motors closed", close_motors, (LineError,), motors=(*robots.NATIVE, "recorded")),
-    Fault("camera closed", close_camera, (ValueError,), cameras=("lab", "http", "file")),
+    Fault(
+        "camera closed", close_camera, (ValueError,), cameras=("lab", "http", "file", *wired.KINDS)
+    ),
     Fault("line cut", cut, (LineError,), "time to live", motors=robots.NATIVE, is_cut=True),
     Fault(
         "line silent", cut_silently, (LineError,), "time to live", motors=robots.NATIVE, is_cut=True
@@ -202,6 +204,12 @@ OF_CAMERAS = (
     of_camera("raises", (ZeroDivisionError,)),
     of_camera("ends", ()),
     of_camera("order", (ValueError,)),
+    of_camera("plugged in again", (CaptureError,)),
+    of_camera("server starts anew", (CaptureError,)),
+    of_camera("bus reset", (), "goes on"),
+    of_camera("bus loses power", (), "watchdog"),
+    of_camera("no channel", (CaptureError,)),
+    of_camera("no bandwidth", (CaptureError,)),
 )
 
 ENDS = (
@@ -217,6 +225,11 @@ def may_come_any_time(fault):
 
 
 FAULTS = (*IN_CALLBACK, *ANY_TIME, *OF_CAMERAS, *ENDS)
+
+
+def with_cameras(kinds):
+    """Return the faults that can be had with these kinds of cameras."""
+    return [fault for fault in FAULTS if set(fault.cameras) & set(kinds)]
 
 
 class LaterFault(threading.Thread):

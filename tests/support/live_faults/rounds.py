@@ -34,7 +34,7 @@ def input_of(k):
 class Round:
     """A live run, with one or two faults."""
 
-    def __init__(self, number, seed, slack):
+    def __init__(self, number, seed, slack, kinds):
         self.rng = random.Random(f"{seed} {number}")
         self.slack = slack
         self.failures = []
@@ -42,13 +42,14 @@ class Round:
         self.newest = None  # arrival of the newest frame that was taken
         self.decided = 0
         self.error = None
-        self._choose(number)
+        self._choose(number, kinds)
 
-    def _choose(self, number):
+    def _choose(self, number, kinds):
         rng = self.rng
-        first = faults.FAULTS[number % len(faults.FAULTS)]
+        those = faults.with_cameras(kinds)
+        first = those[number % len(those)]
         self.faults = [first]
-        self.camera_kind = rng.choice(first.cameras)
+        self.camera_kind = rng.choice([kind for kind in first.cameras if kind in kinds])
         self.motors_kind = rng.choice(first.motors)
         self.is_recorded = rng.random() < 0.5 if first.is_recorded is None else first.is_recorded
         if first.drive is None and rng.random() < 0.25:
@@ -349,10 +350,10 @@ def descriptors():
     return sorted(found)
 
 
-def play(number, seed, slack):
-    """Run a round; return what a line of the table needs."""
+def play(number, seed, slack, kinds=cameras.SOFTWARE):
+    """Run a round with a camera of these kinds; return what a line of the table needs."""
     before, threads, files = held(), names_of_threads(), descriptors()
-    made = Round(number, seed, slack)
+    made = Round(number, seed, slack, kinds)
     start = time.monotonic()
     folder = tempfile.mkdtemp()
     with warnings.catch_warnings():

@@ -1,0 +1,151 @@
+"""Cameras on the virtual FireWire bus and of GigE Vision on loopback, and what goes wrong there."""
+
+import os
+from contextlib import contextmanager, nullcontext
+
+import gige_cameras
+import robsim
+from needs import needs_extension
+from robsim.live import GigeServer, SimulatedLab, VirtualBus
+from waiting import wait_for
+
+KINDS = ("firewire", "gige")
+SIZE = (160, 120)  # px
+FPS = {"firewire": 30, "gige": 50}
+LONG = 30  # s
+
+
+class ServedLab:
+    """A simulated lab that a bus or a server shows: `url` opens it, in a process that sees it."""
+
+    can = ()
+
+    def __init__(self, lab):
+        self.lab = lab
+        self.area = lab.area
+        self.frames = None
+        self.environment = dict(os.environ)
+
+    def go_wrong(self, how):
+        """Let something happen now."""
+        getattr(self, how.replace(" ", "_"))()
+
+
+class OnFireWire(ServedLab):
+    can = (
+        *("stall", "unplug", "plugged in again"),
+        *("bus reset", "bus loses power", "no channel", "no bandwidth"),
+    )
+    url = "firewire://"
+
+    def __init__(self, lab):
+        super().__init__(lab)
+        self.bus = VirtualBus(lab)
+        self.environment = self.bus.environment
+
+    def stall(self):
+        self.bus.stall(LONG)
+
+    def unplug(self):
+        self.bus.unplug()
+
+    def plugged_in_again(self):
+        self.bus.unplug()
+        self.bus.plug_in()
+
+    def bus_reset(self):
+        self.bus.reset()
+
+    def bus_loses_power(self):
+        self.bus.reset(power_fails=True)
+
+    def no_channel(self):
+        self.bus.refuse(channels=True)
+        self.plugged_in_again()
+
+    def no_bandwidth(self):
+        self.bus.refuse(bandwidth=True)
+        self.plugged_in_again()
+
+    def close(self):
+        self.bus.close()
+
+
+class OnGige(ServedLab):
+    can = ("stall", "unplug", "plugged in again", "dead server", "server starts anew")
+
+    def __init__(self, lab):
+        super().__init__(lab)
+        self.server = GigeServer(lab)
+        self.url = self.server.url
+
+    def stall(self):
+        self.lab.stall(LONG)
+
+    def unplug(self):
+        self.lab.unplug()
+
+    def plugged_in_again(self):
+        self.lab.unplug()
+        self.lab.plug_in()
+
+    def dead_server(self):
+        self.server.close()
+
+    def server_starts_anew(self):
+        self.server.close()
+        self.server = GigeServer(self.lab)
+
+    def close(self):
+        self.server.close()
+
+
+SERVED = {"firewire": OnFireWire, "gige": OnGige}
+
+
+@contextmanager
+def served(kind, rng):
+    """Show a lab, in half of the cases one whose camera drops, repeats and tears frames."""
+    scenario = robsim.Scenario(area=(600, 450), resolution=SIZE, seed=rng.randrange(1000))
+    faults = robsim.live.CameraFaults()
+    if rng.random() < 0.5:
+        faults = robsim.live.CameraFaults(dropped=0.1, repeated=0.1, torn=0.1)
+    turn = gige_cameras.alone() if kind == "gige" else nullcontext()
+    with turn, SimulatedLab(scenario, fps=FPS[kind], faults=faults) as lab:
+        made = SERVED[kind](lab)
+        try:
+            yield made
+        finally:
+            made.close()
+
+
+@contextmanager
+def opened(kind, rng):
+    """Read such a camera in this process; on FireWire it was started with the virtual bus."""
+    with served(kind, rng) as made:
+        if kind == "firewire":
+            os.environ["ROBSIM_VIRTUAL_BUS"] = made.environment["ROBSIM_VIRTUAL_BUS"]
+            wait_for(needs_extension("firewire").cameras)
+        options = {"frame_timeout": 0.3, "reopen": rng.random() < 0.5}
+        try:
+            with robsim.Camera(made.url, area=made.area, **options) as camera:
+                made.frames = camera
+                yield made
+        finally:
+            os.environ.pop("ROBSIM_VIRTUAL_BUS", None)
+
+
+def firewire(rng):
+    """Read a camera on FireWire in this process."""
+    return opened("firewire", rng)
+
+
+def gige(rng):
+    """Read a camera of GigE Vision in this process."""
+    return opened("gige", rng)
+
+
+def with_bus():
+    """Return the environment of a process that can see virtual buses; there is none yet."""
+    with SimulatedLab() as lab, VirtualBus(lab) as bus:
+        return {**os.environ, "LD_PRELOAD": bus.environment["LD_PRELOAD"]}
