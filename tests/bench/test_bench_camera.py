@@ -6,11 +6,15 @@ import re
 import numpy as np
 import pytest
 
+import gige_cameras
 from commands import command
+from needs import needs_extension
 from robsim import _core
 from robsim.bench import Case
 from robsim.bench import _camera as camera
-from robsim.bench._camera_result import CameraBench, Path
+from robsim.bench._camera_result import CameraBench, Live, Path
+from robsim.capture import CameraBusyError
+from robsim.live._bench import serving
 
 cv2 = pytest.importorskip("cv2")
 
@@ -21,6 +25,7 @@ SIZE = (320, 240)
 def _small(monkeypatch):
     monkeypatch.setattr(camera, "SIZES", (SIZE,))
     monkeypatch.setattr(camera.run_camera_bench, "__kwdefaults__", {"rounds": 1, "sizes": (SIZE,)})
+    monkeypatch.setattr(serving, "WAYS", ())
 
 
 @pytest.mark.usefixtures("_small")
@@ -54,6 +59,50 @@ def test_the_table():
     assert re.search(r"bayer_rggb_1280x960 \(ms\) +0.25 +12.5 +50.0 +1.5 +123 +82.3 +4.5 %", text)
     assert re.search(r"mono8_640x480 \(ms\) +0.25 +12.5 +50.0$", text, re.MULTILINE)
     assert max(map(len, text.splitlines())) <= 95
+
+
+def test_the_table_of_live_cameras():
+    numbers = {"rate": 29.97, "lost": 2, "latency": 1.234, "latency_p95": 2.5, "core": 0.0716}
+    live = (Live(transport="gige", coding="raw8", size=(1280, 960), **numbers),)
+    case = Case(name="", ours=0.25, others={"opencv": 12.5})
+    bench = CameraBench(
+        cpu_path="avx2",
+        paths=(Path(format="mono8", size=(640, 480), to_rgb=case),),
+        live=live,
+        left_out=("gige rgb8 is left out",),
+    )
+    text = str(bench)
+    assert re.search(r"gige_raw8_1280x960 +30\.0 +2 +1\.23 +2\.5 +7\.2 %$", text, re.MULTILINE)
+    assert "gige rgb8 is left out" in text
+    assert max(map(len, text.splitlines())) <= 98
+    assert bench.to_dict()["live"]["gige_raw8_1280x960"] == pytest.approx(numbers)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_live_cameras_are_read_by_a_process_of_its_own():
+    needs_extension("firewire")
+    with gige_cameras.alone():
+        read = serving.read_live_cameras(seconds=1.0, size=(320, 240))
+    assert read.left_out == []
+    assert [(row["transport"], row["coding"]) for row in read.rows] == list(serving.WAYS)
+    for row in read.rows:
+        Live(**row)
+        assert 0 < row["rate"] < 31
+        assert row["lost"] >= 0
+        assert 0 < row["latency"] <= row["latency_p95"]
+        assert 0 < row["core"] < 1
+
+
+def test_a_live_camera_that_cannot_be_served_is_left_out(monkeypatch):
+    def taken(lab):
+        raise CameraBusyError("port 3956 is taken")
+
+    monkeypatch.setattr(serving, "WAYS", (("gige", "raw8"),))
+    monkeypatch.setattr(serving, "GigeServer", taken)
+    read = serving.read_live_cameras(seconds=1.0, size=(320, 240))
+    assert read.rows == []
+    assert read.left_out == ["gige raw8 is left out: port 3956 is taken"]
 
 
 @pytest.mark.parametrize(("format_", "most"), [("yuv411", 2), ("mono8", 0), ("rgb8", 0)])

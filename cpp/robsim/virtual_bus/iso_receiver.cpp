@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <linux/futex.h>
+#include <pthread.h>
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
@@ -104,6 +105,7 @@ void IsoReceiver::stop() {
 }
 
 void IsoReceiver::run() {
+  pthread_setname_np(pthread_self(), "virtual bus");  // so that its share can be told apart
   const auto n_cameras = static_cast<std::size_t>(bus_.n_cameras);
   std::array<std::uint32_t, most_cameras> seen{};
   for (std::size_t i = 0; i < n_cameras; ++i) seen[i] = bus_.cameras[i].n_pictures;

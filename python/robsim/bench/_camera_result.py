@@ -8,6 +8,12 @@ from robsim._base.report import Column, Quantity, Report, Row, Table, percent
 from robsim.bench._cases import Case
 
 RATE = 30  # frames/s
+LIVE_REMARKS = (
+    "live: another process renders the frames, and serves them by GigE Vision on loopback or on "
+    "the virtual FireWire bus, where a camera of 1280 x 960 px sends 15 a second",
+    "to measurement: from the arrival of a frame's last bytes to the pose; median and 95 %",
+    "core: the reading process' share of one processor core, with the system's part",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +50,42 @@ class Path:
         return Row(f"{self.format}_{self.size[0]}x{self.size[1]}", [*values, share], unit="ms")
 
 
+@dataclass(frozen=True, kw_only=True)
+class Live:
+    """What it took to read a live camera and to find the robot in each frame.
+
+    Attributes
+    ----------
+    transport, coding : str
+        How the frames came, such as ``"gige"``, and how they were sent, such as ``"raw8"``.
+    size : (int, int)
+        Width and height of the frames (px).
+    rate : float
+        Frames that were measured a second.
+    lost : int
+        Frames that did not come, or were not taken.
+    latency, latency_p95 : float
+        From the bytes in memory to the measurement: median and 95th percentile (ms).
+    core : float
+        Share of a processor core of the process that reads.
+    """
+
+    transport: str
+    coding: str
+    size: tuple[int, int]
+    rate: float
+    lost: int
+    latency: float
+    latency_p95: float
+    core: float
+
+    @property
+    def row(self) -> Row:
+        """Its row in the table."""
+        name = f"{self.transport}_{self.coding}_{self.size[0]}x{self.size[1]}"
+        return Row(name, [self.rate, self.lost, self.latency, self.latency_p95, self.core])
+
+
 def _three_digits(milliseconds: float) -> str:
     return f"{milliseconds:.3g}"
 
@@ -58,10 +100,16 @@ class CameraBench(Report):
         The instruction set that the inner loops used.
     paths : tuple of Path
         A way to send pixels and a size each.
+    live : tuple of Live
+        A camera that was read live each.
+    left_out : tuple of str
+        Live cameras that could not be read, and why.
     """
 
     cpu_path: str
     paths: tuple[Path, ...]
+    live: tuple[Live, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -75,7 +123,7 @@ class CameraBench(Report):
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """A row for each way to send pixels and each size."""
+        """A row for each way to send pixels and each size, and one for each live camera."""
         columns = []
         for key, title in (("to_rgb", "to RGB"), ("to_pose", "to pose")):
             columns += [
@@ -85,7 +133,20 @@ class CameraBench(Report):
             ]
         columns.append(Column("core", f"core at {RATE}/s", "", percent, missing=""))
         rows = [path.row for path in self.paths]
-        return (Table(key="paths", columns=columns, rows=rows, row_title="pixels"),)
+        paths = Table(key="paths", columns=columns, rows=rows, row_title="pixels")
+        return (paths, self._live_table) if self.live else (paths,)
+
+    @property
+    def _live_table(self) -> Table:
+        columns = (
+            Column("rate", "frames", "1/s", ".1f"),
+            Column("lost", "lost", "", ".0f"),
+            Column("latency", "to measurement", "ms", _three_digits),
+            Column("latency_p95", "95 %", "ms", _three_digits),
+            Column("core", "core", "", percent),
+        )
+        rows = [camera.row for camera in self.live]
+        return Table(key="live", columns=columns, rows=rows, row_title="live camera")
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -95,4 +156,6 @@ class CameraBench(Report):
             f"core at {RATE}/s: robsim's share of one processor core at {RATE} frames a second",
             "yuv411: OpenCV does not know a camera's order, so numpy sorts the bytes first",
             "mono8 shows no colours, so there are no markers to find",
+            *(LIVE_REMARKS if self.live else ()),
+            *self.left_out,
         )

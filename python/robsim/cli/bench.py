@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Annotated
 
 import typer
@@ -19,7 +20,8 @@ HELP = (
     "With --panel: how many different frames of a panel Chromium paints in a second, how long "
     "after their step, and what that costs, beside matplotlib. It takes half a minute.\n\n"
     "With --camera: the way of a frame from the bytes that a FireWire or GigE camera sends to the "
-    "pose of the robot, for each way in which cameras send pixels, beside OpenCV."
+    "pose of the robot, for each way in which cameras send pixels, beside OpenCV; and what a "
+    "process takes that reads a live one, simulated, and finds the robot in each frame."
 )
 
 
@@ -70,8 +72,15 @@ def _measured_core(rounds: int) -> Report:
 
 def _measured_camera(rounds: int) -> Report:
     from robsim.bench._camera import run_camera_bench
+    from robsim.bench._camera_result import Live
+    from robsim.live._bench.serving import read_live_cameras
 
-    return run_camera_bench(rounds=rounds)
+    live = read_live_cameras()
+    return dataclasses.replace(
+        run_camera_bench(rounds=rounds),
+        live=tuple(Live(**row) for row in live.rows),
+        left_out=tuple(live.left_out),
+    )
 
 
 def _measured_panel() -> Report:
