@@ -24,9 +24,9 @@ def work(numbers, seed, slack, kinds):
     signal.signal(signal.SIGINT, signal.default_int_handler)
     if not all(map(children.is_turn, numbers)):
         for number in range(16, 20):
-            rounds.play(number, seed, slack)  # so that what is made once is there
+            rounds.play(number, seed, slack, patience=1)  # so that what is made once is there
         for kind in set(kinds) & set(wired.KINDS):
-            rounds.play(0, seed, slack, [kind])
+            rounds.play(0, seed, slack, [kind], patience=1)
     for number in numbers:
         print(json.dumps({"begins": number}), flush=True)
         faulthandler.dump_traceback_later(HARD_LIMIT, exit=True)
