@@ -18,8 +18,8 @@ namespace {
 constexpr double patience_for_answer = 0.5;      // s; a camera answers within milliseconds
 constexpr double patience_for_discovery = 1;     // s
 constexpr guint64 patience_for_frame = 100'000;  // us
-constexpr int local_packet = 8000;  // bytes: on loopback more of them lose less than at 1500
-constexpr int safe_packet = 1500;   // bytes, of any Ethernet
+constexpr int local_packet = 16000;  // bytes: on loopback the fewer there are, the fewer are lost
+constexpr int safe_packet = 1500;    // bytes, of any Ethernet
 constexpr std::size_t memory_of_buffers = 64u << 20;                                     // bytes
 constexpr std::size_t least_receive_buffer = 4u << 20, most_receive_buffer = 64u << 20;  // bytes
 
