@@ -41,8 +41,8 @@ def px_length(unit: str, mm_per_px: float | None) -> float:
         return 1.0
     if mm_per_px is None:
         raise ValueError(
-            f"unit must be 'px', got {unit!r}: the camera was not calibrated, so that nobody knows "
-            "how long a px is on the floor; give mm_per_px=..., or a calibration to the run"
+            f"unit must be 'px', got {quoted(unit)}: the camera was not calibrated, so it is not "
+            "known how long a px is on the floor; give mm_per_px=..., or a calibration to the run"
         )
     return check_mm_per_px(mm_per_px) / _MM[unit]
 
