@@ -165,8 +165,12 @@ bool IsoReceiver::receive(CameraState& camera, std::uint32_t number) {
       return false;
     }
     buffer = buffers_.front();
-    if (!fill(camera, number, sent, light, buffer)) return false;
     buffers_.pop_front();
+  }
+  if (!fill(camera, number, sent, light, buffer)) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    buffers_.push_front(buffer);
+    return false;
   }
   // The last packet comes when all the others have had their cycles.
   const std::int64_t end = start + sent.n_packets * cycle;
