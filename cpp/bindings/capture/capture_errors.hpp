@@ -2,6 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include "capture/device_text.hpp"
 #include "robsim/capture/capture_device.hpp"
 
 namespace robsim::bindings {
@@ -9,8 +10,9 @@ namespace robsim::bindings {
 /// Raises the error of robsim.capture that a fault stands for.
 inline void raise_in_python(const CaptureError& error) {
   namespace py = pybind11;
-  const py::object raised = py::module_::import("robsim.capture._errors")
-                                .attr("error_of")(name_of(error.fault()), error.what());
+  const py::object raised =
+      py::module_::import("robsim.capture._errors")
+          .attr("error_of")(name_of(error.fault()), device_text(error.what()));
   PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
 }
 

@@ -6,11 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "capture/camera_features.hpp"
 #include "capture/capture_errors.hpp"
+#include "capture/device_text.hpp"
 #include "python/interpreter.hpp"
 #include "robsim/capture/firewire/fire_wire_camera.hpp"
 
@@ -18,23 +19,9 @@ namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 using fire_wire::CameraOptions;
-using fire_wire::FeatureState;
-using fire_wire::FeatureWish;
 using fire_wire::FireWireCamera;
 
 namespace {
-
-// (name, None for automatic or values)
-using Wishes = std::vector<std::pair<std::string, std::optional<std::vector<double>>>>;
-using Feature = std::tuple<std::string, bool, std::vector<double>, std::string, double, double>;
-
-std::vector<FeatureWish> wishes_from(const Wishes& given) {
-  std::vector<FeatureWish> wishes;
-  for (const auto& [name, values] : given) {
-    wishes.push_back({name, !values, values.value_or(std::vector<double>())});
-  }
-  return wishes;
-}
 
 std::shared_ptr<FireWireCamera> make_camera(const std::string& choice,
                                             std::optional<std::pair<int, int>> size,
@@ -43,20 +30,6 @@ std::shared_ptr<FireWireCamera> make_camera(const std::string& choice,
                                             const Wishes& features) {
   return std::make_shared<FireWireCamera>(
       CameraOptions{choice, {size, region, fps, coding}, wishes_from(features)});
-}
-
-std::vector<Feature> features_of(const FireWireCamera& self) {
-  std::vector<FeatureState> states;
-  {
-    const WithoutInterpreter work;
-    states = self.features();
-  }
-  std::vector<Feature> found;
-  for (const FeatureState& state : states) {
-    found.emplace_back(state.name, state.is_automatic, state.values, state.unit, state.low,
-                       state.high);
-  }
-  return found;
 }
 
 py::dict video_of(const FireWireCamera& self) {
@@ -82,7 +55,7 @@ py::list cameras() {
   }
   py::list list;
   for (const auto& camera : found) {
-    list.append(py::make_tuple(camera.guid, camera.vendor, camera.model));
+    list.append(py::make_tuple(camera.guid, device_text(camera.vendor), device_text(camera.model)));
   }
   return list;
 }
@@ -93,8 +66,9 @@ PYBIND11_MODULE(_firewire, module) {
   module.doc() = "Cameras on FireWire, by libdc1394. Users take robsim.Camera(\"firewire://\").";
   py::module_::import("robsim._core");  // has CaptureDevice, and makes errors of CaptureError
   translate_capture_errors();
-  py::class_<FireWireCamera, CaptureDevice, std::shared_ptr<FireWireCamera>>(
-      module, "FireWireCamera", "A camera for a grabber. Users take robsim.Camera.")
+  py::class_<FireWireCamera, CaptureDevice, std::shared_ptr<FireWireCamera>> camera(
+      module, "FireWireCamera", "A camera for a grabber. Users take robsim.Camera.");
+  camera
       .def(py::init(&make_camera), py::arg("choice"), py::kw_only(), py::arg("size"),
            py::arg("region"), py::arg("fps"), py::arg("coding"), py::arg("features"))
       .def("open", &FireWireCamera::open, py::call_guard<WithoutInterpreter>(),
@@ -103,17 +77,8 @@ PYBIND11_MODULE(_firewire, module) {
       .def_property_readonly("video", &video_of, "dict: what it sends; empty before it is open.")
       .def_property_readonly("guid", &FireWireCamera::guid, "str: its number, 16 digits.")
       .def_property_readonly("restarts", &FireWireCamera::restarts,
-                             "int: times that it was made to send again.")
-      .def_property_readonly(
-          "features", &features_of,
-          "list of tuple: name, whether it is automatic, values, unit, least, greatest value.")
-      .def(
-          "set_features",
-          [](FireWireCamera& self, const Wishes& wishes) {
-            const WithoutInterpreter work;
-            self.set_features(wishes_from(wishes));
-          },
-          py::arg("wishes"), "Set features: pairs (name, values, or None for automatic).");
+                             "int: times that it was made to send again.");
+  bind_features(camera);
   module.def("cameras", &cameras, "Return (guid, vendor, model) of all cameras on the bus.");
   module.def(
       "nodes",

@@ -6,11 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "capture/camera_features.hpp"
 #include "capture/capture_errors.hpp"
+#include "capture/device_text.hpp"
 #include "python/interpreter.hpp"
 #include "python/public_names.hpp"
 #include "robsim/capture/gige/discovery.hpp"
@@ -59,10 +60,10 @@ void close_server(const Server& server) {
 py::dict identity_dict(const GigeIdentity& identity) {
   py::dict values;
   values["address"] = identity.address;
-  values["vendor"] = identity.vendor;
-  values["model"] = identity.model;
-  values["serial"] = identity.serial;
-  values["user_name"] = identity.user_name;
+  values["vendor"] = device_text(identity.vendor);
+  values["model"] = device_text(identity.model);
+  values["serial"] = device_text(identity.serial);
+  values["user_name"] = device_text(identity.user_name);
   return values;
 }
 
@@ -71,39 +72,13 @@ py::object info_of(const GigeCamera& camera) {
   if (!info) return py::none();
   py::dict values = identity_dict(info->identity);
   const SensorRegion& region = info->region;
-  values["format"] = info->format;
+  values["format"] = device_text(info->format);
   values["coding"] = info->coding;
   values["region"] = py::make_tuple(region.left, region.top, region.width, region.height);
   values["fps"] = info->fps;
   values["packet_size"] = info->packet_size;
   values["advice"] = info->advice;
   return values;
-}
-
-// (name, None for automatic or values)
-using Wishes = std::vector<std::pair<std::string, std::optional<std::vector<double>>>>;
-using Feature = std::tuple<std::string, bool, std::vector<double>, std::string, double, double>;
-
-std::vector<gige::FeatureWish> wishes_from(const Wishes& given) {
-  std::vector<gige::FeatureWish> wishes;
-  for (const auto& [wished, values] : given) {
-    wishes.push_back({wished, !values, values.value_or(std::vector<double>())});
-  }
-  return wishes;
-}
-
-std::vector<Feature> features_of(const GigeCamera& self) {
-  std::vector<gige::FeatureState> states;
-  {
-    const WithoutInterpreter work;
-    states = self.features();
-  }
-  std::vector<Feature> found;
-  for (const gige::FeatureState& state : states) {
-    found.emplace_back(state.name, state.is_automatic, state.values, state.unit, state.low,
-                       state.high);
-  }
-  return found;
 }
 
 std::shared_ptr<GigeCamera> make_camera(const std::string& source,
@@ -130,9 +105,10 @@ PYBIND11_MODULE(_gige, module) {
   module.doc() = "GigE Vision cameras, read and served by Aravis.";
   py::module_::import("robsim._core");  // which knows the classes that these build on
   translate_capture_errors();
-  py::class_<GigeCamera, CaptureDevice, std::shared_ptr<GigeCamera>>(
+  py::class_<GigeCamera, CaptureDevice, std::shared_ptr<GigeCamera>> camera(
       public_in(module, name), "GigeCamera",
-      "A GigE Vision camera, for a grabber. Users take robsim.Camera.")
+      "A GigE Vision camera, for a grabber. Users take robsim.Camera.");
+  camera
       .def(py::init(&make_camera), py::arg("source"), py::kw_only(), py::arg("size"),
            py::arg("region"), py::arg("fps"), py::arg("format"), py::arg("features"),
            py::arg("packet_size"))
@@ -140,17 +116,8 @@ PYBIND11_MODULE(_gige, module) {
            "Start it, so that what it sends is known. Raises CaptureError.")
       .def("close", &GigeCamera::close, py::call_guard<WithoutInterpreter>(), "Give it back.")
       .def_property_readonly("info", &info_of,
-                             "dict or None: what it is and what it sends, once it was open.")
-      .def_property_readonly(
-          "features", &features_of,
-          "list of tuple: name, whether it is automatic, values, unit, least, greatest value.")
-      .def(
-          "set_features",
-          [](GigeCamera& self, const Wishes& wishes) {
-            const WithoutInterpreter work;
-            self.set_features(wishes_from(wishes));
-          },
-          py::arg("wishes"), "Set features: pairs (name, values, or None for automatic).");
+                             "dict or None: what it is and what it sends, once it was open.");
+  bind_features(camera);
   py::class_<Server, std::shared_ptr<Server>>(
       public_in(module, name), "GigeServer",
       "The thread that serves a camera. Users take robsim.live.GigeServer.")

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
+#include <string>
 
 #include "robsim/capture/firewire/fire_wire_bus.hpp"
 
@@ -59,36 +59,12 @@ FeatureState state_of(const Named& one, const dc1394feature_info_t& info) {
   return state;
 }
 
-std::string text_of(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
-// Throws CaptureError unless the camera can have the values.
-void check_values(const FeatureWish& wish, const FeatureState& state) {
-  const std::size_t wanted = state.values.size();
-  const bool fits = wish.values.size() == wanted &&
-                    std::all_of(wish.values.begin(), wish.values.end(), [&](double value) {
-                      // Absolute limits have single precision.
-                      const double slack =
-                          1e-6 * std::max(std::abs(state.low), std::abs(state.high));
-                      return value >= state.low - slack && value <= state.high + slack;
-                    });
-  if (fits) return;
-  std::string got;
-  for (const double value : wish.values) got += (got.empty() ? "" : ", ") + text_of(value);
-  throw CaptureError(CaptureFault::failed,
-                     "features." + wish.name + " must be " +
-                         (wanted == 2 ? "two numbers (blue, red) " : "a number ") + "from " +
-                         text_of(state.low) + " to " + text_of(state.high) +
-                         (state.unit.empty() ? "" : " " + state.unit) + " on this camera, got " +
-                         got);
-}
+// Of absolute limits, which have single precision.
+constexpr double slack = 1e-6;
 
 void set_values(dc1394camera_t* camera, const Named& one, const dc1394feature_info_t& info,
                 const FeatureWish& wish) {
-  check_values(wish, state_of(one, info));
+  check_values(wish, state_of(one, info), slack);
   const std::string action = std::string("set the ") + one.name;
   const auto whole = [&](std::size_t i) {
     return static_cast<std::uint32_t>(std::lround(wish.values[i]));

@@ -123,7 +123,7 @@ bool FireWireCamera::try_to_start(const Video& video) {
 // anew.
 dc1394error_t FireWireCamera::set_up(const Video& video, std::uint32_t flags) {
   if (!handle_) handle_ = std::make_unique<CameraHandle>(options_.choice);
-  fire_wire::set_features(camera(), options_.features);
+  fire_wire::set_features(camera(), features_);
   video_ = video;
   video_->fps = apply(camera(), video);
   guid_ = handle_->guid();
@@ -190,7 +190,9 @@ std::vector<FeatureState> FireWireCamera::features() const {
 
 void FireWireCamera::set_features(const std::vector<FeatureWish>& wishes) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  fire_wire::set_features(camera(), wishes);
+  const std::vector<FeatureWish> all = overlaid(features_, wishes);
+  fire_wire::set_features(camera(), all);
+  features_ = all;
 }
 
 dc1394video_frame_t* FireWireCamera::dequeue() const {

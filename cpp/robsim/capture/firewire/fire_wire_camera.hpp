@@ -24,7 +24,8 @@ struct CameraOptions {
 /// grabber; the others for any.
 class FireWireCamera : public CaptureDevice {
  public:
-  explicit FireWireCamera(CameraOptions options) : options_(std::move(options)) {}
+  explicit FireWireCamera(CameraOptions options)
+      : options_(std::move(options)), features_(options_.features) {}
   ~FireWireCamera() override { close(); }
 
   void open() override;
@@ -35,7 +36,8 @@ class FireWireCamera : public CaptureDevice {
   std::optional<Video> video() const;
   std::string guid() const;
 
-  /// How its features are set. Throws CaptureError, also if it is not open.
+  /// How its features are set. What is set holds when it is opened again, too. Throws CaptureError,
+  /// also if it is not open.
   std::vector<FeatureState> features() const;
   void set_features(const std::vector<FeatureWish>& wishes);
 
@@ -62,6 +64,7 @@ class FireWireCamera : public CaptureDevice {
   const CameraOptions options_;
   mutable std::mutex mutex_;  // of the registers
   std::unique_ptr<CameraHandle> handle_;
+  std::vector<FeatureWish> features_;  // all that were asked for
   std::optional<Video> video_;
   std::string guid_;
   bool is_capturing_ = false;

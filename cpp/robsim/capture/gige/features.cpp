@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <optional>
+#include <string>
 
 #include "robsim/capture/capture_device.hpp"
 
@@ -35,12 +35,6 @@ constexpr std::array<Named, 8> named{{
 
 [[noreturn]] void refuse(const Named& one, const std::string& text) {
   throw CaptureError(CaptureFault::failed, std::string("features.") + one.name + text);
-}
-
-std::string number_text(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%g", value);
-  return text.data();
 }
 
 bool is_pair(const Named& one) { return one.automatic && !std::strcmp(one.name, "white_balance"); }
@@ -110,26 +104,11 @@ std::optional<FeatureState> state_of(ArvCamera* camera, const Named& one) {
   return state;
 }
 
-// Throws CaptureError unless the camera can have the values.
-void check_values(const Named& one, const FeatureWish& wish, const FeatureState& state) {
-  const bool fits = wish.values.size() == state.values.size() &&
-                    std::all_of(wish.values.begin(), wish.values.end(), [&](double value) {
-                      return value >= state.low && value <= state.high;
-                    });
-  if (fits) return;
-  std::string got;
-  for (const double value : wish.values) got += (got.empty() ? "" : ", ") + number_text(value);
-  refuse(one, std::string(" must be ") +
-                  (state.values.size() == 2 ? "two numbers (blue, red) " : "a number ") + "from " +
-                  number_text(state.low) + " to " + number_text(state.high) +
-                  (state.unit.empty() ? "" : " " + state.unit) + " on this camera, got " + got);
-}
-
 void set_values(ArvCamera* camera, const Named& one, const FeatureWish& wish) {
   const char* const feature = feature_of(camera, one);
   const std::optional<FeatureState> state = state_of(camera, one);
   if (!feature || !state) refuse(one, ": this camera has no such feature");
-  check_values(one, wish, *state);
+  check_values(wish, *state);
   for (std::size_t i = 0; i < wish.values.size(); ++i) {
     select(camera, one, i);
     const double value = one.scale * wish.values[i];

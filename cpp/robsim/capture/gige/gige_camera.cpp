@@ -97,6 +97,7 @@ bool is_complete(ArvBuffer* buffer) {
 
 GigeCamera::GigeCamera(GigeCameraOptions options)
     : options_(std::move(options)),
+      settings_(options_.settings),
       name_("GigE camera " + options_.source),
       is_lost_(std::make_shared<std::atomic<bool>>(false)) {}
 
@@ -110,14 +111,16 @@ ArvCamera* GigeCamera::camera() const {
   return camera_.get();
 }
 
-std::vector<gige::FeatureState> GigeCamera::features() const {
+std::vector<FeatureState> GigeCamera::features() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return gige::features_of(camera());
 }
 
-void GigeCamera::set_features(const std::vector<gige::FeatureWish>& wishes) {
+void GigeCamera::set_features(const std::vector<FeatureWish>& wishes) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  gige::set_features(camera(), wishes);
+  const std::vector<FeatureWish> all = overlaid(settings_.features, wishes);
+  gige::set_features(camera(), all);
+  settings_.features = all;
 }
 
 void GigeCamera::open() {
@@ -126,7 +129,7 @@ void GigeCamera::open() {
   give_back();
   const GigeIdentity identity = find();
   connect(identity);
-  apply(options_.settings, camera_.get(), name_);
+  apply(settings_, camera_.get(), name_);
   choose_packet_size(identity);
   prepare();
   tell(identity);

@@ -46,9 +46,10 @@ class GigeCamera : public CaptureDevice {
   /// Nothing before it is open for the first time.
   std::optional<GigeInfo> info() const;
 
-  /// How its features are set. Throws CaptureError, also if it is not open.
-  std::vector<gige::FeatureState> features() const;
-  void set_features(const std::vector<gige::FeatureWish>& wishes);
+  /// How its features are set. What is set holds when it is opened again, too. Throws CaptureError,
+  /// also if it is not open.
+  std::vector<FeatureState> features() const;
+  void set_features(const std::vector<FeatureWish>& wishes);
 
  private:
   GigeIdentity find() const;
@@ -63,6 +64,7 @@ class GigeCamera : public CaptureDevice {
   void give_back() noexcept;
 
   const GigeCameraOptions options_;
+  GigeSettings settings_;  // with the features that have been set since
   const std::string name_;
   GReference<ArvCamera> camera_;
   GReference<ArvStream> stream_;

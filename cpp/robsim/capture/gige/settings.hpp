@@ -20,7 +20,7 @@ struct GigeSettings {
   std::optional<SensorRegion> region;       // none: as the camera has it
   std::optional<std::pair<int, int>> size;  // in its place: the middle of the sensor
   std::optional<double> fps;                // 1/s; none: as the camera has it
-  std::vector<gige::FeatureWish> features;
+  std::vector<FeatureWish> features;
 };
 
 struct GigeFormat {

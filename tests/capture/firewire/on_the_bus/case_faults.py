@@ -14,6 +14,7 @@ import robsim
 from bus_cameras import LARGE, SIZE, error_of, new_lab, wait_until
 from robsim import _firewire
 from robsim.capture import (
+    CameraFeatures,
     CaptureError,
     FrameTimeoutError,
     NoBandwidthError,
@@ -220,3 +221,20 @@ def test_a_camera_that_a_crashed_program_left_sending_is_taken_over(start):
     with robsim.Camera("firewire://") as camera:
         assert error_of(lab, camera.read()) < 0.5
     assert not bus.is_sending()
+
+
+def test_features_that_were_set_hold_when_it_is_plugged_in_again(start):
+    bus = start(new_lab())
+    first = CameraFeatures(shutter=0.004, exposure="auto")
+    with robsim.Camera("firewire://", features=first, reopen=True, frame_timeout=0.3) as camera:
+        camera.features = CameraFeatures(shutter=0.006, gain=6)
+        for opened_again in (0, 1):
+            camera.read(5)
+            seen = camera.features
+            assert (seen.shutter, seen.gain) == pytest.approx((0.006, 6))
+            assert seen.exposure == "auto"  # nothing was said of it
+            if not opened_again:
+                bus.unplug()
+                read_until(camera, FrameTimeoutError)
+                bus.plug_in()
+                wait_until(lambda: camera.counts.reopened)
