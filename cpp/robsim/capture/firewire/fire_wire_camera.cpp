@@ -88,6 +88,7 @@ void FireWireCamera::open() {
   try {
     start();
   } catch (const CaptureError&) {
+    stop_capture();
     handle_.reset();
     throw;
   }
