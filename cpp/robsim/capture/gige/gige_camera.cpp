@@ -20,7 +20,8 @@ constexpr double patience_for_discovery = 1;     // s
 constexpr guint64 patience_for_frame = 100'000;  // us
 constexpr int local_packet = 16000;  // bytes: on loopback the fewer there are, the fewer are lost
 constexpr int safe_packet = 1500;    // bytes, of any Ethernet
-constexpr std::size_t memory_of_buffers = 64u << 20;                                     // bytes
+constexpr std::size_t largest_payload = 256u << 20;   // bytes; more than any such camera has
+constexpr std::size_t memory_of_buffers = 64u << 20;  // bytes
 constexpr std::size_t least_receive_buffer = 4u << 20, most_receive_buffer = 64u << 20;  // bytes
 
 [[noreturn]] void fail(CaptureFault fault, const std::string& text) {
@@ -197,6 +198,10 @@ void GigeCamera::prepare() {
   GFailure failure;
   payload_ = arv_camera_get_payload(camera_.get(), failure.out());
   if (failure) fail(name_, failure);
+  if (payload_ == 0 || payload_ > largest_payload) {
+    fail(CaptureFault::failed,
+         name_ + " says that a frame has " + std::to_string(payload_) + " bytes");
+  }
   stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, failure.out()));
   if (!stream_ || failure) fail(name_, failure);
   // In part what the system allows: it takes less without a word.
@@ -204,8 +209,7 @@ void GigeCamera::prepare() {
       static_cast<gint>(std::clamp(4 * payload_, least_receive_buffer, most_receive_buffer));
   g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                "socket-buffer-size", room, nullptr);
-  const std::size_t n_buffers =
-      std::clamp<std::size_t>(memory_of_buffers / std::max<std::size_t>(payload_, 1), 4, 16);
+  const std::size_t n_buffers = std::clamp<std::size_t>(memory_of_buffers / payload_, 4, 16);
   for (std::size_t i = 0; i < n_buffers; ++i) {
     arv_stream_push_buffer(stream_.get(), arv_buffer_new(payload_, nullptr));
   }
@@ -294,14 +298,10 @@ Captured GigeCamera::captured(ArvBuffer* buffer, ImagePool& pool) {
   const ArvPixelFormat code = arv_buffer_get_image_pixel_format(buffer);
   std::size_t size = 0;
   const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
-  captured.image = pool.take(width, height);
-  const WritableView pixels = captured.image.writable_view();
-  if (code == ARV_PIXEL_FORMAT_BGR_8_PACKED && size >= std::size_t{3} * width * height) {
-    copy_bgr({data, width, height, std::ptrdiff_t{3} * width}, pixels);
-    return captured;
-  }
+  const bool is_bgr = code == ARV_PIXEL_FORMAT_BGR_8_PACKED;
   const bool is_swapped = code == ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED;
-  const auto format = pixel_format_of(is_swapped ? ARV_PIXEL_FORMAT_YUV_422_PACKED : code);
+  const auto format = is_bgr ? PixelFormat::rgb8
+                             : pixel_format_of(is_swapped ? ARV_PIXEL_FORMAT_YUV_422_PACKED : code);
   if (!format) fail(CaptureFault::failed, name_ + " delivers frames of another pixel format");
   if (is_swapped) {
     swapped_.resize(size);
@@ -312,7 +312,14 @@ Captured GigeCamera::captured(ArvBuffer* buffer, ImagePool& pool) {
     data = swapped_.data();
   }
   try {
-    to_rgb(raw_view(data, size, *format, width, height), pixels);
+    const RawView raw = raw_view(data, size, *format, width, height);
+    captured.image = pool.take(width, height);
+    const WritableView pixels = captured.image.writable_view();
+    if (is_bgr) {
+      copy_bgr({raw.data, width, height, raw.stride}, pixels);
+    } else {
+      to_rgb(raw, pixels);
+    }
   } catch (const std::invalid_argument& error) {
     fail(CaptureFault::failed, name_ + ": " + error.what());
   }
