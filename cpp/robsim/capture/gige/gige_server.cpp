@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 #include <utility>
 
 #include "robsim/capture/gige/discovery.hpp"
@@ -66,6 +67,16 @@ std::optional<PixelFormat> served_format(ArvPixelFormat code) {
   return pixel_format_of(code);
 }
 
+// Whether a format can have the size that a client asks for by registers.
+bool is_size_of(PixelFormat format, int width, int height) {
+  try {
+    check_size(format, width, height);
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
 // The part of an image that a client has chosen, moved into it where it does not lie in it.
 ImageView part_of(const ImageView& image, int left, int top, int width, int height) {
   const int u = std::clamp(left, 0, image.width - width);
@@ -95,7 +106,6 @@ GigeServer::GigeServer(std::shared_ptr<CaptureDevice> device, GigeServerOptions 
                                 std::to_string(largest_side) + " x " +
                                 std::to_string(largest_side) + " px");
   }
-  check_address(options_.address);
   plug_in();
   thread_ = start_thread([this] { run(); });
 }
@@ -213,7 +223,12 @@ bool GigeServer::has_client() const {
 void GigeServer::fill(ArvBuffer* buffer, void* server, guint32 exposure, guint32 gain,
                       ArvPixelFormat format) {
   const double brightness = exposure / usual_exposure * std::pow(10.0, gain / 20.0);
-  static_cast<GigeServer*>(server)->fill(buffer, format, brightness);
+  auto* const self = static_cast<GigeServer*>(server);
+  try {
+    self->fill(buffer, format, brightness);
+  } catch (const std::exception&) {  // nothing may be thrown through Aravis
+    self->lose(1);
+  }
 }
 
 // Called by the fake camera once a period, and it sends what is there: what nobody is to see must
@@ -223,8 +238,8 @@ void GigeServer::fill(ArvBuffer* buffer, ArvPixelFormat code, double brightness)
   const int width = arv_buffer_get_image_width(buffer);
   const int height = arv_buffer_get_image_height(buffer);
   const std::optional<PixelFormat> format = served_format(code);
-  const bool is_served = next && format && width >= 2 && height >= 2 &&
-                         width <= next->image.width() && height <= next->image.height();
+  const bool is_served = next && format && width <= next->image.width() &&
+                         height <= next->image.height() && is_size_of(*format, width, height);
   if (!lose(!is_served ? 1 : next->is_complete ? 0 : torn_part) || !is_served) return;
   // The size that it tells is 0: the room is that of the frame.
   std::size_t ignored = 0;
