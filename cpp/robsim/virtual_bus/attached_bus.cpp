@@ -30,7 +30,9 @@ BusMemory* mapped(const char* path) {
   real_close(descriptor);
   if (memory == MAP_FAILED) return nullptr;
   auto* bus = static_cast<BusMemory*>(memory);
-  return bus->magic == bus_magic && bus->size == size ? bus : nullptr;
+  if (bus->magic == bus_magic && bus->size == size) return bus;
+  munmap(memory, size);
+  return nullptr;
 }
 
 }  // namespace

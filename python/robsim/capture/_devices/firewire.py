@@ -41,7 +41,7 @@ def new_camera(
         If FireWire cannot be read here.
     """
     choice = url.removeprefix(f"{SCHEME}://").lower()
-    if not re.fullmatch(r"|\d{1,2}|[0-9a-f]{16}", choice):
+    if not re.fullmatch(r"|[0-9]{1,2}|[0-9a-f]{16}", choice):
         raise ValueError(
             "an address of FireWire must be firewire:// (the first camera), firewire://1 (the "
             "second one, and so on), or firewire:// and the 16 digits of the camera's number, got "
