@@ -153,16 +153,16 @@ void add_scalable(dc1394camera_t* camera, dc1394video_mode_t mode, const VideoWi
     video.top = (*region)[1];
     video.width = (*region)[2];
     video.height = (*region)[3];
-    const int bytes = video.width * video.height * coding->bits / 8;
+    const std::int64_t bytes = std::int64_t{video.width} * video.height * coding->bits / 8;
     for (const double rate : {wish.fps.value_or(wanted_rate), 15.0, 7.5, 3.75, 1.875}) {
       if (wish.fps && rate != *wish.fps) break;
       // A frame goes in whole packets, one a cycle, in steps of four bytes.
-      const int n_packets = std::max(1, static_cast<int>(cycles / rate));
-      const int packet = (bytes + 4 * n_packets - 1) / (4 * n_packets) * 4;
-      const auto speed = speed_for(packet, fastest);
+      const std::int64_t n_packets = std::max(1, static_cast<int>(cycles / rate));
+      const std::int64_t packet = (bytes + 4 * n_packets - 1) / (4 * n_packets) * 4;
+      const auto speed = speed_for(static_cast<double>(packet), fastest);
       if (!speed) continue;
       video.speed = *speed;
-      video.packet_bytes = packet;
+      video.packet_bytes = static_cast<int>(packet);
       video.fps = rate;
       found.push_back(video);
     }
@@ -205,7 +205,7 @@ bool fits(const Video& video, const VideoWish& wish) {
 
 // The larger, the better: the rate, the size, the colours, a fixed mode.
 auto worth_of(const Video& video) {
-  return std::tuple(std::min(video.fps, wanted_rate), video.width * video.height,
+  return std::tuple(std::min(video.fps, wanted_rate), std::int64_t{video.width} * video.height,
                     known(video.coding)->worth, !video.has_region(), -video.fps);
 }
 
