@@ -32,6 +32,14 @@ def test_the_same_frames_give_the_same_measurements(run):
         np.testing.assert_array_equal(trace.blobs[color], centroids)
 
 
+def test_frames_may_have_features_that_are_none_of_a_camera(run, tmp_path):
+    class Corners(list):
+        features = ("corner", 3)
+
+    trace = robsim.Experiment(Corners(run[0]), record=tmp_path / "session").run()
+    assert len(trace) == 20
+
+
 def test_the_truth_is_not_known(run, tmp_path):
     trace = robsim.Experiment(run[0]).run()
     assert trace.info.boundary == "recorded"

@@ -373,8 +373,10 @@ class _Reader:
 
 def _camera_of(frames: Any) -> dict[str, Any] | None:
     """Return how a camera is set that can be: what a later recording must have again."""
+    from robsim.capture import CameraFeatures  # above: it would be imported with robsim
+
     features = getattr(frames, "features", None)
-    if features is None:
+    if not isinstance(features, CameraFeatures):
         return None
     chosen = {name: getattr(frames, name) for name in ("size", "region", "coding")}
     return {**chosen, "features": dataclasses.asdict(features)}
