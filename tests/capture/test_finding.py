@@ -138,3 +138,27 @@ def test_a_folder_has_no_rate_of_its_own(tmp_path):
     robsim.imaging.save_image(tmp_path / "0.png", __import__("numpy").zeros((24, 32, 3), "uint8"))
     with pytest.raises(ValueError, match="fps must be given to play the folder"):
         robsim.Camera(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("firewire:0", "firewire://0"),
+        ("fire wire", "firewire://"),
+        ("FireWire://1", "firewire://1"),
+        ("gige:192.168.1.20", "gige://192.168.1.20"),
+        ("GIGE", "gige://ADDRESS"),
+        ("192.168.1.20", "gige://192.168.1.20"),
+        ("http:/camera.local/video", "http://camera.local/video"),
+        ("/dev/fw1", "firewire://"),
+    ],
+)
+def test_what_is_almost_an_address_asks_whether_it_was_meant(given, meant):
+    with pytest.raises(FileNotFoundError, match=f"did you mean '{meant}'"):
+        robsim.Camera(given)
+
+
+def test_a_file_that_is_not_there_is_no_address():
+    with pytest.raises(FileNotFoundError) as failure:
+        robsim.Camera("gige_run.mkv")
+    assert "did you mean" not in str(failure.value)

@@ -51,6 +51,11 @@ def test_a_camera_must_be_named():
     ("arguments", "words"),
     [
         (("--camera", "nowhere.mkv"), "--camera must be 0 .*; there is no file 'nowhere.mkv'"),
+        (("--camera", "firewire:0"), "no file 'firewire:0'; did you mean firewire://0"),
+        (("--camera", "/dev/video2"), "did you mean 2"),
+        (("--camera", "Simulate"), "did you mean simulated"),
+        (("--motors", "192.168.4.1:5005"), "did you mean udp:192.168.4.1:5005"),
+        (("--motors", "/dev/ttyUSB0"), "did you mean serial:/dev/ttyUSB0"),
         (("--motors", "usb:0"), "--motors must be udp:HOST:PORT, serial:PORT, .*, got 'usb:0'"),
         (("--motors", "udp:robot"), "--motors must be udp:HOST:PORT, .*, got 'udp:robot'"),
         (("--steps", "3", "--seconds", "2"), "--steps and --seconds both end the run"),

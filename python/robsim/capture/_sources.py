@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 from urllib.parse import urlsplit
@@ -88,6 +89,7 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
     if isinstance(source, str) and re.match(r"[a-z][a-z0-9+.-]+://", source):
         return _address(source, back_end, dt, open_timeout)
     if isinstance(source, (str, PathLike)):
+        _refuse_almost_an_address(source)
         wishes.refuse("a file or folder", "back_end")
         playback = Playback(source, wishes.fps)
         return Source(playback.name, PythonCamera(playback), dt=playback.dt)
@@ -95,6 +97,29 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
         "source must be the number of a camera, an address, a file, a folder or a camera of "
         f"robsim, got {quoted(source)}"
     )
+
+
+def _refuse_almost_an_address(source: str | PathLike[str]) -> None:
+    meant = meant_address(source) if isinstance(source, str) else None
+    if meant is not None and not Path(source).exists():
+        raise FileNotFoundError(
+            f"there is no file or folder {one_line(source)}; did you mean {meant!r}?"
+        )
+
+
+def meant_address(text: str) -> str | None:
+    """Return the address that a text resembles which is none, as firewire:0; None: it does not."""
+    if node := re.fullmatch(r"/dev/(video|fw)\d{1,2}", text):
+        return f"{firewire.SCHEME}://" if node[1] == "fw" else text.removeprefix("/dev/video")
+    if re.fullmatch(r"\d{1,3}(\.\d{1,3}){3}", text):
+        return f"{gige.SCHEME}://{text}"
+    bus = re.fullmatch(r"(fire[ -]?wire|gige|https?|rtsp)(?:[:/ ]+(.*))?", text.strip(), re.I)
+    if bus is None:
+        return None
+    scheme, rest = re.sub(r"[ -]", "", bus[1].lower()), bus[2] or ""
+    if not rest and scheme != firewire.SCHEME:
+        rest = "ADDRESS"
+    return f"{scheme}://{rest}"
 
 
 def _kind_of(source: Any) -> str:

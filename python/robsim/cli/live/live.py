@@ -55,9 +55,9 @@ def live(
         typer.Option(
             "--camera",
             metavar="SOURCE",
-            help="Number of a camera, such as 0; address, such as http://camera.local/video.mjpg "
-            "or gige://192.168.1.20; video file or folder of images, played at its own rate; or: "
-            "simulated.",
+            help="Number of a camera, such as 0; address, such as firewire://, "
+            "gige://192.168.1.20 or http://camera.local/video.mjpg; video file or folder of "
+            "images, played at its own rate; or: simulated.",
         ),
     ] = None,
     motors: Annotated[
@@ -133,8 +133,8 @@ def live(
             "--fps",
             parser=number,
             metavar="RATE",
-            help="Frames per second: asked of a camera by number; those of an address, which tells "
-            "none; a folder is played at that rate.",
+            help="Frames per second: asked of a camera by number, on FireWire or on GigE; those of "
+            "another address, which tells none; a folder is played at that rate.",
         ),
     ] = None,
     every: Annotated[

@@ -11,9 +11,11 @@ from typing import Any
 
 from robsim import Scenario
 from robsim._base.checks import check_float
+from robsim._base.spelling import closest
 from robsim._base.text import quoted
 from robsim._core import Frame, MotorLink, PlaneMap
 from robsim.capture import Camera
+from robsim.capture._sources import meant_address
 from robsim.cli.text import about
 from robsim.live import SimulatedLab
 from robsim.motors import MotorReceiver, SerialMotors, UdpMotors
@@ -23,8 +25,8 @@ SIMULATED, NONE = "simulated", "none"
 LAB_RATE = 20.0  # frames/s, of the simulated lab
 _LAB_SIZE = 640  # px, the longer side of its frames
 _CAMERAS = (
-    "0 (the number of a camera), an address such as http://camera.local/video.mjpg, a file, a "
-    f"folder, or {SIMULATED}"
+    "0 (the number of a camera), an address such as firewire://, gige://192.168.1.20 or "
+    f"http://camera.local/video.mjpg, a file, a folder, or {SIMULATED}"
 )
 _MOTORS = f"udp:HOST:PORT, serial:PORT, serial:PORT@BAUD, {SIMULATED} or {NONE}"
 
@@ -145,7 +147,9 @@ def _source(text: str) -> int | str:
         return int(text)
     is_address = re.match(r"[a-z][a-z0-9+.-]+://", text)
     if not is_address and not Path(text).exists():
-        raise ValueError(f"--camera must be {_CAMERAS}; there is no file {quoted(text)}")
+        meant = meant_address(text) or closest(text, [SIMULATED])
+        hint = f"; did you mean {meant}?" if meant else ""
+        raise ValueError(f"--camera must be {_CAMERAS}; there is no file {quoted(text)}{hint}")
     return text
 
 
@@ -154,7 +158,12 @@ def check_motors(camera: str, motors: str | None) -> None:
     if motors in (None, NONE) or re.fullmatch(r"udp:.+:\d+|serial:[^@]+(@\d+)?", motors):
         return
     if motors != SIMULATED:
-        raise ValueError(f"--motors must be {_MOTORS}, got {quoted(motors)}")
+        hint = ""
+        if re.fullmatch(r"(udp://)?[\w.-]+:\d+", motors):
+            hint = f"; did you mean udp:{motors.removeprefix('udp://')}?"
+        elif re.match(r"/dev/\w+$", motors):
+            hint = f"; did you mean serial:{motors}?"
+        raise ValueError(f"--motors must be {_MOTORS}, got {quoted(motors)}{hint}")
     if camera != SIMULATED:
         raise ValueError(
             f"--motors {SIMULATED} are those of --camera {SIMULATED}: with another camera, give "
