@@ -85,7 +85,9 @@ std::uint64_t guid_of(dc1394_t* library, const std::string& choice) {
     if (std::count(guids.begin(), guids.end(), guid)) return guid;
   }
   std::vector<std::string> names;
-  for (const std::uint64_t guid : guids) names.push_back(text_of(guid));
+  for (std::size_t i = 0; i < guids.size(); ++i) {
+    names.push_back("firewire://" + std::to_string(i) + " (" + text_of(guids[i]) + ")");
+  }
   throw CaptureError(
       CaptureFault::no_camera,
       "there is no camera " + choice + " on the FireWire bus; there are: " + joined(names));

@@ -238,8 +238,10 @@ std::vector<Video> videos_for(dc1394camera_t* camera, const VideoWish& wish) {
     if (fits(video, wish)) found.push_back(video);
   }
   if (found.empty()) {
-    throw CaptureError(CaptureFault::failed,
-                       "the camera cannot send what was asked for; it has " + list_of(all));
+    VideoWish at_any_rate = wish;
+    at_any_rate.fps.reset();
+    throw CaptureError(CaptureFault::failed, "the camera cannot send what was asked for; it has " +
+                                                 list_of(all_videos(camera, at_any_rate)));
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const Video& a, const Video& b) { return worth_of(a) > worth_of(b); });
