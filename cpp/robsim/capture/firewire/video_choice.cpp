@@ -7,7 +7,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <functional>
+#include <map>
 #include <set>
+#include <string>
 #include <tuple>
 
 #include "robsim/capture/firewire/fire_wire_bus.hpp"
@@ -209,11 +212,24 @@ auto worth_of(const Video& video) {
                     known(video.coding)->worth, !video.has_region(), -video.fps);
 }
 
+std::string what_of(const Video& video) {
+  return std::to_string(video.width) + " x " + std::to_string(video.height) + " px " +
+         name_of_coding(video.coding);
+}
+
 std::string list_of(const std::vector<Video>& videos) {
-  std::set<std::string> lines;
-  for (const Video& video : videos) lines.insert(text_of(video));
+  std::map<std::string, std::set<double, std::greater<>>> rates;
+  for (const Video& video : videos) rates[what_of(video)].insert(video.fps);
   std::string text;
-  for (const std::string& line : lines) text += (text.empty() ? "" : "; ") + line;
+  for (const auto& [what, all] : rates) {
+    text += (text.empty() ? "" : "; ") + what + " at ";
+    for (const double fps : all) {
+      char rate[32];
+      std::snprintf(rate, sizeof rate, "%s%g", fps == *all.begin() ? "" : ", ", fps);
+      text += rate;
+    }
+    text += " frames/s";
+  }
   return text.empty() ? "nothing that is read here" : text;
 }
 
