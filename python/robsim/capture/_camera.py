@@ -96,7 +96,8 @@ class Camera:
         Frames per second: asked of a camera by number, on FireWire or on GigE; that of another
         address, which tells none; the rate at which a folder is played. Default: that of the file;
         on FireWire 30, or the next lower one that the camera, and the bus, can have; on GigE that
-        which the camera has; otherwise `dt` is unknown.
+        which the camera has; otherwise `dt` is unknown. Where FireWire or GigE sends another rate
+        than was asked for, a warning says so, and `dt` which.
     coding : str, optional
         How a camera on FireWire codes its pixels: ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
         ``"raw8"`` (behind a Bayer filter), ``"yuv411"``, ``"mono8"`` or ``"mono16"``; on GigE

@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 
 from robsim._base.checks import check_choice, check_int, is_int
 from robsim._base.text import one_line, quoted
+from robsim._base.warn import warn_user
 from robsim._core import CaptureDevice, PlaneMap, PythonCamera, StreamedCamera
 from robsim.capture._devices import firewire, gige
 from robsim.capture._devices.opencv import (
@@ -22,6 +23,8 @@ from robsim.capture._devices.opencv import (
 )
 from robsim.capture._devices.playback import Playback
 from robsim.capture._features import CameraFeatures
+
+_SAME_RATE = 0.01  # of the rate that was asked for
 
 
 @dataclass
@@ -142,6 +145,12 @@ def _on_bus(bus: ModuleType, url: str, wishes: Wishes) -> Source:
     )
     device.open()
     sent = bus.sent_by(device)
+    if sent.fps and wishes.fps is not None and abs(sent.fps / wishes.fps - 1) > _SAME_RATE:
+        warn_user(
+            f"{sent.name} sends {sent.fps:.4g} frames/s; asked for were {wishes.fps:g}: its mode, "
+            "its exposure or the bus allows no closer rate; a smaller size or region, a shorter "
+            "exposure or coding 'raw8' may"
+        )
     return Source(
         sent.name,
         device,
