@@ -20,7 +20,7 @@ from robsim._base.checks import (
 )
 from robsim._base.text import one_line, quoted
 from robsim._core import Frame, PlaneMap
-from robsim.capture._errors import EndOfStream, FrameTimeoutError
+from robsim.capture._errors import CaptureError, EndOfStream, FrameTimeoutError
 from robsim.capture._features import CameraFeatures
 from robsim.capture._sources import Source, Wishes, source_of
 from robsim.imaging import Calibration
@@ -206,7 +206,14 @@ class Camera:
             coding=None if coding is None else check_text("coding", coding),
             features=features,
         )
-        opened = source_of(source, wishes, open_timeout=open_timeout)
+        try:
+            opened = source_of(source, wishes, open_timeout=open_timeout)
+        except CaptureError as error:
+            # Those of other kinds say why there is no camera.
+            if type(error) is CaptureError and size is None and self.calibration is not None:
+                width, height = self.calibration.size
+                error.add_note(f"asked for were {width} x {height} px, those of calibration")
+            raise
         self._device = opened.device
         self.region, self.coding = opened.region, opened.coding
         self.source = source

@@ -79,7 +79,7 @@ def opened(
             lab = stack.enter_context(new_lab(robot, area, plane_map, fps))
         source = lab or _source(camera)
         is_asked = lab is None and fps is not None
-        with about("--camera"):
+        with about("--camera" if calibration is None else "--camera or --calibration"):
             device = WatchedCamera(
                 source,
                 plane_map=plane_map,
