@@ -208,6 +208,9 @@ def test_pictures_without_sheets_and_places_of_none_are_refused(picture):
     grey = np.full((480, 640, 3), 150, np.uint8)
     with pytest.raises(ValueError, match="must show a floor sheet"):
         calibrate_floor_by_sheets([grey], lens=LENS, **AREA)
+    doubled = np.concatenate([picture, picture], axis=1)
+    with pytest.raises(ValueError, match="each floor sheet once, got sheet 1 twice in one"):
+        calibrate_floor_by_sheets([doubled], **AREA)
     with pytest.raises(ValueError, match=r"sheet 9: seen are 1, 2, 3, 4, 5"):
         calibrate_floor_by_sheets([picture], lens=LENS, places={9: (0, 0)}, **AREA)
     with pytest.raises(ValueError, match="one size"):

@@ -310,6 +310,11 @@ def find_sheets(image: Pixels, mark: float) -> dict[int, Corners]:
         sheet = number // (_MARKS[0] * _MARKS[1]) + 1
         if sheet <= MOST_SHEETS:
             seen.setdefault(sheet, []).append((number, corners))
+    if twice := [sheet for sheet, marks in seen.items() if len(dict(marks)) < len(marks)]:
+        raise ValueError(
+            f"pictures must show each floor sheet once, got sheet {min(twice)} twice in one: give "
+            "each a number of its own (robsim calibrate sheet --number), and cover the other"
+        )
     found = {}
     for sheet, marks in sorted(seen.items()):
         places = FloorSheet(sheet, mark).corners()
