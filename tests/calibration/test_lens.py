@@ -98,6 +98,11 @@ def test_a_picture_with_another_zoom_is_named_and_left_out():
     assert errors_over_the_picture(report.calibration.intrinsics).max() < 1.2
 
 
+def test_boards_that_are_all_found_but_too_few_ask_for_more():
+    with pytest.raises(ValueError, match=r"got 2 of 2: take more, 10 to 20 of them"):
+        calibrate_lens(board_pictures(BOARD, VIEWS[:2]), BOARD)
+
+
 def test_pictures_without_a_board_or_of_several_sizes_are_refused():
     grey = np.full((480, 640, 3), 150, np.uint8)
     with pytest.raises(ValueError, match=r"got 0 of 2: is it a board of 9 x 6 squares"):
@@ -106,6 +111,8 @@ def test_pictures_without_a_board_or_of_several_sizes_are_refused():
         ValueError, match=r"640 x 480 px and 640 x 400 px \(the one with number 2\)"
     ):
         calibrate_lens([grey, grey[:400]], BOARD)
+    with pytest.raises(ValueError, match=r"640 x 400 px \(second\.png\)"):
+        calibrate_lens([grey, grey[:400]], BOARD, names=["first.png", "second.png"])
     with pytest.raises(ValueError, match="must not be empty"):
         calibrate_lens([], BOARD)
     with pytest.raises(TypeError, match="board must be"):

@@ -84,11 +84,18 @@ def calibrate_lens(
     if len(views) < FEWEST:
         raise ValueError(
             f"pictures must show the whole board in {FEWEST} at least, got {len(views)} of "
-            f"{len(views) + len(missing)}: is it a board of {board.columns} x {board.rows} "
-            f"{'squares' if isinstance(board, Charuco) else 'inner corners'}, sharp, evenly lit, "
-            "with white all around it?"
+            f"{len(views) + len(missing)}: "
+            + (_why_missing(board) if missing else "take more, 10 to 20 of them")
         )
     return _report(cv2, size, views, missing)
+
+
+def _why_missing(board: Chessboard | Charuco) -> str:
+    unit = "squares" if isinstance(board, Charuco) else "inner corners"
+    return (
+        f"is it a board of {board.columns} x {board.rows} {unit}, sharp, evenly lit, with white "
+        "all around it?"
+    )
 
 
 @dataclass
@@ -127,7 +134,7 @@ def _views(
     """Return the size of the pictures, those with a board, and the names of the others."""
     size = (0, 0)
     views, missing = [], []
-    for number, image in enumerate(images_of(pictures)):
+    for number, image in enumerate(images_of(pictures, names)):
         if names is not None and number >= len(names):
             raise ValueError(f"names must be as many as pictures, got {len(names)}")
         name = str(number + 1) if names is None else names[number]

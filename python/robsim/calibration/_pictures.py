@@ -14,7 +14,7 @@ from robsim.imaging._frames import frame_size
 from robsim.imaging._images import Pixels, check_pixels
 
 
-def images_of(pictures: Any) -> Iterator[Pixels]:
+def images_of(pictures: Any, names: Sequence[str] | None = None) -> Iterator[Pixels]:
     """Yield the pixels of pictures of one size, one at least; raise TypeError or ValueError."""
     is_single = isinstance(pictures, (Frame, str, bytes, dict)) or (
         isinstance(pictures, np.ndarray) and pictures.ndim < 4
@@ -27,9 +27,11 @@ def images_of(pictures: Any) -> Iterator[Pixels]:
         image = check_pixels("pictures", given, 3, "Frame objects, or each ")
         found = frame_size(image)
         if size is not None and found != size:
+            named = names is not None and number < len(names)
+            which = names[number] if names and named else f"the one with number {number + 1}"
             raise ValueError(
                 f"pictures must have one size, got {size[0]} x {size[1]} px and {found[0]} x "
-                f"{found[1]} px (the one with number {number + 1})"
+                f"{found[1]} px ({which})"
             )
         size = found
         yield image
