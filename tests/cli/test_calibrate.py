@@ -84,6 +84,15 @@ def test_what_is_missing_or_wrong_is_said():
     floor = ("floor", "--calibration", "camera.toml", *AREA)
     assert "4 marks or more, got 3" in refused(*floor, "--marks", "marks.csv")
     assert "--area and --scale are missing" in refused("floor", "x.png")
+    assert "error: --scale is missing" in refused("floor", "x.png", "--area", "9x9")
+    raised = ("--marker-height", "80mm")
+    assert "--marker-height needs a lens" in refused("floor", "x.png", *AREA, *raised)
+    assert "--scale: " in refused("floor", "x.png", "--area", "9x9", "--scale", "0")
+    assert "2.5?" in refused("floor", "x.png", "--scale", "2,5")
+    assert "25?" in refused("lens", "x.png", "--square", "25mm")
+    assert "--calibration must be a file that ends in .toml" in refused(
+        "floor", "x.png", *AREA, "--calibration", "board.pdf"
+    )
     assert "give a picture of floor sheets" in refused(*floor)
     assert "--marker-height must be a length" in refused(*floor, "--marker-height", "high")
     assert "--place must be a sheet" in refused(*floor, "grey.png", "--place", "one")
@@ -92,8 +101,27 @@ def test_what_is_missing_or_wrong_is_said():
     assert "mark 1 must be name, u, v, x, y" in refused(*floor, "--marks", "bad.csv")
     assert "--out must be a file that ends in .pdf" in refused("sheet", "--out", "sheet.png")
     assert "did you mean 'charuco'" in refused("sheet", "--kind", "charco", "--out", "a.pdf")
+    assert "a floor sheet has --mark" in refused(
+        "sheet", "--kind", "floor", "--board", "9x6", "--out", "a.pdf"
+    )
+    assert "give --kind floor" in refused("sheet", "--number", "2", "--out", "a.pdf")
+    assert "--number must lie" in refused(
+        "sheet", "--kind", "floor", "--number", "17", "--out", "a.pdf"
+    )
     assert "--board must be columns x rows" in refused("lens", "x.png", "--board", "9")
     assert "either pictures, or --camera" in refused("lens")
+
+
+@pytest.mark.slow
+def test_a_new_lens_says_that_the_floor_of_the_old_one_goes():
+    lens_file()
+    marks_file()
+    calibrate("floor", "--marks", "marks.csv", "--calibration", "camera.toml", *AREA)
+    for number, picture in enumerate(board_pictures(BOARD, VIEWS[:4])):
+        save_image(f"{number}.png", picture)
+    lens = ("lens", *(f"{number}.png" for number in range(4)))
+    assert "camera.toml had a floor" in calibrate(*lens).stderr
+    assert "had a floor" not in calibrate(*lens).stderr
 
 
 def test_a_calibration_of_other_frames_is_refused_by_track():

@@ -49,7 +49,11 @@ def number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise typer.BadParameter(f"it must be a number such as 0.5, got {quoted(text)}") from None
+        plain = re.match(r"-?\d+([.,]\d+)?", text.strip())
+        meant = f"; did you mean {plain[0].replace(',', '.')}?" if plain else ""
+        raise typer.BadParameter(
+            f"it must be a number such as 0.5, got {quoted(text)}{meant}"
+        ) from None
 
 
 def parse_size(option: str, text: str | None) -> tuple[int, int] | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from robsim._base.checks import check_mm_per_px
 from robsim._base.text import quoted
 from robsim.cli import errors
 from robsim.cli.calibration.options import (
@@ -18,7 +19,7 @@ from robsim.cli.calibration.options import (
     report_and_save,
 )
 from robsim.cli.shared import Json
-from robsim.cli.text import number, parse_points, parse_size
+from robsim.cli.text import about, number, parse_points, parse_size
 
 if TYPE_CHECKING:
     from robsim.calibration import FloorCalibration
@@ -123,16 +124,27 @@ def floor(
 
     with errors.report_errors():
         file = out or calibration or Path("camera.toml")
-        check_out(file, ".toml")
+        check_out(file, ".toml", "--out" if out else "--calibration")
         if area is None or scale is None:
+            missing = [name for name, one in (("--area", area), ("--scale", scale)) if one is None]
             raise ValueError(
-                "--area and --scale are missing: the size of the work area in px, and how many mm "
-                "of the floor a px is, such as --area 1200x1200 --scale 2"
+                f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: the size "
+                "of the work area in px, and how many mm of the floor a px is, such as "
+                "--area 1200x1200 --scale 2"
             )
+        height = height_of("--marker-height", marker_height)
+        if height and calibration is None:
+            raise ValueError(
+                "--marker-height needs a lens, --calibration of robsim calibrate lens: how things "
+                "shift in the picture when they are higher depends on it. Without one, measure "
+                "marks that lie as high as the markers"
+            )
+        with about("--scale"):
+            check_mm_per_px(scale)
         options = {
             "area": parse_size("--area", area),
             "mm_per_px": scale,
-            "marker_height": height_of("--marker-height", marker_height),
+            "marker_height": height,
             "lens": None if calibration is None else load_calibration(calibration),
         }
         report = _calibrated(

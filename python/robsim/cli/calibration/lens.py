@@ -78,4 +78,19 @@ def lens(
             named = list(pictures_of(pictures or []))
         names, images = zip(*named, strict=True) if named else ((), ())
         report = calibrate_lens(images, pattern, names=names)
+        if _has_floor(out):
+            errors.print_note(
+                f"{out} had a floor, by the lens that is replaced: calibrate it again "
+                "(robsim calibrate floor)"
+            )
         report_and_save(report, report.calibration, out, as_json=as_json)
+
+
+def _has_floor(file: Path) -> bool:
+    """Return whether there is a calibration of a floor in a file, if there is one."""
+    from robsim.imaging import load_calibration
+
+    try:
+        return load_calibration(file).floor is not None
+    except (OSError, ValueError):
+        return False

@@ -111,10 +111,10 @@ def report_and_save(report: Report, calibration: Calibration, out: Path, *, as_j
         raise typer.Exit(1)
 
 
-def check_out(out: Path, suffix: str) -> None:
+def check_out(out: Path, suffix: str, option: str = "--out") -> None:
     """Raise an error of the file to write before the work, not after it."""
     from robsim.cli.results import check_folder
 
     if out.suffix.lower() != suffix:
-        raise ValueError(f"--out must be a file that ends in {suffix}, got {quoted(str(out))}")
+        raise ValueError(f"{option} must be a file that ends in {suffix}, got {quoted(str(out))}")
     check_folder(out.absolute().parent)

@@ -45,17 +45,28 @@ def sheet(
     ] = 80.0,
 ) -> None:
     """Write a sheet to print, as PDF at true scale."""
-    from robsim._base.checks import check_choice
+    from robsim._base.checks import check_choice, check_int
     from robsim.calibration import FloorSheet, save_sheet
+    from robsim.calibration._boards import MOST_SHEETS
     from robsim.cli.text import about
 
     with errors.report_errors():
         check_out(out, ".pdf")
         with about("--kind"):
             check_choice("kind", kind, KINDS)
+        _refuse_of_other_kinds(kind, board or square, sheet_number != 1 or mark != 80)
+        with about("--number"):
+            check_int("number", sheet_number, minimum=1, maximum=MOST_SHEETS)
         if kind == "floor":
             save_sheet(out, FloorSheet(sheet_number, mark), paper=paper)
         else:
             save_sheet(out, board_of(board, square, charuco=kind == "charuco"), paper=paper)
     errors.say(f"written: {out}")
     errors.print_note("print it at 100 %, and measure its line of 100 mm")
+
+
+def _refuse_of_other_kinds(kind: str, of_board: object, of_floor: bool) -> None:
+    if kind == "floor" and of_board:
+        raise ValueError("--board and --square are for boards: a floor sheet has --mark, --number")
+    if kind != "floor" and of_floor:
+        raise ValueError("--number and --mark are for floor sheets: give --kind floor, too")
