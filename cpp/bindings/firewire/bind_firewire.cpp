@@ -12,6 +12,7 @@
 #include "capture/camera_features.hpp"
 #include "capture/capture_errors.hpp"
 #include "capture/device_text.hpp"
+#include "capture/open_in_thread.hpp"
 #include "python/interpreter.hpp"
 #include "robsim/capture/firewire/fire_wire_camera.hpp"
 
@@ -71,8 +72,9 @@ PYBIND11_MODULE(_firewire, module) {
   camera
       .def(py::init(&make_camera), py::arg("choice"), py::kw_only(), py::arg("size"),
            py::arg("region"), py::arg("fps"), py::arg("coding"), py::arg("features"))
-      .def("open", &FireWireCamera::open, py::call_guard<WithoutInterpreter>(),
-           "Start it, so that what it sends is known. Raises CaptureError.")
+      .def(
+          "open", [](const std::shared_ptr<FireWireCamera>& self) { open_in_thread(self); },
+          "Start it, so that what it sends is known. Raises CaptureError.")
       .def("close", &FireWireCamera::close, py::call_guard<WithoutInterpreter>(), "Give it back.")
       .def_property_readonly("video", &video_of, "dict: what it sends; empty before it is open.")
       .def_property_readonly("guid", &FireWireCamera::guid, "str: its number, 16 digits.")

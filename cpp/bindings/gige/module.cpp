@@ -12,6 +12,7 @@
 #include "capture/camera_features.hpp"
 #include "capture/capture_errors.hpp"
 #include "capture/device_text.hpp"
+#include "capture/open_in_thread.hpp"
 #include "python/interpreter.hpp"
 #include "python/public_names.hpp"
 #include "robsim/capture/gige/discovery.hpp"
@@ -112,8 +113,9 @@ PYBIND11_MODULE(_gige, module) {
       .def(py::init(&make_camera), py::arg("source"), py::kw_only(), py::arg("size"),
            py::arg("region"), py::arg("fps"), py::arg("format"), py::arg("features"),
            py::arg("packet_size"))
-      .def("open", &GigeCamera::open, py::call_guard<WithoutInterpreter>(),
-           "Start it, so that what it sends is known. Raises CaptureError.")
+      .def(
+          "open", [](const std::shared_ptr<GigeCamera>& self) { open_in_thread(self); },
+          "Start it, so that what it sends is known. Raises CaptureError.")
       .def("close", &GigeCamera::close, py::call_guard<WithoutInterpreter>(), "Give it back.")
       .def_property_readonly("info", &info_of,
                              "dict or None: what it is and what it sends, once it was open.");

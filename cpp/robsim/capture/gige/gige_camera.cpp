@@ -198,9 +198,10 @@ void GigeCamera::prepare() {
   GFailure failure;
   payload_ = arv_camera_get_payload(camera_.get(), failure.out());
   if (failure) fail(name_, failure);
-  if (payload_ == 0 || payload_ > largest_payload) {
-    fail(CaptureFault::failed,
-         name_ + " says that a frame has " + std::to_string(payload_) + " bytes");
+  if (payload_ == 0 || payload_ > largest_payload) {  // Aravis ends the program without memory
+    fail(CaptureFault::failed, name_ + " tells of frames of " + std::to_string(payload_) +
+                                   " bytes, and 1 to " + std::to_string(largest_payload) +
+                                   " are read: choose a smaller size");
   }
   stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, failure.out()));
   if (!stream_ || failure) fail(name_, failure);
@@ -293,16 +294,27 @@ Captured GigeCamera::captured(ArvBuffer* buffer, ImagePool& pool) {
   captured.arrived = monotonic_now();
   const guint64 device_time = arv_buffer_get_timestamp(buffer);
   if (device_time > 0) captured.device_time = 1e-9 * static_cast<double>(device_time);
-  const int width = arv_buffer_get_image_width(buffer);
-  const int height = arv_buffer_get_image_height(buffer);
+  const RawView raw = view_of(buffer);
+  captured.image = pool.take(raw.width, raw.height);
+  const WritableView pixels = captured.image.writable_view();
+  if (arv_buffer_get_image_pixel_format(buffer) == ARV_PIXEL_FORMAT_BGR_8_PACKED) {
+    copy_bgr({raw.data, raw.width, raw.height, raw.stride}, pixels);
+  } else {
+    to_rgb(raw, pixels);
+  }
+  return captured;
+}
+
+// The first packet of a frame tells its size and format, whatever has come of it.
+RawView GigeCamera::view_of(ArvBuffer* buffer) {
   const ArvPixelFormat code = arv_buffer_get_image_pixel_format(buffer);
-  std::size_t size = 0;
-  const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
-  const bool is_bgr = code == ARV_PIXEL_FORMAT_BGR_8_PACKED;
   const bool is_swapped = code == ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED;
+  const bool is_bgr = code == ARV_PIXEL_FORMAT_BGR_8_PACKED;
   const auto format = is_bgr ? PixelFormat::rgb8
                              : pixel_format_of(is_swapped ? ARV_PIXEL_FORMAT_YUV_422_PACKED : code);
   if (!format) fail(CaptureFault::failed, name_ + " delivers frames of another pixel format");
+  std::size_t size = 0;
+  const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
   if (is_swapped) {
     swapped_.resize(size);
     for (std::size_t i = 0; i + 1 < size; i += 2) {
@@ -312,18 +324,11 @@ Captured GigeCamera::captured(ArvBuffer* buffer, ImagePool& pool) {
     data = swapped_.data();
   }
   try {
-    const RawView raw = raw_view(data, size, *format, width, height);
-    captured.image = pool.take(width, height);
-    const WritableView pixels = captured.image.writable_view();
-    if (is_bgr) {
-      copy_bgr({raw.data, width, height, raw.stride}, pixels);
-    } else {
-      to_rgb(raw, pixels);
-    }
+    return raw_view(data, size, *format, arv_buffer_get_image_width(buffer),
+                    arv_buffer_get_image_height(buffer));
   } catch (const std::invalid_argument& error) {
-    fail(CaptureFault::failed, name_ + ": " + error.what());
+    fail(CaptureFault::failed, name_ + " delivers what is no frame: " + error.what());
   }
-  return captured;
 }
 
 void GigeCamera::close() noexcept {

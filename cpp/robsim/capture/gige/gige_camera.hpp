@@ -11,6 +11,7 @@
 #include "robsim/capture/capture_device.hpp"
 #include "robsim/capture/gige/discovery.hpp"
 #include "robsim/capture/gige/settings.hpp"
+#include "robsim/imaging/raw/pixel_format.hpp"
 
 namespace robsim {
 
@@ -60,6 +61,7 @@ class GigeCamera : public CaptureDevice {
   void start();
   void count(ArvBuffer* buffer, Captured& captured);
   Captured captured(ArvBuffer* buffer, ImagePool& pool);
+  RawView view_of(ArvBuffer* buffer);
   ArvCamera* camera() const;
   void give_back() noexcept;
 

@@ -11,6 +11,8 @@ namespace robsim {
 
 namespace {
 
+constexpr double slowest = 1e-3, fastest = 1e5;  // 1/s; a camera that tells another rate is wrong
+
 [[noreturn]] void refuse(const std::string& text) {
   throw CaptureError(CaptureFault::failed, text);
 }
@@ -96,6 +98,21 @@ void apply_region(const GigeSettings& settings, ArvCamera* camera, const std::st
   }
 }
 
+double told_rate(ArvCamera* camera) {
+  GFailure failure;
+  double fps = 0;
+  for (const char* resulting : {"ResultingFrameRate", "AcquisitionResultingFrameRate"}) {
+    if (!gige::has_feature(camera, resulting)) continue;
+    fps = arv_camera_get_float(camera, resulting, failure.out());
+    if (!failure) return fps;
+  }
+  const char* const limit = "AcquisitionFrameRateEnable";
+  const bool is_limited =
+      !gige::has_feature(camera, limit) || arv_camera_get_boolean(camera, limit, failure.out());
+  fps = arv_camera_get_frame_rate(camera, failure.out());
+  return is_limited && !failure ? fps : 0;
+}
+
 void apply_rate(double fps, ArvCamera* camera, const std::string& name) {
   GFailure failure;
   arv_camera_set_frame_rate(camera, fps, failure.out());
@@ -136,18 +153,8 @@ void apply(const GigeSettings& settings, ArvCamera* camera, const std::string& n
 }
 
 double rate_of(ArvCamera* camera) {
-  GFailure failure;
-  double fps = 0;
-  for (const char* resulting : {"ResultingFrameRate", "AcquisitionResultingFrameRate"}) {
-    if (!gige::has_feature(camera, resulting)) continue;
-    fps = arv_camera_get_float(camera, resulting, failure.out());
-    if (!failure) return fps;
-  }
-  const char* const limit = "AcquisitionFrameRateEnable";
-  const bool is_limited =
-      !gige::has_feature(camera, limit) || arv_camera_get_boolean(camera, limit, failure.out());
-  fps = arv_camera_get_frame_rate(camera, failure.out());
-  return is_limited && !failure ? fps : 0;
+  const double fps = told_rate(camera);
+  return fps >= slowest && fps <= fastest ? fps : 0;
 }
 
 }  // namespace robsim

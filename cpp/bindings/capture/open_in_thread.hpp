@@ -1,0 +1,71 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "python/interpreter.hpp"
+#include "robsim/capture/capture_device.hpp"
+#include "robsim/threads/native_thread.hpp"
+#include "robsim/timing/monotonic.hpp"
+
+namespace robsim::bindings {
+
+/// How the opening of a device goes on in a thread of its own.
+struct Opening {
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool is_over = false;
+  std::exception_ptr error;
+};
+
+/// Opens a device, which takes as long as it likes for its answers: Ctrl-C is heard meanwhile, and
+/// after `patience` (s) nobody waits any more. Throws CaptureError.
+inline void open_in_thread(const std::shared_ptr<CaptureDevice>& device, double patience = 30) {
+  constexpr std::chrono::milliseconds look(100);
+  const auto opening = std::make_shared<Opening>();
+  std::thread thread = start_thread([device, opening] {
+    std::exception_ptr error;
+    try {
+      device->open();
+    } catch (...) {
+      error = std::current_exception();
+    }
+    const std::lock_guard<std::mutex> lock(opening->mutex);
+    opening->error = error;
+    opening->is_over = true;
+    opening->changed.notify_all();
+  });
+  const double end = monotonic_now() + patience;
+  while (true) {
+    {
+      const WithoutInterpreter work;
+      std::unique_lock<std::mutex> lock(opening->mutex);
+      if (opening->changed.wait_for(lock, look, [&] { return opening->is_over; })) {
+        lock.unlock();
+        thread.join();
+        if (opening->error) std::rethrow_exception(opening->error);
+        return;
+      }
+    }
+    // The thread has the device until it answers, and gives it back then.
+    if (PyErr_CheckSignals()) {
+      thread.detach();
+      throw pybind11::error_already_set();
+    }
+    if (monotonic_now() > end) {
+      thread.detach();
+      throw CaptureError(CaptureFault::no_camera,
+                         "the camera has answered, but too slowly to be opened within " +
+                             std::to_string(static_cast<int>(patience)) +
+                             " s: switch it off and on");
+    }
+  }
+}
+
+}  // namespace robsim::bindings
