@@ -65,6 +65,7 @@ def test_the_right_calibration_is_good(oblique):
     assert abs(report["markers' distance"].value) < 1
     assert report["markers' distance, by place"].verdict == "not known"
     assert report["work area in the picture"].verdict == "good"
+    assert any("was tried in one place" in remark for remark in report.remarks)
     assert np.abs(report.measurement.pose[:2] - (250, 330)).max() < 1.5
 
 

@@ -200,5 +200,11 @@ def _remarks(findings: Iterable[CameraFinding], motors: Any) -> Iterator[str]:
         yield "the robot answered nothing: is it on? Firmware need not answer, see PROTOCOL.md"
     if "margin of red" in names and "margin of blue" in names:
         yield "the markers cannot be judged where the robot is not detected"
+    is_calibrated = any(finding.name == "work area in the picture" for finding in findings)
+    if is_calibrated and "markers' distance, by place" in names:
+        yield (
+            "the calibration was tried in one place: a camera that was moved sideways, or tilted "
+            "by some degrees, may show only with the robot elsewhere, or in robsim calibrate check"
+        )
     if motors is not None:
         yield "the robot was only told to stop"
