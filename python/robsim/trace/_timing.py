@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,12 +95,13 @@ class TimingReport(Report):
                 "the frames do not come regularly: filters and fits take the time between two of "
                 f"them for whole steps of {self.dt:g} s"
             )
-        return (
-            *remarks,
-            "input delay: give it to a simulated world as motor_delay, to filters and to "
-            "batch_estimate as input_delay; what the line and the motors add is not in it: "
-            "batch_estimate(trace, method='output_error', input_delay='fit') finds the whole",
-        )
+        if math.isfinite(self.input_delay):
+            remarks.append(
+                "input delay: give it to a simulated world as motor_delay, to filters and to "
+                "batch_estimate as input_delay; what the line and the motors add is not in it: "
+                "batch_estimate(trace, method='output_error', input_delay='fit') finds the whole"
+            )
+        return tuple(remarks)
 
 
 def timing_report(
