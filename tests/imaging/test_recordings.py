@@ -28,6 +28,12 @@ def folder(tmp_path):
     return tmp_path
 
 
+def test_the_folder_of_a_session_names_its_video(tmp_path):
+    (tmp_path / "frames.mkv").touch()
+    with pytest.raises(ValueError, match=r"no images in the folder .*: its video is .*frames\.mkv"):
+        Recording(tmp_path)
+
+
 def brightness(frames):
     return [int(frame.image[-1, -1, 0]) for frame in frames]
 

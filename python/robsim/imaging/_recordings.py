@@ -169,7 +169,9 @@ class _Folder:
             if file.suffix.lower() in suffixes and file.is_file() and not file.name.startswith(".")
         ]
         if not files:
-            raise ValueError(f"there are no images in the folder {one_line(folder)}")
+            video = folder / "frames.mkv"
+            hint = f": its video is {one_line(video)}" if video.is_file() else ""
+            raise ValueError(f"there are no images in the folder {one_line(folder)}{hint}")
         self.files = sorted(files, key=_natural_order)
 
     def dt(self) -> float | None:
