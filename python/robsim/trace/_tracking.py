@@ -93,8 +93,8 @@ class TrackingStatistics(Report):
             return ("the true poses are not known, so there are no errors",)
         if self.steps and not self.seen:
             return (
-                "no pose was measured: run with measure=True; a measure of your own must return "
-                "its Measurement",
+                "no pose was measured: the robot was detected in no frame, or it was run without "
+                "measure=True; a measure of your own must return its Measurement",
             )
         if not self.false_poses:
             return ()
