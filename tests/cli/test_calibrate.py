@@ -100,6 +100,8 @@ def test_what_is_missing_or_wrong_is_said():
     Path("bad.csv").write_text("a,1,2,3\n")
     assert "mark 1 must be name, u, v, x, y" in refused(*floor, "--marks", "bad.csv")
     assert "--out must be a file that ends in .pdf" in refused("sheet", "--out", "sheet.png")
+    assert "there is no folder nowhere" in refused("sheet", "--out", "nowhere/sheet.pdf")
+    assert "there is no folder nowhere" in refused("lens", "x.png", "--out", "nowhere/a.toml")
     assert "did you mean 'charuco'" in refused("sheet", "--kind", "charco", "--out", "a.pdf")
     assert "a floor sheet has --mark" in refused(
         "sheet", "--kind", "floor", "--board", "9x6", "--out", "a.pdf"
