@@ -84,7 +84,7 @@ def test_its_map_is_that_of_the_markers_height():
         ({"mm_per_px": math.nan}, "mm_per_px must"),
         ({"mm_per_px": 0}, "mm_per_px must"),
         ({"marker_height": -1}, "marker_height must"),
-        ({"marker_height": 1501}, "below the camera"),
+        ({"marker_height": 1501}, "marker_height must be below the camera, got 1501 mm"),
         ({"mm_per_px": None}, "marker_height must be 0 without mm_per_px"),
         ({"intrinsics": None}, "marker_height must be 0 without intrinsics"),
         ({"area": None}, "floor and area belong together"),

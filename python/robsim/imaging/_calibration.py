@@ -133,7 +133,15 @@ class Calibration:
         height = self.marker_height_px
         object.__setattr__(self, "floor", floor)
         # It refuses a height above the camera.
-        object.__setattr__(self, "_plane_map", floor.at_height(height) if height else floor)
+        try:
+            plane_map = floor.at_height(height) if height else floor
+        except ValueError as error:
+            if not str(error).startswith("height must be below the camera"):
+                raise
+            raise ValueError(
+                f"marker_height must be below the camera, got {self.marker_height:g} mm"
+            ) from error
+        object.__setattr__(self, "_plane_map", plane_map)
 
     @property
     def marker_height_px(self) -> float:
