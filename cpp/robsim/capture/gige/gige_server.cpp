@@ -10,11 +10,13 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
 #include "robsim/capture/gige/discovery.hpp"
+#include "robsim/capture/gige/gvcp_filter.hpp"
 #include "robsim/capture/gige/pixel_format_of.hpp"
 #include "robsim/imaging/raw/from_rgb.hpp"
 #include "robsim/threads/native_thread.hpp"
@@ -30,6 +32,7 @@ constexpr double longest_wait = 0.1;       // s in which the fake camera answers
 constexpr double fresh = 0.2;              // periods of age
 constexpr double replug_interval = 0.1;    // s
 constexpr double usual_exposure = 10'000;  // us
+constexpr guint32 first_url = 0x200;       // register: where the description is
 const char* const lost_packets = "gvsp-lost-ratio";
 constexpr double torn_part = 0.5;  // of the packets
 
@@ -97,6 +100,19 @@ void write_register(ArvFakeCamera* camera, guint32 address, double value) {
   arv_fake_camera_write_register(camera, address, static_cast<guint32>(std::lround(value)));
 }
 
+// The first address behind the memory of a camera: the description, which has the end of it, is
+// told as "Local:NAME;ADDRESS;SIZE".
+std::uint32_t memory_end_of(ArvFakeCamera* camera) {
+  std::array<char, 513> text{};
+  arv_fake_camera_read_memory(camera, first_url, text.size() - 1, text.data());
+  const std::string url = text.data();
+  const std::size_t size = url.rfind(';'), place = url.rfind(';', size - 1);
+  const auto number = [&](std::size_t from) {
+    return static_cast<std::uint32_t>(std::strtoul(url.c_str() + from + 1, nullptr, 16));
+  };
+  return number(place) + number(size);
+}
+
 }  // namespace
 
 GigeServer::GigeServer(std::shared_ptr<CaptureDevice> device, GigeServerOptions options)
@@ -130,6 +146,7 @@ void GigeServer::plug_in() {
     fail_at(options_.address);
   }
   ArvFakeCamera* const camera = arv_gv_fake_camera_get_fake_camera(camera_.get());
+  filter_control_packets(memory_end_of(camera));
   write_register(camera, ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, options_.width);
   write_register(camera, ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, options_.height);
   write_register(camera, ARV_FAKE_CAMERA_REGISTER_WIDTH, options_.width);
