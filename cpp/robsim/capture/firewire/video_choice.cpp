@@ -156,6 +156,7 @@ void add_scalable(dc1394camera_t* camera, dc1394video_mode_t mode, const VideoWi
     video.top = (*region)[1];
     video.width = (*region)[2];
     video.height = (*region)[3];
+    if (video.width < 1 || video.height < 1) continue;
     const std::int64_t bytes = std::int64_t{video.width} * video.height * coding->bits / 8;
     for (const double rate : {wish.fps.value_or(wanted_rate), 15.0, 7.5, 3.75, 1.875}) {
       if (wish.fps && rate != *wish.fps) break;
@@ -169,6 +170,18 @@ void add_scalable(dc1394camera_t* camera, dc1394video_mode_t mode, const VideoWi
       video.fps = rate;
       found.push_back(video);
     }
+  }
+}
+
+// The library divides by the step of packets.
+void check_packets(dc1394camera_t* camera, dc1394video_mode_t mode) {
+  std::uint32_t step = 0, most = 0;
+  check(dc1394_format7_get_packet_parameters(camera, mode, &step, &most),
+        "ask the camera for its packets");
+  if (step == 0 || most == 0) {
+    throw CaptureError(CaptureFault::failed,
+                       "the camera says that the packets of this mode have no bytes: ask for "
+                       "another size or coding");
   }
 }
 
@@ -271,6 +284,7 @@ double apply(dc1394camera_t* camera, const Video& video) {
     check(dc1394_video_set_framerate(camera, video.rate), "set the frame rate");
     return video.fps;
   }
+  check_packets(camera, video.mode);
   check(dc1394_format7_set_roi(camera, video.mode, video.coding, video.packet_bytes, video.left,
                                video.top, video.width, video.height),
         "set the region");
