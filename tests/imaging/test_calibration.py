@@ -121,6 +121,7 @@ def test_without_a_floor_there_is_no_map():
     [
         ("format = 1", "format = 2", "format must be 1"),
         ("format = 1", "", "format must be 1"),
+        ("format = 1", "format = true", "format must be 1"),
         ("[frames]", "[frame]", "frame"),
         ("size = [640, 480]", "size = [640]", "frames.size must be"),
         ("size = [640, 480]", "size = [640, 1e9]", "frames.size must be"),
@@ -134,6 +135,7 @@ def test_without_a_floor_there_is_no_map():
         ("mm_per_px = 2.0", "mm_per_px = -2.0", "floor.mm_per_px must"),
         ("mm_per_px = 2.0", "mm_per_px = 'two'", "floor.mm_per_px must"),
         ("marker_height = 160.0", "marker_height = 1e99", "floor.marker_height must"),
+        ("marker_height = 160.0", "marker_height = 9e4", "floor.marker_height must be below"),
         ("area = [600, 400]", "", "floor must have area"),
         ("rms = 0.30000000000000004", "rms = nan", "lens.rms must"),
         ("pictures = 12", "pictures = 1.5", "lens.pictures must"),

@@ -178,7 +178,7 @@ def load_calibration(path: str | PathLike[str]) -> Calibration:
 
 
 def _read(table: dict[str, Any]) -> Calibration:
-    if table.get("format") != _FORMAT:
+    if table.get("format") != _FORMAT or table["format"] is True:
         raise ValueError(
             f"format must be {_FORMAT}, got {quoted(table.get('format'))}: is it a calibration "
             "that robsim wrote?"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -212,12 +213,17 @@ def _read_marks(file: Path) -> tuple[list[str], list[list[float]], list[list[flo
     for number_of_row, row in enumerate(rows, start=1):
         try:
             name, u, v, x, y = row
-            seen.append([float(u), float(v)])
-            places.append([float(x), float(y)])
+            numbers = [float(cell) for cell in (u, v, x, y)]
+            if not all(map(math.isfinite, numbers)):
+                raise ValueError
         except ValueError:
             raise ValueError(
                 f"{file}: mark {number_of_row} must be name, u, v, x, y such as corner,12,8,0,0, "
                 f"got {quoted(','.join(row))}"
             ) from None
         names.append(name)
+        seen.append(numbers[:2])
+        places.append(numbers[2:])
+    if not names:
+        raise ValueError(f"{file} has no marks: name, u, v, x, y such as corner,12,8,0,0")
     return names, seen, places
