@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -69,6 +70,19 @@ double wall_now() {
   timeval time{};
   gettimeofday(&time, nullptr);
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+// By how much the wall clock is ahead of the monotonic one, s: of three looks the shortest, since a
+// thread may be held up between two clocks.
+double wall_ahead() {
+  double shortest = std::numeric_limits<double>::infinity(), ahead = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double before = monotonic_now(), wall = wall_now(), after = monotonic_now();
+    if (after - before >= shortest) continue;
+    shortest = after - before;
+    ahead = wall - (before + after) / 2;
+  }
+  return ahead;
 }
 
 bool lacks_room(dc1394error_t error) {
@@ -249,9 +263,10 @@ std::optional<Captured> FireWireCamera::next(ImagePool& pool) {
 // The library gives the start of a frame by the wall clock, which may be set.
 std::optional<double> FireWireCamera::exposure_of(const Frame& frame) const {
   if (frame.timestamp == 0) return std::nullopt;
-  const double age = wall_now() - 1e-6 * static_cast<double>(frame.timestamp);
+  const double exposed = 1e-6 * static_cast<double>(frame.timestamp) - wall_ahead();
+  const double age = monotonic_now() - exposed;
   if (age < 0 || age > oldest) return std::nullopt;
-  return monotonic_now() - age;
+  return exposed;
 }
 
 // After a reset of the bus a camera may have forgotten that it was to send; one that does not even
