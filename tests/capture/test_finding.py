@@ -1,6 +1,7 @@
 """What `find_cameras` says of cameras that are there, forbidden or missing."""
 
 import os
+from types import SimpleNamespace
 
 import pytest
 
@@ -8,6 +9,7 @@ import robsim
 from commands import command
 from robsim.capture import (
     CameraBusyError,
+    CaptureError,
     NoBackEndError,
     NoCameraError,
     NoPermissionError,
@@ -162,3 +164,14 @@ def test_a_file_that_is_not_there_is_no_address():
     with pytest.raises(FileNotFoundError) as failure:
         robsim.Camera("gige_run.mkv")
     assert "did you mean" not in str(failure.value)
+
+
+def test_a_bus_that_cannot_be_listed_hides_no_other_camera(nodes, monkeypatch):
+    def cameras():
+        raise CaptureError("could not list the cameras: the bus was reset")
+
+    bus = SimpleNamespace(nodes=lambda: (["/dev/fw0"], []), cameras=cameras)
+    monkeypatch.setattr(_finding.firewire, "EXTENSION", SimpleNamespace(load=lambda: bus))
+    report = find_cameras()
+    assert report.verdict == "1 found"
+    assert "cameras on FireWire: could not list the cameras: the bus was reset" in report.missing

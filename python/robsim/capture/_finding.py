@@ -14,7 +14,7 @@ from robsim._base.report import Report
 from robsim._base.text import cut, one_line
 from robsim.capture._devices import firewire, gige
 from robsim.capture._devices.opencv import back_end_of_system, back_ends, no_permission
-from robsim.capture._errors import NoBackEndError
+from robsim.capture._errors import CaptureError, NoBackEndError
 from robsim.imaging._opencv import load_opencv
 
 
@@ -138,7 +138,12 @@ def _fire_wire() -> Iterator[tuple[bool, str]]:
         yield False, "cameras on FireWire: this computer has no FireWire bus (/dev/fw0)"
     for node in denied:
         yield False, no_permission(node)
-    for number, (guid, vendor, model) in enumerate(extension.cameras()):
+    try:
+        cameras = extension.cameras()
+    except CaptureError as error:
+        yield False, f"cameras on FireWire: {error}"
+        return
+    for number, (guid, vendor, model) in enumerate(cameras):
         name = one_line(f"{vendor} {model}")
         yield True, f'camera on FireWire: {name}, {guid}: robsim.Camera("firewire://{number}")'
 
