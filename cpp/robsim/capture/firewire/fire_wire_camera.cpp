@@ -101,14 +101,27 @@ void FireWireCamera::open() {
   if (is_capturing_) return;
   try {
     start();
-  } catch (const CaptureError&) {
+  } catch (const CaptureError& error) {
+    const bool is_gone = error.fault() == CaptureFault::failed && !answers();
     stop_capture();
     handle_.reset();
-    throw;
+    if (!is_gone) throw;
+    throw CaptureError(CaptureFault::unplugged,
+                       "the FireWire camera was unplugged while it was opened: plug it in again");
   }
   last_frame_ = monotonic_now();
   next_look_ = next_restart_ = 0;
   n_passed_ = 0;
+}
+
+bool FireWireCamera::answers() noexcept {
+  try {
+    if (!handle_) handle_ = std::make_unique<CameraHandle>(options_.choice);
+    dc1394switch_t sends = DC1394_OFF;
+    return dc1394_video_get_transmission(camera(), &sends) == DC1394_SUCCESS;
+  } catch (const std::exception&) {
+    return false;
+  }
 }
 
 void FireWireCamera::start() {

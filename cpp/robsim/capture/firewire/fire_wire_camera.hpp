@@ -49,6 +49,7 @@ class FireWireCamera : public CaptureDevice {
   using Frame = dc1394video_frame_t;
 
   dc1394camera_t* camera() const;
+  bool answers() noexcept;
   void start();
   bool try_to_start(const Video& video);
   dc1394error_t set_up(const Video& video, std::uint32_t flags);

@@ -129,12 +129,18 @@ void GigeCamera::open() {
   if (stream_) return;
   give_back();
   const GigeIdentity identity = find();
-  connect(identity);
-  apply(settings_, camera_.get(), name_);
-  choose_packet_size(identity);
-  prepare();
-  tell(identity);
-  start();
+  try {
+    connect(identity);
+    apply(settings_, camera_.get(), name_);
+    choose_packet_size(identity);
+    prepare();
+    tell(identity);
+    start();
+  } catch (const CaptureError& error) {
+    if (error.fault() != CaptureFault::failed) throw;
+    if (ask_gige_camera(identity.address, patience_for_answer)) throw;
+    fail(CaptureFault::unplugged, name_ + " has stopped answering while it was opened");
+  }
 }
 
 GigeIdentity GigeCamera::find() const {

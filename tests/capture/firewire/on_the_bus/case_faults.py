@@ -1,13 +1,16 @@
 """What goes wrong on a bus: each by its name, and mended where it can be."""
 
+import contextlib
 import ctypes
 import errno
 import fcntl
 import os
 import subprocess
 import sys
+import threading
 import time
 
+import numpy as np
 import pytest
 
 import robsim
@@ -23,6 +26,7 @@ from robsim.capture import (
     NoPermissionError,
     UnpluggedError,
 )
+from robsim.capture._devices import firewire
 from robsim.capture._sources import source_of
 
 
@@ -107,6 +111,29 @@ def test_plugged_in_again(start):
         bus.plug_in()
         wait_until(lambda: camera.counts.reopened)
         assert error_of(lab, camera.read(5)) < 0.5
+
+
+def test_a_camera_that_is_unplugged_while_it_is_opened_opens_again(start):
+    bus = start(new_lab())
+    device = firewire.new_camera(
+        "firewire://", size=None, region=None, fps=None, coding=None, features=None
+    )
+    began = time.monotonic()
+    device.open()
+    took = time.monotonic() - began
+    device.close()
+    for share in np.linspace(0.4, 1.1, 90):
+        unplugging = threading.Timer(share * took, bus.unplug)
+        unplugging.start()
+        with contextlib.suppress(NoCameraError, UnpluggedError):  # no other: these pass
+            device.open()
+        unplugging.join()
+        device.close()
+        bus.plug_in()
+        wait_until(_firewire.cameras)
+        device.open()
+        assert device.features  # it is there
+        device.close()
 
 
 def test_a_stall_is_a_time_out_and_passes(start):
