@@ -814,7 +814,8 @@ def test_a_callback_that_forgot_its_return_is_suspected():
         seed=1, measure=lambda step: None, estimate_parameters=lambda step: None
     )
     trace = sim.run(5)
-    assert "a measure of your own must return its Measurement" in str(trace.tracking())
+    (remark,) = trace.tracking().remarks
+    assert "a measure of your own must return its Measurement" in remark
     with pytest.raises(NotRecordedError, match="let estimate_parameters return the parameters"):
         trace.require("parameters")
 
