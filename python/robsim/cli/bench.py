@@ -75,9 +75,10 @@ def _measured_camera(rounds: int) -> Report:
     from robsim.bench._camera_result import Live
     from robsim.live._bench.serving import read_live_cameras
 
+    converted = run_camera_bench(rounds=rounds)
     live = read_live_cameras()
     return dataclasses.replace(
-        run_camera_bench(rounds=rounds),
+        converted,
         live=tuple(Live(**row) for row in live.rows),
         left_out=tuple(live.left_out),
     )

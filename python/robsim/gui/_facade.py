@@ -21,6 +21,7 @@ from robsim.gui._driver import SPEED, State
 from robsim.gui._panel.view import PanelView, Shown
 from robsim.identification import BatchEstimate
 from robsim.imaging import save_image
+from robsim.imaging._images import image_file
 from robsim.trace import Trace
 
 if TYPE_CHECKING:
@@ -264,7 +265,8 @@ class Panel:
         TypeError, ValueError
             If `path` is no path, or its suffix names no known format.
         """
-        save_image(path, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
+        file, _ = image_file(path)  # it takes seconds to draw
+        save_image(file, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
 
     def __repr__(self) -> str:
         what, steps = type(self._what).__name__, self._view.record.n_steps

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -112,16 +113,22 @@ def save_image(path: str | PathLike[str], image: Pixels) -> None:
     TypeError, ValueError
         If `image` has another type or shape, or the suffix names no known format.
     """
-    file = as_path(path)
+    file, file_format = image_file(path)
     pixels = check_pixels("image", image, 3)
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, format=file_format)
+    write_whole(file, buffer.getvalue())
+
+
+def image_file(path: str | PathLike[str]) -> tuple[Path, str]:
+    """Return a file to write, and its format by its suffix; else raise TypeError or ValueError."""
+    file = as_path(path)
     file_format = Image.registered_extensions().get(file.suffix.lower())
     if file_format not in Image.SAVE:
         raise ValueError(
             f"{one_line(file)}: the name of an image must end in .png, .jpg or the like"
         )
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, format=file_format)
-    write_whole(file, buffer.getvalue())
+    return file, file_format
 
 
 def check_pixels(name: str, pixels: Any, channels: int, alternative: str = "") -> Pixels:
