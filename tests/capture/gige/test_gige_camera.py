@@ -73,6 +73,7 @@ def test_every_pixel_format_shows_the_lab(pixel_format):
             assert np.hypot(*(measured(frame)[:2] - truth.pose[tick, :2])) < 1.5
 
 
+@pytest.mark.slow
 def test_colour_is_chosen_first_and_the_rate_is_known():
     with served() as server, camera_of(server) as camera:
         assert (camera.coding, camera.region) == ("rgb8", (0, 0, 320, 240))

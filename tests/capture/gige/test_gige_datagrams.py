@@ -61,6 +61,7 @@ def write_register(client, address, value):
     assert client.recv(64)[:4] == struct.pack(">HH", 0, WRITE + 1)
 
 
+@pytest.mark.slow
 @pytest.mark.sanitized
 def test_a_client_that_asks_for_what_there_is_not_harms_nobody():
     with served() as server:

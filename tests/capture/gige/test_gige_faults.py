@@ -87,6 +87,7 @@ def test_a_back_end_that_does_not_read_them():
         robsim.Camera("gige://127.0.0.1", back_end="ffmpeg")
 
 
+@pytest.mark.slow
 @pytest.mark.sanitized
 def test_an_address_serves_one_camera():
     with served() as server:

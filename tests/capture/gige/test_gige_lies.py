@@ -26,6 +26,7 @@ def announced(width, height):
     return sent
 
 
+@pytest.mark.slow
 @pytest.mark.sanitized
 def test_names_that_are_no_utf8_are_shown():
     def answer(command, address, packet):
