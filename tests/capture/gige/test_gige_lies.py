@@ -1,6 +1,7 @@
 """Cameras on GigE Vision that say what is not so."""
 
 import _thread
+import signal
 import struct
 import threading
 import time
@@ -62,7 +63,16 @@ def test_frames_that_no_memory_holds():
         robsim.Camera(URL)
 
 
+@pytest.fixture
+def _interruptible():
+    # A job in the background ignores it.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("_interruptible")
 def test_ctrl_c_ends_the_wait_for_a_camera_that_only_says_that_it_will_answer():
     # GigE Vision: PENDING_ACK, which asks for so many ms of patience.
     def answer(command, address, packet):
