@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from bus_cameras import SIZE, error_of, new_lab
+from bus_cameras import LARGE, SIZE, error_of, new_lab
 from robsim.capture import CameraFeatures, CaptureError
 from robsim.live import VirtualCamera
 
@@ -77,14 +77,14 @@ def test_a_rate_that_the_camera_does_not_have_is_told(start):
 
 
 def test_a_rate_that_is_too_fast_for_the_bus_is_refused_with_those_that_are_not(start):
-    start(new_lab())
+    start(new_lab(LARGE))
     with pytest.raises(CaptureError, match=r"it has .* px rgb8 at 30, 15, 7.5"):
         robsim.Camera("firewire://", fps=400)
 
 
 @pytest.mark.parametrize("card_is_fast", [True, False])
 def test_a_fast_camera_sends_no_faster_than_it_must_and_the_card_can(start, card_is_fast):
-    lab = new_lab(fps=60)
+    lab = new_lab(LARGE, fps=60)
     start(VirtualCamera(lab=lab, is_fast=True), card_is_fast=card_is_fast)
     with robsim.Camera("firewire://", fps=30) as camera:
         assert camera._device.video["speed"] == 400

@@ -176,7 +176,7 @@ def test_what_the_bus_has_no_more_of_is_named(start, what):
 
 
 def test_frames_that_are_too_small_are_not_read(start):
-    bus = start(new_lab())
+    bus = start(new_lab(LARGE))
     bus.shorten()
     region = (64, 32, 320, 240)
     words = r"no frame: a frame of 320 x 240 px in rgb8 has 230400 bytes, got 115\d\d\d:"
