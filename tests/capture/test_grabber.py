@@ -145,6 +145,7 @@ def test_what_is_no_image_is_told():
         robsim.Camera(source)
 
 
+@pytest.mark.slow
 @pytest.mark.long
 @pytest.mark.skipif(
     sanitizers.ADDRESS or sanitizers.THREAD, reason="the sanitizers keep what was freed"

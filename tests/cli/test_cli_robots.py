@@ -387,6 +387,7 @@ def program(*arguments):
     return subprocess.run(command, capture_output=True, text=True, timeout=100)
 
 
+@pytest.mark.slow
 def test_a_drawn_robot_on_the_whole_way(rng):
     """In several processes: the choice survives."""
     drawn = random_robot(rng)

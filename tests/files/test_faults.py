@@ -43,10 +43,12 @@ def tried(tmp_path_factory):
     return run
 
 
+@pytest.mark.slow
 def test_a_trace_and_a_table_survive_each_error_of_the_disk(tried):
     assert set(tried("errors", "trace", "csv", "scenario")) == {"trace", "csv", "scenario"}
 
 
+@pytest.mark.slow
 def test_the_settings_survive_a_kill_at_each_call(tried):
     assert set(tried("kills", "settings")) == {"settings"}
 

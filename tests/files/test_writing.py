@@ -236,6 +236,7 @@ def test_only_what_a_dead_writer_left_is_swept(tmp_path):
     assert names(tmp_path) == sorted([*kept, "file"])
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_two_processes_sweep_one_folder_and_lose_nothing(tmp_path):
     program = (

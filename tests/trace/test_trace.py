@@ -601,6 +601,7 @@ def load_damaged(path, content):
     assert str(path) in message
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_every_flipped_bit_is_found_or_harmless(tmp_path, saved):
     for place in range(len(saved)):

@@ -159,6 +159,7 @@ def damaged(random, text):
     return bytes(content)
 
 
+@pytest.mark.slow
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(5))
 def test_a_damaged_file_is_changed_as_a_whole_or_not_at_all(tmp_path, seed):

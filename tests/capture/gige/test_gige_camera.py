@@ -52,7 +52,7 @@ def test_frames_are_those_of_the_lab_and_poses_are_right():
 @pytest.mark.parametrize(
     "pixel_format",
     [
-        "BayerRG8",
+        pytest.param("BayerRG8", marks=pytest.mark.slow),
         pytest.param("BayerGR8", marks=pytest.mark.slow),
         pytest.param("BayerGB8", marks=pytest.mark.slow),
         pytest.param("BayerBG8", marks=pytest.mark.slow),
