@@ -82,14 +82,9 @@ def test_batch_estimates_are_the_same(simulation, converted, method, source):
     one = robsim.batch_estimate(simulation.trace, method=method, identify_from=source)
     other = robsim.batch_estimate(converted, method=method, identify_from=source)
     factor = of_parameters(LENGTHS[other.unit])
-    # What remains of exact poses is rounding.
-    tolerance = 1e-6 if source == "truth" else 1e-9
     for name in ("theta_true", "batch", "online", "standard_errors"):
-        of_px = getattr(one, name)
-        if name != "standard_errors" or source == "measurement":
-            np.testing.assert_allclose(
-                getattr(other, name) / factor, of_px, rtol=tolerance, atol=1e-12
-            )
+        found, expected = getattr(other, name) / factor, getattr(one, name)
+        np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-9)
     assert other.is_model_exact
     np.testing.assert_array_equal(other.identifiability.verdicts, one.identifiability.verdicts)
     assert f"lengths in {other.unit}" in other.title
