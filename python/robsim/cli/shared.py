@@ -43,6 +43,11 @@ Area = Annotated[
     str | None,
     typer.Option("--area", metavar="WxH", help="Work area in px. Default: the size of the frames."),
 ]
+# Of what is simulated.
+WorkArea = Annotated[
+    str | None,
+    typer.Option("--area", metavar="WxH", help="Work area in px. Default: 1200x1200."),
+]
 Pixels = Annotated[
     str | None,
     typer.Option(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
-from robsim.cli.shared import SWITCH, Area, Pixels, Positions, Robot, parse_plane_map
+from robsim.cli.shared import SWITCH, Pixels, Positions, Robot, WorkArea, parse_plane_map
 from robsim.cli.text import about, number, parse_size, whole_number
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def serve(
         ),
     ] = None,
     robot: Robot = None,
-    area: Area = None,
+    area: WorkArea = None,
     pixels: Pixels = None,
     positions: Positions = None,
     fps: Annotated[

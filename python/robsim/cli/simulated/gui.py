@@ -12,12 +12,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from robsim.cli import errors
-from robsim.cli.shared import SWITCH, CallLimit, Colors, Noise, Robot, Seed
+from robsim.cli.shared import (
+    SWITCH,
+    CallLimit,
+    Colors,
+    Noise,
+    Robot,
+    Seed,
+    WorkArea,
+)
 from robsim.cli.simulated.options import (
     Control,
     HowHidden,
     ScenarioFile,
-    WorkArea,
     shared_options,
     simulation_of,
 )

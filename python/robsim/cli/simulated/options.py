@@ -45,10 +45,6 @@ HowHidden = Annotated[
         help="Probability that the robot is hidden, such as 0.2; 0.2:5 = 5 steps at a time.",
     ),
 ]
-WorkArea = Annotated[
-    str | None,
-    typer.Option("--area", metavar="WxH", help="Work area in px. Default: 1200x1200."),
-]
 
 
 def shared_options(

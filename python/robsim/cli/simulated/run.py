@@ -22,6 +22,7 @@ from robsim.cli.shared import (
     Seed,
     Smoothing,
     Unit,
+    WorkArea,
     check_unit,
     earlier_run,
 )
@@ -29,7 +30,6 @@ from robsim.cli.simulated.options import (
     Control,
     HowHidden,
     ScenarioFile,
-    WorkArea,
     check_each,
     given,
     shared_options,
