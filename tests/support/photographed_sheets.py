@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from robsim.calibration import FloorSheet
-from robsim.calibration._sheets import _LABELS, PAPERS, page_of
+from robsim.calibration._patterns.printing import _LABELS, PAPERS, page_of
 
 SAMPLES = 3  # of each pixel, in each direction
 DOTS = 4  # of a printed page, for one mm

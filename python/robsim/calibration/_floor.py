@@ -21,8 +21,9 @@ from robsim._base.checks import (
 )
 from robsim._base.text import listed, quoted
 from robsim._core import Frame, PlaneMap
-from robsim.calibration._boards import MOST_SHEETS, Corners, find_sheets
 from robsim.calibration._floor_report import FloorCalibration, FloorPoint
+from robsim.calibration._patterns.floor_sheet import MOST_SHEETS, find_sheets
+from robsim.calibration._patterns.pattern import Corners
 from robsim.calibration._pictures import checked_names, images_of
 from robsim.calibration._plane_fit import PlaneFit, aligned, fit_plane, placed
 from robsim.imaging import Calibration, Residuals

@@ -14,8 +14,9 @@ from scipy import stats
 from robsim._base.checks import Floats
 from robsim._base.text import quoted
 from robsim._core import Frame, Intrinsics
-from robsim.calibration._boards import Charuco, Chessboard, Corners
 from robsim.calibration._lens_report import CELLS, BoardPicture, LensCalibration
+from robsim.calibration._patterns.boards import Charuco, Chessboard
+from robsim.calibration._patterns.pattern import Corners
 from robsim.calibration._pictures import checked_names, images_of
 from robsim.imaging import Calibration, Residuals
 from robsim.imaging._frames import frame_size

@@ -47,7 +47,7 @@ def sheet(
     """Write a sheet to print, as PDF at true scale."""
     from robsim._base.checks import check_choice, check_int
     from robsim.calibration import FloorSheet, save_sheet
-    from robsim.calibration._boards import MOST_SHEETS
+    from robsim.calibration._patterns.floor_sheet import MOST_SHEETS
     from robsim.cli.text import about
 
     with errors.report_errors():

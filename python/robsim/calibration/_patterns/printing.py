@@ -7,8 +7,10 @@ from os import PathLike
 from robsim._base.checks import check_choice
 from robsim._base.files import as_path, write_whole
 from robsim._base.text import one_line, quoted
-from robsim.calibration._boards import Charuco, Chessboard, FloorSheet, Rectangle
-from robsim.calibration._pdf import Text, pdf_page
+from robsim.calibration._patterns.boards import Charuco, Chessboard
+from robsim.calibration._patterns.floor_sheet import FloorSheet
+from robsim.calibration._patterns.pattern import Rectangle
+from robsim.calibration._patterns.pdf import Text, pdf_page
 
 #: Width and height (mm), landscape.
 PAPERS = {

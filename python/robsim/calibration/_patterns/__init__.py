@@ -1,0 +1,1 @@
+"""The patterns that are printed for a calibration: drawn, written, found in pictures."""
