@@ -145,7 +145,7 @@ def test_a_mirrored_floor_is_refused():
         ({"names": "abc"}, "names must be a sequence"),
         ({"names": ["a"] * 9}, "4 marks or more, got 1"),
         ({"size": (64, 48)}, "64 x 48 px"),
-        ({"lens": None}, "size must be given"),
+        ({"lens": None}, "size or picture must be given"),
         ({"lens": 3}, "lens must be a Calibration"),
         ({"marker_height": 9000}, "below the camera"),
     ],

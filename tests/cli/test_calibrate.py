@@ -77,6 +77,20 @@ def test_marks_give_a_floor_and_its_grid():
     assert "would overwrite" in refused("check", "floor.png", "--out", "floor.png")
 
 
+def test_check_tells_by_how_far_sheets_lie_elsewhere():
+    lens_file()
+    save_image("floor.png", floor_picture(OBLIQUE))
+    assert calibrate("floor", "floor.png", "--calibration", "camera.toml", *AREA).exit_code == 0
+    made = load_calibration("camera.toml")
+    x, y, z = OBLIQUE.place
+    save_image("later.png", floor_picture(replace(OBLIQUE, place=(x + 60, y, z))))
+    for file, least, most in (("floor.png", 0, 0.05), ("later.png", 8, 20)):
+        said = calibrate("check", file, "--out", "grid.png").output.splitlines()
+        shifts = [float(line.split()[3]) for line in said if line.startswith("floor sheet ")]
+        assert len(shifts) == len({number // 6 for number in made.marks}) >= 4
+        assert least <= min(shifts) <= max(shifts) <= most, said
+
+
 def test_what_is_missing_or_wrong_is_said():
     lens_file()
     marks_file(3)

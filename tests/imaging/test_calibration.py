@@ -45,6 +45,7 @@ def calibration(**options):
         "floor_residuals": Residuals(rms=1 / 3, worst=2.1, points=8),
         "date": datetime.datetime(2026, 3, 4, 5, 6, 7, tzinfo=datetime.UTC),
         "features": {"exposure": 0.0125, "white balance": "manual", "gain": 3, "auto": False},
+        "marks": {0: (12.5, 1 / 3), 7: (620.0, -0.25)},
     }
     return Calibration(**given | options)
 
@@ -91,6 +92,11 @@ def test_its_map_is_that_of_the_markers_height():
         ({"date": datetime.datetime(2026, 1, 1)}, "time zone"),
         ({"features": {"exposure": math.inf}}, "features must be finite"),
         ({"features": {"exposure": [1]}}, "features must be names"),
+        ({"marks": {0: (1, 2, 3)}}, "marks must have a pixel (u, v) each"),
+        ({"marks": {0: (1, math.nan)}}, "marks must have a pixel (u, v) each"),
+        ({"marks": {"a": (1, 2)}}, "marks must be an int, got 'a'"),
+        ({"marks": {-1: (1, 2)}}, "marks must lie within 0..1000, got -1"),
+        ({"marks": [(1, 2)]}, "marks must be a mapping"),
     ],
 )
 def test_what_is_wrong_is_refused_by_its_name(options, said):
@@ -141,6 +147,9 @@ def test_without_a_floor_there_is_no_map():
         ("pictures = 12", "pictures = 1.5", "lens.pictures must"),
         ("exposure = 0.0125", "exposure = {a = 1}", "features must be"),
         ("date = 2026-03-04T05:06:07Z", "date = 5", "date must"),
+        ("0 = [12.5,", "0 = [inf,", "marks must have a pixel (u, v) each"),
+        ("0 = [12.5,", "nine = [1,", "marks must be an int, got 'nine'"),
+        ("[marks]", "[[marks]]", "marks must be a mapping"),
     ],
 )
 def test_a_damaged_file_is_refused_with_its_key(tmp_path, old, new, said):

@@ -1,12 +1,15 @@
 """A wrong calibration shows before the robot drives."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
 import robsim
+from photographed_sheets import DOTS, printed
 from python_cameras import EndlessCamera
+from robsim.calibration import FloorSheet, calibrate_floor, calibrate_floor_by_sheets, sheet_shifts
 from robsim.imaging import Calibration, Intrinsics, PlaneMap
 from robsim.live import Lens, SimulatedLab, check_camera
 from robsim.live import _calibration_findings as mapping
@@ -17,11 +20,14 @@ AREA = (600, 600)
 MM = 2.0
 
 
-def looking(tilt, away, height=0.0):
-    """The map of a camera over the middle of the area, of what is some px above the floor."""
+def looking(tilt, away, height=0.0, aside=0.0):
+    """The map of a camera over the middle of the area, of what is some px above the floor.
+
+    It stands some px aside from there.
+    """
     c, s = math.cos(math.radians(tilt)), math.sin(math.radians(tilt))
     turn = np.array([(1, 0, 0), (0, c, -s), (0, s, c)])
-    middle = turn @ (-(AREA[0] - 1) / 2, -(AREA[1] - 1) / 2, 0) + (0, 0, away)
+    middle = turn @ (aside - (AREA[0] - 1) / 2, -(AREA[1] - 1) / 2, 0) + (0, 0, away)
     to_pixel = np.array(MATRIX) @ np.column_stack([turn[:, :2], middle - height * turn[:, 2]])
     return PlaneMap(np.linalg.inv(to_pixel))
 
@@ -37,13 +43,14 @@ def calibration(tilt, away, **options):
     )
 
 
-def picture(tilt, away, height=0.0, start=(250.0, 330.0, 0.7)):
-    """What the camera sees of a robot whose markers are some px high."""
+def picture(plane_map, **options):
+    """What a camera sees of a robot on the floor that its map says."""
+    start = (250.0, 330.0, 0.7)
     scenario = robsim.Scenario(
-        area=AREA, resolution=SIZE, start=start, headings=None, seed=1, noise=None
+        area=AREA, resolution=SIZE, start=start, headings=None, seed=1, noise=None, **options
     )
     with (
-        SimulatedLab(scenario, plane_map=looking(tilt, away, height), fps=100) as lab,
+        SimulatedLab(scenario, plane_map=plane_map, fps=100) as lab,
         robsim.Camera(lab) as camera,
     ):
         return np.array(camera.read().image)
@@ -56,7 +63,7 @@ def check(image, given):
 
 @pytest.fixture(scope="module")
 def oblique():
-    return picture(30, 620, 40)
+    return picture(looking(30, 620, 40))
 
 
 def test_the_right_calibration_is_good(oblique):
@@ -124,3 +131,81 @@ def test_a_lens_that_was_forgotten_changes_the_distance():
     report = check(image, calibration(0, 520))
     assert report["markers' distance"].verdict != "good"
     assert "closer together" in report["markers' distance"].remedy
+
+
+@pytest.fixture(scope="module")
+def laid():
+    """A floor of 4 dots for a px, on which three sheets lie."""
+    floor = np.full((2 * DOTS * AREA[1], 2 * DOTS * AREA[0], 3), 150, np.uint8)
+    for number, (x, y) in {1: (100, 100), 2: (480, 120), 3: (320, 510)}.items():
+        page = printed(FloorSheet(number))
+        top, left = int(MM * DOTS * y) - len(page) // 2, int(MM * DOTS * x) - page.shape[1] // 2
+        floor[top : top + len(page), left : left + page.shape[1]] = page[..., None]
+    return floor
+
+
+@pytest.fixture(scope="module")
+def with_sheets(laid):
+    """The calibration of a camera by sheets that stay where they lie."""
+    lens = Calibration(size=SIZE, intrinsics=Intrinsics(MATRIX))
+    image = picture(looking(20, 620), background=laid)
+    report = calibrate_floor_by_sheets([image], area=AREA, mm_per_px=MM, lens=lens)
+    assert report.verdict == "good"
+    assert len(report.calibration.marks) == 18
+    return image, report.calibration
+
+
+def test_a_sheet_that_stays_tells_that_the_camera_was_not_moved(with_sheets):
+    image, given = with_sheets
+    report = check(image, given)
+    assert report["shift of floor sheets"].verdict == "good"
+    assert report["shift of floor sheets"].value < 0.2
+    assert not any("in one place" in remark for remark in report.remarks)
+
+
+@pytest.mark.parametrize(
+    ("tilt", "away", "aside"), [(24, 620, 30), (20, 620, 4), (21, 620, 0), (20, 630, 0)]
+)
+def test_a_sheet_that_stays_tells_that_the_camera_was_moved(laid, with_sheets, tilt, away, aside):
+    moved = picture(looking(tilt, away, aside=aside), background=laid)
+    report = check(moved, with_sheets[1])
+    # What the robot alone does not show where it stands
+    assert report["markers' distance"].verdict == "good"
+    finding = report["shift of floor sheets"]
+    assert finding.verdict == ("poor" if tilt == 21 else "bad")
+    assert finding.remedy.startswith("floor sheets 1, ")
+    assert "calibrate the floor again" in finding.remedy
+    assert finding.name in {problem.kind for problem in report.problems}
+
+
+def test_a_sheet_that_was_moved_is_told_from_the_camera(with_sheets):
+    image, given = with_sheets
+    marks = {n: (u + 8 * (6 <= n < 12), v) for n, (u, v) in given.marks.items()}
+    finding = check(image, dataclasses.replace(given, marks=marks))["shift of floor sheets"]
+    assert finding.value == pytest.approx(8, abs=0.1)
+    assert finding.remedy.startswith("floor sheet 2 is not where")
+    assert "the others are: lay back what was moved" in finding.remedy
+
+
+def test_sheets_that_were_taken_away_are_missed(oblique, with_sheets):
+    report = check(oblique, with_sheets[1])
+    assert report["shift of floor sheets"].verdict == "not known"
+    assert any("no floor sheet is in the picture" in remark for remark in report.remarks)
+
+
+def test_measured_marks_and_a_picture_keep_the_sheets_in_it(with_sheets):
+    image, given = with_sheets
+    places = MM * np.array([(50.0, 50.0), (550, 50), (550, 550), (50, 550), (300, 300)])
+    pixels = given.floor.to_pixel(places / MM)
+    options = {"area": AREA, "mm_per_px": MM}
+    kept = calibrate_floor(pixels, places, picture=image, **options).calibration
+    assert kept.size == SIZE
+    assert kept.marks.keys() == given.marks.keys()
+    assert sheet_shifts(image, kept) == pytest.approx({1: 0, 2: 0, 3: 0}, abs=1e-9)
+    assert not calibrate_floor(pixels, places, size=SIZE, **options).calibration.marks
+    with pytest.raises(ValueError, match=r"size must be that of picture, \(480, 480\)"):
+        calibrate_floor(pixels, places, picture=image, size=(640, 480), **options)
+    with pytest.raises(ValueError, match=r"size or picture must be given"):
+        calibrate_floor(pixels, places, **options)
+    with pytest.raises(ValueError, match=r"480 x 400 px"):
+        sheet_shifts(image[:400], kept)

@@ -123,6 +123,7 @@ EXAMPLES = {
     "Residuals.worst": lambda: 0.2,
     "save_calibration.calibration": lambda: calibration(),
     "save_calibration.path": lambda: "camera.toml",
+    "sheet_shifts.calibration": lambda: calibration((32, 32)),
     "save_sheet.path": lambda: "sheet.pdf",
     "save_sheet.pattern": lambda: robsim.calibration.Chessboard(),
     "Lens.distorted.size": lambda: (64, 48),

@@ -10,6 +10,7 @@ from robsim.calibration._patterns.boards import Charuco, Chessboard
 from robsim.calibration._patterns.floor_sheet import FloorSheet, find_sheets
 from robsim.calibration._patterns.pattern import Corners
 from robsim.calibration._patterns.printing import save_sheet
+from robsim.calibration._shifts import sheet_shifts
 
 __all__ = [
     "BoardPicture",
@@ -26,6 +27,7 @@ __all__ = [
     "draw_grid",
     "find_sheets",
     "save_sheet",
+    "sheet_shifts",
 ]
 
 _present(globals())

@@ -22,10 +22,11 @@ from robsim._base.checks import (
 from robsim._base.text import listed, quoted
 from robsim._core import Frame, PlaneMap
 from robsim.calibration._floor_report import FloorCalibration, FloorPoint
-from robsim.calibration._patterns.floor_sheet import MOST_SHEETS, find_sheets
+from robsim.calibration._patterns.floor_sheet import MOST_SHEETS, FloorSheet, find_sheets
 from robsim.calibration._patterns.pattern import Corners
-from robsim.calibration._pictures import checked_names, images_of
+from robsim.calibration._pictures import checked_names, images_of, pixels_of
 from robsim.calibration._plane_fit import PlaneFit, aligned, fit_plane, placed
+from robsim.calibration._shifts import mark_middles
 from robsim.imaging import Calibration, Residuals
 from robsim.imaging._frames import frame_size
 from robsim.imaging._images import Pixels
@@ -47,6 +48,7 @@ def calibrate_floor(
     lens: Calibration | None = None,
     size: tuple[int, int] | None = None,
     names: Sequence[str] | None = None,
+    picture: Pixels | Frame | None = None,
 ) -> FloorCalibration:
     """Calibrate where a camera looks from, by marks on the floor whose places were measured.
 
@@ -66,10 +68,12 @@ def calibrate_floor(
     lens : Calibration, optional
         The result of `calibrate_lens`. Default: the lens does not distort.
     size : tuple of int, optional
-        Width and height of the frames (px). Default: that of `lens`.
+        Width and height of the frames (px). Default: that of `picture` or `lens`.
     names : sequence of str, optional
         What the marks are called; those of one name are one, and averaged. Default: by their
         number, from 1.
+    picture : Frame or array (H, W, 3) of uint8, optional
+        An RGB picture of the floor. Floor sheets in it are kept in mind: see `sheet_shifts`.
 
     Returns
     -------
@@ -79,6 +83,8 @@ def calibrate_floor(
 
     Raises
     ------
+    ImportError
+        If there is a picture, and OpenCV is not installed.
     TypeError, ValueError
         If an argument has the wrong type or shape, too many marks lie on a line, or their order is
         that of a mirrored floor.
@@ -86,6 +92,12 @@ def calibrate_floor(
     area = check_size("area", area)
     scale = check_mm_per_px(mm_per_px)
     seen, places, called = _marks(pixels, positions, checked_names(names))
+    image = None if picture is None else pixels_of("picture", picture)
+    if image is not None:
+        found = frame_size(image)
+        if size is not None and check_size("size", size) != found:
+            raise ValueError(f"size must be that of picture, {found}, got {quoted(size)}")
+        size = found
     lens, size = _lens_and_size(lens, size)
     height = check_float("marker_height", marker_height, "mm", minimum=0)
     matrix = None if lens.intrinsics is None else np.asarray(lens.intrinsics.matrix)
@@ -95,7 +107,9 @@ def calibrate_floor(
     fit = fit_plane([ideal], [places], matrix)
     if len(seen) >= _TRUSTED:
         wrong, fit = _without_wrong(ideal, places, matrix, fit)
-    calibration = _calibration(lens, fit.to_floor, area, scale, height)
+    mark = FloorSheet().mark  # of any size: where the marks are in the picture does not hang on it
+    marks = {} if image is None else mark_middles(find_sheets(image, mark), mark)
+    calibration = _calibration(lens, fit.to_floor, area, scale, height, marks)
     points = _points(calibration, called, seen, places, {wrong})
     return _report(calibration, fit, points)
 
@@ -171,7 +185,7 @@ def calibrate_floor_by_sheets(
         [(np.cos(angle), -np.sin(angle), shift[0]), (np.sin(angle), np.cos(angle), shift[1])]
     )
     to_floor = np.vstack([turned, (0, 0, 1)]) @ fit.to_floor
-    calibration = _calibration(lens, to_floor, area, scale, height)
+    calibration = _calibration(lens, to_floor, area, scale, height, mark_middles(sheets, mark))
     points: list[FloorPoint] = []
     for number, group, place in zip(numbers, groups, fit.places, strict=True):
         floor = placed(placed(group.positions, place), (*shift, angle))
@@ -205,7 +219,7 @@ def _lens_and_size(lens: Any, size: tuple[int, int] | None) -> tuple[Calibration
     _check_lens(lens)
     if lens is None:
         if size is None:
-            raise ValueError("size must be given without a lens")
+            raise ValueError("size or picture must be given without a lens")
         lens = Calibration(size=size)
     if size is not None:
         lens.check_frames(size)
@@ -277,6 +291,7 @@ def _calibration(
     area: tuple[int, int],
     scale: float,
     marker_height: float,
+    marks: Mapping[int, tuple[float, float]],
 ) -> Calibration:
     """Return the calibration, without residuals as yet."""
     return Calibration(
@@ -290,6 +305,7 @@ def _calibration(
         lens_residuals=lens.lens_residuals,
         date=datetime.datetime.now(datetime.UTC).replace(microsecond=0),
         features=lens.features,
+        marks=marks,
     )
 
 

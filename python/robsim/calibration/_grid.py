@@ -11,9 +11,10 @@ from PIL import Image, ImageDraw, ImageFont
 from robsim._base.checks import Floats, check_float
 from robsim._base.text import quoted
 from robsim._core import Frame, PlaneMap
+from robsim.calibration._pictures import pixels_of
 from robsim.imaging import Calibration
 from robsim.imaging._frames import frame_size
-from robsim.imaging._images import Pixels, check_pixels
+from robsim.imaging._images import Pixels
 
 _FLOOR, _HIGH = (255, 214, 10), (0, 229, 255)
 _LINES = 8  # about as many across the longer side of the area
@@ -51,9 +52,7 @@ def draw_grid(
         If an argument has the wrong type, the calibration has no floor, or is of frames of another
         size.
     """
-    pixels = check_pixels(
-        "image", image.image if isinstance(image, Frame) else image, 3, "a Frame or "
-    )
+    pixels = pixels_of("image", image)
     if not isinstance(calibration, Calibration):
         raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
     step = None if step is None else check_float("step", step, "mm", exclusive_minimum=0)

@@ -39,6 +39,12 @@ def images_of(pictures: Any, names: Sequence[str] | None = None) -> Iterator[Pix
         raise ValueError("pictures must not be empty")
 
 
+def pixels_of(name: str, picture: Any) -> Pixels:
+    """Return the pixels of one picture; raise TypeError or ValueError."""
+    given = picture.image if isinstance(picture, Frame) else picture
+    return check_pixels(name, given, 3, "a Frame or ")
+
+
 def checked_names(names: Any) -> Sequence[str] | None:
     """Return names, a sequence of texts, or None."""
     if names is None:

@@ -8,12 +8,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from robsim._base.checks import check_float, check_int, check_mm_per_px, check_region, check_size
+from robsim._base.checks import (
+    as_float_array,
+    check_float,
+    check_int,
+    check_mm_per_px,
+    check_region,
+    check_size,
+)
 from robsim._base.text import quoted
 from robsim._core import Intrinsics, PlaneMap
 
 _MOST = 10**7  # points, pictures
 _HIGHEST = 1e5  # mm
+_MOST_MARKS = 1000
 Feature = str | bool | int | float
 
 
@@ -75,6 +83,9 @@ class Calibration:
         When it was made, with its time zone.
     features : mapping of str to str, bool, int or float
         Settings of the camera, such as its exposure, as far as they are known.
+    marks : mapping of int to tuple of float
+        Where the frames showed the middles of the floor sheets' marks: (u, v) by their numbers
+        (px). A sheet that stays where it lies tells later whether the camera was moved.
 
     Raises
     ------
@@ -93,6 +104,7 @@ class Calibration:
     floor_residuals: Residuals | None = None
     date: datetime.datetime | None = None
     features: Mapping[str, Feature] = field(default_factory=dict, hash=False)
+    marks: Mapping[int, tuple[float, float]] = field(default_factory=dict, hash=False, repr=False)
     _plane_map: PlaneMap = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -114,6 +126,7 @@ class Calibration:
         height = check_float("marker_height", self.marker_height, "mm", minimum=0, maximum=_HIGHEST)
         put(self, "marker_height", height)
         put(self, "features", _checked_features(self.features))
+        put(self, "marks", _checked_marks(self.marks))
         self._check_parts()
 
     def _check_parts(self) -> None:
@@ -220,3 +233,16 @@ def _checked_features(features: Any) -> dict[str, Feature]:
         if isinstance(value, float) and not math.isfinite(value):
             raise ValueError(f"features must be finite, got {quoted(name)}: {value}")
     return dict(features)
+
+
+def _checked_marks(marks: Any) -> dict[int, tuple[float, float]]:
+    if not isinstance(marks, Mapping) or len(marks) > _MOST_MARKS:
+        raise TypeError(f"marks must be a mapping of at most {_MOST_MARKS}, got {quoted(marks)}")
+    checked = {}
+    for number, pixel in marks.items():
+        place = as_float_array("marks", pixel)
+        if place.shape != (2,) or not (abs(place) < _MOST).all():
+            raise ValueError(f"marks must have a pixel (u, v) each, got {quoted(pixel)}")
+        u, v = place.tolist()
+        checked[check_int("marks", number, minimum=0, maximum=_MOST_MARKS)] = (u, v)
+    return checked

@@ -23,7 +23,7 @@ _HEADER = (
     "robsim live --calibration, robsim track --calibration, or robsim.Camera(calibration=...).",
 )
 _TABLES = {
-    "": ("format", "date", "frames", "lens", "floor", "features"),
+    "": ("format", "date", "frames", "lens", "floor", "features", "marks"),
     "frames": ("size", "region"),
     "lens": ("matrix", "distortion", "rms", "worst", "points", "pictures"),
     "floor": (
@@ -122,6 +122,9 @@ def calibration_text(one: Calibration) -> str:
         document.add("floor", _table(floor, said))
     if one.features:
         document.add("features", _table(one.features, "Settings of the camera."))
+    if one.marks:
+        said = "Where the frames showed the floor sheets' marks, by their numbers: u, v (px)."
+        document.add("marks", _table({str(n): [*at] for n, at in one.marks.items()}, said))
     return tomlkit.dumps(document)
 
 
@@ -200,6 +203,7 @@ def _read(table: dict[str, Any]) -> Calibration:
             "marker_height": ("floor.marker_height", (floor or {}).get("marker_height", 0.0)),
             "date": ("date", table.get("date")),
             "features": ("features", table.get("features", {})),
+            "marks": ("marks", _marks(table.get("marks", {}))),
         },
         intrinsics=intrinsics,
         floor=None if floor is None else _plane_map("floor", floor),
@@ -234,6 +238,13 @@ def _check_keys(name: str, table: dict[str, Any]) -> None:
     if unknown := [key for key in table if key not in _TABLES[name]]:
         where = f"{name} must have only the keys" if name else "it must have only the keys"
         raise ValueError(f"{where} {', '.join(_TABLES[name])}, got {quoted(unknown[0])}")
+
+
+def _marks(table: Any) -> Any:
+    """Return the table with numbers as keys; what is none stays as it is, to be refused."""
+    if not isinstance(table, dict):
+        return table
+    return {int(key) if key.isdecimal() else key: value for key, value in table.items()}
 
 
 def _need(name: str, table: dict[str, Any], *keys: str) -> None:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._base.text import listed
 from robsim._core import Blob, Detection, Frame, MarkerLayout
+from robsim.calibration import sheet_shifts
 from robsim.imaging import Calibration
 
 _GRID = 12  # points along each side of the area
@@ -137,6 +139,39 @@ def visible_share(calibration: Calibration) -> float:
     size = np.array(calibration.size)
     is_inside = ((pixels >= -0.5) & (pixels <= size - 0.5)).all(axis=1)  # NaN is not
     return float(is_inside.mean())
+
+
+def shifts_of_sheets(frames: Iterable[Frame], calibration: Calibration) -> dict[int, float]:
+    """Return by how far each floor sheet lies from where it was (px), in the median of frames.
+
+    Empty if none is seen, or OpenCV is not installed.
+    """
+    each: dict[int, list[float]] = {}
+    try:
+        for frame in frames:
+            for sheet, shift in sheet_shifts(frame, calibration).items():
+                each.setdefault(sheet, []).append(shift)
+    except ImportError:
+        return {}
+    return {sheet: float(np.median(shifts)) for sheet, shifts in each.items()}
+
+
+def remedy_of_shifts(shifts: Mapping[int, float], good: float) -> str:
+    """Return why sheets may lie elsewhere, by more than what is `good` (px)."""
+    moved = [sheet for sheet, shift in shifts.items() if shift > good]
+    if len(moved) == 1:
+        said = f"floor sheet {moved[0]} is not where the calibration saw it"
+    else:
+        said = f"floor sheets {listed(map(str, moved))} are not where the calibration saw them"
+    if len(moved) < len(shifts):
+        return (
+            f"{said}, the others are: lay back what was moved; or, if it was the camera, calibrate "
+            "the floor again (robsim calibrate floor)"
+        )
+    return (
+        f"{said}: was the camera moved, turned or zoomed since? Then calibrate the floor again "
+        "(robsim calibrate floor)"
+    )
 
 
 def remedy(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any
@@ -200,11 +200,20 @@ def _remarks(findings: Iterable[CameraFinding], motors: Any) -> Iterator[str]:
         yield "the robot answered nothing: is it on? Firmware need not answer, see PROTOCOL.md"
     if "margin of red" in names and "margin of blue" in names:
         yield "the markers cannot be judged where the robot is not detected"
-    is_calibrated = any(finding.name == "work area in the picture" for finding in findings)
-    if is_calibrated and "markers' distance, by place" in names:
-        yield (
-            "the calibration was tried in one place: a camera that was moved sideways, or tilted "
-            "by some degrees, may show only with the robot elsewhere, or in robsim calibrate check"
-        )
+    yield from _remarks_on_calibration({finding.name for finding in findings}, names)
     if motors is not None:
         yield "the robot was only told to stop"
+
+
+def _remarks_on_calibration(looked_at: Container[str], not_known: Container[str]) -> Iterator[str]:
+    sheets, places = "shift of floor sheets", "markers' distance, by place"
+    if "work area in the picture" not in looked_at or places not in not_known:
+        return
+    said = (
+        "the calibration was tried in one place: a camera that was moved sideways, or tilted by "
+        "some degrees, may show only with the robot elsewhere"
+    )
+    if sheets not in looked_at:
+        yield f"{said}; a floor sheet that stays where it is from the calibration on would show it"
+    elif sheets in not_known:
+        yield f"{said}, as no floor sheet is in the picture that the calibration saw"

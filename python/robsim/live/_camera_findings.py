@@ -14,6 +14,7 @@ from robsim._base.checks import Floats
 from robsim._base.report import Quantity
 from robsim._core import MotorLink
 from robsim.capture import Camera, CameraCounts
+from robsim.imaging import Calibration
 from robsim.live import _calibration_findings as mapping
 from robsim.live._camera_look import CameraLook
 from robsim.live._marker_light import MarkerLight
@@ -47,6 +48,7 @@ _STILL = 2.0  # px
 _LATENCY = (0.05, 0.15)  # s
 _EXCESS = (0.025, 0.06)  # of the distance between the markers
 _VISIBLE = (0.9, 0.5)  # of the work area
+_SHIFT = (1.0, 3.0)  # px of the frame
 
 _REMEDIES = {
     "no blobs": "train the colours in this light (robsim colors train), or is it another robot?",
@@ -312,6 +314,7 @@ def _map(look: CameraLook, camera: Camera) -> Iterator[CameraFinding]:
         mapping.remedy_of_spread(camera.calibration),
     )
     if camera.calibration is not None:
+        yield from _sheets(look, camera.calibration)
         yield _judged(
             "work area in the picture",
             100 * mapping.visible_share(camera.calibration),
@@ -319,6 +322,19 @@ def _map(look: CameraLook, camera: Camera) -> Iterator[CameraFinding]:
             _percent_limits(_VISIBLE),
             "the picture does not show all of the work area: was the camera moved since its "
             "calibration, or is --area too large?",
+        )
+
+
+def _sheets(look: CameraLook, calibration: Calibration) -> Iterator[CameraFinding]:
+    """Yield whether floor sheets lie where the calibration saw them, if it saw any."""
+    if calibration.marks:
+        shifts = mapping.shifts_of_sheets(look.last, calibration)
+        yield _judged(
+            "shift of floor sheets",
+            max(shifts.values(), default=math.nan),
+            "px",
+            _SHIFT,
+            mapping.remedy_of_shifts(shifts, _SHIFT[0]),
         )
 
 

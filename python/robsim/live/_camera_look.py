@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -13,6 +14,7 @@ from robsim.live._calibration_findings import MarkerPair, marker_pair
 from robsim.live._marker_light import MarkerLight, marker_light
 from robsim.robots import RobotDefinition
 
+_KEPT = 3  # frames, to look for floor sheets in when all have come
 _MARKERS = ("red", "blue")
 _WHITE_LEVEL, _BLACK_LEVEL = 250, 3
 _GRID = 96  # pixels that are looked at for the light of the whole frame, in each direction
@@ -40,6 +42,7 @@ class CameraLook:
         self._smoothing = smoothing
         self.detections: list[Detection] = []
         self.times: list[tuple[int, float, float]] = []  # number, exposure, arrival (s)
+        self.last: deque[Frame] = deque(maxlen=_KEPT)
         self.poses: list[Floats] = []
         self.others: list[int] = []
         self.light: list[tuple[float, float, float]] = []  # mean, shares of white and of black
@@ -58,6 +61,7 @@ class CameraLook:
         )
         detection = detect(blobs, self.markers, plane_map=frame.plane_map, image=frame)
         self.detections.append(detection)
+        self.last.append(frame)
         self.times.append((frame.index, frame.t or 0.0, frame.t_arrival or frame.t or 0.0))
         self.light.append(_light_of(frame))
         self.others.append(self._others(blobs, detection))

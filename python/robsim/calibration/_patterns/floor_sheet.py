@@ -87,6 +87,26 @@ class FloorSheet:
         }
 
 
+def sheet_of(mark: int) -> int:
+    """Return the number of the sheet that a mark is on, by the mark's own number."""
+    return mark // (_MARKS[0] * _MARKS[1]) + 1
+
+
+def find_marks(image: Pixels) -> list[tuple[int, Floats]]:
+    """Return number and corners (4, 2) of each mark of a floor sheet in an RGB picture (px)."""
+    cv2 = load_opencv(PURPOSE)
+    options = cv2.aruco.DetectorParameters()
+    options.minMarkerPerimeterRate = 0.01
+    detector = cv2.aruco.ArucoDetector(mark_dictionary(_BITS), options)
+    gray = gray_of(image)
+    about, numbers, _ = detector.detectMarkers(gray)
+    if numbers is None or not len(numbers):
+        return []
+    pixels = refined_corners(cv2, gray, np.array(about, float).reshape(-1, 4, 2))
+    found = zip(numbers.ravel().tolist(), pixels, strict=True)
+    return [(number, corners) for number, corners in found if sheet_of(number) <= MOST_SHEETS]
+
+
 def find_sheets(image: Pixels, mark: float) -> dict[int, Corners]:
     """Return what a picture shows of each floor sheet, by its number.
 
@@ -110,20 +130,9 @@ def find_sheets(image: Pixels, mark: float) -> dict[int, Corners]:
         If an argument has another type, or is out of range.
     """
     mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
-    cv2 = load_opencv(PURPOSE)
-    options = cv2.aruco.DetectorParameters()
-    options.minMarkerPerimeterRate = 0.01
-    detector = cv2.aruco.ArucoDetector(mark_dictionary(_BITS), options)
-    gray = gray_of(image)
-    about, numbers, _ = detector.detectMarkers(gray)
-    if numbers is None or not len(numbers):
-        return {}
-    pixels = refined_corners(cv2, gray, np.array(about, float).reshape(-1, 4, 2))
     seen: dict[int, list[tuple[int, Floats]]] = {}
-    for number, corners in zip(numbers.ravel().tolist(), pixels, strict=True):
-        sheet = number // (_MARKS[0] * _MARKS[1]) + 1
-        if sheet <= MOST_SHEETS:
-            seen.setdefault(sheet, []).append((number, corners))
+    for number, corners in find_marks(image):
+        seen.setdefault(sheet_of(number), []).append((number, corners))
     if twice := [sheet for sheet, marks in seen.items() if len(dict(marks)) < len(marks)]:
         raise ValueError(
             f"pictures must show each floor sheet once, got sheet {min(twice)} twice in one: give "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,22 +33,6 @@ class Corners:
 
     positions: Floats
     pixels: Floats
-
-
-class Pattern(Protocol):
-    """What a sheet can show: black rectangles (mm from its top left corner)."""
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height (mm)."""
-
-    @property
-    def rectangles(self) -> list[Rectangle]:
-        """Left, top, width and height of what is black."""
-
-    @property
-    def label(self) -> str:
-        """What is printed below."""
 
 
 def mark_rectangles(

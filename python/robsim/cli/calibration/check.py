@@ -15,7 +15,8 @@ EXAMPLE = "Example: robsim calibrate check floor.png --calibration camera.toml -
 HELP = (
     "Draw the floor's grid on a picture, to see whether a calibration fits.\n\n"
     "Yellow lines lie on the floor: tiles and marks of known places must lie on them. Blue ones "
-    "are as high as the robot's markers."
+    "are as high as the robot's markers. Floor sheets that stayed since the calibration tell "
+    "whether the camera was moved."
 )
 
 
@@ -41,7 +42,7 @@ def check(
     ] = Path("check.png"),
 ) -> None:
     """Draw the floor's grid on a picture, to see whether a calibration fits."""
-    from robsim.calibration import draw_grid
+    from robsim.calibration import draw_grid, sheet_shifts
     from robsim.imaging import load_calibration, save_image
 
     with errors.report_errors():
@@ -50,4 +51,7 @@ def check(
         loaded = load_calibration(calibration)
         image = next(pictures_of([picture]))[1]
         save_image(out, draw_grid(image, loaded, step=step))
+        shifts = sheet_shifts(image, loaded)
+    for sheet, shift in shifts.items():
+        errors.say(f"floor sheet {sheet}: {shift:.1f} px from where the calibration saw it")
     errors.say(f"written: {out}")

@@ -167,14 +167,11 @@ def _calibrated(
         return calibrate_floor_by_sheets(images, mark=mark, places=where or None, **options)
     if places:
         raise ValueError("--place is for sheets, and not for marks")
-    size = None
-    if sources:
-        image = next(pictures_of(sources))[1]
-        size = image.shape[1], image.shape[0]
-    elif options["lens"] is None:
+    if not sources and options["lens"] is None:
         raise ValueError("give a picture of the floor, too: its size is needed without a lens")
+    image = next(pictures_of(sources))[1] if sources else None
     names, seen, where_they_are = marks
-    return calibrate_floor(seen, where_they_are, names=names, size=size, **options)
+    return calibrate_floor(seen, where_they_are, names=names, picture=image, **options)
 
 
 def _place(text: str) -> tuple[int, tuple[float, float]]:

@@ -1,0 +1,66 @@
+"""Whether floor sheets lie where a calibration saw them, or the camera was moved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from robsim._base.text import quoted
+from robsim._core import Frame
+from robsim.calibration._patterns.floor_sheet import FloorSheet, find_marks, sheet_of
+from robsim.calibration._patterns.pattern import Corners
+from robsim.calibration._pictures import pixels_of
+from robsim.imaging import Calibration
+from robsim.imaging._frames import frame_size
+from robsim.imaging._images import Pixels
+
+
+def mark_middles(sheets: Mapping[int, Corners], mark: float) -> dict[int, tuple[float, float]]:
+    """Return where the middles of the marks of sheets are in a picture (px), by their numbers."""
+    middles = {}
+    for sheet, seen in sheets.items():
+        for number, positions in FloorSheet(sheet, mark).corners().items():
+            is_its = (seen.positions[:, None] == positions).all(axis=2).any(axis=1)
+            if is_its.sum() == len(positions):
+                u, v = seen.pixels[is_its].mean(axis=0).tolist()
+                middles[number] = (u, v)
+    return middles
+
+
+def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, float]:
+    """Return by how far floor sheets lie from where they were when a camera was calibrated.
+
+    A sheet that stays where it lies, beside where the robot drives, shows whether the camera was
+    moved, turned or zoomed since.
+
+    Parameters
+    ----------
+    image : Frame or array (H, W, 3) of uint8
+        RGB.
+    calibration : Calibration
+        That of the camera.
+
+    Returns
+    -------
+    dict of int to float
+        The median distance of its marks from where they were (px of the frame), by the number of
+        the sheet; of those sheets that the picture shows, and that the calibration was made with.
+
+    Raises
+    ------
+    ImportError
+        If OpenCV is not installed.
+    TypeError, ValueError
+        If an argument has another type, or the picture another size.
+    """
+    if not isinstance(calibration, Calibration):
+        raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
+    pixels = pixels_of("image", image)
+    calibration.check_frames(frame_size(pixels))
+    apart: dict[int, list[float]] = {}
+    for number, corners in find_marks(pixels) if calibration.marks else ():
+        if number in calibration.marks:
+            off = corners.mean(axis=0) - calibration.marks[number]
+            apart.setdefault(sheet_of(number), []).append(float(np.linalg.norm(off)))
+    return {sheet: float(np.median(each)) for sheet, each in sorted(apart.items())}
