@@ -8,7 +8,13 @@ from hypothesis import strategies as st
 
 from fuzzing import fuzzed
 from robsim.gui import _messages
-from robsim.gui._messages import Refused, checked_message
+from robsim.gui._messages import Refused
+from robsim.gui._panel.messages import MESSAGES
+
+
+def checked_message(message):
+    return _messages.checked_message(message, MESSAGES)
+
 
 GOOD = [
     {"type": "hello", "id": "a", "width": 600},
@@ -84,16 +90,16 @@ JSON = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
     max_leaves=6,
 )
-FIELDS = sorted({field for fields in _messages._FIELDS.values() for field in fields} | {"id"})
+FIELDS = sorted({field for fields in MESSAGES.values() for field in fields} | {"id"})
 
 
 @pytest.mark.fuzz
 @fuzzed
-@given(st.sampled_from(sorted(_messages._FIELDS)), st.dictionaries(st.sampled_from(FIELDS), JSON))
+@given(st.sampled_from(sorted(MESSAGES)), st.dictionaries(st.sampled_from(FIELDS), JSON))
 def test_anything_is_taken_or_refused(kind, fields):
     try:
         checked = checked_message({"type": kind, **fields})
     except Refused:
         return
-    assert checked.keys() == {"type", "id", *_messages._FIELDS[kind]}
+    assert checked.keys() == {"type", "id", *MESSAGES[kind]}
     json.dumps(checked, allow_nan=False)

@@ -5,7 +5,7 @@ import re
 import pytest
 
 import robsim
-from robsim.gui import _messages
+from robsim.gui._panel.messages import MESSAGES
 from robsim.gui._panel.view import PanelView
 from robsim.gui._script import STATIC
 
@@ -20,8 +20,8 @@ def rows(text):
 
 def test_every_message_from_a_browser_stands_there_with_its_fields():
     told = rows(FROM_BROWSER)
-    assert set(told) == set(_messages._FIELDS)
-    for kind, fields in _messages._FIELDS.items():
+    assert set(told) == set(MESSAGES)
+    for kind, fields in MESSAGES.items():
         assert set(fields) <= told[kind], kind
 
 

@@ -4,6 +4,7 @@ import gc
 import math
 import threading
 import time
+from typing import ClassVar
 
 import pytest
 
@@ -376,6 +377,7 @@ def test_closing_from_the_thread_of_the_view(panel):
 def test_urgent_messages_come_first():
     class Letters(View):
         kind = "letters"
+        messages: ClassVar = {"press": {"button": str}}
 
         def __init__(self):
             super().__init__()
@@ -386,6 +388,9 @@ def test_urgent_messages_come_first():
 
         def is_urgent(self, message):
             return message["button"] == "urgent"
+
+        def tell(self, link):
+            pass
 
         def parted(self):
             pass

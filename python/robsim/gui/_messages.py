@@ -1,58 +1,68 @@
-"""What a browser may send: one table, and the check against it."""
+"""What a browser may send: the checks of fields, and of a message against a table of them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
+Check = Callable[[Any], Any]
+#: Type of message -> field -> check; `id` is in all of them.
+Messages = Mapping[str, Mapping[str, Check]]
+
 _MOST_TEXT = 200  # characters
-_MOST_POINTS = 1000
-_MOST_NAMES = 100
 
 
 class Refused(Exception):
     """A message that cannot be used; its text goes back to the browser."""
 
 
-def _text(value: Any) -> str:
+def text(value: Any) -> str:
+    """Return a short text."""
     if not isinstance(value, str) or len(value) > _MOST_TEXT:
         raise Refused(f"a text of up to {_MOST_TEXT} characters")
     return value
 
 
-def _number(value: Any) -> float:
+def number(value: Any) -> float:
+    """Return a finite number."""
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         with suppress(OverflowError):
-            if math.isfinite(number := float(value)):
-                return number
+            if math.isfinite(found := float(value)):
+                return found
     raise Refused("a finite number")
 
 
-def _whole(value: Any) -> int:
+def whole(value: Any) -> int:
+    """Return a whole number from 0."""
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**53:
         raise Refused("a whole number from 0")
     return value
 
 
-def _switch(value: Any) -> bool:
+def switch(value: Any) -> bool:
+    """Return true or false."""
     if not isinstance(value, bool):
         raise Refused("true or false")
     return value
 
 
-def _setting(value: Any) -> bool | float | str:
+def setting(value: Any) -> bool | float | str:
+    """Return the value of a control."""
     if isinstance(value, bool):
         return value
-    return _text(value) if isinstance(value, str) else _number(value)
+    return text(value) if isinstance(value, str) else number(value)
 
 
-def _maybe(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def maybe(check: Check) -> Check:
+    """Return a check that takes null, too."""
     return lambda value: None if value is None else check(value)
 
 
-def _list_of(check: Callable[[Any], Any], most: int) -> Callable[[Any], Any]:
+def list_of(check: Check, most: int) -> Check:
+    """Return a check of lists of so many items."""
+
     def checked(value: Any) -> list[Any]:
         if not isinstance(value, list) or len(value) > most:
             raise Refused(f"a list of up to {most}")
@@ -61,43 +71,34 @@ def _list_of(check: Callable[[Any], Any], most: int) -> Callable[[Any], Any]:
     return checked
 
 
-def _point(value: Any) -> tuple[float, float]:
+def point(value: Any) -> tuple[float, float]:
+    """Return x and y."""
     if not isinstance(value, list) or len(value) != 2:
         raise Refused("x and y")
-    return _number(value[0]), _number(value[1])
+    return number(value[0]), number(value[1])
 
 
-#: Type of message -> field -> check; `id` is in all of them.
-_FIELDS: dict[str, dict[str, Callable[[Any], Any]]] = {
-    "hello": {"width": _whole},
-    "size": {"width": _whole},
+#: What every panel takes.
+COMMON: Messages = {
+    "hello": {"width": whole},
+    "size": {"width": whole},
     "bye": {},
-    "grant": {"upto": _whole, "late": _switch},
-    "press": {"button": _text},
-    "set": {"name": _text, "value": _setting},
-    "go_to": {"x": _number, "y": _number},
-    "path": {"points": _list_of(_point, _MOST_POINTS)},
-    "look": {"k": _maybe(_whole)},
-    "columns": {"names": _list_of(_text, _MOST_NAMES)},
-    "inspect": {"k": _maybe(_whole), "path": _list_of(_text, _MOST_NAMES)},
-    "source": {"slot": _text},
-    "edit": {"slot": _text},
-    "animate": {"on": _switch},
+    "grant": {"upto": whole, "late": switch},
 }
 
 
-def checked_message(message: Any) -> dict[str, Any]:
+def checked_message(message: Any, messages: Messages) -> dict[str, Any]:
     """Return a message with the fields of its type and no others; else raise `Refused`."""
     kind = message.get("type") if isinstance(message, dict) else None
-    if not isinstance(kind, str) or kind not in _FIELDS:
+    if not isinstance(kind, str) or kind not in messages:
         raise Refused("not a message of this panel")
-    fields = {"id": _text} | _FIELDS[kind]
+    fields = {"id": text, **messages[kind]}
     return {"type": kind} | {
         name: _checked(kind, name, check, message) for name, check in fields.items()
     }
 
 
-def _checked(kind: str, name: str, check: Callable[[Any], Any], message: dict[str, Any]) -> Any:
+def _checked(kind: str, name: str, check: Check, message: dict[str, Any]) -> Any:
     try:
         return check(message[name])
     except KeyError:

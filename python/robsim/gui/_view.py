@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 from robsim._base.text import said_by
 from robsim.gui._link import Link
-from robsim.gui._messages import Refused, checked_message
+from robsim.gui._messages import Messages, Refused, checked_message
 from robsim.gui._worker import Worker
 
 _MOST_WAITING = 500  # messages of a line; whoever sends more is not listened to, others are
@@ -30,6 +30,8 @@ class View(Worker):
 
     #: Which view of the module in the browser shows it.
     kind: ClassVar[str]
+    #: What it takes of a browser.
+    messages: ClassVar[Messages]
 
     def __init__(self) -> None:
         super().__init__()
@@ -76,9 +78,13 @@ class View(Worker):
         """Whether anybody looks."""
         return any(link.is_watched for link in self.links)
 
-    @abstractmethod
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
         """Return what is done with each type of message."""
+        return {"hello": self._hello, "bye": self._bye}
+
+    @abstractmethod
+    def tell(self, link: Link) -> None:
+        """Tell everything to a view that is new, or was taken to have gone."""
 
     def look(self, now: float) -> float:
         """Do what is due; return when to look again."""
@@ -95,7 +101,7 @@ class View(Worker):
     def handle(self, link: Link, message: Any) -> None:
         """Do what a message asks for."""
         try:
-            checked = checked_message(message)
+            checked = checked_message(message, self.messages)
             handler = self.handlers().get(checked["type"])
             if handler is None:
                 raise Refused(f"{self.kind} takes no message {checked['type']!r}")
@@ -136,6 +142,17 @@ class View(Worker):
         now = time.monotonic()
         due = self.guarded(self.look, now)
         self._next_look = now + RETRY if due is None else due
+
+    def _hello(self, link: Link, message: dict[str, Any]) -> None:
+        link.greet(message["id"])
+        link.resize(message["width"])
+        self.tell(link)
+
+    def _bye(self, link: Link, message: dict[str, Any]) -> None:
+        was_watched = self.is_watched
+        link.part(message["id"])
+        if was_watched and not self.is_watched:
+            self.parted()
 
     def _disconnect(self, link: Link) -> None:
         if link not in self.links:

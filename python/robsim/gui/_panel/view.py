@@ -11,13 +11,14 @@ from robsim._base.text import quoted
 from robsim._core import Step
 from robsim.gui._driver import SPEED, Driver
 from robsim.gui._link import Link
-from robsim.gui._messages import Refused
+from robsim.gui._messages import Messages, Refused
 from robsim.gui._panel.analysis.inspector import Inspector
 from robsim.gui._panel.analysis.parameters import Parameters
 from robsim.gui._panel.analysis.past import Past
 from robsim.gui._panel.analysis.result import Result
 from robsim.gui._panel.analysis.rows import Rows
 from robsim.gui._panel.analysis.statistics import Statistics
+from robsim.gui._panel.messages import MESSAGES
 from robsim.gui._panel.part import Handlers, Part
 from robsim.gui._panel.record import ExperimentRecord, Record, SimulationRecord
 from robsim.gui._panel.run.callbacks import Callbacks
@@ -57,6 +58,7 @@ class PanelView(View):
     """
 
     kind: ClassVar[str] = "panel"
+    messages: ClassVar[Messages] = MESSAGES
 
     def __init__(self, shown: Shown, *, speed: float = SPEED) -> None:
         super().__init__()
@@ -72,7 +74,7 @@ class PanelView(View):
         made = (kind(self) for kind in kinds)
         analysis = (self.past, self._result, self.still, self.rows)
         self._parts: list[Part] = [self.camera, *made, *analysis]
-        self._handlers: dict[str, Any] = {"hello": self._hello, "bye": self._bye}
+        self._handlers = {**super().handlers()}
         for part in self._parts:
             self._handlers |= part.handlers()
         self.driver.on_step.append(self._take)
@@ -160,7 +162,6 @@ class PanelView(View):
         self.send(self._gathered("setup"))
 
     def tell(self, link: Link) -> None:
-        """Tell everything to a view that is new, or was taken to have gone."""
         link.send(self._gathered("setup"))
         link.send(self._gathered("state"))
         for part in self._parts:
@@ -200,17 +201,6 @@ class PanelView(View):
         for part in self._parts:
             self.guarded(part.changed)
         self.tell_state()
-
-    def _hello(self, link: Link, message: dict[str, Any]) -> None:
-        link.greet(message["id"])
-        link.resize(message["width"])
-        self.tell(link)
-
-    def _bye(self, link: Link, message: dict[str, Any]) -> None:
-        was_watched = self.is_watched
-        link.part(message["id"])
-        if was_watched and not self.is_watched:
-            self.parted()
 
 
 def _runner_and_record(shown: Shown) -> tuple[Simulation | Experiment | Playback, Record]:
