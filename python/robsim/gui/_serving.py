@@ -45,7 +45,7 @@ _PAGE = """<!doctype html>
 <title>robsim</title>
 <link rel="icon" href="data:,">
 <link rel="stylesheet" href="view.css">
-<body class="robsim-page">
+<body class="robsim-page" data-kind="{kind}">
 <script type="module" src="page.js"></script>
 """
 
@@ -100,7 +100,7 @@ class Server(tornado.httpserver.HTTPServer):
 
 def _application(host: Host, server: Server) -> tornado.web.Application:
     contents = {
-        "": ("text/html", _PAGE),
+        "": ("text/html", _PAGE.replace("{kind}", host.view.kind)),
         "view.css": ("text/css", style()),
         "view.js": ("text/javascript", script()),
         "page.js": ("text/javascript", page_script()),

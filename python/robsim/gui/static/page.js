@@ -29,7 +29,7 @@ function modelOf(socket) {
     for (const listener of listeners) listener(head, buffers);
   };
   return {
-    get: (name) => ({ kind: "panel" })[name],
+    get: (name) => ({ kind: document.body.dataset.kind })[name],
     send(message) {
       const text = JSON.stringify(message);
       if (socket.readyState == WebSocket.CONNECTING) waiting.push(text);
