@@ -11,7 +11,7 @@ from playwright.sync_api import Page as Tab
 
 import robsim
 from robsim.gui._bench.browser import open_chromium
-from robsim.gui._page import Page
+from robsim.gui._hosts.page import Page
 from robsim.gui._panel.view import PanelView
 
 _WINDOW = {"width": 1440, "height": 900}

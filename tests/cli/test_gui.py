@@ -12,7 +12,7 @@ import pytest
 import robsim
 from commands import command, interruptible
 from page_client import greeted
-from robsim.gui._page import Page
+from robsim.gui._hosts.page import Page
 from robsim.imaging import save_video
 from robsim.simulation._folders.callback_folder import new_folder
 

@@ -6,7 +6,7 @@ import pytest
 
 from fake_host import FakeHost, Tabs
 from panel_watcher import Watcher
-from robsim.gui._page import Page
+from robsim.gui._hosts.page import Page
 from robsim.gui._panel.view import PanelView
 
 ARGUMENTS = [

@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from robsim.gui._script import STATIC
+from robsim.gui._hosts.script import STATIC
 
 N = 5_011
 OUTLIER = 2_345

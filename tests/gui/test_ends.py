@@ -10,9 +10,9 @@ import pytest
 
 import robsim
 from browsers import panel_of
-from robsim.gui import _page
 from robsim.gui._driver import Driver
-from robsim.gui._page import Page
+from robsim.gui._hosts import page as _page
+from robsim.gui._hosts.page import Page
 from robsim.gui._panel.view import PanelView
 from waiting import wait_for
 

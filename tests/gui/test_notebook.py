@@ -12,8 +12,8 @@ import pytest
 pytest.importorskip("anywidget")
 
 import robsim
-from robsim.gui import _notebook
-from robsim.gui._notebook import NotebookLink
+from robsim.gui._hosts import notebook as _notebook
+from robsim.gui._hosts.notebook import NotebookLink
 from waiting import wait_for
 
 
@@ -278,8 +278,8 @@ def test_interrupting_a_cell_pauses(panel, error, state):
 
 
 def test_without_the_notebook_extra_it_says_what_to_install(panel, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "robsim.gui._notebook", None)
-    monkeypatch.delattr("robsim.gui._notebook")
+    monkeypatch.setitem(sys.modules, "robsim.gui._hosts.notebook", None)
+    monkeypatch.delattr("robsim.gui._hosts.notebook")
     panel._ipython_display_()
     said = capsys.readouterr().out
     assert 'pip install "robsim[notebook]"' in said

@@ -9,8 +9,8 @@ import pytest
 
 import robsim
 from page_client import Client, connected, greeted, request
-from robsim.gui import _page
-from robsim.gui._page import Page
+from robsim.gui._hosts import page as _page
+from robsim.gui._hosts.page import Page
 from robsim.gui._panel import view as _panel_view
 from robsim.gui._panel.view import PanelView
 from waiting import wait_for
@@ -58,7 +58,7 @@ def test_two_pages_show_the_same(page):
 
 
 def test_a_page_that_does_not_read_is_cut_off_and_nothing_waits(page, monkeypatch):
-    monkeypatch.setattr("robsim.gui._serving._MOST_BEHIND", 1 << 22)
+    monkeypatch.setattr("robsim.gui._hosts.serving._MOST_BEHIND", 1 << 22)
     with greeted(page) as reader, greeted(page, line=connected(page, SO_RCVBUF=4096)):
         reader.say(type="press", button="start")
         for _ in range(20):

@@ -3,7 +3,7 @@
 import pytest
 
 import robsim
-from robsim.gui._page import Page
+from robsim.gui._hosts.page import Page
 from robsim.gui._panel import view as _panel_view
 from robsim.gui._panel.view import PanelView
 from waiting import wait_for

@@ -5,9 +5,9 @@ import re
 import pytest
 
 import robsim
+from robsim.gui._hosts.script import STATIC
 from robsim.gui._panel.messages import MESSAGES
 from robsim.gui._panel.view import PanelView
-from robsim.gui._script import STATIC
 
 GUI = STATIC.parent
 TO_BROWSER, FROM_BROWSER = (GUI / "PROTOCOL.md").read_text("utf-8").split("## From the browser")

@@ -16,7 +16,7 @@ from PIL import Image
 
 import robsim
 from robsim.gui import Panel
-from robsim.gui._page import Page
+from robsim.gui._hosts.page import Page
 from robsim.gui._panel import still_picture
 from robsim.gui._panel.analysis import result as _result
 from threads import running

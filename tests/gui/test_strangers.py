@@ -12,7 +12,7 @@ import pytest
 import robsim
 from browsers import FakeBrowser, panel_of
 from page_client import BINARY, Client, connected, framed, greeted, request
-from robsim.gui._page import Page
+from robsim.gui._hosts.page import Page
 from robsim.gui._panel.view import PanelView
 from waiting import wait_for
 
@@ -247,7 +247,7 @@ def test_a_thousand_half_open_requests_keep_no_page_out(page):
     "start", [b"", b"GET /", b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n1"]
 )
 def test_a_request_that_never_ends_is_ended(monkeypatch, page, start):
-    monkeypatch.setattr("robsim.gui._serving._PATIENCE", 0.2)
+    monkeypatch.setattr("robsim.gui._hosts.serving._PATIENCE", 0.2)
     hasty = Page(page.view)
     with connected(hasty) as line:
         line.sendall(start)

@@ -3,7 +3,7 @@
 import json
 import re
 
-from robsim.gui._script import STATIC
+from robsim.gui._hosts.script import STATIC
 
 TEXTS = json.loads((STATIC / "texts.json").read_text("utf-8"))
 CODE = {file.name: file.read_text("utf-8") for file in STATIC.rglob("*.js")}

@@ -6,7 +6,7 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from robsim.gui._script import STATIC
+from robsim.gui._hosts.script import STATIC
 
 _BLOCK = re.compile(r"^\.robsim((?:\[[^]]+\])*) \{(.*?)^\}", re.MULTILINE | re.DOTALL)
 _COLOR = re.compile(r"--robsim-([\w-]+): (#[0-9a-f]{6});")

@@ -527,7 +527,7 @@ def test_the_loop_is_not_slowed_by_who_looks(room):
 END = """
 import math, threading, time
 import robsim
-from robsim.gui._page import Page
+from robsim.gui._hosts.page import Page
 from robsim.gui._panel.view import PanelView
 inside = threading.Event()
 def hang(step):

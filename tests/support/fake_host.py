@@ -7,7 +7,7 @@ import json
 import numpy as np
 from PIL import Image
 
-from robsim.gui._script import script, style
+from robsim.gui._hosts.script import script, style
 
 ADDRESS = "http://robsim.test/"  # never looked up: an address is what localStorage needs
 

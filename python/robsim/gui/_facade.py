@@ -25,7 +25,7 @@ from robsim.imaging._images import image_file
 from robsim.trace import Trace
 
 if TYPE_CHECKING:
-    from robsim.gui._page import Page
+    from robsim.gui._hosts.page import Page
 
 _PATIENCE = 3.0  # s that a page may be away, such as while it is loaded anew
 _AT_EXIT = 1.0  # s for each panel to end
@@ -317,7 +317,7 @@ class Panel:
             futures.wait([self._view.driver.pause()], _AT_EXIT)  # a callback may hang
 
     def _serve(self, port: int = 0) -> Page:
-        from robsim.gui._page import Page  # loads tornado
+        from robsim.gui._hosts.page import Page  # loads tornado
 
         with _lock:
             self._check_open()
@@ -330,7 +330,7 @@ class Panel:
 
     def _ipython_display_(self) -> None:
         try:
-            from robsim.gui import _notebook
+            from robsim.gui._hosts import notebook as _notebook
         except ImportError:
             print(
                 f'{self!r}\nTo see it here: pip install "robsim[notebook]", then restart the kernel'

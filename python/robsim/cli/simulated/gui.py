@@ -31,7 +31,7 @@ from robsim.cli.simulated.options import (
 from robsim.cli.text import parse_speed, whole_number
 
 if TYPE_CHECKING:
-    from robsim.gui._page import Page
+    from robsim.gui._hosts.page import Page
     from robsim.gui._panel.view import Shown
     from robsim.imaging import Recording
     from robsim.sessions import Session

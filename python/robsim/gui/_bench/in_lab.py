@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 _SHOW = """from robsim.gui._bench.scene import measured_view
-from robsim.gui._notebook import NotebookLink
+from robsim.gui._hosts.notebook import NotebookLink
 view, steps = measured_view()
 NotebookLink(view).display(view.snapshot)"""
 _TELL = """import json

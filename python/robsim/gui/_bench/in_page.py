@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from robsim.gui._bench.browser import new_context, watch
 from robsim.gui._bench.figures import Painted, painted
 from robsim.gui._bench.scene import measured_view
-from robsim.gui._page import Page
+from robsim.gui._hosts.page import Page
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

@@ -11,7 +11,7 @@ import functools
 import re
 from pathlib import Path
 
-STATIC = Path(__file__).resolve().parent / "static"
+STATIC = Path(__file__).resolve().parents[1] / "static"
 
 _IMPORT = re.compile(r'^import [^;]*? from "([\w/.-]+)";\n', re.MULTILINE)
 _EXPORT = re.compile(r"^export (?!default)", re.MULTILINE)

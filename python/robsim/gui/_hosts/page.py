@@ -15,7 +15,7 @@ from concurrent.futures import Future
 from contextlib import suppress
 
 from robsim._base.checks import check_int
-from robsim.gui._serving import Server, Socket
+from robsim.gui._hosts.serving import Server, Socket
 from robsim.gui._view import View
 
 _GOODBYE = 0.5  # s for pages to take leave when the server ends

@@ -16,8 +16,8 @@ import tornado.routing
 import tornado.web
 import tornado.websocket
 
+from robsim.gui._hosts.script import page_script, script, style
 from robsim.gui._link import Buffers, Link
-from robsim.gui._script import page_script, script, style
 from robsim.gui._view import View
 
 MOST_BYTES = 1 << 20  # of a message from the browser

@@ -16,8 +16,8 @@ import traitlets
 from IPython import get_ipython
 
 from robsim.gui._driver import pause_all
+from robsim.gui._hosts.script import script, style
 from robsim.gui._link import Buffers, Link
-from robsim.gui._script import script, style
 from robsim.gui._view import View
 
 if TYPE_CHECKING:

@@ -1,0 +1,1 @@
+"""Where panels are shown: a notebook, a page on this machine."""
