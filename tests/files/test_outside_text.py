@@ -220,7 +220,7 @@ def test_reports_alone_make_html():
     }
     # A clip has numbers in its HTML; a trace shows its summary, which is a report; a panel gives a
     # picture, and its repr as plain text.
-    others = {"gui/_facade.py", "imaging/_clip.py", "trace/_trace.py"}
+    others = {"gui/_hosted.py", "imaging/_clip.py", "trace/_trace.py"}
     assert found == {"_base/report/report.py", *others}
 
 

@@ -1,37 +1,21 @@
-"""What users hold of a panel: `panel` opens one, `Panel` is its remote control."""
+"""What users hold of the panel of a run: `panel` opens one, `Panel` is its remote control."""
 
 from __future__ import annotations
 
-import atexit
-import base64
-import threading
-import warnings
 from concurrent import futures
 from concurrent.futures import CancelledError, Future
 from copy import deepcopy
-from io import BytesIO
-from os import PathLike
-from typing import TYPE_CHECKING, Any, Self
-
-import numpy as np
-from PIL import Image
+from typing import TYPE_CHECKING, Any
 
 from robsim._core import Step
 from robsim.gui._driver import SPEED, State
+from robsim.gui._hosted import AT_EXIT, HostedPanel, lock, opened
 from robsim.gui._panel.view import PanelView, Shown
 from robsim.identification import BatchEstimate
-from robsim.imaging import save_image
-from robsim.imaging._images import image_file
 from robsim.trace import Trace
 
 if TYPE_CHECKING:
-    from robsim.gui._hosts.page import Page
-
-_PATIENCE = 3.0  # s that a page may be away, such as while it is loaded anew
-_AT_EXIT = 1.0  # s for each panel to end
-
-_open: list[Panel] = []
-_lock = threading.RLock()
+    pass
 
 
 def panel(what: Shown, *, speed: float | None = None) -> Panel:
@@ -87,17 +71,17 @@ def panel(what: Shown, *, speed: float | None = None) -> Panel:
     >>> panel.save("panel.png")
     >>> panel.close()
     """
-    with _lock:
-        found = next((one for one in _open if one._what is what), None)
+    with lock:
+        panels = (one for one in opened if isinstance(one, Panel))
+        found = next((one for one in panels if one._what is what), None)
         if found is None:
             found = Panel(what, SPEED if speed is None else speed)
-            _open.append(found)
         elif speed is not None:
             found.speed = speed
         return found
 
 
-class Panel:
+class Panel(HostedPanel):
     """The panel of a run; `robsim.panel` makes it.
 
     Its methods do what its buttons do, and return when it is done, between two steps: after
@@ -123,10 +107,13 @@ class Panel:
     ...     frame = panel.last_step.frame
     """
 
+    _maker = "robsim.panel"
+    _view: PanelView
+
     def __init__(self, what: Shown, speed: float) -> None:
         self._what = what
         self._view = PanelView(what, speed=speed)
-        self._page: Page | None = None
+        super().__init__()
 
     # What it does.
 
@@ -195,25 +182,6 @@ class Panel:
         self.pause()
         return deepcopy(self._view.estimate())  # the panel's own stays as it is
 
-    def close(self) -> None:
-        """End the run's thread and the page; what is shown in a notebook stays as it is."""
-        self._close(timeout=5.0)
-
-    def _close(self, timeout: float) -> None:
-        with _lock:
-            page, self._page = self._page, None
-            if self in _open:
-                _open.remove(self)
-        self._view.close(timeout)
-        if page is not None:
-            page.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     # What it tells.
 
     @property
@@ -246,109 +214,19 @@ class Panel:
         """All steps up to now; the run may go on meanwhile."""
         return self._view.record.trace
 
-    def snapshot(self) -> bytes:
-        """Return a picture of the camera view and the traces, a PNG."""
-        return self._view.snapshot()
-
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write a picture of the camera view and the traces.
-
-        Parameters
-        ----------
-        path : path
-            The file to write, such as ``panel.png``.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written.
-        TypeError, ValueError
-            If `path` is no path, or its suffix names no known format.
-        """
-        file, _ = image_file(path)  # it takes seconds to draw
-        save_image(file, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
-
     def __repr__(self) -> str:
         what, steps = type(self._what).__name__, self._view.record.n_steps
         where = f"at step {steps - 1}" if steps else "at the start"
         return f"<robsim.gui.Panel: {what}, {self.state} {where}>"
 
-    # Where it is shown.
-
-    @property
-    def url(self) -> str:
-        """The address of its page, for browsers on this machine; it holds a secret."""
-        return self._serve().url
-
-    def open(self, *, port: int = 0) -> None:
-        """Show it in a window of the browser, beside a notebook or without one.
-
-        Parameters
-        ----------
-        port : int
-            Where its page is served, on this machine alone; 0 = any port that is free.
-
-        Raises
-        ------
-        OSError
-            If the port cannot be used.
-        TypeError, ValueError
-            If `port` is no port.
-
-        Warns
-        -----
-        UserWarning
-            If there is no browser that could be started: it tells the address.
-        """
-        page = self._serve(port)
-        if not page.open():
-            warnings.warn(f"no browser could be started: open {page.url}", stacklevel=2)
-
-    def wait(self) -> None:
-        """Wait until its page has been opened, and closed again.
-
-        For the end of a script, which otherwise ends its panels. Ctrl-C pauses the run, and ends
-        the wait; so does `close` in another thread.
-        """
-        page = self._serve()
-        try:
-            page.wait(_PATIENCE)
-        except KeyboardInterrupt:
-            futures.wait([self._view.driver.pause()], _AT_EXIT)  # a callback may hang
-
-    def _serve(self, port: int = 0) -> Page:
-        from robsim.gui._hosts.page import Page  # loads tornado
-
-        with _lock:
-            self._check_open()
-            if self._page is not None and port not in (0, self._page.port):
-                self._page.close()
-                self._page = None
-            if self._page is None:
-                self._page = Page(self._view, port=port)
-            return self._page
-
-    def _ipython_display_(self) -> None:
-        try:
-            from robsim.gui._hosts import notebook as _notebook
-        except ImportError:
-            print(
-                f'{self!r}\nTo see it here: pip install "robsim[notebook]", then restart the kernel'
-                " and reload the page.\nOr in a browser window of its own: robsim.panel(...).open()"
-            )
-        else:
-            _notebook.show(self)
-
-    def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
-        picture = base64.b64encode(self.snapshot()).decode()
-        return {"text/plain": repr(self), "image/png": picture}
-
     # How.
 
-    def _leave_cell(self) -> None:
-        """Close it, if no cell shows it any more, unless its page does."""
-        if self._page is None or not self._page.pages:
-            self.close()
+    @property
+    def _is_closed(self) -> bool:
+        return self.state == "closed"
+
+    def _pause_soon(self) -> None:
+        futures.wait([self._view.driver.pause()], AT_EXIT)  # a callback may hang
 
     def _do(self, command: Future[Any]) -> None:
         """Wait for a command, but not in a callback, which it waits for."""
@@ -367,14 +245,3 @@ class Panel:
     def _raise_error(self) -> None:
         if self.error is not None and not self._view.driver.is_here:
             raise self.error
-
-    def _check_open(self) -> None:
-        if self.state == "closed":
-            raise RuntimeError("the panel is closed: robsim.panel opens another one")
-
-
-@atexit.register
-def _close_all() -> None:
-    """End all threads while there still is a Python for them."""
-    for one in [*_open]:
-        one._close(_AT_EXIT)

@@ -21,7 +21,7 @@ from robsim.gui._link import Buffers, Link
 from robsim.gui._view import View
 
 if TYPE_CHECKING:
-    from robsim.gui._facade import Panel
+    from robsim.gui._hosted import HostedPanel
 
 _MOST_LATE = 3  # grants in a row, until messages are no longer sent by themselves
 _POLL = 100  # ms between two questions whether there are messages
@@ -29,18 +29,18 @@ _FIRST_TRY = 5.0  # s, then twice as long, and so on: do they come by themselves
 _MOST_WAITING = 200  # messages; whoever does not come for them is gone
 
 #: Cell -> what it shows: the run of the cell, the panel, its line. A panel that is closed goes.
-_cells: dict[str, list[tuple[str, weakref.ref[Panel], NotebookLink]]] = {}
+_cells: dict[str, list[tuple[str, weakref.ref[HostedPanel], NotebookLink]]] = {}
 
 
-def show(panel: Panel) -> None:
+def show(panel: HostedPanel) -> None:
     """Show a panel below the cell that runs: the widget, and a picture for readers without it."""
     shell = get_ipython()
     if not hasattr(shell, "kernel"):
-        print(f"{panel!r}\nA terminal cannot show it; robsim.panel(...).open() opens a window")
+        print(f"{panel!r}\nA terminal cannot show it; {panel._maker}(...).open() opens a window")
         return
     if _after_cell not in shell.events.callbacks["post_run_cell"]:
         shell.events.register("post_run_cell", _after_cell)
-    if panel.state == "closed":
+    if panel._is_closed:
         _display({"text/plain": repr(panel), "text/html": _img(panel.snapshot())})
         return
     link = NotebookLink(panel._view, repr(panel))
@@ -48,7 +48,7 @@ def show(panel: Panel) -> None:
     link.display(panel.snapshot)
 
 
-def _replace(parent: Mapping[str, Any], panel: Panel, link: NotebookLink) -> None:
+def _replace(parent: Mapping[str, Any], panel: HostedPanel, link: NotebookLink) -> None:
     """Note what a cell shows; what an earlier run of it showed is closed."""
     cell = parent.get("metadata", {}).get("cellId")
     if cell is None:
