@@ -86,6 +86,7 @@ def test_a_metric_as_data():
         "rms": 0.5,
         "turn": np.pi / 2,
         "motors": {"left": {"mean": 0.25, "share": 0.75}, "right": {"mean": None, "share": 0.25}},
+        "units": {"rms": "V", "turn": "rad", "motors": {"mean": "V"}},
         "remarks": ["the voltages are those sent"],
     }
     assert EFFORT.to_dict() == expected

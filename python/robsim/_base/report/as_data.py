@@ -22,12 +22,23 @@ def as_dict(report: Report) -> dict[str, Any]:
         content["at_limit"] = report.at_limit
     content |= {quantity.key: quantity.value for quantity in report.quantities}
     content |= {table.key: dict(table.records()) for table in report.tables}
+    if units := _units(report):
+        content["units"] = units
     if report.problems is not None:
         content["problems"] = [problem.to_dict() for problem in report.problems]
     if report.remarks:
         content["remarks"] = list(report.remarks)
     values: dict[str, Any] = plain(content)
     return values
+
+
+def _units(report: Report) -> dict[str, Any]:
+    """Return the units of quantities and columns that have one; rows have theirs beside them."""
+    units: dict[str, Any] = {one.key: one.unit for one in report.quantities if one.unit}
+    for table in report.tables:
+        if columns := {column.key: column.unit for column in table.columns if column.unit}:
+            units[table.key] = columns
+    return units
 
 
 def as_frame(report: Report) -> pandas.DataFrame:

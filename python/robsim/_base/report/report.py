@@ -130,7 +130,8 @@ class Report(ABC):
     def to_dict(self) -> dict[str, Any]:
         """Return title, verdict, at_limit, quantities, tables, remarks, as plain values by name.
 
-        A table is row -> column -> value. None = not known, or not finite. Angles are in rad.
+        A table is row -> column -> value; ``"units"`` has the units of quantities and columns, and
+        a row its own. None = not known, or not finite. Angles are in rad, unless that says deg.
         """
         return as_dict(self)
 
