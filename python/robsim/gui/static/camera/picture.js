@@ -1,0 +1,140 @@
+// @ts-check
+// A picture on a canvas: zoomed, moved, drawn on. What else the pointer does there is its owner's.
+import { makeTextButton } from "../base/buttons.js";
+import { make, painter } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { color } from "../base/theme.js";
+import { watchGestures } from "./gestures.js";
+import { makeLens } from "./lens.js";
+import { makeWidthTeller } from "./width.js";
+
+// times as large as they are, the pixels of a picture are to be seen as such
+const COARSE_PIXELS = 3;
+
+/**
+ * Show the picture of `context.frame`. The owner gives `label`, a name in the texts; `inks`, names
+ * of colours; `draw(scene)`, which draws over it; `tool`, what a pointer and the keys do:
+ * `isActive()`, `takesDrags()`, `hover(at)`, `click(at)`, `doubleClick(at)`, `dragStart(at)`,
+ * `drag(from, to)`, `dragEnd()`, `giveUp()`, `key(event)`, in device pixels of the canvas.
+ * `doubleClick`, `dragStart` and `key` return whether they have taken it.
+ */
+export function makePicture(context, { label, inks, draw, tool }) {
+  const canvas = make("canvas", { tabIndex: 0, role: "application", ariaLabel: text(label) });
+  const lens = makeLens();
+  const colors = {};
+  const paint = () => paintPicture(context, { canvas, lens, colors, draw });
+  const later = painter(paint);
+  const widths = makeWidthTeller(context, () => shownWidth(context, canvas, lens));
+
+  const whole = makeTextButton("zoom_reset", "", () => zoomed(lens.reset));
+  whole.ariaLabel = whole.title;
+  whole.hidden = true;
+  const zoomed = (zoom) => {
+    zoom();
+    whole.hidden = lens.zoom == 1;
+    whole.textContent = `${lens.zoom.toFixed(1)}\u00d7`;
+    setManners();
+    later();
+    widths.tell();
+  };
+  /** A finger scrolls the page unless the picture has something to do with it. */
+  const setManners = () => {
+    const isFree = lens.zoom == 1 && !tool.takesDrags();
+    canvas.style.touchAction = isFree ? "pan-y" : "none";
+    const cursor = lens.zoom > 1 ? "grab" : "default";
+    canvas.style.cursor = tool.isActive() ? "crosshair" : cursor;
+  };
+  listenTo(canvas, { context, lens, tool, zoomed });
+
+  const fit = () => {
+    if (!fitCanvas(canvas)) return;
+    paint();
+    widths.tell();
+  };
+  const resizes = new ResizeObserver(fit);
+  resizes.observe(canvas);
+  const recolor = () => {
+    for (const name of [...inks, "sunken"]) colors[name] = color(context.el, `--robsim-${name}`);
+    later();
+  };
+  for (const event of ["setup", "local", "theme"]) context.on(event, recolor);
+  context.on("state", later);
+  context.on("frame", paint); // at once: an animation frame later would be one more
+  context.on("frame", widths.tell);
+  context.onEnd(() => resizes.disconnect());
+  context.onEnd(later.cancel);
+  return {
+    canvas, lens, whole, later,
+    changed: () => (setManners(), later()),
+    width: () => (fit(), widths.first()),
+  };
+}
+
+function paintPicture(context, { canvas, lens, colors, draw }) {
+  const pen = canvas.getContext("2d");
+  pen.fillStyle = colors.sunken ?? "gray";
+  pen.fillRect(0, 0, canvas.width, canvas.height);
+  const { frame, setup } = context;
+  if (!frame?.picture || !setup) return;
+  lens.fit([canvas.width, canvas.height], frame.size);
+  const [width, height] = frame.size.map((side) => side * lens.scale);
+  pen.imageSmoothingEnabled = width < COARSE_PIXELS * frame.picture.width;
+  drawWhole(pen, frame, lens);
+  pen.save();
+  pen.beginPath();
+  pen.rect(lens.left, lens.top, width, height);
+  pen.clip();
+  draw({ pen, context, frame, lens, colors, unit: devicePixelRatio, pixel: lens.toCanvas });
+  pen.restore();
+}
+
+/** Draw the picture, of which each pixel is some whole number of the camera's, without a rest. */
+function drawWhole(pen, { picture, size }, { left, top, scale }) {
+  const side = Math.floor(size[0] / picture.width) * scale;
+  pen.drawImage(picture, left, top, picture.width * side, picture.height * side);
+}
+
+function listenTo(canvas, { context, lens, tool, zoomed }) {
+  let isTools = false; // the drag is the tool's
+  watchGestures(canvas, {
+    hover: tool.hover,
+    click: tool.click,
+    doubleClick: (at) => tool.doubleClick(at) || zoomed(lens.reset),
+    dragStart: (at) => (isTools = tool.dragStart(at)),
+    drag: (from, to) => {
+      if (isTools) tool.drag(from, to);
+      else zoomed(() => lens.move([to[0] - from[0], to[1] - from[1]]));
+    },
+    dragEnd: () => isTools && tool.dragEnd(),
+    giveUp: () => isTools && tool.giveUp(),
+    zoom: (at, factor) => zoomed(() => lens.zoomAt(at, factor)),
+    isZoomed: () => lens.zoom > 1,
+  });
+  const zoomBy = (factor) => () =>
+    zoomed(() => lens.zoomAt([canvas.width / 2, canvas.height / 2], factor));
+  const larger = zoomBy(1.25);
+  const keys = { "+": larger, "=": larger, "-": zoomBy(0.8), 0: () => zoomed(lens.reset) };
+  canvas.onkeydown = (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (keys[event.key]) keys[event.key]();
+    else if (!context.frame || !tool.key(event)) return;
+    event.preventDefault();
+    if (event.key != "Escape") event.stopPropagation(); // that stops the robot too
+  };
+}
+
+/** Give the canvas the pixels of its box; return whether it had others. */
+function fitCanvas(canvas) {
+  const box = canvas.getBoundingClientRect();
+  const sides = [box.width, box.height].map((side) =>
+    Math.max(1, Math.round(side * devicePixelRatio)));
+  if (sides[0] == canvas.width && sides[1] == canvas.height) return false;
+  [canvas.width, canvas.height] = sides;
+  return true;
+}
+
+/** How wide the picture is on the screen, in device pixels; no wider than the camera's. */
+function shownWidth({ frame }, canvas, lens) {
+  if (!frame?.picture) return canvas.width > 1 ? canvas.width : 0;
+  return Math.min(Math.round(frame.size[0] * lens.scale), frame.size[0]);
+}
