@@ -1,7 +1,6 @@
 // @ts-check
 // The main panel: its parts, and what is done with messages.
 import { asPicture } from "./base/buffers.js";
-import { makeContext } from "./base/context.js";
 import { make } from "./base/dom.js";
 import { makeFlow } from "./base/flow.js";
 import { makeParameterCharts } from "./charts/parameters.js";
@@ -18,9 +17,10 @@ import { makeTimeline } from "./parts/timeline.js";
 import { makeTitle } from "./parts/title.js";
 import { makeTransport } from "./parts/transport.js";
 import { makeTrouble } from "./parts/trouble.js";
+import { makeRunContext } from "./run.js";
 
 export function renderPanel({ el, send }) {
-  const context = makeContext(el, send);
+  const context = makeRunContext(el, send);
   makeFlow(context, () => begin());
   const camera = makeCamera(context);
   el.append(layOut(context, camera));

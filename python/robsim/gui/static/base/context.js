@@ -1,37 +1,27 @@
 // @ts-check
-// What the parts of the panel share: the newest messages, the choices of this view, events.
-import { Store } from "../charts/store.js";
+// What the parts of a panel share: the newest messages, the choices of this view, events.
 import { remember, remembered } from "./memory.js";
 import { watchTheme } from "./theme.js";
 
 let contexts = 0;
-const CHOICES = {
-  tab: "traces", theme: "auto", palette: "historical", overlays: {},
-  window: 600, unseen: [], objects: false, columns: [], // of the charts
-};
+const LOOKS = { theme: "auto", palette: "historical" };
 
 /**
- * Events: each type of message from Python, with (head, buffers), after the context has taken it
- * in; "local" (name) when a choice of this view was made; "theme" when the colours have changed;
- * "reset" when the steps begin anew; "looking" when another step is looked at; "keys" to show the
- * list of keys; "axis" and "cursor" of the charts. A "frame" that is late is left out.
+ * Make it for a panel that keeps these choices beside its looks. Events: each type of message from
+ * Python, with (head, buffers), after the context has taken it in; "local" (name) when a choice of
+ * this view was made; "theme" when the colours have changed.
  */
-export function makeContext(el, send) {
+export function makeContext(el, send, choices = {}) {
   const listeners = new Map();
   const endings = [];
-  const wanted = new Set(); // groups of columns
-  const wanting = []; // those that are asked for next
   const context = {
     id: ++contexts,
     el,
     send,
     setup: null, // the newest messages
-    state: { state: "paused", k: -1, steps: 0, resets: 0, values: {} },
+    state: { state: "paused", values: {} },
     frame: null, // the head that is shown, with `picture`, an ImageBitmap
-    store: new Store(), // rows of the trace
-    newest: -1, // the newest step
-    looking: null, // the past step that is shown; null = the newest
-    local: remembered(CHOICES), // choices of this view alone, which the browser keeps
+    local: remembered({ ...LOOKS, ...choices }), // of this view alone, which the browser keeps
     on(type, listener) {
       if (!listeners.has(type)) listeners.set(type, []);
       listeners.get(type).push(listener);
@@ -44,21 +34,6 @@ export function makeContext(el, send) {
       remember(context.local);
       theme.follow();
       context.emit("local", name);
-    },
-    look(k) {
-      context.looking = k;
-      el.dataset.looking = k == null ? "newest" : "past";
-      send({ type: "look", k });
-      context.emit("looking");
-    },
-    /** Ask for groups of columns that are not asked for yet. */
-    want(names) {
-      const lacking = names.filter((name) => !wanted.has(name));
-      if (!lacking.length) return;
-      if (!wanting.length)
-        queueMicrotask(() => send({ type: "columns", names: wanting.splice(0) }));
-      lacking.forEach((name) => wanted.add(name));
-      wanting.push(...lacking);
     },
     onEnd: (ending) => endings.push(ending),
     end: () => endings.forEach((ending) => ending()),
