@@ -12,10 +12,9 @@ from painted_frames import assert_order
 from robsim.gui._bench import in_lab
 from robsim.gui._bench.lab import Lab, lab_server, write_notebook
 
-pytest.importorskip("jupyterlab")
-nbconvert = pytest.importorskip("nbconvert")  # both come with it
-nbformat = pytest.importorskip("nbformat")
-pytest.importorskip("anywidget")
+# Found, not loaded: that takes seconds, also where these tests are left out.
+if not in_lab.is_lab_there():
+    pytest.skip("needs jupyterlab and anywidget", allow_module_level=True)
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 
@@ -123,6 +122,7 @@ def test_a_kernel_that_is_restarted_ends_the_run(lab):
 
 
 def test_a_saved_notebook_keeps_the_picture_of_the_last_pause(lab, file, server):
+    nbconvert = pytest.importorskip("nbconvert")
     first = still_in(lab.saved())
     last = still_after_steps(lab, 3)
     assert last != first
@@ -142,6 +142,7 @@ def test_a_saved_notebook_keeps_the_picture_of_the_last_pause(lab, file, server)
 
 def still_in(notebook):
     """The picture that a notebook keeps below its first cell."""
+    nbformat = pytest.importorskip("nbformat")
     _, output = nbformat.reads(notebook, 4).cells[0]["outputs"]
     return re.search(r"base64,([^\"]+)", output["data"]["text/html"])[1]
 
