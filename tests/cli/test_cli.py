@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 import robsim
-from commands import cli, command
+from commands import command
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long]
 
@@ -15,8 +15,8 @@ FILES = ["camera.jpg", "traces.png", "parameters.png", "batch.png", "trace.npz"]
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory):
     folder = tmp_path_factory.mktemp("demo")
-    run = cli("demo", "--json", "--out", "made/here", "--seed", "3", cwd=folder)
-    assert run.returncode == 0, run.stderr
+    run = command("demo", "--json", "--out", "made/here", "--seed", "3", cwd=folder)
+    assert run.exit_code == 0, run.stderr
     return folder / "made/here", run
 
 
