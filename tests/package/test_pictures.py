@@ -97,6 +97,7 @@ def test_the_picture_says_what_the_code_draws(name, figures, script, contents):
         assert math.isclose(now, then, rel_tol=2e-3, abs_tol=2e-3), REMEDY.format(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["demo.jpg", "traces.png"])
 def test_the_picture_looks_as_the_code_draws_it(name, pictures):
     drawn = pictures[name]
@@ -130,6 +131,7 @@ def test_a_line_or_a_colour_that_is_missing_is_noticed(script):
     assert script.marks(matplotlib.figure.Figure(figsize=(2, 2))) == []
 
 
+@pytest.mark.slow
 def test_another_picture_is_noticed(pictures):
     other = pictures["traces.png"]
     with Image.open(FOLDER / "traces.png") as stored:

@@ -21,6 +21,8 @@ BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
 
 GRADING = [block for block in BLOCKS if "def test_" in block]
 PROGRAMS = [block for block in BLOCKS if block not in GRADING]
+LABS = [block for block in PROGRAMS if "send=motors" in block]
+WITH_TESTS = [PROGRAMS[0], *LABS]
 
 
 # What the README prints a verdict of.
@@ -41,7 +43,14 @@ def python(*arguments, cwd):
 each_program = pytest.mark.parametrize("block", PROGRAMS, ids=range(len(PROGRAMS)))
 
 
-@each_program
+# Two programs have tests of their own below, which run them, too.
+@pytest.mark.parametrize(
+    "block",
+    [
+        pytest.param(block, id=str(n), marks=[pytest.mark.slow] if block in WITH_TESTS else [])
+        for n, block in enumerate(PROGRAMS)
+    ],
+)
 def test_a_block_runs(block, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     exec(block, {"__name__": "__main__"})
@@ -68,6 +77,7 @@ def test_the_grading_passes_the_default_callbacks_and_fails_wrong_ones(tmp_path)
     assert "3 failed" in python(*grade, cwd=tmp_path).stdout
 
 
+@pytest.mark.slow
 def test_the_verdict_on_the_filter_is_not_a_matter_of_luck():
     (block,) = (block for block in PROGRAMS if "pose_consistency" in block)
     for first in (20, 40):
@@ -110,7 +120,7 @@ def verdict_of(block, expression, seeds):
 
 def test_the_robot_of_the_lab_drives_and_is_stopped(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (block,) = (block for block in PROGRAMS if "send=motors" in block)
+    (block,) = LABS
     names = {}
     exec(block, names)
     x, y, _ = names["trace"].pose_measured[-1]
