@@ -154,7 +154,12 @@ def test_show_draws_the_robot_in_use_by_default():
 
 @pytest.mark.parametrize(
     ("out", "file"),
-    [("a.png", "a.png"), ("a", "a.png"), ("b/c.pdf", "b/c.pdf"), ("d.svg", "d.svg")],
+    [
+        ("a", "a.png"),
+        ("b/c.pdf", "b/c.pdf"),
+        pytest.param("a.png", "a.png", marks=pytest.mark.slow),
+        pytest.param("d.svg", "d.svg", marks=pytest.mark.slow),
+    ],
 )
 def test_show_writes_where_it_says(out, file):
     assert done("show", "lab", "--out", out).endswith(f"figure written to {Path(file)}\n")

@@ -88,7 +88,7 @@ def test_the_sines_are_where_they_should_be_and_nowhere_else():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("highest", [0.1, 0.3, 1.0])
+@pytest.mark.parametrize("highest", [0.1, pytest.param(0.3, marks=pytest.mark.slow), 1.0])
 def test_the_peaks_are_low(highest):
     control = MultiSine(low=-1, high=1, maximum_frequency=highest, seed=3)
     fine = voltages(control, 20_000, dt=80 / 20_000)

@@ -56,7 +56,10 @@ def check_b1x(report):
     assert error < 4 * report.standard_errors[0, B1X]
 
 
-@pytest.mark.parametrize("method", ["instrumental_variables", "output_error"])
+@pytest.mark.parametrize(
+    "method",
+    ["output_error", pytest.param("instrumental_variables", marks=pytest.mark.slow)],
+)
 def test_lost_frames_do_not_spoil_the_unbiased_methods(method):
     report = robsim.batch_estimate(without(tenth_of(600), 600), method=method)
     assert report.converged
