@@ -105,7 +105,7 @@ FILTERS = [
     reference.ConstantVelocityKalmanFilter,
     reference.ExtendedKalmanFilter,
     reference.UnscentedKalmanFilter,
-    reference.ParticleFilter,
+    pytest.param(reference.ParticleFilter, marks=pytest.mark.slow),
 ]
 
 
@@ -510,9 +510,12 @@ def as_callback():
     "make",
     [LeastSquares,
      as_callback,
-     lambda: robsim.RecursiveLeastSquares(5, n_filters=3),
+     pytest.param(lambda: robsim.RecursiveLeastSquares(5, n_filters=3), marks=pytest.mark.slow),
      lambda: robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.99),
-     lambda: robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.95)],
+     pytest.param(
+         lambda: robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.95),
+         marks=pytest.mark.slow,
+     )],
     ids=["numpy", "callback", "1", "0.99", "0.95"],
 )  # fmt: skip
 def test_right_parameter_estimators_are_well(make):

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.kernels
 ALL = [
     ExtendedKalmanFilter,
     pytest.param(UnscentedKalmanFilter, marks=pytest.mark.long),
-    pytest.param(ParticleFilter, marks=pytest.mark.long),
+    pytest.param(ParticleFilter, marks=pytest.mark.slow),
 ]
 each_filter = pytest.mark.parametrize("kind", ALL)
 DELAY = 2.4  # steps

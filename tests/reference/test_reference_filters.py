@@ -264,14 +264,23 @@ def share_in_band(kind, rng, steps=100, **assumed):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("kind", ON_THE_MODEL)
+@pytest.mark.parametrize(
+    "kind", [*ON_THE_MODEL[:2], pytest.param(ParticleFilter, marks=pytest.mark.slow)]
+)
 def test_the_covariance_is_honest(kind, rng):
     assert share_in_band(kind, rng) >= 0.8
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("noise", TRUE_NOISES)
-@pytest.mark.parametrize("factor", [1 / 4, 4])
+@pytest.mark.parametrize(
+    ("noise", "factor"),
+    [
+        ("process_sigma", 1 / 4),
+        ("measurement_sigma", 4),
+        pytest.param("process_sigma", 4, marks=pytest.mark.slow),
+        pytest.param("measurement_sigma", 1 / 4, marks=pytest.mark.slow),
+    ],
+)
 def test_a_wrong_noise_is_seen_in_the_covariance(noise, factor, rng):
     wrong = {noise: np.sqrt(factor) * np.array(TRUE_NOISES[noise])}
     assert share_in_band(ExtendedKalmanFilter, rng, **wrong) < 0.6
@@ -631,7 +640,7 @@ for module in pkgutil.walk_packages(robsim.__path__, "robsim."):
 """
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_nothing_else_needs_it():
     run = subprocess.run([sys.executable, "-c", WITHOUT], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
