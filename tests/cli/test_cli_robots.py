@@ -146,6 +146,7 @@ def test_show():
         assert min(picture.size) > 500
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_show_draws_the_robot_in_use_by_default():
     set_default_robot("sheep")
     assert done("show").startswith("sheep: ")
@@ -166,6 +167,7 @@ def test_show_writes_where_it_says(out, file):
     assert Path(file).stat().st_size > 1000
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_show_of_a_folder_says_what_is_wrong(tmp_path):
     save_robot(tmp_path / "folder", load_robot("lab"))
     assert "figure written to robot-lab.png" in done("show", tmp_path / "folder")
@@ -181,6 +183,7 @@ def test_show_of_a_folder_says_what_is_wrong(tmp_path):
     assert "centre must lie inside the outline" in refused("show", tmp_path / "folder")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_show_with_other_colours(tmp_path):
     (tmp_path / "colors.toml").write_text("[red]\nv = [250, 255]\n[blue]\nu = [160, 255]\n")
     result = robots("show", "lab", "--colors", tmp_path / "colors.toml")

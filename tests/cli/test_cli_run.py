@@ -181,6 +181,7 @@ def test_a_wrong_call_says_what_is_wrong(arguments, message, tmp_path, monkeypat
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.usefixtures("undrawn")  # those of the demo are drawn
 def test_a_run_with_estimates_writes_their_figures(tmp_path):
     run = command(
         "run", "--steps", "30", "--estimate-parameters", "--boundary", "unlimited", cwd=tmp_path
