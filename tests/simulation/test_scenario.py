@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 import robsim
 from refusals import IMAGE, IN_WORDS, NAN, options, refusals
@@ -22,14 +22,26 @@ def child_seed():
 # --- a value
 
 
-@pytest.mark.long
-@given(scenarios())
-def test_scenarios_of_the_same_content_are_equal(scenario):
+def check_equality(scenario):
     again = Scenario(**{f.name: getattr(scenario, f.name) for f in dataclasses.fields(scenario)})
     for other in (again, scenario.replace(), pickle.loads(pickle.dumps(scenario))):
         assert other == scenario
         assert hash(other) == hash(scenario)
         assert repr(other) == repr(scenario)
+
+
+@pytest.mark.long
+@settings(max_examples=25)
+@given(scenarios())
+def test_scenarios_of_the_same_content_are_equal(scenario):
+    check_equality(scenario)
+
+
+@pytest.mark.slow
+@pytest.mark.sanitized
+@given(scenarios())
+def test_many_scenarios_of_the_same_content_are_equal(scenario):
+    check_equality(scenario)
 
 
 def test_every_option_counts():

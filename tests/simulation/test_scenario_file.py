@@ -6,7 +6,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
@@ -20,13 +20,25 @@ from scenarios import FULL, scenarios
 # --- there and back
 
 
-@pytest.mark.long
-@given(scenarios())
-def test_a_file_gives_the_scenario_again(scenario):
+def check_a_file_gives_it_again(scenario):
     text = scenario.to_toml()
     again = Scenario.from_toml(text)
     assert again == scenario
     assert again.to_toml() == text
+
+
+@pytest.mark.long
+@settings(max_examples=25)
+@given(scenarios())
+def test_a_file_gives_the_scenario_again(scenario):
+    check_a_file_gives_it_again(scenario)
+
+
+@pytest.mark.slow
+@pytest.mark.sanitized
+@given(scenarios())
+def test_a_file_gives_each_of_many_scenarios_again(scenario):
+    check_a_file_gives_it_again(scenario)
 
 
 def test_all_options_at_once(tmp_path):
