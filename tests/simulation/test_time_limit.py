@@ -27,6 +27,28 @@ def sleeping(step):
 
 
 @pytest.mark.parametrize("control", [endless, sleeping])
+def test_a_watchdog_of_many_steps_ends_a_callback_that_hangs(control):
+    started = []
+
+    def other(step):
+        started.append(set(threading.enumerate()))
+        return 0, 0
+
+    hanging = robsim.Simulation(control=control, time_limit=0.2)
+    right = robsim.Simulation(control=other, time_limit=5)
+    with hanging._watched(), right._watched():
+        for _ in range(3):
+            hanging.step()
+            right.step()
+        with pytest.raises(TimeoutError, match=r"longer than time_limit = 0\.2 s"):
+            hanging.step()
+        right.step()
+    assert started == started[:1] * 4  # no thread of its own for each step
+    right.step()
+    assert started[-1] != started[0]
+
+
+@pytest.mark.parametrize("control", [endless, sleeping])
 def test_a_callback_that_hangs_ends_the_run_and_the_trace_is_kept(control):
     sim = robsim.Simulation(control=control, time_limit=0.2)
     start = time.monotonic()

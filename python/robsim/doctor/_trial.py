@@ -7,7 +7,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import AbstractContextManager, contextmanager, redirect_stdout
 from dataclasses import dataclass
 from typing import Any
 
@@ -235,7 +235,7 @@ class EstimatorUnderTest:
     def try_together(self, situation: Situation, other: Situation) -> Trial:
         """Run one in a situation, alternating step by step with a second one in another."""
         first, second = _TrialRun(self, situation), _TrialRun(self, other)
-        with self.observed():
+        with self.observed(), first.watched(), second.watched():
             for _ in range(min(len(situation.u), len(other.u))):
                 if first.step() or second.step():
                     break
@@ -292,6 +292,10 @@ class _TrialRun:
         except (Exception, SystemExit) as error:
             self._error = error
         return self.trial()
+
+    def watched(self) -> AbstractContextManager[None]:
+        """Enforce the time limit on all steps in the context: to begin anew in each takes long."""
+        return self._simulation._watched()
 
     def step(self) -> bool:
         """Run one step; return whether it failed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from threading import Lock
 from typing import Any, ClassVar
 
@@ -217,6 +217,10 @@ class Runner(Slotted):
             yield
         finally:
             self._pulse = None
+
+    def _watched(self) -> AbstractContextManager[None]:
+        """Enforce the time limit with one watchdog on all steps and runs in the context."""
+        return nullcontext() if self._time_limit is None else self._time_limit.watching()
 
     def _start(self) -> None:
         if not self._core.has_started:

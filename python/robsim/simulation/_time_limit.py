@@ -47,6 +47,7 @@ class TimeLimit:
         self._is_up = False
         self._thread = 0  # the one that runs the callbacks
         self._is_awakened = False  # the thread is interrupted by a signal
+        self._is_watching = False
 
     def limited(self, callback: Callable[..., Any]) -> Callable[..., Any]:
         """Return the callback with the limit; it raises TimeoutError when the limit is exceeded."""
@@ -74,7 +75,13 @@ class TimeLimit:
 
     @contextmanager
     def watching(self) -> Iterator[None]:
-        """Enforce the limit on the callbacks that this thread runs inside the context."""
+        """Enforce the limit on the callbacks that this thread runs inside the context.
+
+        One context may lie in another: around many short runs a single watchdog costs less.
+        """
+        if self._is_watching and self._thread == threading.get_ident():
+            yield
+            return
         self._thread = threading.get_ident()
         self._deadline, self._is_up = math.inf, False
         is_main = threading.current_thread() is threading.main_thread()
@@ -84,8 +91,10 @@ class TimeLimit:
         with self._awakened() if self._is_awakened else nullcontext():
             try:
                 watch.start()
+                self._is_watching = True
                 yield
             finally:
+                self._is_watching = False
                 done.set()
                 if watch.ident is not None:
                     watch.join()
