@@ -8,6 +8,7 @@
 #include "python/values.hpp"
 #include "robsim/estimation/least_squares.hpp"
 #include "robsim/estimation/rank.hpp"
+#include "robsim/estimation/recursion.hpp"
 #include "robsim/simulation/robot/parameter_estimator.hpp"
 
 namespace py = pybind11;
@@ -67,6 +68,19 @@ void reset(RecursiveLeastSquares& self) { self.reset(); }
 
 std::string text_of(const Shape& shape) {
   return shape_text(shape.data(), static_cast<py::ssize_t>(shape.size()));
+}
+
+py::array_t<double> recursion(double a1, double a2, const ArrayLike& force) {
+  const std::string expected = "an array of shape (n,) or (n, m)";
+  const Doubles array = numbers_from(force, "force", std::nullopt, expected);
+  if (array.ndim() != 1 && array.ndim() != 2) {
+    throw py::value_error("force must be " + expected + ", got " + describe(force));
+  }
+  py::array_t<double> s(Shape(array.shape(), array.shape() + array.ndim()));
+  second_order_recursion(a1, a2, array.data(), s.mutable_data(),
+                         static_cast<std::size_t>(array.shape(0)),
+                         array.ndim() == 2 ? static_cast<std::size_t>(array.shape(1)) : 1);
+  return s;
 }
 
 // Regressors or outputs of one sample or, with a dimension more, of many.
@@ -299,6 +313,22 @@ TypeError, ValueError
   define_recursive_value(recursive);
 
   bind_fit(module);
+  public_in(module, "robsim._core")
+      .def("second_order_recursion", &recursion, py::arg("a1"), py::arg("a2"), py::arg("force"), R"(
+Return s(k) = a1 s(k-1) + a2 s(k-2) + force(k), column by column; s = 0 before the first.
+
+Parameters
+----------
+a1, a2 : float
+    The parameters.
+force : array (n,) or (n, m)
+    The driving term.
+
+Returns
+-------
+array, shaped as force
+    The path s.
+)");
   public_in(module, "robsim.identification")
       .def("least_squares", &fit, py::arg("phi"), py::arg("y"), R"(
 Return the theta that minimises the sum of squares of y - phi theta.

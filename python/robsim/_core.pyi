@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'rgb_to_yuv', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
 class Intrinsics:
     """
     A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
@@ -2707,6 +2707,22 @@ def rgb_to_yuv(image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray
     -------
     array (H, W, 3) of uint8
         Y, U, V.
+    """
+def second_order_recursion(a1: float, a2: float, force: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Return s(k) = a1 s(k-1) + a2 s(k-2) + force(k), column by column; s = 0 before the first.
+    
+    Parameters
+    ----------
+    a1, a2 : float
+        The parameters.
+    force : array (n,) or (n, m)
+        The driving term.
+    
+    Returns
+    -------
+    array, shaped as force
+        The path s.
     """
 def simulated_path(theta: numpy.typing.ArrayLike, first: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
     """

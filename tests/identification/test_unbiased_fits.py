@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim._core import second_order_recursion
 from robsim.identification._fits import METHODS, instrumental_variables, output_error
-from robsim.identification._fits.paths import recursion
 
 pytestmark = pytest.mark.kernels
 
@@ -59,7 +59,9 @@ def test_the_recursion_is_that_of_a_plain_loop(a, steps, rng):
     expected = np.zeros((steps + 2, 3))
     for k in range(steps):
         expected[k + 2] = a[0] * expected[k + 1] + a[1] * expected[k] + force[k]
-    np.testing.assert_allclose(recursion(*a, force), expected[2:], rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(
+        second_order_recursion(*a, force), expected[2:], rtol=1e-15, atol=1e-15
+    )
 
 
 # --- exact and noisy data

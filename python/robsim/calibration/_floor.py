@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import stats
 
 from robsim._base.checks import (
     Floats,
@@ -277,10 +276,11 @@ def _without_wrong(
     without = fits[best]
     if without is fit or without.free < 1:
         return None, fit
-    # F = ((SSE - SSE') / 2) / (SSE' / n'), of a mark that is right F(2, n')
+    # F = ((SSE - SSE') / 2) / (SSE' / n'), of a mark that is right F(2, n'), whose tail is
+    # P(F > f) = (1 + 2 f / n')^(-n' / 2)
     noise = max(without.squares / without.free, 0.05**2)
     ratio = (fit.squares - without.squares) / 2 / noise
-    is_wrong = ratio > stats.f.isf(_LEVEL / len(ideal), 2, without.free)
+    is_wrong = (1 + 2 * ratio / without.free) ** (-without.free / 2) < _LEVEL / len(ideal)
     is_large = np.sqrt((fit.residuals[0] ** 2).sum(axis=1).max()) > _LEAST_WRONG
     return (best, without) if is_wrong and is_large else (None, fit)
 

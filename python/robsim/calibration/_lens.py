@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import stats
 
 from robsim._base.checks import Floats
 from robsim._base.text import quoted
@@ -278,9 +277,11 @@ def _with_k3(cv2: Any, size: tuple[int, int], views: list[View], fit: Fit) -> tu
     free = 2 * len(pixels) - 9 - 6 * len(views)
     if free < 1 or more.squares >= fit.squares:
         return fit, False
+    from scipy.special import fdtri  # it costs a tenth of a second
+
     # F = (SSE - SSE3) / (SSE3 / (n - p)): of a coefficient that is nothing, F(1, n - p)
     gain = (fit.squares - more.squares) / (more.squares / free)
-    is_worth_it = gain > stats.f.isf(_LEVEL, 1, free) and _is_monotonic(more, size)
+    is_worth_it = gain > fdtri(1, free, 1 - _LEVEL) and _is_monotonic(more, size)
     return (more, True) if is_worth_it else (fit, False)
 
 

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.spatial.transform import Rotation
 
 from robsim._base.checks import Floats
 from robsim._core import PlaneMap
@@ -87,6 +85,8 @@ class _Camera:
 
     def start(self, to_pixels: Floats) -> Floats:
         """Return the parameters of about this homography."""
+        from scipy.spatial.transform import Rotation  # as all of scipy here, it takes long
+
         h = to_pixels @ _inverse(self._normal)
         if self._matrix is None:
             flat: Floats = (h / h[2, 2]).ravel()[:8]
@@ -99,6 +99,8 @@ class _Camera:
 
     def to_pixels(self, parameters: Floats) -> Floats:
         """Return the homography (3, 3)."""
+        from scipy.spatial.transform import Rotation
+
         if self._matrix is None:
             h = np.append(parameters[:8], 1.0).reshape(3, 3)
         else:
@@ -127,6 +129,8 @@ def fit_plane(
     ValueError
         If the points of the first group do not determine a plane.
     """
+    from scipy.optimize import least_squares
+
     about = PlaneMap.from_points(pixels[0], positions[0])
     centre = positions[0].mean(axis=0)
     scale = float(np.linalg.norm(positions[0] - centre, axis=1).max())

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._core import regression
+from robsim._core import regression, second_order_recursion
 from robsim.identification._fits.linear import solve, triangle
-from robsim.identification._fits.paths import HEADING, X, Y, recursion
 from robsim.identification._fits.segments import Segment
+from robsim.identification._fits.unknowns import HEADING, X, Y
 
 # One pole of each axis is 1; these are the candidates for the other one, from fast to slow.
 _POLES = 1 - np.geomspace(1.0, 0.01, 14)
@@ -45,7 +45,7 @@ def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Flo
         forces = np.zeros((len(segment.u), 5))
         forces[0, 0] = forces[1, 1] = 1
         forces[2:, 2:] = phi[:, axis, 2:]
-        responses = recursion(a1, a2, forces)[segment.seen]
+        responses = second_order_recursion(a1, a2, forces)[segment.seen]
         columns = np.column_stack([responses, segment.poses[segment.seen, axis]])
         parts.append(triangle(columns)[2:, 2:])
     columns = np.vstack(parts)

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
-from robsim._core import regression
+from robsim._core import regression, second_order_recursion
 from robsim.identification._fits.initial_estimate import axis_with_pole, initial_estimate
 from robsim.identification._fits.linear import solve
 from robsim.identification._fits.model_fit import ModelFit, with_undetermined
-from robsim.identification._fits.paths import HEADING, X, Y, recursion
 from robsim.identification._fits.segments import Segment, as_record, split
+from robsim.identification._fits.unknowns import HEADING, X, Y
 from robsim.trace._input_delay import check_delay
 
 _ITERATIONS = 30
@@ -179,7 +179,9 @@ def _refine(runs: list[_Samples], simulated: Floats, heading_sigma: float) -> _A
     # The noise n of the headings rotates the forces: Q' Phi (estimate - theta) = Q' (e + H n) with
     # H n = (slope (b1, b2, d1) n) filtered by 1/A, so that H' Q filters backwards.
     a1, a2 = simulated[:2]
-    backwards = [recursion(a1, a2, part[::-1])[::-1] for part in np.split(Q, _ends(runs))]
+    backwards = [
+        second_order_recursion(a1, a2, part[::-1])[::-1] for part in np.split(Q, _ends(runs))
+    ]
     forces = np.hstack([run.slope @ estimate[1:] for run in runs])
     by_heading = heading_sigma * np.vstack(backwards) * forces[:, None]
     spread, _ = solve(Q.T @ phi, by_heading.T)
@@ -200,12 +202,12 @@ def _whitened(run: _Samples, simulated: Floats) -> Floats:
     a1, a2 = simulated[:2]
     # The path simulated from the inputs and the first two poses.
     start = run.first[0], run.first[1] - a1 * run.first[0]
-    path = recursion(a1, a2, np.hstack([start, run.phi[:, 1:] @ simulated[2:]]))
+    path = second_order_recursion(a1, a2, np.hstack([start, run.phi[:, 1:] @ simulated[2:]]))
     instruments = np.column_stack([path[:-2] - path[1:-1], run.phi[:, 1:]])
     # 1/A turns the noise e(k) - a1 e(k-1) - a2 e(k-2) of a sample into e(k), plus a transient
     # from the first two poses.
-    columns = recursion(a1, a2, np.column_stack([instruments, run.phi, run.y]))
-    transient, _ = np.linalg.qr(recursion(a1, a2, np.eye(len(run.y), 2)))
+    columns = second_order_recursion(a1, a2, np.column_stack([instruments, run.phi, run.y]))
+    transient, _ = np.linalg.qr(second_order_recursion(a1, a2, np.eye(len(run.y), 2)))
     return columns - transient @ (transient.T @ columns)
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim._core import path_sensitivities, simulated_path
 from robsim.identification._fits.linear import solve, triangle
-from robsim.identification._fits.paths import FIRST, UNKNOWNS
 from robsim.identification._fits.segments import Segment
+from robsim.identification._fits.unknowns import FIRST, UNKNOWNS
 
 # Residuals smaller than this fraction of the maximum coordinate are rounding errors.
 _ROUNDING = 1e-9
