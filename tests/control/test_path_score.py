@@ -161,6 +161,7 @@ def test_a_score_reads_as_a_report():
         "max_error": 8.0,
         "final_distance": 100.0,
         "effort": 0.5,
+        "units": {"rmse": "px", "max_error": "px", "final_distance": "px", "effort": "V"},
     }
 
 

@@ -154,7 +154,7 @@ def test_as_text():
 def test_as_numbers():
     score = score_color(scene(REGION), COLOR, [REGION], repeats=1)
     numbers = json.loads(score.to_json())
-    assert list(numbers) == ["title", "color", "rate", "margin", "levels"]
+    assert list(numbers) == ["title", "color", "rate", "margin", "levels", "units"]
     assert (numbers["color"], numbers["rate"], numbers["margin"]) == ("red", 1, 0)
     assert numbers["levels"]["shadow x 0.8"] == {"rate": 1}
     frame = score.to_pandas()
