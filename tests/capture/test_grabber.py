@@ -270,6 +270,8 @@ camera.read()
 """
 
 
+@pytest.mark.slow
+@pytest.mark.sanitized
 @pytest.mark.long
 @pytest.mark.parametrize(
     "last",
@@ -322,6 +324,8 @@ def test_an_error_that_is_told_again_has_one_traceback():
     assert len(set(lengths)) == 1
 
 
+@pytest.mark.slow
+@pytest.mark.sanitized
 @pytest.mark.long
 def test_a_run_that_was_stopped_while_it_waited_does_not_count_for_the_next():
     source = SteppedCamera([np.zeros((24, 32, 3), np.uint8)] * 2)

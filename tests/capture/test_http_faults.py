@@ -165,6 +165,8 @@ TEARS = {
 }
 
 
+@pytest.mark.slow
+@pytest.mark.sanitized
 @pytest.mark.parametrize("tear", TEARS)
 def test_a_torn_image_reaches_nobody(tear, back_end):
     whole = images()

@@ -97,6 +97,8 @@ def test_frames_do_not_wait_for_who_keeps_the_interpreter(url):
     assert after.t_arrival - before.t_arrival > 0.2
 
 
+@pytest.mark.slow
+@pytest.mark.sanitized
 @pytest.mark.long
 @pytest.mark.parametrize("end", ["kill", "exit"])
 def test_the_process_ends_with_its_reader(url, end):
@@ -116,6 +118,8 @@ def test_the_process_ends_with_the_camera(url):
     waits(lambda: has_ended(worker))
 
 
+@pytest.mark.slow
+@pytest.mark.sanitized
 @pytest.mark.long
 def test_a_process_that_dies_is_an_unplugged_camera(url):
     with robsim.Camera(url, back_end="ffmpeg", reopen=True) as camera:

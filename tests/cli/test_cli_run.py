@@ -40,6 +40,7 @@ def mine(desk, tmp_path):
     return tmp_path / "mine"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_an_untouched_folder_and_none_give_the_same_trace(desk):
     run = command(

@@ -156,6 +156,7 @@ def test_a_camera_is_checked_without_driving(film, tmp_path):
     assert "robot detected 0 % (bad): in" in other.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_the_files_of_robsim_new_run_as_they_are(tmp_path):
     new_folder(tmp_path / "mine")

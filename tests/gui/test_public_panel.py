@@ -298,6 +298,7 @@ def test_what_is_loaded_when():
     assert (run.stdout, run.stderr) == ("set()\n" * 3, "")
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_a_script_ends_with_its_panels():
     run = python(

@@ -357,6 +357,7 @@ def test_stop_stops_the_robot_whatever_a_callback_does(robot, hanging, hang):
         assert view.runner.n_steps == 20
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_stop_after_a_callback_that_keeps_the_interpreter(robot, hanging):
     control = hanging(lambda may_go_on: usleep(900_000))

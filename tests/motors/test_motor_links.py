@@ -244,6 +244,8 @@ def test_a_forked_process_is_refused_in_words(robot, motors):
     wait_for(lambda: robot.input[0] == 3)
 
 
+@pytest.mark.slow
+@pytest.mark.sanitized
 @needs_proc
 @pytest.mark.long
 def test_threads_and_sockets_end_with_their_owners(robot):

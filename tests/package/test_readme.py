@@ -63,6 +63,7 @@ def test_a_block_runs_in_a_process_of_its_own(block, tmp_path):
     assert run.returncode == 0, run.stderr
 
 
+@pytest.mark.slow
 def test_the_grading_passes_the_default_callbacks_and_fails_wrong_ones(tmp_path):
     (grading,) = GRADING
     (tmp_path / "test_grade.py").write_text(grading)
@@ -118,6 +119,7 @@ def verdict_of(block, expression, seeds):
     return report.verdict
 
 
+@pytest.mark.slow
 def test_the_robot_of_the_lab_drives_and_is_stopped(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (block,) = LABS

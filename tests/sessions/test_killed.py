@@ -29,6 +29,7 @@ def run_program(name, *arguments, **environment):
     return done.stdout
 
 
+@pytest.mark.slow
 @needs_fork
 def test_a_killed_run_loses_at_most_its_last_second(tmp_path):
     assert "3 killed" in run_program("killed_sessions.py", tmp_path, 1, 3)

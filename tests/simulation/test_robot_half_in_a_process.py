@@ -59,6 +59,8 @@ def assert_same(trace, expected, columns):
 STAGES = ("pose_measured", "pose_held", "pose_estimated", "covariance", "state", "parameters")
 
 
+@pytest.mark.slow
+@pytest.mark.sanitized
 @pytest.mark.parametrize("control", CONTROLS)
 def test_a_robot_half_in_a_process_gives_the_same_bytes(run_remotely, control):
     expected = run_at_home(CONTROLS[control])

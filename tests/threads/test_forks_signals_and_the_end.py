@@ -107,6 +107,8 @@ while not sim.n_steps:
 """
 
 
+@pytest.mark.slow
+@pytest.mark.sanitized
 @pytest.mark.long
 @pytest.mark.skipif(sanitizers.ADDRESS, reason="it takes a thread that Python ends for a fault")
 @pytest.mark.parametrize("options", ["", "control=lambda step: (0, 0)", "time_limit=9"])
@@ -114,6 +116,8 @@ def test_the_end_of_python_during_a_run(options):
     assert python(DAEMON.format(options=options)) == (0, "", "")
 
 
+@pytest.mark.slow
+@pytest.mark.sanitized
 @pytest.mark.long
 def test_the_end_of_python_during_native_work_in_another_thread():
     """Python tears a daemon thread that comes back to it out of its calls: no abort."""
