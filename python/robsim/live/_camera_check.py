@@ -216,4 +216,7 @@ def _remarks_on_calibration(looked_at: Container[str], not_known: Container[str]
     if sheets not in looked_at:
         yield f"{said}; a floor sheet that stays where it is from the calibration on would show it"
     elif sheets in not_known:
-        yield f"{said}, as no floor sheet is in the picture that the calibration saw"
+        yield (
+            f"{said}, as no floor sheet is in the picture that the calibration saw (or OpenCV is "
+            'not installed: pip install "robsim[camera]")'
+        )
