@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from robsim.gui._beside import Beside
 from robsim.gui._link import Link
-from robsim.gui._panel.analysis.beside import Beside
 from robsim.gui._panel.analysis.parameters import excitation_of, listed
 from robsim.gui._panel.drawing import drawing
 from robsim.gui._panel.part import Part

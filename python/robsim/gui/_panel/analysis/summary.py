@@ -7,8 +7,8 @@ import time
 from abc import abstractmethod
 from typing import TYPE_CHECKING, Any
 
+from robsim.gui._beside import Beside
 from robsim.gui._link import Link
-from robsim.gui._panel.analysis.beside import Beside
 from robsim.gui._panel.part import Part
 from robsim.trace import Trace
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
-if TYPE_CHECKING:
-    from robsim.gui._panel.view import PanelView
+from robsim.gui._worker import Worker
 
 T = TypeVar("T")
 
@@ -17,14 +16,14 @@ class Beside:
 
     Parameters
     ----------
-    panel : PanelView
+    worker : Worker
         In its thread the results are taken.
     name : str
         That of the thread.
     """
 
-    def __init__(self, panel: PanelView, name: str) -> None:
-        self._panel, self._name = panel, name
+    def __init__(self, worker: Worker, name: str) -> None:
+        self._worker, self._name = worker, name
         self._thread: threading.Thread | None = None
 
     @property
@@ -36,8 +35,8 @@ class Beside:
         """Compute something; `take` gets it, or None where a mistake of ours was reported."""
 
         def work() -> None:
-            result = self._panel.guarded(compute)
-            self._panel.post(lambda: done(result))
+            result = self._worker.guarded(compute)
+            self._worker.post(lambda: done(result))
 
         def done(result: T | None) -> None:
             self._thread = None
