@@ -31,7 +31,6 @@ from robsim.simulation import (
     Step,
     Unicycle,
     WheelNoise,
-    WorldState,
 )
 from robsim.trace import Trace
 from robsim.vision import ColorClass, Measurement, find_blobs, load_colors, locate
@@ -43,7 +42,7 @@ if _TYPE_CHECKING:
     from robsim import plotting as plotting
     from robsim import reference as reference
     from robsim.doctor import check_estimator, check_parameter_estimator
-    from robsim.gui import panel
+    from robsim.gui import color_panel, panel
     from robsim.plotting import (
         play,
         plot_batch,
@@ -83,11 +82,11 @@ __all__ = [
     "Unicycle",
     "UniformNoise",
     "WheelNoise",
-    "WorldState",
     "__version__",
     "batch_estimate",
     "check_estimator",
     "check_parameter_estimator",
+    "color_panel",
     "find_blobs",
     "identifiability",
     "load_colors",
@@ -117,7 +116,7 @@ _LATE_NAMES = {
     name: "plotting" if name.startswith("pl") else "doctor"
     for name in __all__
     if name == "play" or name.startswith(("plot_", "check_"))
-} | {"panel": "gui"}
+} | {"panel": "gui", "color_panel": "gui"}
 
 _ROOMS = (
     *(

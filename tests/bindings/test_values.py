@@ -28,10 +28,10 @@ from robsim import (
     Spin,
     Step,
     Unicycle,
-    WorldState,
 )
 from robsim.identification import Sample, least_squares
 from robsim.imaging import PlaneMap
+from robsim.simulation import WorldState
 from robsim.vision import Blob, MarkerLayout
 
 TRIANGLE = np.array([[0, 0], [4, 0], [4, 4]])

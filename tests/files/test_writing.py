@@ -299,6 +299,7 @@ ALLOWED = {
     "gui/_bench/lab.py": "of a server, in a folder that is removed",
     "gui/_bench/with_matplotlib.py": "packs in memory",
     "gui/_panel/still_picture.py": "packs in memory",
+    "gui/_facade.py": "opens a picture in memory",
     "gui/_hosted.py": "opens a page",
     "gui/_hosts/page.py": "opens a browser",
     "cli/simulated/gui.py": "opens a page",

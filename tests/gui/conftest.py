@@ -49,12 +49,11 @@ def chromium():
 
 
 @pytest.fixture
-def open_panel(chromium):
-    """Return a function that shows a runner in a page: the view and the page of the browser."""
+def open_view(chromium):
+    """Return a function that shows a view in a page of the browser, and closes both at the end."""
     open_now = []
 
-    def open_it(runner, *, size=(1440, 900), theme="light", speed=5.0, **context_options):
-        view = PanelView(runner, speed=speed)
+    def open_it(view, *, size=(1440, 900), theme="light", **context_options):
         page = Page(view)
         width, height = size
         context = chromium.new_context(
@@ -67,7 +66,7 @@ def open_panel(chromium):
         open_now.append((view, page, context, complaints))
         tab.goto(page.url)
         tab.wait_for_selector("main[data-state]")
-        return view, tab
+        return tab
 
     yield open_it
     for view, page, context, complaints in open_now:
@@ -75,6 +74,23 @@ def open_panel(chromium):
         page.close()
         view.close()
         assert complaints == []
+
+
+@pytest.fixture
+def open_panel(open_view):
+    """Return a function that shows a runner in a page: the view and the page of the browser."""
+
+    def open_it(runner, *, speed=5.0, **options):
+        view = PanelView(runner, speed=speed)
+        return view, open_view(view, **options)
+
+    return open_it
+
+
+@pytest.fixture
+def open_tool(open_view):
+    """Return a function that shows a tool in a page of the browser."""
+    return lambda tool, **options: open_view(tool._view, **options)
 
 
 @pytest.fixture(scope="module")

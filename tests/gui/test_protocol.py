@@ -2,15 +2,19 @@
 
 import re
 
+import numpy as np
 import pytest
 
 import robsim
 from robsim.gui._hosts.script import STATIC
 from robsim.gui._panel.messages import MESSAGES
 from robsim.gui._panel.view import PanelView
+from robsim.gui._tools.colors.messages import MESSAGES as COLOR_MESSAGES
 
 GUI = STATIC.parent
-TO_BROWSER, FROM_BROWSER = (GUI / "PROTOCOL.md").read_text("utf-8").split("## From the browser")
+RUN, TOOLS = (GUI / "PROTOCOL.md").read_text("utf-8").split("## Tools\n")
+TO_BROWSER, FROM_BROWSER = RUN.split("## From the browser")
+TOOLS_TO, TOOLS_FROM = TOOLS.split("### Tools, from the browser")
 ROW = re.compile(r"^\| `(\w+)` \| (.*?) \|", re.MULTILINE)
 
 
@@ -18,17 +22,37 @@ def rows(text):
     return {name: set(re.findall(r"`(\w+)`", fields)) for name, fields in ROW.findall(text)}
 
 
-def test_every_message_from_a_browser_stands_there_with_its_fields():
-    told = rows(FROM_BROWSER)
-    assert set(told) == set(MESSAGES)
-    for kind, fields in MESSAGES.items():
+@pytest.mark.parametrize(
+    ("text", "messages"), [(FROM_BROWSER, MESSAGES), (FROM_BROWSER + TOOLS_FROM, COLOR_MESSAGES)]
+)
+def test_every_message_from_a_browser_stands_there_with_its_fields(text, messages):
+    told = rows(text)
+    assert set(messages) <= set(told)
+    if messages is MESSAGES:
+        assert set(messages) == set(told)
+    for kind, fields in messages.items():
         assert set(fields) <= told[kind], kind
 
 
+def sent_by(folder, *without):
+    files = [file for file in folder.rglob("*.py") if not set(without) & set(file.parts)]
+    code = "".join(file.read_text("utf-8") for file in files)
+    return {*re.findall(r'"type": "(\w+)"', code), *re.findall(r'_gathered\("(\w+)"\)', code)}
+
+
 def test_every_message_to_a_browser_stands_there():
-    code = "".join(file.read_text("utf-8") for file in GUI.rglob("*.py"))
-    sent = {*re.findall(r'"type": "(\w+)"', code), *re.findall(r'_gathered\("(\w+)"\)', code)}
-    assert sent == {"setup", "state", *rows(TO_BROWSER.split("`setup` may come again")[0])}
+    told = rows(TO_BROWSER.split("`setup` may come again")[0])
+    assert sent_by(GUI, "_tools") == {"setup", "state", *told}
+    assert sent_by(GUI / "_tools") == set(rows(TOOLS_TO))
+
+
+def test_every_field_of_what_a_tool_tells_stands_there():
+    told = rows(TOOLS_TO)
+    with robsim.color_panel(np.full((9, 9, 3), 90, np.uint8)) as tool:
+        assert set(tool._view._state()) - {"type"} <= told["state"]
+        tool._view.picture = tool._view.source.at(0)
+        head, _ = tool._view.head(tool._view.picture)
+        assert set(head) <= told["frame"]
 
 
 @pytest.mark.parametrize("kind", ["setup", "state"])

@@ -315,6 +315,7 @@ def session():
 #: What methods are called on, where the class cannot be made of the examples alone.
 OBJECTS = {
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
+    "ColorPanel": lambda: robsim.color_panel(image()),
     "Panel": lambda: robsim.panel(run()),
     "Identifiability": lambda: robsim.identifiability(trace()),
     "Report": report,

@@ -154,7 +154,7 @@ void define_world_state_value(Class<WorldState>& cls) {
 }
 
 void bind_world_state(py::module_& module) {
-  Class<WorldState> world(public_in(module, "robsim"), "WorldState", R"(
+  Class<WorldState> world(public_in(module, "robsim.simulation"), "WorldState", R"(
 What the callback `evaluate_model` gets. Made by hand, it tests a callback without a simulation.
 
 Parameters

@@ -2,7 +2,8 @@
 
 from robsim._base.public import present as _present
 from robsim.gui._facade import Panel, panel
+from robsim.gui._tools.colors.panel import ColorPanel, color_panel
 
-__all__ = ["Panel", "panel"]
+__all__ = ["ColorPanel", "Panel", "color_panel", "panel"]
 
 _present(globals())

@@ -5,17 +5,21 @@ from __future__ import annotations
 from concurrent import futures
 from concurrent.futures import CancelledError, Future
 from copy import deepcopy
-from typing import TYPE_CHECKING, Any
+from io import BytesIO
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from PIL import Image
 
 from robsim._core import Step
 from robsim.gui._driver import SPEED, State
 from robsim.gui._hosted import AT_EXIT, HostedPanel, lock, opened
 from robsim.gui._panel.view import PanelView, Shown
 from robsim.identification import BatchEstimate
+from robsim.imaging import save_image
+from robsim.imaging._images import image_file
 from robsim.trace import Trace
-
-if TYPE_CHECKING:
-    pass
 
 
 def panel(what: Shown, *, speed: float | None = None) -> Panel:
@@ -213,6 +217,24 @@ class Panel(HostedPanel):
     def trace(self) -> Trace:
         """All steps up to now; the run may go on meanwhile."""
         return self._view.record.trace
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write a picture of the camera view and the traces.
+
+        Parameters
+        ----------
+        path : path
+            The file to write, such as ``panel.png``.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        TypeError, ValueError
+            If `path` is no path, or its suffix names no known format.
+        """
+        file, _ = image_file(path)  # it takes seconds to draw
+        save_image(file, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
 
     def __repr__(self) -> str:
         what, steps = type(self._what).__name__, self._view.record.n_steps

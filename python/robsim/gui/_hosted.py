@@ -7,16 +7,9 @@ import base64
 import threading
 import warnings
 from abc import ABC, abstractmethod
-from io import BytesIO
-from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-import numpy as np
-from PIL import Image
-
 from robsim.gui._view import View
-from robsim.imaging import save_image
-from robsim.imaging._images import image_file
 
 if TYPE_CHECKING:
     from robsim.gui._hosts.page import Page
@@ -75,24 +68,6 @@ class HostedPanel(ABC):
     def snapshot(self) -> bytes:
         """Return a picture of what it shows, a PNG."""
         return self._view.snapshot()
-
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write a picture of what it shows.
-
-        Parameters
-        ----------
-        path : path
-            The file to write, such as ``panel.png``.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written.
-        TypeError, ValueError
-            If `path` is no path, or its suffix names no known format.
-        """
-        file, _ = image_file(path)  # it takes seconds to draw
-        save_image(file, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
 
     # Where it is shown.
 

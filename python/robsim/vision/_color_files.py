@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from robsim._base.files import as_path, read_text, read_toml, write_whole
-from robsim._base.files.reading import MOST_TOML
+from robsim._base.files.reading import MOST_TOML, parse_toml
 from robsim._base.shipped import ASSETS
 from robsim._base.text import cut, listed, one_line, quoted
 from robsim._base.values import FileVersion
@@ -66,12 +66,21 @@ def _shipped_colors(file: FileVersion) -> tuple[ColorClass, ...]:
 def _read(path: Path) -> tuple[ColorClass, ...]:
     tables = read_toml(path)
     try:
-        if not tables:
-            raise ValueError("it has no colours, expected tables such as [red]")
-        _check_count(len(tables))
-        return tuple(_color(name, table) for name, table in tables.items())
+        return _colors_of(tables)
     except ValueError as error:
         raise ValueError(f"colour file {one_line(path)}: {error}") from error
+
+
+def colors_of_text(text: str) -> tuple[ColorClass, ...]:
+    """Return the classes of a text in the format of a colour file; else raise ValueError."""
+    return _colors_of(parse_toml(text))
+
+
+def _colors_of(tables: dict[str, Any]) -> tuple[ColorClass, ...]:
+    if not tables:
+        raise ValueError("it has no colours, expected tables such as [red]")
+    _check_count(len(tables))
+    return tuple(_color(name, table) for name, table in tables.items())
 
 
 def _check_count(count: int) -> None:

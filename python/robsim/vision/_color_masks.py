@@ -47,13 +47,14 @@ def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
     painted = np.repeat(luma // 2, 3, axis=2)
     count = np.zeros(luma.shape[:2], dtype=int)
     for i, (name, mask) in enumerate(masks.items()):
-        painted[mask] = _paint(name, i)
+        painted[mask] = paint_of(name, i)
         count += mask
     painted[count > 1] = _SEVERAL
     return painted
 
 
-def _paint(name: str, index: int) -> tuple[int, ...]:
+def paint_of(name: str, index: int) -> tuple[int, ...]:
+    """Return the RGB of a class: the colour that its name says, or one by its number."""
     try:
         return ImageColor.getrgb(name)[:3]
     except ValueError:

@@ -31,6 +31,8 @@ from robsim.cli.simulated.options import (
 from robsim.cli.text import parse_speed, whole_number
 
 if TYPE_CHECKING:
+    from robsim.gui import ColorPanel
+    from robsim.gui._hosted import HostedPanel
     from robsim.gui._hosts.page import Page
     from robsim.gui._panel.view import Shown
     from robsim.imaging import Recording
@@ -43,6 +45,8 @@ HELP = (
     "With a folder it runs the callbacks there, and takes in what you change in them. A trace, a "
     "session or a video is played back. Without any of these there is a simulation to play "
     "with.\n\n"
+    "With --train it trains colours instead: on a picture, a folder of pictures, a video, a "
+    "simulation of callbacks, or the picture of the robot.\n\n"
     "It ends when you close its last page, or with Ctrl-C. Only browsers on this machine can open "
     "the page."
 )
@@ -63,6 +67,12 @@ def gui(
             "of a session, a video.",
         ),
     ] = None,
+    train: Annotated[
+        bool,
+        typer.Option(
+            "--train", metavar=SWITCH, help="Train colours, and write them to --colors FILE."
+        ),
+    ] = False,
     scenario: ScenarioFile = None,
     control: Control = None,
     speed: Annotated[
@@ -101,6 +111,10 @@ def gui(
     from robsim.gui import panel
 
     with errors.report_errors(path):
+        if train:
+            with _training(path, colors, robot) as tool:
+                _show(tool, port, is_wanted=not no_browser)
+            return
         factor = parse_speed("--speed", speed)
         if path is None and scenario is None and control is None:
             control = _CONTROL
@@ -117,9 +131,25 @@ def gui(
             seed=seed,
         )
         with panel(_shown(path, options), speed=factor) as opened:
-            page = opened._serve(port)
-            _tell(page, is_shown=not no_browser and page.open(), is_wanted=not no_browser)
-            _wait(page)
+            _show(opened, port, is_wanted=not no_browser)
+
+
+def _training(path: Path | None, colors: Path | None, robot: str | None) -> ColorPanel:
+    """Return the panel that trains colours on what a path has."""
+    from robsim.gui import color_panel
+
+    what: Any = path
+    if path is not None and path.is_dir() and any(path.glob("*.py")):
+        what = simulation_of(path, {})
+    file = Path("colors.toml") if colors is None else colors
+    return color_panel(what, robot=robot, file=file)
+
+
+def _show(opened: HostedPanel, port: int, *, is_wanted: bool) -> None:
+    """Show a panel until its last page is closed."""
+    page = opened._serve(port)
+    _tell(page, is_shown=is_wanted and page.open(), is_wanted=is_wanted)
+    _wait(page)
 
 
 def _shown(path: Path | None, options: dict[str, Any]) -> Shown:

@@ -1,11 +1,11 @@
 // @ts-check
 // The top line: what runs, its state, step and time; theme and colours of this view.
-import { makeButton, showButton } from "../base/buttons.js";
+import { makeButton } from "../base/buttons.js";
 import { calmPainter, isPage, make } from "../base/dom.js";
 import { icon } from "../base/icons.js";
+import { makeLooks } from "../base/looks.js";
 import { text } from "../base/texts.js";
 
-const THEMES = ["auto", "light", "dark"];
 const MOODS = { running: "good", failed: "bad", stopped: "bad", ended: "warning" };
 
 export function makeTitle(context) {
@@ -13,8 +13,9 @@ export function makeTitle(context) {
   const state = make("span", { className: "robsim-chip robsim-title-state", role: "status" });
   const step = make("output", { className: "robsim-number robsim-title-step" });
   const time = make("output", { className: "robsim-number robsim-title-time" });
+  const keys = makeButton("keys", "robsim-plain robsim-icon", () => context.emit("keys"));
   const element = make("header", { className: "robsim-title" },
-    icon("robot"), name, state, step, time, makeLooks(context));
+    icon("robot"), name, state, step, time, makeLooks(context, keys));
 
   const count = calmPainter(() => {
     const { frame, newest } = context;
@@ -37,22 +38,4 @@ export function makeTitle(context) {
   context.on("frame", count);
   context.onEnd(count.cancel);
   return { element };
-}
-
-/** Switches for the looks; in a notebook the theme is the notebook's. */
-function makeLooks(context) {
-  const { local } = context;
-  const keys = makeButton("keys", "robsim-plain robsim-icon", () => context.emit("keys"));
-  const palette = makeButton("palette", "robsim-plain robsim-icon", () =>
-    context.choose("palette", local.palette == "distinct" ? "historical" : "distinct"));
-  const theme = makeButton(local.theme, "robsim-plain robsim-icon", () =>
-    context.choose("theme", THEMES[(THEMES.indexOf(local.theme) + 1) % THEMES.length]));
-  theme.hidden = !isPage();
-  const show = () => {
-    palette.setAttribute("aria-pressed", String(local.palette == "distinct"));
-    showButton(theme, local.theme);
-  };
-  context.on("local", show);
-  show();
-  return make("span", { className: "robsim-title-looks" }, palette, theme, keys);
 }

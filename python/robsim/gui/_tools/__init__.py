@@ -1,0 +1,1 @@
+"""Panels in which something is made with the mouse: colours, robots, calibrations."""

@@ -1,0 +1,199 @@
+"""Colour classes while they are trained: regions of pictures, ranges, what was made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._base.checks import Floats
+from robsim._base.text import quoted
+from robsim._core import ColorClass, color_histograms
+from robsim.imaging._images import Pixels
+
+Region = tuple[int, int, int, int]
+Counts = NDArray[np.int64]
+
+MOST_CLASSES = 20
+_MOST_SAMPLES = 100  # of a class
+_HALF = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A region of a picture that has the colour.
+
+    Attributes
+    ----------
+    picture : str
+        Which picture, for people.
+    region : tuple of int
+        (left, top, right, bottom), all included (px).
+    histograms : array (3, 256)
+        How many of its pixels have each value of Y, U and V.
+    """
+
+    picture: str
+    region: Region
+    histograms: Counts
+
+    @property
+    def medians(self) -> Floats:
+        """Medians of Y, U and V."""
+        parts = np.cumsum(self.histograms, axis=1) / self.histograms.sum(axis=1, keepdims=True)
+        found: Floats = (parts < _HALF).sum(axis=1).astype(float)
+        return found
+
+    def share_in(self, color: ColorClass) -> float:
+        """Return the share of its pixels that a class takes, by the channel that takes fewest."""
+        taken = [
+            counts[low : high + 1].sum()
+            for counts, (low, high) in zip(self.histograms, ranges_of(color), strict=True)
+        ]
+        return float(min(taken) / self.histograms[0].sum())
+
+
+@dataclass
+class TrainedClass:
+    """A class, and how it came about.
+
+    Attributes
+    ----------
+    color : ColorClass
+        The class as it is now.
+    samples : list of Sample
+        The regions that it was made from; none if it was given, or its ranges were set by hand.
+    percentile, margin, limit_y
+        As for `ColorClass.from_region`.
+    """
+
+    color: ColorClass
+    samples: list[Sample] = field(default_factory=list)
+    percentile: float = 33.0
+    margin: int = 52
+    limit_y: bool = False
+
+    @property
+    def histograms(self) -> Counts:
+        """Those of all samples together."""
+        zero = np.zeros((3, 256), np.int64)
+        return sum((sample.histograms for sample in self.samples), zero)
+
+    def remade(self) -> ColorClass:
+        """Return the class that its samples give; ValueError if they are grey."""
+        return ColorClass.from_histograms(
+            self.histograms,
+            name=self.color.name,
+            percentile=self.percentile,
+            margin=self.margin,
+            limit_y=self.limit_y,
+        )
+
+
+class ColorTraining:
+    """Several colour classes while they are trained.
+
+    Parameters
+    ----------
+    colors : iterable of ColorClass
+        What is there already.
+
+    Attributes
+    ----------
+    classes : dict of str to TrainedClass
+        By name, in the order of the file.
+    """
+
+    def __init__(self, colors: Iterable[ColorClass] = ()) -> None:
+        self.classes = {color.name: TrainedClass(color) for color in colors}
+
+    @property
+    def value(self) -> tuple[ColorClass, ...]:
+        """The classes as they are now."""
+        return tuple(one.color for one in self.classes.values())
+
+    def train(
+        self, name: str, image: Pixels, region: Region, *, picture: str = "", keep: int = 0
+    ) -> None:
+        """Make a class from a region of a picture, and the first `keep` regions that it had.
+
+        Raises
+        ------
+        ValueError
+            If the region lies outside the picture or is grey, or there are too many; nothing is
+            changed.
+        """
+        sample = Sample(picture, region, color_histograms(image, region))
+        before = self.classes.get(name)
+        samples = [*(before.samples[:keep] if before else ()), sample]
+        if len(samples) > _MOST_SAMPLES:
+            raise ValueError(f"a colour must have at most {_MOST_SAMPLES} regions")
+        if before is None:
+            self._check_room()
+            any_color = ColorClass(name)
+            made = TrainedClass(any_color, samples)
+        else:
+            made = TrainedClass(
+                before.color, samples, before.percentile, before.margin, before.limit_y
+            )
+        made.color = made.remade()
+        self.classes[name] = made
+
+    def adjust(self, name: str, **options: float | bool) -> None:
+        """Set `percentile`, `margin` or `limit_y` of a class, which is made anew from its samples.
+
+        Raises
+        ------
+        ValueError
+            If an option is out of range, or the class was made from no region; nothing is changed.
+        """
+        before = self._known(name)
+        if not before.samples:
+            raise ValueError(f"{quoted(name)} was not made from a region: mark one in the picture")
+        given = {key: getattr(before, key) for key in ("percentile", "margin", "limit_y")}
+        made = TrainedClass(before.color, before.samples, **(given | options))
+        made.color = made.remade()
+        self.classes[name] = made
+
+    def put(self, color: ColorClass) -> None:
+        """Set the ranges of a class by hand, or add it; its samples stay to be compared with."""
+        if color.name in self.classes:
+            self.classes[color.name].color = color
+        else:
+            self._check_room()
+            self.classes[color.name] = TrainedClass(color)
+
+    def replace(self, colors: Iterable[ColorClass]) -> None:
+        """Take these classes in place of all; what was trained of those of the same name stays."""
+        before, self.classes = self.classes, {}
+        for color in colors:
+            kept = before.get(color.name, TrainedClass(color))
+            kept.color = color
+            self.classes[color.name] = kept
+
+    def remove(self, name: str) -> None:
+        """Remove a class."""
+        del self.classes[self._known(name).color.name]
+
+    def drift(self, name: str) -> list[tuple[str, Floats, float]]:
+        """Return picture, medians of Y, U, V and the share in the class, of each sample."""
+        one = self._known(name)
+        return [
+            (sample.picture, sample.medians, sample.share_in(one.color)) for sample in one.samples
+        ]
+
+    def _known(self, name: str) -> TrainedClass:
+        if name not in self.classes:
+            raise ValueError(f"there is no colour {quoted(name)}")
+        return self.classes[name]
+
+    def _check_room(self) -> None:
+        if len(self.classes) >= MOST_CLASSES:
+            raise ValueError(f"there must be at most {MOST_CLASSES} colours")
+
+
+def ranges_of(color: ColorClass) -> tuple[tuple[int, int], ...]:
+    """Return the ranges of Y, U and V."""
+    return color.y, color.u, color.v

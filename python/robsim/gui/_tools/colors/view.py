@@ -1,0 +1,268 @@
+"""The panel that trains colours: regions of the picture, classes, what they find in it."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from PIL import Image
+
+from robsim._base.files import as_path
+from robsim._base.text import quoted
+from robsim._core import ColorClass, classify, color_histograms, detect, find_blobs
+from robsim.gui._beside import Beside
+from robsim.gui._link import Link
+from robsim.gui._messages import Messages, Refused
+from robsim.gui._panel.run.pictures import boxes_of, jpeg, numbers
+from robsim.gui._tools.colors.messages import MESSAGES
+from robsim.gui._tools.colors.training import ColorTraining, Region, ranges_of
+from robsim.gui._tools.pictures import Picture, Pictures
+from robsim.gui._tools.tool import ToolView
+from robsim.robots import RobotDefinition
+from robsim.vision import ColorScore, colors_to_toml, save_colors, score_color
+from robsim.vision._color_files import colors_of_text
+from robsim.vision._color_masks import paint_of
+
+_ALPHA = 200  # of what a class takes, on the picture
+_OPTIONS = ("percentile", "margin", "limit_y")
+
+
+class ColorsView(ToolView):
+    """Trains colour classes on pictures.
+
+    Parameters
+    ----------
+    source : Pictures
+        The pictures.
+    colors : iterable of ColorClass
+        What is there already.
+    robot : RobotDefinition
+        The robot that is looked for.
+    file : path
+        The colour file that is written, unless another one is named.
+    """
+
+    kind: ClassVar[str] = "colors"
+    messages: ClassVar[Messages] = MESSAGES
+
+    def __init__(
+        self, source: Pictures, colors: Iterable[ColorClass], robot: RobotDefinition, file: Path
+    ) -> None:
+        self.training = ColorTraining(colors)
+        self.file = file
+        self._markers = robot.marker_layout()
+        self._chosen = next(iter(self.training.classes), "red")
+        self._region: Region | None = None
+        self._tests = True
+        self._beside = Beside(self, "robsim colour score")
+        super().__init__(source)
+
+    def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
+        acts: dict[str, Callable[[dict[str, Any]], object]] = {
+            "choose": lambda message: self.choose(message["name"]),
+            "region": lambda message: self._train(tuple(message["region"]), message["keep"]),
+            "ranges": lambda message: self._set_ranges(message["ranges"]),
+            "set": lambda message: self._set(message["name"], message["value"]),
+            "thresholds": lambda message: self._take_text(message["text"]),
+            "remove": lambda _: self.change(lambda: self.training.remove(self._chosen)),
+            "score": lambda _: self._score(),
+            "save": lambda message: self._save(message["file"]),
+        }
+        return {**super().handlers(), **{name: _in_place(act) for name, act in acts.items()}}
+
+    def tell(self, link: Link) -> None:
+        super().tell(link)
+        self._tell_histograms()
+
+    def state(self) -> dict[str, Any]:
+        return {
+            "chosen": self._chosen,
+            "classes": [self._class_of(name) for name in self.training.classes],
+            "text": colors_to_toml(self.training.value) if self.training.classes else "",
+            "file": str(self.file),
+            "region": self._region and [*self._region],
+            "tests": self._tests,
+        }
+
+    def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
+        colors = self.training.value
+        if not (self._tests and colors):
+            return {"boxes": [], "found": None, "missed": None}, []
+        blobs = find_blobs(picture.frame, list(colors), markers=self._markers)
+        found = detect(blobs, self._markers, plane_map=picture.frame.plane_map, image=picture.frame)
+        pose = None if found.measurement is None else numbers(found.measurement.pose)
+        missed = None if pose else found.explanation
+        return {"boxes": boxes_of(blobs), "found": pose, "missed": missed}, [self._mask(picture)]
+
+    def changed_picture(self) -> None:
+        if self.is_frozen or not self.source.is_live:
+            self._tell_histograms()
+
+    def close(self, timeout: float = 5.0) -> bool:
+        has_ended = super().close(timeout)
+        self._beside.wait(timeout)
+        return has_ended
+
+    def snapshot(self) -> bytes:
+        picture = self.picture
+        if picture is None:
+            return jpeg(np.zeros((1, 1, 3), np.uint8))
+        out = io.BytesIO()
+        Image.fromarray(picture.frame.image).save(out, "PNG", compress_level=1)
+        return out.getvalue()
+
+    def _mask(self, picture: Picture) -> bytes:
+        """Return which pixel belongs to which class, as a picture to lay over it (PNG)."""
+        colors = self.training.value
+        masks = classify(picture.frame, list(colors))
+        index = np.zeros(picture.frame.image.shape[:2], np.uint8)
+        palette = [0, 0, 0]
+        for number, (name, mask) in enumerate(masks.items(), start=1):
+            index[mask] = number
+            palette += paint_of(name, number - 1)
+        shown = Image.fromarray(index, "P")
+        shown.putpalette(palette)
+        out = io.BytesIO()
+        alpha = bytes([0, *[_ALPHA] * len(masks)])
+        bits = next(bits for bits in (1, 2, 4, 8) if len(masks) < 1 << bits)  # few are quick
+        shown.save(out, "PNG", transparency=alpha, bits=bits, compress_level=1)
+        return out.getvalue()
+
+    def _class_of(self, name: str) -> dict[str, Any]:
+        one = self.training.classes[name]
+        drift = [
+            {"picture": picture, "medians": medians.tolist(), "share": share}
+            for picture, medians, share in self.training.drift(name)
+        ]
+        options = {key: getattr(one, key) for key in _OPTIONS}
+        return {
+            "name": name,
+            "ranges": [list(ends) for ends in ranges_of(one.color)],
+            "drift": drift,
+            **options,
+        }
+
+    # What changes the classes; TypeError, ValueError or OSError: nothing was changed.
+
+    def choose(self, name: str) -> None:
+        """Let a class, or a new one, be trained."""
+        ColorClass(name)  # refuses what is no name
+        if name != self._chosen:
+            self._chosen, self._region = name, None
+        self.tell_state()
+
+    def train(self, name: str, region: Region, *, more: bool = False) -> ColorClass:
+        """Make a class from a region of the picture."""
+        self.choose(name)
+        known = self.training.classes.get(name)
+        return self._train(region, len(known.samples) if known and more else 0)
+
+    def change(self, change: Callable[[], object]) -> None:
+        """Do what changes the classes, and tell what came of it."""
+        try:
+            change()
+        finally:
+            self.tell_state()
+        self.show_again()
+
+    def save(self, path: str | PathLike[str] | None = None) -> Path:
+        """Write the classes into a file, which is the panel's from now on."""
+        file = self.file if path is None else as_path(path)
+        if not self.training.value:
+            raise ValueError("there are no colours yet: mark a region of the picture")
+        save_colors(file, self.training.value)
+        self.file = file
+        self.tell_state()
+        return file
+
+    def _train(self, region: Region, keep: int) -> ColorClass:
+        if self.picture is None:
+            raise ValueError("there is no picture yet")
+        name, picture = self._chosen, self.picture
+        image = picture.frame.image
+        self.change(
+            lambda: self.training.train(name, image, region, picture=picture.name, keep=keep)
+        )
+        self._region = region
+        self._tell_histograms()
+        return self.training.classes[name].color
+
+    def _score(self) -> None:
+        """Tell how the class would do in other light and noise, once that is known."""
+        one = self.training.classes.get(self._chosen)
+        picture, region = self.picture, self._region
+        if one is None or picture is None or region is None:
+            raise ValueError("mark a region of the picture first: that is what is looked for")
+        if self._beside.is_busy:
+            raise ValueError("the one before is not ready yet")
+        image, color = picture.frame.image, one.color
+
+        def tell(score: ColorScore | None) -> None:
+            if score is not None:
+                self.send(_score_message(score))
+
+        self._beside.begin(lambda: score_color(image, color, [region], repeats=2), tell)
+
+    def _take_text(self, text: str) -> None:
+        self.change(lambda: self.training.replace(colors_of_text(text)))
+
+    def _save(self, file: str) -> None:
+        self.note(f"written: {self.save(file or None)}", "info")
+
+    def _set_ranges(self, ranges: list[list[int]]) -> None:
+        y, u, v = ((low, high) for low, high in ranges)
+        self.change(lambda: self.training.put(ColorClass(self._chosen, y=y, u=u, v=v)))
+
+    def _set(self, name: str, value: Any) -> None:
+        if name == "tests" and isinstance(value, bool):
+            self._tests = value
+            self.change(lambda: None)
+            return
+        if name not in _OPTIONS:
+            raise ValueError(f"there is no setting {quoted(name)}")
+        if name == "margin" and isinstance(value, float) and value.is_integer():
+            value = int(value)  # JSON knows no other numbers
+        self.change(lambda: self.training.adjust(self._chosen, **{name: value}))
+
+    def _tell_histograms(self) -> None:
+        """Tell those of the region that is marked, in the picture that is shown."""
+        if self.picture is None or self._region is None:
+            return
+        try:
+            counts = color_histograms(self.picture.frame.image, self._region)
+        except ValueError:  # of a picture of another size
+            return
+        head = {"type": "histograms", "region": [*self._region]}
+        self.send(head, counts.astype("<f4").tobytes())
+
+
+def _score_message(score: ColorScore) -> dict[str, Any]:
+    proposed = score.proposed
+    return {
+        "type": "score",
+        "name": score.color.name,
+        "rate": score.rate,
+        "widened_rate": score.widened_rate,
+        "margin": score.margin,
+        "ranges": [list(ends) for ends in ranges_of(proposed)],
+        "levels": [
+            {"name": sweep.name, "levels": list(sweep.levels), "rates": list(sweep.rates)}
+            for sweep in score.sweeps
+        ],
+    }
+
+
+def _in_place(act: Callable[[dict[str, Any]], object]) -> Callable[[Link, dict[str, Any]], None]:
+    """Return a handler; what is wrong is told to the browser that asked for it."""
+
+    def handle(link: Link, message: dict[str, Any]) -> None:
+        try:
+            act(message)
+        except (TypeError, ValueError, OSError) as error:
+            raise Refused(str(error)) from None
+
+    return handle

@@ -1,0 +1,68 @@
+"""The pictures that a user gives a tool: of whatever kind."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robsim._base.files import as_path
+from robsim._base.text import quoted
+from robsim._core import Frame, PlaneMap
+from robsim.capture import Camera
+from robsim.gui._facade import panel
+from robsim.gui._tools.pictures import (
+    CameraPictures,
+    OnePicture,
+    Pictures,
+    RecordedPictures,
+    RunPictures,
+)
+from robsim.imaging import Recording
+from robsim.imaging._images import check_pixels, image_suffixes, load_image
+from robsim.robots import RobotDefinition
+from robsim.simulation import Experiment, Simulation
+
+_FLOOR = 150  # level of what lies below a robot's picture
+
+
+def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
+    """Return what shows the pictures of something; TypeError or ValueError if it has none."""
+    if what is None:
+        return OnePicture(picture_of(robot), f"the picture of the robot {robot.name}")
+    if isinstance(what, Camera):
+        return CameraPictures(what)
+    if isinstance(what, Recording):
+        return RecordedPictures(what)
+    if isinstance(what, (Simulation, Experiment)):
+        return RunPictures(panel(what)._view.driver, type(what).__name__)
+    if isinstance(what, (Frame, np.ndarray)):
+        pixels = what.image if isinstance(what, Frame) else check_pixels("what", what, 3)
+        return OnePicture(what if isinstance(what, Frame) else pixels, "a picture")
+    if isinstance(what, (str, PathLike)):
+        path = as_path(what, "what")
+        return _picture_file(path) if _is_picture(path) else RecordedPictures(Recording(path))
+    raise TypeError(
+        "what must be a Camera, a Recording, a Simulation, an Experiment, a Frame, an array or a "
+        f"path, got {quoted(what)}"
+    )
+
+
+def _is_picture(path: Path) -> bool:
+    return not path.is_dir() and path.suffix.lower() in image_suffixes()
+
+
+def _picture_file(path: Path) -> Pictures:
+    return OnePicture(load_image(path), path.name)
+
+
+def picture_of(robot: RobotDefinition) -> Frame:
+    """Return a robot's picture on a grey floor, with the scale of the work area."""
+    image = np.asarray(robot.image)
+    alpha = image[..., 3:].astype(float) / 255
+    shown = np.rint(alpha * image[..., :3] + (1 - alpha) * _FLOOR).astype(np.uint8)
+    scale = robot.size / shown.shape[1]
+    to_area = [(scale, 0, (scale - 1) / 2), (0, scale, (scale - 1) / 2), (0, 0, 1)]
+    return Frame(shown, plane_map=PlaneMap(to_area))

@@ -1,0 +1,153 @@
+"""Where the pictures of a tool come from: a picture, a recording, a camera, a run."""
+
+from __future__ import annotations
+
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from robsim._base.text import one_line
+from robsim._core import Frame, Step
+from robsim.capture import Camera, CaptureError, EndOfStream, FrameTimeoutError
+from robsim.gui._driver import Driver
+from robsim.imaging import Recording
+from robsim.imaging._images import Pixels
+
+_PATIENCE = 0.5  # s for a frame, before it is looked whether all is over
+_GAP = 1 / 30  # s between two frames that are shown
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture of a source.
+
+    Attributes
+    ----------
+    frame : Frame
+        Its pixels.
+    name : str
+        What people call it.
+    k : int or None
+        Its number in the source; None = it has none.
+    """
+
+    frame: Frame
+    name: str
+    k: int | None = None
+
+
+class Pictures(ABC):
+    """A source of pictures; those that are live tell of each new one, in a thread of their own."""
+
+    #: Whether new ones come by themselves.
+    is_live = False
+    #: How many there are to be looked at; None = only the newest one.
+    count: int | None = None
+
+    def __init__(self, title: str) -> None:
+        self.title = title
+
+    @abstractmethod
+    def at(self, k: int) -> Picture:
+        """Return one of several; the number is within `count`."""
+
+    def begin(self, take: Callable[[Picture], object], fail: Callable[[str], object]) -> None:
+        """Tell of the pictures from now on, and of what ends them, in any thread."""
+        take(self.at(0))
+
+    def close(self) -> None:  # noqa: B027  # not all have something to end
+        """Tell of no more; what belongs to the user stays open."""
+
+
+class OnePicture(Pictures):
+    """A picture that stays as it is."""
+
+    def __init__(self, image: Frame | Pixels, title: str) -> None:
+        super().__init__(title)
+        self._picture = Picture(image if isinstance(image, Frame) else Frame(image), title)
+
+    def at(self, k: int) -> Picture:
+        return self._picture
+
+
+class RecordedPictures(Pictures):
+    """The frames of a recording."""
+
+    def __init__(self, recording: Recording) -> None:
+        super().__init__(recording.source.name)
+        self._recording = recording
+        self.count = recording.count
+
+    def at(self, k: int) -> Picture:
+        return Picture(self._recording._at(k), f"frame {k}", k)
+
+
+class CameraPictures(Pictures):
+    """What a camera sees, which is read in a thread."""
+
+    is_live = True
+
+    def __init__(self, camera: Camera) -> None:
+        super().__init__(one_line(camera.source))
+        self._camera = camera
+        self._is_over = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def at(self, k: int) -> Picture:
+        raise NotImplementedError  # it has only its newest one
+
+    def begin(self, take: Callable[[Picture], object], fail: Callable[[str], object]) -> None:
+        def read() -> None:
+            while not self._is_over.is_set():
+                try:
+                    frame = self._camera.read(_PATIENCE)
+                except FrameTimeoutError:
+                    continue
+                except EndOfStream:
+                    return
+                except (CaptureError, ValueError) as error:
+                    fail(str(error))
+                    return
+                take(Picture(frame, f"frame {frame.index}"))
+
+        self._thread = threading.Thread(target=read, name="robsim pictures", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._is_over.set()
+        if self._thread is not None:
+            self._thread.join(4 * _PATIENCE)
+
+
+class RunPictures(Pictures):
+    """What the camera of a run sees, while a panel drives it."""
+
+    is_live = True
+
+    def __init__(self, driver: Driver, title: str) -> None:
+        super().__init__(title)
+        self._driver = driver
+        self._due = 0.0
+        self._take: Callable[[Picture], object] = lambda _: None
+
+    def at(self, k: int) -> Picture:
+        raise NotImplementedError  # it has only its newest one
+
+    def begin(self, take: Callable[[Picture], object], fail: Callable[[str], object]) -> None:
+        self._take = take
+        self._driver.on_step.append(self._look)
+        self._driver.prepare()
+
+    def close(self) -> None:
+        if self._look in self._driver.on_step:
+            self._driver.on_step.remove(self._look)
+
+    def _look(self, step: Step) -> None:
+        """In the thread of the run."""
+        now = time.monotonic()
+        if step.frame is None or (now < self._due and self._driver.state == "running"):
+            return
+        self._due = max(self._due + _GAP, now + _GAP / 2)
+        self._take(Picture(step.frame, f"step {step.k}", step.k))

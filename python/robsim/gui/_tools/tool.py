@@ -1,0 +1,191 @@
+"""What all tools have in common: a picture, live or frozen, which the browsers are shown."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from typing import Any, TypeVar
+
+from robsim._core import reduced
+from robsim.gui._link import SLOW, Link
+from robsim.gui._messages import COMMON, Messages, Refused, switch, whole
+from robsim.gui._panel.run.pictures import jpeg
+from robsim.gui._tools.pictures import Picture, Pictures
+from robsim.gui._view import View
+
+T = TypeVar("T")
+
+_GAP = 1 / 30  # s between two pictures
+
+#: What every tool takes of a browser.
+TOOL_MESSAGES: Messages = {**COMMON, "look": {"k": whole}, "freeze": {"on": switch}}
+
+
+class ToolView(View):
+    """Shows the pictures of a source, live ones as they come, until they are frozen.
+
+    Parameters
+    ----------
+    source : Pictures
+        Where they come from.
+
+    Attributes
+    ----------
+    picture : Picture or None
+        What is shown; None until the first one has come.
+    is_frozen : bool
+        Whether it stays though newer ones come.
+    """
+
+    def __init__(self, source: Pictures) -> None:
+        super().__init__()
+        self.source = source
+        self.picture: Picture | None = None
+        self.is_frozen = False
+        self._taken: Picture | None = None  # in any thread
+        self._is_told = False
+        self._send_at = 0.0  # when the next one may be sent
+        source.begin(self._take, self.note)
+
+    def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
+        return {
+            **super().handlers(),
+            "grant": self._grant,
+            "size": self._size,
+            "look": self._look_at,
+            "freeze": self._freeze,
+        }
+
+    def close(self, timeout: float = 5.0) -> bool:
+        """End it; the source, which is the user's, stays open."""
+        self.source.close()
+        return super().close(timeout)
+
+    # What a tool adds.
+
+    @abstractmethod
+    def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
+        """Return what is told with a picture, and its buffers."""
+
+    @abstractmethod
+    def state(self) -> dict[str, Any]:
+        """Return the fields of the message ``state``."""
+
+    def changed_picture(self) -> None:  # not all have something to do
+        """Do what is to be done when another picture is shown."""
+
+    # In the thread of the view.
+
+    def tell(self, link: Link) -> None:
+        source = self.source
+        setup = {"title": source.title, "is_live": source.is_live, "count": source.count}
+        link.send({"type": "setup", **setup})
+        link.send(self._state())
+        link.shown = None
+
+    def tell_state(self) -> None:
+        """Tell all browsers the state."""
+        self.send(self._state())
+
+    def show_again(self) -> None:
+        """Send the picture again, with what is told with it."""
+        for link in self.links:
+            link.shown = None
+
+    def look(self, now: float) -> float:
+        lacking = [link for link in self.links if link.lacks(self.picture)]
+        if self.picture is None or not lacking:
+            return math.inf
+        if now < self._send_at:
+            return self._send_at
+        if ready := [link for link in lacking if link.has_room(now)]:
+            self._send_at = max(self._send_at + _GAP, now + 0.5 * _GAP)
+            self._send_picture(self.picture, ready, now)
+        return math.inf if len(ready) == len(lacking) else now + SLOW
+
+    def ask(self, function: Callable[[], T]) -> T:
+        """Return what a function returns, or raise what it raises, in the thread of the view."""
+        if self.is_here:
+            return function()
+        answer: Future[T] = Future()
+
+        def do() -> None:
+            try:
+                answer.set_result(function())
+            except BaseException as error:
+                answer.set_exception(error)
+
+        if not self.post(do):
+            raise RuntimeError("the panel is closed")
+        return answer.result()
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it has been closed."""
+        return self._is_over
+
+    def parted(self) -> None:
+        """Nobody looks: nothing is computed until somebody does."""
+
+    def _state(self) -> dict[str, Any]:
+        k = None if self.picture is None else self.picture.k
+        name = "" if self.picture is None else self.picture.name
+        is_live = self.source.is_live and not self.is_frozen
+        mine = {"type": "state", "state": "running" if is_live else "paused", "k": k, "name": name}
+        return {**mine, "frozen": self.is_frozen, **self.state()}
+
+    def _send_picture(self, picture: Picture, links: list[Link], now: float) -> None:
+        head, buffers = self.head(picture)
+        height, width = picture.frame.image.shape[:2]
+        about = {"type": "frame", "k": picture.k, "name": picture.name, "size": [width, height]}
+        pictures: dict[int, bytes] = {}
+        for link in links:
+            if link.width not in pictures:
+                pictures[link.width] = jpeg(reduced(picture.frame, link.width))
+            link.shown = picture
+            link.send_frame({**about, **head}, [pictures[link.width], *buffers], now)
+
+    def _take(self, picture: Picture) -> None:
+        """Note a new picture; any thread."""
+        self._taken = picture
+        if not self._is_told:
+            self._is_told = True
+            self.post(self._show)
+
+    def _show(self) -> None:
+        self._is_told = False  # before it is looked at: what is taken after that is told again
+        if self._taken is not None and not (self.is_frozen and self.picture is not None):
+            self.show(self._taken)
+
+    def show(self, picture: Picture) -> None:
+        """Show a picture in place of the one before."""
+        is_first = self.picture is None
+        self.picture = picture
+        self.changed_picture()
+        if is_first or not self.source.is_live:
+            self.tell_state()
+
+    def _look_at(self, link: Link, message: dict[str, Any]) -> None:
+        if not self.source.count or message["k"] >= self.source.count:
+            raise Refused(f"there is no picture {message['k']}")
+        try:
+            self.show(self.source.at(message["k"]))
+        except (OSError, ValueError, IndexError) as error:
+            raise Refused(str(error)) from None
+
+    def _freeze(self, link: Link, message: dict[str, Any]) -> None:
+        self.is_frozen = message["on"]
+        self._show()
+        self.tell_state()
+
+    def _grant(self, link: Link, message: dict[str, Any]) -> None:
+        is_back = not link.is_watched  # though it was taken to have gone
+        link.grant(message["id"], message["upto"], late=message["late"])
+        if is_back:
+            self.tell(link)
+
+    def _size(self, link: Link, message: dict[str, Any]) -> None:
+        link.resize(message["width"])
+        link.shown = None

@@ -1,0 +1,83 @@
+// @ts-check
+// A rectangle that is drawn on the picture with the pointer, or moved by keys.
+import { painter } from "../base/dom.js";
+
+const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const FIRST = 0.05; // of the picture: a region that the keys begin with
+
+/**
+ * `lens()` is that of the picture, `changed` asks for paint, `mark(region, isNew)` is told
+ * [left, top, right, bottom], all included; `isNew` where another one has begun.
+ */
+export function makeRegionTool(context, { lens, changed, mark }) {
+  let region = null;
+  let start = null; // the corner where a drag began
+  let isNew = false;
+  const size = () => context.frame.size;
+  const inside = ([u, v]) => [u, v].map((at, i) =>
+    Math.min(Math.max(Math.round(at), 0), size()[i] - 1));
+  const tell = painter(() => {
+    if (region) mark(region, isNew);
+    isNew = false;
+  });
+  context.onEnd(tell.cancel);
+  const set = (next) => {
+    region = next;
+    tell();
+    changed();
+  };
+  const between = ([a, b], [c, d]) =>
+    [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)];
+
+  const begin = () => {
+    const [u, v] = size().map((side) => side / 2);
+    const half = Math.max(1, Math.round((FIRST * Math.min(...size())) / 2));
+    isNew = true;
+    set(between(inside([u - half, v - half]), inside([u + half, v + half])));
+  };
+  const move = ([du, dv], { shiftKey, altKey }) => {
+    const step = shiftKey ? 10 : 1;
+    const [left, top, right, bottom] = region;
+    const corner = inside([right + step * du, bottom + step * dv]);
+    if (altKey) return set(between([left, top], corner));
+    const to = inside([left + step * du, top + step * dv]);
+    const room = size().map((side, i) => side - 1 - [right - left, bottom - top][i]);
+    const at = to.map((value, i) => Math.min(value, room[i]));
+    set([...at, at[0] + right - left, at[1] + bottom - top]);
+  };
+  return {
+    get: () => region,
+    clear: () => (region = null),
+    hover: () => {},
+    isActive: () => true,
+    takesDrags: () => true,
+    click: () => {},
+    doubleClick: () => false,
+    dragStart: (at) => {
+      if (!context.frame || !lens().holds(at)) return false;
+      start = inside(lens().toPixel(at));
+      isNew = true;
+      return true;
+    },
+    drag: (_, to) => set(between(start, inside(lens().toPixel(to)))),
+    dragEnd: () => changed(),
+    giveUp: () => changed(),
+    key: (event) => {
+      const isMove = event.key in MOVES;
+      if (event.key == "Enter" || (isMove && !region)) begin();
+      else if (isMove) move(MOVES[event.key], event);
+      else return false;
+      return true;
+    },
+    draw: ({ pen, pixel, unit }) => {
+      if (!region) return;
+      const [left, top] = pixel([region[0] - 0.5, region[1] - 0.5]);
+      const [right, bottom] = pixel([region[2] + 0.5, region[3] + 0.5]);
+      for (const [width, color] of [[3, "#000a"], [1.5, "#ffd500"]]) {
+        pen.lineWidth = width * unit;
+        pen.strokeStyle = color;
+        pen.strokeRect(left, top, right - left, bottom - top);
+      }
+    },
+  };
+}

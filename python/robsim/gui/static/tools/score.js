@@ -1,0 +1,58 @@
+// @ts-check
+// How a colour would do in other light and noise, and what would do better.
+import { makeTextButton } from "../base/buttons.js";
+import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+
+const PARTS = 100; // %
+
+export function makeScore(context) {
+  const ask = makeTextButton("score", "", () => {
+    said.textContent = text("score_wait");
+    context.send({ type: "score" });
+  });
+  const said = make("span", { className: "robsim-quiet", role: "status" });
+  const take = makeTextButton("take_proposed", "", () => {
+    if (proposed) context.send({ type: "ranges", ranges: proposed });
+  });
+  take.hidden = true;
+  const table = make("table", { className: "robsim-table robsim-score", hidden: true });
+  let proposed = null;
+  let [of, asked] = ["", ""]; // the class that it is of, and its ranges
+
+  context.on("score", (score) => {
+    of = score.name;
+    asked = rangesOf(context.state, of);
+    proposed = score.margin ? score.ranges : null;
+    take.hidden = !proposed;
+    said.textContent = text(proposed ? "score_proposed" : "score_best", {
+      rate: percent(score.rate), better: percent(score.widened_rate), margin: score.margin,
+    });
+    table.hidden = false;
+    table.replaceChildren(...score.levels.map(levelRow));
+  });
+  context.on("note", ({ level }) => level == "error" && (said.textContent = ""));
+  context.on("state", (state) => {
+    ask.disabled = !state.region || !state.classes.some(({ name }) => name == state.chosen);
+    // What is said is of other ranges, or of another class.
+    if (state.chosen == of && rangesOf(state, of) == asked) return;
+    [take.hidden, table.hidden, of] = [true, true, ""];
+    if (asked) said.textContent = "";
+    asked = "";
+  });
+  const row = make("div", { className: "robsim-tool-row" }, ask, said, take);
+  return { element: make("div", { className: "robsim-tool-part" }, row, table) };
+}
+
+const percent = (rate) => Math.round(PARTS * rate);
+
+const rangesOf = ({ classes }, wanted) =>
+  JSON.stringify(classes.find(({ name }) => name == wanted)?.ranges ?? "");
+
+function levelRow({ name, levels, rates }) {
+  const cells = levels.map((level, i) =>
+    make("td", { title: text("score_level", { level, rate: percent(rates[i]) }) },
+      make("span", { className: "robsim-quiet", textContent: `${level} ` }),
+      `${percent(rates[i])}\u202f%`));
+  return make("tr", {}, make("th", { scope: "row", textContent: name }), ...cells);
+}

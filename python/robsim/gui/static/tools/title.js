@@ -1,0 +1,18 @@
+// @ts-check
+// The top line of a tool: what it is, whose pictures it shows; the looks of this view.
+import { isPage, make } from "../base/dom.js";
+import { icon } from "../base/icons.js";
+import { makeLooks } from "../base/looks.js";
+import { text } from "../base/texts.js";
+
+export function makeToolTitle(context, tool) {
+  const name = make("span", { className: "robsim-title-name" });
+  const source = make("span", { className: "robsim-quiet robsim-tool-source" });
+  context.on("setup", ({ title }) => {
+    name.textContent = text(`tool_title.${tool}`);
+    source.textContent = source.title = title;
+    if (isPage()) document.title = `${name.textContent} – robsim`;
+  });
+  return make("header", { className: "robsim-title" }, icon("robot"), name, source,
+    makeLooks(context));
+}

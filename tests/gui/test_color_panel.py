@@ -1,0 +1,135 @@
+"""`robsim.color_panel`, as users and scripts have it."""
+
+import threading
+
+import numpy as np
+import pytest
+
+import robsim
+from browsers import FakeBrowser
+from robsim import ColorClass
+from robsim.imaging import save_image
+from robsim.vision import load_colors
+
+RED, BLUE, FLOOR = (210, 40, 30), (30, 40, 210), (120, 122, 118)
+REGION = (20, 20, 29, 29)
+
+
+@pytest.fixture
+def picture():
+    image = np.full((60, 80, 3), FLOOR, np.uint8)
+    image[20:30, 20:30] = RED
+    image[20:30, 50:60] = BLUE
+    return image
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def test_what_the_mouse_does_is_done_by_a_script(picture):
+    with robsim.color_panel(picture, file="mine.toml") as tool:
+        assert repr(tool) == "<robsim.gui.ColorPanel: no colours yet>"
+        made = tool.train("red", REGION)
+        assert made == ColorClass.from_region(picture, REGION, name="red")
+        assert tool.value == (made,)
+        tool.train("red", (25, 25, 29, 29), more=True)
+        assert len(tool._view.training.classes["red"].samples) == 2
+        blue = ColorClass("blue", u=(160, 255))
+        tool.value = [*tool.value, blue]
+        assert tool.value[1] == blue
+        assert tool.save().name == "mine.toml"
+        assert load_colors("mine.toml") == tool.value
+        assert repr(tool) == "<robsim.gui.ColorPanel: red, blue>"
+    with pytest.raises(RuntimeError, match="is closed"):
+        tool.train("red", REGION)
+    assert len(tool.value) == 2  # what was made is still there
+
+
+def test_it_begins_with_what_the_file_has(picture):
+    robsim.vision.save_colors("colors.toml", ColorClass("green", v=(1, 100)))
+    with robsim.color_panel(picture) as tool:
+        assert tool.value == (ColorClass("green", v=(1, 100)),)
+    with robsim.color_panel(picture, colors=[ColorClass("pink")]) as tool:
+        assert [color.name for color in tool.value] == ["pink"]
+
+
+@pytest.mark.parametrize("kind", ["file", "folder", "frame", "recording", "simulation", "robot"])
+def test_whose_pictures_it_shows(kind, picture, tmp_path):
+    (tmp_path / "film").mkdir()
+    for k in range(2):
+        save_image(tmp_path / "film" / f"{k}.png", picture)
+    save_image("photo.png", picture)
+    sim = robsim.Simulation(area=(300, 300), measure=True, seed=1)
+    what = {
+        "file": "photo.png",
+        "folder": tmp_path / "film",
+        "frame": robsim.Frame(picture),
+        "recording": robsim.Recording(tmp_path / "film"),
+        "simulation": sim,
+        "robot": None,
+    }[kind]
+    with robsim.color_panel(what) as tool:
+        head, _ = FakeBrowser(tool._view, 80).take("frame")
+        expected = {"simulation": [300, 300]}.get(kind, [80, 60])
+        assert kind == "robot" or head["size"] == expected
+        if kind == "folder":
+            tool.look(1)
+            assert tool._view.picture.k == 1
+    if kind == "simulation":
+        robsim.panel(sim).close()
+
+
+def test_the_picture_of_the_robot_shows_the_robot():
+    with robsim.color_panel(robot="lab", colors=load_colors()) as tool:
+        head, _ = FakeBrowser(tool._view, 80).take("frame")
+        assert head["missed"] is None
+        assert head["found"] is not None
+
+
+def test_other_light_and_noise(picture):
+    with robsim.color_panel(picture) as tool:
+        browser = FakeBrowser(tool._view, 80)
+        browser.say("score")
+        assert "mark a region" in browser.take("note", level="error")[0]["text"]
+        tool.train("red", REGION)
+        browser.say("score")
+        score, _ = browser.take("score")
+        assert score["name"] == "red"
+        assert 0.5 < score["rate"] <= 1
+        assert {sweep["name"] for sweep in score["levels"]} >= {"brightness", "shadow"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"what": 3}, "what must be a Camera"),
+        ({"what": "none.png"}, "none.png"),
+        ({"what": np.zeros((9, 9))}, "what must be"),
+        ({"colors": 3}, "colors must be"),
+        ({"file": 3}, "file must be"),
+        ({"robot": "nobody"}, "nobody"),
+    ],
+)
+def test_what_is_wrong_is_refused_by_its_name(arguments, said):
+    threads = threading.active_count()
+    with pytest.raises((TypeError, ValueError, OSError), match=said):
+        robsim.color_panel(**arguments)
+    assert threading.active_count() == threads
+
+
+def test_methods_refuse_by_name(picture):
+    with robsim.color_panel(picture) as tool:
+        for call, said in (
+            (lambda: tool.train("red", (0, 0, 99, 9)), "region"),
+            (lambda: tool.train("red", (0, 0, 9, 9)), "grey"),
+            (lambda: tool.train("", REGION), "name"),
+            (lambda: tool.train("red", REGION, more=1), "more must be"),
+            (lambda: tool.look(0), "k must be of a recording"),
+            (lambda: tool.save(), "no colours yet"),
+            (lambda: setattr(tool, "value", 3), "colors must be"),
+        ):
+            with pytest.raises((TypeError, ValueError), match=said):
+                call()
+        assert tool.value == ()

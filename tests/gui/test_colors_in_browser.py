@@ -1,0 +1,146 @@
+"""The panel that trains colours, with the mouse and the keys, in Chromium."""
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim import ColorClass
+from robsim.vision import load_colors
+from waiting import wait_for
+
+pytestmark = pytest.mark.slow
+
+RED, BLUE, FLOOR = (210, 40, 30), (30, 40, 210), (120, 122, 118)
+
+
+@pytest.fixture
+def image():
+    image = np.full((120, 160, 3), FLOOR, np.uint8)
+    image[40:60, 40:60] = RED
+    image[40:60, 100:120] = BLUE
+    return image
+
+
+@pytest.fixture(params=["light", "dark"])
+def mouse(request, image, open_tool, tmp_path):
+    with robsim.color_panel(image, file=tmp_path / "colors.toml") as tool:
+        yield Mouse(tool, open_tool(tool, theme=request.param), image.shape)
+
+
+class Mouse:
+    """A tool in a tab, as it is used with the mouse."""
+
+    def __init__(self, tool, tab, shape):
+        self.tool, self.tab = tool, tab
+        self.canvas = tab.locator(".robsim-camera canvas")
+        box = self.canvas.bounding_box()
+        height, width = shape[:2]
+        self.scale = min(box["width"] / width, box["height"] / height)
+        self.left = box["x"] + (box["width"] - width * self.scale) / 2
+        self.top = box["y"] + (box["height"] - height * self.scale) / 2
+
+    def at(self, u, v):
+        return self.left + (u + 0.5) * self.scale, self.top + (v + 0.5) * self.scale
+
+    def mark(self, left, top, right, bottom):
+        """Drag a rectangle."""
+        self.tab.mouse.move(*self.at(left, top))
+        self.tab.mouse.down()
+        self.tab.mouse.move(*self.at(right, bottom), steps=6)
+        self.tab.mouse.up()
+
+    @property
+    def classes(self):
+        return {color.name: color for color in self.tool.value}
+
+
+def test_two_colours_are_trained_tested_and_saved(mouse, image, tmp_path):
+    mouse.mark(42, 42, 57, 57)
+    red = ColorClass.from_region(image, (42, 42, 57, 57), name="red")
+    wait_for(lambda: mouse.classes.get("red") == red)
+    mouse.tab.fill("[name=new_class]", "blue")
+    mouse.tab.click("[name=add_class]")
+    mouse.tab.wait_for_selector(".robsim-class[aria-checked=true] >> text=blue")
+    mouse.mark(117, 57, 102, 42)  # from the lower right corner
+    blue = ColorClass.from_region(image, (102, 42, 117, 57), name="blue")
+    wait_for(lambda: mouse.classes.get("blue") == blue)
+    verdict = mouse.tab.locator(".robsim-camera-badges .robsim-chip")
+    wait_for(lambda: "Not seen" in verdict.inner_text() or "not" in verdict.inner_text().lower())
+    text = mouse.tab.locator("[name=thresholds]")
+    wait_for(lambda: "[blue]" in text.input_value())
+    mouse.tab.click("[name=save_colors]")
+    wait_for(lambda: (tmp_path / "colors.toml").exists())
+    assert load_colors(tmp_path / "colors.toml") == (red, blue)
+
+
+def test_the_mask_lies_on_the_picture_until_the_test_is_off(mouse):
+    mouse.mark(42, 42, 57, 57)
+    wait_for(lambda: "red" in mouse.classes)
+    shown = "p => { const c = document.querySelector('.robsim-camera canvas'); const r = c.width /"
+    shown += " c.getBoundingClientRect().width; return [...c.getContext('2d').getImageData("
+    shown += "Math.round(p[0] * r), Math.round(p[1] * r), 1, 1).data]; }"
+    box = mouse.canvas.bounding_box()
+    u, v = mouse.at(50, 50)
+    inside = [u - box["x"], v - box["y"]]
+    wait_for(lambda: mouse.tab.evaluate(shown, inside)[0] > 235)  # painted red over the red
+    mouse.tab.click("[name=tests]")
+    wait_for(lambda: mouse.tab.evaluate(shown, inside)[0] < 225)
+
+
+def test_an_end_of_a_range_is_dragged(mouse):
+    mouse.mark(42, 42, 57, 57)
+    wait_for(lambda: "red" in mouse.classes)
+    low, high = mouse.classes["red"].v
+    box = mouse.tab.locator(".robsim-channel").nth(2).bounding_box()
+    level = box["width"] / 256
+    y = box["y"] + box["height"] / 2
+    mouse.tab.mouse.move(box["x"] + low * level, y)
+    mouse.tab.mouse.down()
+    mouse.tab.mouse.move(box["x"] + (low + 30.5) * level, y, steps=5)
+    mouse.tab.mouse.up()
+    wait_for(lambda: abs(mouse.classes["red"].v[0] - (low + 30)) <= 1)
+    assert mouse.classes["red"].v[1] == high
+    moved = mouse.classes["red"].v[0]
+    mouse.tab.locator(".robsim-channel").nth(2).focus()
+    mouse.tab.keyboard.press("ArrowLeft")
+    wait_for(lambda: mouse.classes["red"].v[0] == moved - 1)
+
+
+def test_a_region_by_keys(mouse, image):
+    mouse.canvas.focus()
+    for key in ("Enter", *["Shift+ArrowLeft"] * 3, *["ArrowUp"] * 6):
+        mouse.tab.keyboard.press(key)
+    wait_for(lambda: "red" in mouse.classes)
+    (sample,) = mouse.tool._view.training.classes["red"].samples
+    left, top, right, bottom = sample.region
+    assert image[top : bottom + 1, left : right + 1].reshape(-1, 3).min(axis=0).tolist() == [*RED]
+
+
+def test_the_thresholds_are_edited_as_text(mouse):
+    text = mouse.tab.locator("[name=thresholds]")
+    text.fill("[red]\nu = [3, 99]\n")
+    text.press("Control+Enter")
+    wait_for(lambda: mouse.classes.get("red") == ColorClass("red", u=(3, 99)))
+    text.fill("[red\n")
+    text.press("Control+Enter")
+    mouse.tab.wait_for_selector(".robsim-toast-error")
+    assert mouse.classes["red"] == ColorClass("red", u=(3, 99))
+
+
+def test_more_regions_and_their_drift(mouse):
+    mouse.mark(42, 42, 57, 57)
+    wait_for(lambda: "red" in mouse.classes)
+    mouse.tab.click("[name=more_regions]")
+    mouse.mark(44, 44, 50, 50)
+    wait_for(lambda: len(mouse.tool._view.training.classes["red"].samples) == 2)
+    wait_for(lambda: mouse.tab.locator(".robsim-drift > div").count() == 2)
+    mouse.tab.click("[name=remove_class]")
+    wait_for(lambda: mouse.classes == {})
+
+
+def test_other_light_and_noise(mouse):
+    mouse.mark(42, 42, 57, 57)
+    wait_for(lambda: "red" in mouse.classes)
+    mouse.tab.click("[name=score]")
+    mouse.tab.wait_for_selector(".robsim-score tr", timeout=30_000)
+    assert "%" in mouse.tab.locator(".robsim-score").inner_text()

@@ -1,0 +1,165 @@
+"""The panel that trains colours, without a browser."""
+
+import io
+import threading
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import robsim
+from browsers import FakeBrowser, settled
+from robsim import ColorClass
+from robsim.gui._tools.colors.view import ColorsView
+from robsim.gui._tools.pictures import CameraPictures, OnePicture, RecordedPictures
+from robsim.imaging import save_image
+from robsim.vision import classify, load_colors
+from waiting import wait_for
+
+RED, BLUE, FLOOR = (210, 40, 30), (30, 40, 210), (120, 122, 118)
+
+
+def picture(at=20):
+    image = np.full((60, 80, 3), FLOOR, np.uint8)
+    image[20:30, at : at + 10] = RED
+    image[20:30, at + 30 : at + 40] = BLUE
+    return image
+
+
+@pytest.fixture
+def view(tmp_path):
+    robot = robsim.load_robot("lab")
+    view = ColorsView(OnePicture(picture(), "a picture"), (), robot, tmp_path / "colors.toml")
+    yield view
+    view.close()
+
+
+@pytest.fixture
+def browser(view):
+    return FakeBrowser(view, 80)
+
+
+def mask_of(buffer):
+    return np.array(Image.open(io.BytesIO(buffer)).convert("RGBA"))
+
+
+def test_a_region_makes_a_class_that_is_shown_in_the_picture(view, browser):
+    assert browser.take("setup")[0]["title"] == "a picture"
+    assert browser.take("state")[0]["classes"] == []
+    browser.take("frame")
+    browser.say("region", region=[20, 20, 29, 29], keep=0)
+    state, _ = browser.take("state")
+    made = ColorClass.from_region(picture(), (20, 20, 29, 29), name="red")
+    assert view.training.value == (made,)
+    assert state["classes"][0]["ranges"] == [[*made.y], [*made.u], [*made.v]]
+    assert "[red]" in state["text"]
+    head, (counts,) = browser.take("histograms")
+    assert head["region"] == [20, 20, 29, 29]
+    assert np.frombuffer(counts, "<f4").reshape(3, 256).sum(axis=1).tolist() == [100] * 3
+    head, (jpeg, mask) = browser.take("frame")
+    assert Image.open(io.BytesIO(jpeg)).size == (80, 60)
+    shown = mask_of(mask)
+    np.testing.assert_array_equal(shown[..., 3] > 0, classify(picture(), [made])["red"])
+    assert shown[25, 25].tolist() == [255, 0, 0, 200]
+    ((color, *box),) = head["boxes"]
+    assert color == "red"
+    np.testing.assert_allclose(box, (20, 20, 29, 29), atol=1)
+    assert head["found"] is None
+    assert "blue" in head["missed"]
+
+
+def test_ranges_options_and_the_text_can_be_changed(view, browser):
+    browser.say("region", region=[20, 20, 29, 29], keep=0)
+    browser.say("ranges", ranges=[[0, 255], [0, 120], [180, 255]])
+    browser.say("choose", name="blue")
+    browser.say("region", region=[50, 20, 59, 29], keep=0)
+    browser.say("set", name="margin", value=20)
+    settled(view)
+    red, blue = view.training.value
+    assert red == ColorClass("red", u=(0, 120), v=(180, 255))
+    assert blue == ColorClass.from_region(picture(), (50, 20, 59, 29), name="blue", margin=20)
+    browser.say("thresholds", text="[red]\nu = [0, 99]\n")
+    settled(view)
+    assert view.training.value == (ColorClass("red", u=(0, 99)),)
+    browser.say("remove")
+    settled(view)
+    assert view.training.value == (ColorClass("red", u=(0, 99)),)  # blue, which had been chosen
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "said"),
+    [
+        ("region", {"region": [40, 0, 45, 9], "keep": 0}, "grey"),
+        ("region", {"region": [70, 0, 99, 9], "keep": 0}, "region"),
+        ("region", {"region": [70, 0, 99], "keep": 0}, "region of the message region must be"),
+        ("ranges", {"ranges": [[9, 3], [0, 9], [0, 9]]}, "y"),
+        ("thresholds", {"text": "[red"}, "Expected ']'"),
+        ("thresholds", {"text": "[red]\ny = [0, 300]"}, "within 0..255"),
+        ("thresholds", {"text": "x" * 9000}, "a text of up to"),
+        ("set", {"name": "margin", "value": 5}, "was not made from a region"),
+        ("set", {"name": "nothing", "value": 5}, "there is no setting 'nothing'"),
+        ("choose", {"name": ""}, "name"),
+        ("look", {"k": 3}, "there is no picture 3"),
+        ("save", {"file": "/dev/null/colors.toml"}, "/dev/null"),
+    ],
+)
+def test_what_is_wrong_is_said_and_changes_nothing(view, browser, kind, fields, said):
+    view.training.put(ColorClass("red", v=(200, 255)))
+    browser.say(kind, **fields)
+    assert said in browser.take("note", level="error")[0]["text"]
+    assert view.training.value == (ColorClass("red", v=(200, 255)),)
+
+
+def test_the_file_is_written(view, browser, tmp_path):
+    browser.say("region", region=[20, 20, 29, 29], keep=0)
+    browser.say("save", file="")
+    browser.take("note", level="info")
+    assert load_colors(tmp_path / "colors.toml") == view.training.value
+
+
+def test_a_recording_is_looked_through_and_trained_on(tmp_path):
+    for k in range(3):
+        save_image(tmp_path / f"{k}.png", picture(at=10 * k))
+    robot = robsim.load_robot("lab")
+    source = RecordedPictures(robsim.Recording(tmp_path))
+    view = ColorsView(source, (), robot, tmp_path / "colors.toml")
+    browser = FakeBrowser(view, 80)
+    assert browser.take("setup")[0]["count"] == 3
+    browser.say("region", region=[0, 20, 9, 29], keep=0)
+    browser.say("look", k=2)
+    browser.take("frame", k=2)
+    browser.say("region", region=[20, 20, 29, 29], keep=1)
+    settled(view)
+    assert [sample.picture for sample in view.training.classes["red"].samples] == [
+        "frame 0",
+        "frame 2",
+    ]
+    view.close()
+
+
+def test_a_camera_is_shown_live_until_it_is_frozen(tmp_path):
+    from python_cameras import SteppedCamera
+
+    images = [picture(at=k) for k in range(10)]
+    source = SteppedCamera(images)
+    robot = robsim.load_robot("lab")
+    source.permits.release()  # the size is that of a frame
+    with robsim.Camera(source) as camera:
+        view = ColorsView(CameraPictures(camera), (), robot, tmp_path / "colors.toml")
+        browser = FakeBrowser(view, 80)
+        source.permits.release()
+        first = browser.take("frame")[0]["name"]
+        source.permits.release()
+        assert browser.take("frame")[0]["name"] != first
+        browser.say("freeze", on=True)
+        browser.take("state", frozen=True)
+        kept = view.picture
+        source.permits.release()
+        wait_for(lambda: view._taken is not kept)
+        settled(view)
+        assert view.picture is kept
+        browser.say("freeze", on=False)
+        settled(view)
+        assert view.picture is view._taken
+        view.close()
+        assert not [one for one in threading.enumerate() if one.name == "robsim pictures"]
