@@ -7,13 +7,14 @@ import socket
 import subprocess
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import robsim
 from commands import command, interruptible
 from page_client import greeted
 from robsim.gui._hosts.page import Page
-from robsim.imaging import save_video
+from robsim.imaging import save_image, save_video
 from robsim.simulation._folders.callback_folder import new_folder
 
 pytestmark = pytest.mark.long
@@ -201,3 +202,31 @@ def test_it_ends_with_its_last_page_or_by_a_signal(process, ends_by):
     assert process.returncode == 0
     closed = "its last page was closed: ended\n"
     assert (said, complaints) == ((closed, "") if ends_by == "page" else ("", "ended\n"))
+
+
+def test_colours_are_trained_on_a_picture_and_on_the_robot(seen, tmp_path, monkeypatch):
+    image = np.full((60, 80, 3), 120, np.uint8)
+    image[20:30, 20:30] = (210, 40, 30)
+    save_image(tmp_path / "photo.png", image)
+    shown = []
+
+    def wait(page, patience):
+        view = page.view
+        shown.append((view.kind, view.source.title))
+        if view.source.title == "photo.png":
+            view.ask(lambda: view.train("red", (20, 20, 29, 29)))
+            view.ask(view.save)
+
+    monkeypatch.setattr(Page, "wait", wait)
+    run = command("gui", "photo.png", "--train", "--colors", "mine.toml", cwd=tmp_path)
+    assert run.exit_code == 0, run.output
+    assert robsim.load_colors(tmp_path / "mine.toml")[0].name == "red"
+    assert command("gui", "--train", "--robot", "sheep", cwd=tmp_path).exit_code == 0
+    assert shown == [("colors", "photo.png"), ("colors", "the picture of the robot sheep")]
+
+
+@pytest.mark.parametrize("option", [("--noise", "gaussian:10"), ("--seed", "1"), ("--speed", "2")])
+def test_what_is_for_a_run_is_refused_where_nothing_runs(option):
+    run = command("gui", "--train", *option)
+    assert run.exit_code == 2
+    assert f"{option[0]} is for a run: with --train nothing runs" in run.stderr

@@ -112,6 +112,13 @@ def gui(
 
     with errors.report_errors(path):
         if train:
+            of_a_run = {
+                **{"--scenario": scenario, "--control": control, "--speed": speed},
+                **{"--noise": noise, "--dropout": dropout, "--area": area, "--seed": seed},
+                "--time-limit": time_limit,
+            }
+            if given := [name for name, value in of_a_run.items() if value is not None]:
+                raise ValueError(f"{given[0]} is for a run: with --train nothing runs")
             with _training(path, colors, robot) as tool:
                 _show(tool, port, is_wanted=not no_browser)
             return
