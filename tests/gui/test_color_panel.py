@@ -1,15 +1,18 @@
 """`robsim.color_panel`, as users and scripts have it."""
 
+import io
 import threading
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import robsim
 from browsers import FakeBrowser
 from robsim import ColorClass
 from robsim.imaging import save_image
 from robsim.vision import load_colors
+from waiting import wait_for
 
 RED, BLUE, FLOOR = (210, 40, 30), (30, 40, 210), (120, 122, 118)
 REGION = (20, 20, 29, 29)
@@ -77,8 +80,27 @@ def test_whose_pictures_it_shows(kind, picture, tmp_path):
         if kind == "folder":
             tool.look(1)
             assert tool._view.picture.k == 1
-    if kind == "simulation":
-        robsim.panel(sim).close()
+    assert sim.step().k == 0  # nobody drives it any more
+
+
+def test_a_panel_that_was_open_stays_open():
+    sim = robsim.Simulation(area=(300, 300), measure=True, seed=1)
+    with robsim.panel(sim) as panel:
+        with robsim.color_panel(sim) as tool:
+            browser = FakeBrowser(tool._view, 80)
+            panel.step()
+            browser.take("frame", k=0)
+        panel.step()
+        assert len(panel.trace) == 2
+
+
+def test_its_picture_for_a_saved_notebook_is_small():
+    rng = np.random.default_rng(1)
+    noise = rng.integers(0, 255, (1200, 1200, 3), dtype=np.uint8)
+    with robsim.color_panel(noise) as tool:
+        wait_for(lambda: tool._view.picture is not None)
+        assert len(tool.snapshot()) < 300_000
+        assert Image.open(io.BytesIO(tool.snapshot())).size[0] <= 600
 
 
 def test_the_picture_of_the_robot_shows_the_robot():

@@ -76,13 +76,23 @@ def panel(what: Shown, *, speed: float | None = None) -> Panel:
     >>> panel.close()
     """
     with lock:
-        panels = (one for one in opened if isinstance(one, Panel))
-        found = next((one for one in panels if one._what is what), None)
+        found = _panel_of(what)
         if found is None:
             found = Panel(what, SPEED if speed is None else speed)
         elif speed is not None:
             found.speed = speed
         return found
+
+
+def is_shown(what: Shown) -> bool:
+    """Return whether there is a panel of a run."""
+    with lock:
+        return _panel_of(what) is not None
+
+
+def _panel_of(what: Shown) -> Panel | None:
+    panels = (one for one in opened if isinstance(one, Panel))
+    return next((one for one in panels if one._what is what), None)
 
 
 class Panel(HostedPanel):

@@ -12,7 +12,7 @@ from robsim._base.files import as_path
 from robsim._base.text import quoted
 from robsim._core import Frame, PlaneMap
 from robsim.capture import Camera
-from robsim.gui._facade import panel
+from robsim.gui._facade import is_shown, panel
 from robsim.gui._tools.pictures import (
     CameraPictures,
     OnePicture,
@@ -37,7 +37,8 @@ def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
     if isinstance(what, Recording):
         return RecordedPictures(what)
     if isinstance(what, (Simulation, Experiment)):
-        return RunPictures(panel(what)._view.driver, type(what).__name__)
+        is_open = is_shown(what)
+        return RunPictures(panel(what), type(what).__name__, is_mine=not is_open)
     if isinstance(what, (Frame, np.ndarray)):
         pixels = what.image if isinstance(what, Frame) else check_pixels("what", what, 3)
         return OnePicture(what if isinstance(what, Frame) else pixels, "a picture")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from robsim._base.text import one_line
 from robsim._core import Frame, Step
 from robsim.capture import Camera, CaptureError, EndOfStream, FrameTimeoutError
-from robsim.gui._driver import Driver
+from robsim.gui._facade import Panel
 from robsim.imaging import Recording
 from robsim.imaging._images import Pixels
 
@@ -122,13 +122,24 @@ class CameraPictures(Pictures):
 
 
 class RunPictures(Pictures):
-    """What the camera of a run sees, while a panel drives it."""
+    """What the camera of a run sees, while a panel drives it.
+
+    Parameters
+    ----------
+    panel : Panel
+        The panel.
+    title : str
+        What people call the run.
+    is_mine : bool
+        Whether the panel was opened for this, and is closed with it.
+    """
 
     is_live = True
 
-    def __init__(self, driver: Driver, title: str) -> None:
+    def __init__(self, panel: Panel, title: str, *, is_mine: bool) -> None:
         super().__init__(title)
-        self._driver = driver
+        self._driver = panel._view.driver
+        self._mine = panel if is_mine else None
         self._due = 0.0
         self._take: Callable[[Picture], object] = lambda _: None
 
@@ -143,6 +154,8 @@ class RunPictures(Pictures):
     def close(self) -> None:
         if self._look in self._driver.on_step:
             self._driver.on_step.remove(self._look)
+        if self._mine is not None:
+            self._mine.close()
 
     def _look(self, step: Step) -> None:
         """In the thread of the run."""

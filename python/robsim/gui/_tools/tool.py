@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from typing import Any, TypeVar
+
+import numpy as np
+from PIL import Image
 
 from robsim._core import reduced
 from robsim.gui._link import SLOW, Link
@@ -18,6 +22,8 @@ from robsim.gui._view import View
 T = TypeVar("T")
 
 _GAP = 1 / 30  # s between two pictures
+_STILL_WIDTH = 480  # px, of what stays in a saved notebook
+_STILL_COLORS = 64
 
 #: What every tool takes of a browser.
 TOOL_MESSAGES: Messages = {**COMMON, "look": {"k": whole}, "freeze": {"on": switch}}
@@ -104,6 +110,15 @@ class ToolView(View):
             self._send_at = max(self._send_at + _GAP, now + 0.5 * _GAP)
             self._send_picture(self.picture, ready, now)
         return math.inf if len(ready) == len(lacking) else now + SLOW
+
+    def snapshot(self) -> bytes:
+        picture = self.picture
+        pixels = np.zeros((1, 1, 3), np.uint8)  # while there is none yet
+        if picture is not None:
+            pixels = reduced(picture.frame, _STILL_WIDTH)
+        out = io.BytesIO()
+        Image.fromarray(pixels).quantize(_STILL_COLORS).save(out, "PNG")
+        return out.getvalue()
 
     def ask(self, function: Callable[[], T]) -> T:
         """Return what a function returns, or raise what it raises, in the thread of the view."""

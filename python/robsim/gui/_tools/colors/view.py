@@ -17,7 +17,7 @@ from robsim._core import ColorClass, classify, color_histograms, detect, find_bl
 from robsim.gui._beside import Beside
 from robsim.gui._link import Link
 from robsim.gui._messages import Messages, Refused
-from robsim.gui._panel.run.pictures import boxes_of, jpeg, numbers
+from robsim.gui._panel.run.pictures import boxes_of, numbers
 from robsim.gui._tools.colors.messages import MESSAGES
 from robsim.gui._tools.colors.training import ColorTraining, Region, ranges_of
 from robsim.gui._tools.pictures import Picture, Pictures
@@ -106,14 +106,6 @@ class ColorsView(ToolView):
         has_ended = super().close(timeout)
         self._beside.wait(timeout)
         return has_ended
-
-    def snapshot(self) -> bytes:
-        picture = self.picture
-        if picture is None:
-            return jpeg(np.zeros((1, 1, 3), np.uint8))
-        out = io.BytesIO()
-        Image.fromarray(picture.frame.image).save(out, "PNG", compress_level=1)
-        return out.getvalue()
 
     def _mask(self, picture: Picture) -> bytes:
         """Return which pixel belongs to which class, as a picture to lay over it (PNG)."""
