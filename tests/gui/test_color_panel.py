@@ -94,6 +94,23 @@ def test_a_panel_that_was_open_stays_open():
         assert len(panel.trace) == 2
 
 
+def test_a_picture_of_12_megapixels_is_sent_in_few():
+    image = np.full((3000, 4000, 3), FLOOR, np.uint8)
+    image[1500:1700, 900:1100] = RED
+    with robsim.color_panel(image) as tool:
+        tool.train("red", (910, 1510, 1090, 1690))
+        wait_for(lambda: tool._view.picture is not None)
+        _, (mask,) = tool._view.head(tool._view.picture)
+        shown = np.asarray(Image.open(io.BytesIO(mask)).convert("RGBA"))[..., 3] > 0
+        rows, columns = np.nonzero(shown)
+        step = round(4000 / shown.shape[1])
+        assert max(shown.shape) <= 1600
+        np.testing.assert_allclose([step * rows.min(), step * rows.max()], (1500, 1699), atol=step)
+        np.testing.assert_allclose(
+            [step * columns.min(), step * columns.max()], (900, 1099), atol=step
+        )
+
+
 def test_its_picture_for_a_saved_notebook_is_small():
     rng = np.random.default_rng(1)
     noise = rng.integers(0, 255, (1200, 1200, 3), dtype=np.uint8)

@@ -48,14 +48,14 @@ def test_a_region_makes_a_class_that_is_shown_in_the_picture(view, browser):
     assert browser.take("state")[0]["classes"] == []
     browser.take("frame")
     browser.say("region", region=[20, 20, 29, 29], keep=0)
+    head, (counts,) = browser.take("histograms")
+    assert head["region"] == [20, 20, 29, 29]
+    assert np.frombuffer(counts, "<f4").reshape(3, 256).sum(axis=1).tolist() == [100] * 3
     state, _ = browser.take("state")
     made = ColorClass.from_region(picture(), (20, 20, 29, 29), name="red")
     assert view.training.value == (made,)
     assert state["classes"][0]["ranges"] == [[*made.y], [*made.u], [*made.v]]
     assert "[red]" in state["text"]
-    head, (counts,) = browser.take("histograms")
-    assert head["region"] == [20, 20, 29, 29]
-    assert np.frombuffer(counts, "<f4").reshape(3, 256).sum(axis=1).tolist() == [100] * 3
     head, (jpeg, mask) = browser.take("frame")
     assert Image.open(io.BytesIO(jpeg)).size == (80, 60)
     shown = mask_of(mask)

@@ -47,9 +47,8 @@ function makeColorsPicture(context) {
     { lens: () => picture.lens, changed: () => picture.later(), mark });
   const draw = (scene) => {
     const { pen, frame, lens } = scene;
-    const [width, height] = frame.size.map((side) => side * lens.scale);
     pen.imageSmoothingEnabled = false;
-    if (frame.mask) pen.drawImage(frame.mask, lens.left, lens.top, width, height);
+    if (frame.mask) drawMask(pen, frame, lens);
     if (context.state.tests) drawFound(scene);
     tool.draw(scene);
   };
@@ -69,6 +68,12 @@ function makeColorsPicture(context) {
   const below = make("div", { className: "robsim-tool-row" }, tests.element, more.element,
     film.element);
   return { view: element, below, width: picture.width };
+}
+
+/** Draw the mask, which has each pixel of the picture, or each second one, and so on. */
+function drawMask(pen, { mask, size }, { left, top, scale }) {
+  const side = Math.round(size[0] / mask.width) * scale;
+  pen.drawImage(mask, left, top, mask.width * side, mask.height * side);
 }
 
 /** Draw the boxes of what was found. */

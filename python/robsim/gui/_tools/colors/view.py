@@ -27,6 +27,7 @@ from robsim.vision import ColorScore, colors_to_toml, save_colors, score_color
 from robsim.vision._color_files import colors_of_text
 from robsim.vision._color_masks import paint_of
 
+_LARGEST_MASK = 1600  # px along a side
 _ALPHA = 200  # of what a class takes, on the picture
 _OPTIONS = ("percentile", "margin", "limit_y")
 
@@ -108,15 +109,20 @@ class ColorsView(ToolView):
         return has_ended
 
     def _mask(self, picture: Picture) -> bytes:
-        """Return which pixel belongs to which class, as a picture to lay over it (PNG)."""
+        """Return which pixel belongs to which class, as a picture to lay over it (PNG).
+
+        Of a large picture it has each second pixel, or each third, and so on.
+        """
         colors = self.training.value
         masks = classify(picture.frame, list(colors))
-        index = np.zeros(picture.frame.image.shape[:2], np.uint8)
+        shape = picture.frame.image.shape[:2]
+        step = -(-max(shape) // _LARGEST_MASK)
+        index = np.zeros(shape, np.uint8)[::step, ::step]
         palette = [0, 0, 0]
         for number, (name, mask) in enumerate(masks.items(), start=1):
-            index[mask] = number
+            index[mask[::step, ::step]] = number
             palette += paint_of(name, number - 1)
-        shown = Image.fromarray(index, "P")
+        shown = Image.fromarray(np.ascontiguousarray(index), "P")
         shown.putpalette(palette)
         out = io.BytesIO()
         alpha = bytes([0, *[_ALPHA] * len(masks)])
@@ -176,11 +182,12 @@ class ColorsView(ToolView):
             raise ValueError("there is no picture yet")
         name, picture = self._chosen, self.picture
         image = picture.frame.image
+        color_histograms(image, region)  # refuses what is no region of it
+        self._region = region
+        self._tell_histograms()
         self.change(
             lambda: self.training.train(name, image, region, picture=picture.name, keep=keep)
         )
-        self._region = region
-        self._tell_histograms()
         return self.training.classes[name].color
 
     def _score(self) -> None:
