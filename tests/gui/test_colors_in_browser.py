@@ -110,10 +110,13 @@ def test_a_region_by_keys(mouse, image):
     mouse.canvas.focus()
     for key in ("Enter", *["Shift+ArrowLeft"] * 3, *["ArrowUp"] * 6):
         mouse.tab.keyboard.press(key)
-    wait_for(lambda: "red" in mouse.classes)
-    (sample,) = mouse.tool._view.training.classes["red"].samples
-    left, top, right, bottom = sample.region
-    assert image[top : bottom + 1, left : right + 1].reshape(-1, 3).min(axis=0).tolist() == [*RED]
+
+    def regions():
+        trained = mouse.tool._view.training.classes.get("red")
+        return [sample.region for sample in trained.samples] if trained else []
+
+    wait_for(lambda: regions() == [(47, 51, 53, 57)])
+    assert mouse.classes["red"] == ColorClass.from_region(image, (47, 51, 53, 57), name="red")
 
 
 def test_the_thresholds_are_edited_as_text(mouse):
