@@ -70,11 +70,15 @@ def test_what_is_refused_changes_nothing():
 
 
 def test_too_many_are_refused():
-    training = ColorTraining(ColorClass(f"c{n}") for n in range(20))
-    with pytest.raises(ValueError, match="at most 20 colours"):
+    training = ColorTraining(ColorClass(f"c{n}") for n in range(32))
+    with pytest.raises(ValueError, match="at most 32 colours"):
         training.put(ColorClass("another"))
-    with pytest.raises(ValueError, match="at most 20 colours"):
+    with pytest.raises(ValueError, match="at most 32 colours"):
         training.train("another", IMAGE, STRIPES[0])
+    before = training.value
+    with pytest.raises(ValueError, match="at most 32 colours, got 33"):
+        training.replace(ColorClass(f"d{n}") for n in range(33))
+    assert training.value == before
     for _ in range(100):
         training.train("c0", IMAGE, STRIPES[0], keep=100)
     with pytest.raises(ValueError, match="at most 100 regions"):

@@ -16,7 +16,7 @@ from robsim.imaging._images import Pixels
 Region = tuple[int, int, int, int]
 Counts = NDArray[np.int64]
 
-MOST_CLASSES = 20
+_MOST_CLASSES = 32  # as many as `find_blobs` takes
 _MOST_SAMPLES = 100  # of a class
 _HALF = 0.5
 
@@ -131,7 +131,7 @@ class ColorTraining:
         if len(samples) > _MOST_SAMPLES:
             raise ValueError(f"a colour must have at most {_MOST_SAMPLES} regions")
         if before is None:
-            self._check_room()
+            _check_count(len(self.classes) + 1)
             any_color = ColorClass(name)
             made = TrainedClass(any_color, samples)
         else:
@@ -162,11 +162,19 @@ class ColorTraining:
         if color.name in self.classes:
             self.classes[color.name].color = color
         else:
-            self._check_room()
+            _check_count(len(self.classes) + 1)
             self.classes[color.name] = TrainedClass(color)
 
     def replace(self, colors: Iterable[ColorClass]) -> None:
-        """Take these classes in place of all; what was trained of those of the same name stays."""
+        """Take these classes in place of all; what was trained of those of the same name stays.
+
+        Raises
+        ------
+        ValueError
+            If there are too many; nothing is changed.
+        """
+        colors = tuple(colors)
+        _check_count(len(colors))
         before, self.classes = self.classes, {}
         for color in colors:
             kept = before.get(color.name, TrainedClass(color))
@@ -189,9 +197,10 @@ class ColorTraining:
             raise ValueError(f"there is no colour {quoted(name)}")
         return self.classes[name]
 
-    def _check_room(self) -> None:
-        if len(self.classes) >= MOST_CLASSES:
-            raise ValueError(f"there must be at most {MOST_CLASSES} colours")
+
+def _check_count(count: int) -> None:
+    if count > _MOST_CLASSES:
+        raise ValueError(f"there must be at most {_MOST_CLASSES} colours, got {count}")
 
 
 def ranges_of(color: ColorClass) -> tuple[tuple[int, int], ...]:
