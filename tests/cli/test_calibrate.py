@@ -1,6 +1,7 @@
 """The commands ``robsim calibrate``, and those that take a calibration."""
 
 import json
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -89,6 +90,21 @@ def test_check_tells_by_how_far_sheets_lie_elsewhere():
         shifts = [float(line.split()[3]) for line in said if line.startswith("floor sheet ")]
         assert len(shifts) == len({number // 6 for number in made.marks}) >= 4
         assert least <= min(shifts) <= max(shifts) <= most, said
+
+
+def test_marks_and_the_grid_need_no_opencv(monkeypatch):
+    save_image("floor.png", np.full((480, 640, 3), 90, np.uint8))
+    seen = {0: (30.0, 40.0)}
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    corners = ("--pixels", "9,9 630,9 630,470 9,470", "--positions", "0,0 2000,0 2000,1600 0,1600")
+    result = calibrate("floor", "floor.png", *corners, *AREA)
+    assert result.exit_code == 0, result.output
+    assert "floor sheets are not kept in mind: " in result.stderr
+    save_calibration("camera.toml", replace(load_calibration("camera.toml"), marks=seen))
+    result = calibrate("check", "floor.png", "--out", "grid.png")
+    assert result.exit_code == 0, result.output
+    assert "floor sheets were not looked for: " in result.stderr
+    assert "written: grid.png" in result.output
 
 
 def test_what_is_missing_or_wrong_is_said():

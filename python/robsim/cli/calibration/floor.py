@@ -158,6 +158,7 @@ def _calibrated(
     sources: list[Path], marks: Any, mark: float, places: list[str], options: dict[str, Any]
 ) -> FloorCalibration:
     from robsim.calibration import calibrate_floor, calibrate_floor_by_sheets
+    from robsim.imaging._frames import frame_size
 
     if marks is None:
         if not sources:
@@ -171,7 +172,12 @@ def _calibrated(
         raise ValueError("give a picture of the floor, too: its size is needed without a lens")
     image = next(pictures_of(sources))[1] if sources else None
     names, seen, where_they_are = marks
-    return calibrate_floor(seen, where_they_are, names=names, picture=image, **options)
+    try:
+        return calibrate_floor(seen, where_they_are, names=names, picture=image, **options)
+    except ImportError as error:
+        errors.print_note(f"floor sheets are not kept in mind: {error}")
+    size = None if image is None else frame_size(image)
+    return calibrate_floor(seen, where_they_are, names=names, size=size, **options)
 
 
 def _place(text: str) -> tuple[int, tuple[float, float]]:
