@@ -11,6 +11,13 @@ from waiting import wait_for
 pytestmark = pytest.mark.slow
 
 RED, BLUE, FLOOR = (210, 40, 30), (30, 40, 210), (120, 122, 118)
+#: The colour of a pixel of the canvas, by its place on the screen.
+PIXEL = """([x, y]) => {
+    const canvas = document.querySelector(".robsim-camera canvas");
+    const ratio = canvas.width / canvas.getBoundingClientRect().width;
+    const at = [Math.round(x * ratio), Math.round(y * ratio)];
+    return [...canvas.getContext("2d").getImageData(...at, 1, 1).data];
+}"""
 
 
 @pytest.fixture
@@ -76,15 +83,12 @@ def test_two_colours_are_trained_tested_and_saved(mouse, image, tmp_path):
 def test_the_mask_lies_on_the_picture_until_the_test_is_off(mouse):
     mouse.mark(42, 42, 57, 57)
     wait_for(lambda: "red" in mouse.classes)
-    shown = "p => { const c = document.querySelector('.robsim-camera canvas'); const r = c.width /"
-    shown += " c.getBoundingClientRect().width; return [...c.getContext('2d').getImageData("
-    shown += "Math.round(p[0] * r), Math.round(p[1] * r), 1, 1).data]; }"
     box = mouse.canvas.bounding_box()
     u, v = mouse.at(50, 50)
     inside = [u - box["x"], v - box["y"]]
-    wait_for(lambda: mouse.tab.evaluate(shown, inside)[0] > 235)  # painted red over the red
+    wait_for(lambda: mouse.tab.evaluate(PIXEL, inside)[0] > 235)  # painted red over the red
     mouse.tab.click("[name=tests]")
-    wait_for(lambda: mouse.tab.evaluate(shown, inside)[0] < 225)
+    wait_for(lambda: mouse.tab.evaluate(PIXEL, inside)[0] < 225)
 
 
 def test_an_end_of_a_range_is_dragged(mouse):
@@ -128,6 +132,9 @@ def test_the_thresholds_are_edited_as_text(mouse):
     text.press("Control+Enter")
     mouse.tab.wait_for_selector(".robsim-toast-error")
     assert mouse.classes["red"] == ColorClass("red", u=(3, 99))
+    assert text.input_value() == "[red\n"  # to be mended
+    mouse.tab.locator(".robsim-channel").nth(1).press("ArrowRight")
+    wait_for(lambda: "u = [4, 99]" in text.input_value())
 
 
 def test_more_regions_and_their_drift(mouse):

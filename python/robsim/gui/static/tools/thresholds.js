@@ -8,6 +8,7 @@ export function makeThresholds(context) {
   const area = make("textarea", { className: "robsim-code robsim-thresholds", name: "thresholds",
     spellcheck: false, ariaLabel: text("thresholds") });
   let isMine = false; // edited here, and not taken yet
+  let last = ""; // what Python told; what it refuses stays, to be mended
   const take = () => {
     if (isMine) context.send({ type: "thresholds", text: area.value });
     isMine = false;
@@ -29,7 +30,7 @@ export function makeThresholds(context) {
     context.send({ type: "save", file: file.value.trim() }));
 
   context.on("state", ({ text: told, file: name, classes }) => {
-    if (!isMine && area.value != told) area.value = told;
+    if (!isMine && told != last) area.value = last = told;
     if (document.activeElement != file) file.value = name;
     save.disabled = !classes.length;
   });
