@@ -137,6 +137,26 @@ def test_the_thresholds_are_edited_as_text(mouse):
     wait_for(lambda: "u = [4, 99]" in text.input_value())
 
 
+def test_a_region_is_of_its_class_and_comes_again_with_the_page(mouse):
+    box = mouse.canvas.bounding_box()
+
+    def is_framed():
+        u, v = mouse.at(79.5, 85)  # between the first two columns: the left line is drawn there
+        red, _, blue, _ = mouse.tab.evaluate(PIXEL, [u - box["x"], v - box["y"]])
+        return red > blue + 60  # yellow
+
+    mouse.tab.click("[name=tests]")
+    with pytest.raises(ValueError, match="hardly any colour"):
+        mouse.tool.train("red", (80, 80, 90, 90))
+    mouse.tab.reload()
+    mouse.tab.wait_for_selector("main[data-state]")
+    wait_for(is_framed)
+    mouse.tab.fill("[name=new_class]", "blue")
+    mouse.tab.locator("[name=new_class]").press("Enter")
+    wait_for(lambda: not is_framed())
+    assert mouse.tab.locator(".robsim-camera-hint").is_visible()
+
+
 def test_more_regions_and_their_drift(mouse):
     mouse.mark(42, 42, 57, 57)
     wait_for(lambda: "red" in mouse.classes)

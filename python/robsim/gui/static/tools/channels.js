@@ -45,6 +45,11 @@ export function makeChannels(context, tell) {
     counts = asFloats(buffer);
     later();
   });
+  context.on("state", ({ region }) => {
+    if (region) return;
+    counts = null;
+    later();
+  });
   context.on("theme", later);
   const resizes = new ResizeObserver(later);
   canvases.forEach((canvas) => resizes.observe(canvas));

@@ -21,6 +21,13 @@ export function makeRegionTool(context, { lens, changed, mark }) {
     isNew = false;
   });
   context.onEnd(tell.cancel);
+  let trained = null; // the class that the region is of
+  context.on("state", ({ chosen, region: told }) => {
+    if (chosen == trained && (region || !told)) return;
+    [trained, region] = [chosen, told];
+    tell.cancel();
+    changed();
+  });
   const set = (next) => {
     region = next;
     tell();
@@ -46,8 +53,6 @@ export function makeRegionTool(context, { lens, changed, mark }) {
     set([...at, at[0] + right - left, at[1] + bottom - top]);
   };
   return {
-    get: () => region,
-    clear: () => (region = null),
     hover: () => {},
     isActive: () => true,
     takesDrags: () => true,
