@@ -157,6 +157,12 @@ def test_a_region_is_of_its_class_and_comes_again_with_the_page(mouse):
     assert mouse.tab.locator(".robsim-camera-hint").is_visible()
 
 
+def test_the_chosen_class_keeps_the_focus(mouse):
+    mouse.tool.value = [ColorClass("red"), ColorClass("blue")]
+    mouse.tab.locator(".robsim-class", has_text="blue").press("Enter")
+    mouse.tab.wait_for_selector(".robsim-class[aria-checked=true]:focus >> text=blue")
+
+
 def test_more_regions_and_their_drift(mouse):
     mouse.mark(42, 42, 57, 57)
     wait_for(lambda: "red" in mouse.classes)

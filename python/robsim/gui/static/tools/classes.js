@@ -29,7 +29,9 @@ export function makeClasses(context) {
     const { classes, chosen } = context.state;
     const names = classes.map((one) => one.name);
     const shown = names.includes(chosen) ? names : [...names, chosen];
+    const hasFocus = list.matches(":focus-within");
     list.replaceChildren(...shown.map((one) => classButton(one, one == chosen, choose)));
+    if (hasFocus) list.querySelector("[aria-checked=true]").focus();
     const current = classes.find((one) => one.name == chosen);
     remove.disabled = !current;
     drift.replaceChildren(...driftRows(current?.drift ?? []));
