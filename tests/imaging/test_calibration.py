@@ -149,6 +149,7 @@ def test_without_a_floor_there_is_no_map():
         ("date = 2026-03-04T05:06:07Z", "date = 5", "date must"),
         ("0 = [12.5,", "0 = [inf,", "marks must have a pixel (u, v) each"),
         ("0 = [12.5,", "nine = [1,", "marks must be an int, got 'nine'"),
+        pytest.param("0 = [12.5,", "9" * 5000 + " = [1,", "marks must be an int", id="long number"),
         ("[marks]", "[[marks]]", "marks must be a mapping"),
     ],
 )

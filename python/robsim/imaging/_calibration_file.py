@@ -40,6 +40,7 @@ _COMMENTS = {
     "rms": "how well it fits: root mean square (px of the frame)",
     "worst": "the largest (px of the frame)",
 }
+_LONGEST_NUMBER = 10  # digits; Python refuses to read thousands of them
 _RESIDUALS = ("rms", "worst", "points", "pictures")
 
 
@@ -244,7 +245,10 @@ def _marks(table: Any) -> Any:
     """Return the table with numbers as keys; what is none stays as it is, to be refused."""
     if not isinstance(table, dict):
         return table
-    return {int(key) if key.isdecimal() else key: value for key, value in table.items()}
+    return {
+        int(key) if key.isdecimal() and len(key) < _LONGEST_NUMBER else key: value
+        for key, value in table.items()
+    }
 
 
 def _need(name: str, table: dict[str, Any], *keys: str) -> None:
