@@ -90,6 +90,10 @@ def test_check_tells_by_how_far_sheets_lie_elsewhere():
         shifts = [float(line.split()[3]) for line in said if line.startswith("floor sheet ")]
         assert len(shifts) == len({number // 6 for number in made.marks}) >= 4
         assert least <= min(shifts) <= max(shifts) <= most, said
+        assert any("was the camera moved" in line for line in said) == (file == "later.png")
+    save_image("bare.png", np.full((480, 640, 3), 90, np.uint8))
+    said = calibrate("check", "bare.png", "--out", "grid.png").output
+    assert "no floor sheet is in the picture" in said
 
 
 def test_marks_and_the_grid_need_no_opencv(monkeypatch):

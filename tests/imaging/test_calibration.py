@@ -92,11 +92,12 @@ def test_its_map_is_that_of_the_markers_height():
         ({"date": datetime.datetime(2026, 1, 1)}, "time zone"),
         ({"features": {"exposure": math.inf}}, "features must be finite"),
         ({"features": {"exposure": [1]}}, "features must be names"),
-        ({"marks": {0: (1, 2, 3)}}, "marks must have a pixel (u, v) each"),
-        ({"marks": {0: (1, math.nan)}}, "marks must have a pixel (u, v) each"),
+        ({"marks": {0: (1, 2, 3)}}, "marks[0] must be a pixel (u, v)"),
+        ({"marks": {0: (1, math.nan)}}, "marks[0] must be a pixel (u, v)"),
         ({"marks": {"a": (1, 2)}}, "marks must be an int, got 'a'"),
         ({"marks": {-1: (1, 2)}}, "marks must lie within 0..1000, got -1"),
         ({"marks": [(1, 2)]}, "marks must be a mapping"),
+        ({"marks": {3: (True, False)}}, "marks[3] must be a pixel (u, v)"),
     ],
 )
 def test_what_is_wrong_is_refused_by_its_name(options, said):
@@ -147,10 +148,11 @@ def test_without_a_floor_there_is_no_map():
         ("pictures = 12", "pictures = 1.5", "lens.pictures must"),
         ("exposure = 0.0125", "exposure = {a = 1}", "features must be"),
         ("date = 2026-03-04T05:06:07Z", "date = 5", "date must"),
-        ("0 = [12.5,", "0 = [inf,", "marks must have a pixel (u, v) each"),
+        ("0 = [12.5,", "0 = [inf,", "marks[0] must be a pixel (u, v)"),
         ("0 = [12.5,", "nine = [1,", "marks must be an int, got 'nine'"),
         pytest.param("0 = [12.5,", "9" * 5000 + " = [1,", "marks must be an int", id="long number"),
         ("[marks]", "[[marks]]", "marks must be a mapping"),
+        ("7 = [620.0,", "00 = [620.0,", "marks must be an int, got '00'"),
     ],
 )
 def test_a_damaged_file_is_refused_with_its_key(tmp_path, old, new, said):

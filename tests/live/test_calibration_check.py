@@ -187,6 +187,16 @@ def test_a_sheet_that_was_moved_is_told_from_the_camera(with_sheets):
     assert "the others are: lay back what was moved" in finding.remedy
 
 
+def test_another_sheet_of_the_same_number_does_not_count(with_sheets):
+    image, given = with_sheets
+    twin = image.copy()
+    part = image[60:130, 30:140]
+    twin[260:330, 30:140] = part
+    found = sheet_shifts(twin, given)
+    assert found[1] < 0.2
+    assert set(found) == {1, 2, 3}
+
+
 def test_sheets_that_were_taken_away_are_missed(oblique, with_sheets):
     report = check(oblique, with_sheets[1])
     assert report["shift of floor sheets"].verdict == "not known"

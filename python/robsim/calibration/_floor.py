@@ -21,11 +21,11 @@ from robsim._base.checks import (
 from robsim._base.text import listed, quoted
 from robsim._core import Frame, PlaneMap
 from robsim.calibration._floor_report import FloorCalibration, FloorPoint
-from robsim.calibration._patterns.floor_sheet import MOST_SHEETS, FloorSheet, find_sheets
+from robsim.calibration._patterns.floor_sheet import MOST_SHEETS, find_sheets
 from robsim.calibration._patterns.pattern import Corners
 from robsim.calibration._pictures import checked_names, images_of, pixels_of
 from robsim.calibration._plane_fit import PlaneFit, aligned, fit_plane, placed
-from robsim.calibration._shifts import mark_middles
+from robsim.calibration._shifts import mark_middles, single_marks
 from robsim.imaging import Calibration, Residuals
 from robsim.imaging._frames import frame_size
 from robsim.imaging._images import Pixels
@@ -106,8 +106,7 @@ def calibrate_floor(
     fit = fit_plane([ideal], [places], matrix)
     if len(seen) >= _TRUSTED:
         wrong, fit = _without_wrong(ideal, places, matrix, fit)
-    mark = FloorSheet().mark  # of any size: where the marks are in the picture does not hang on it
-    marks = {} if image is None else mark_middles(find_sheets(image, mark), mark)
+    marks = {} if image is None else single_marks(image)
     calibration = _calibration(lens, fit.to_floor, area, scale, height, marks)
     points = _points(calibration, called, seen, places, {wrong})
     return _report(calibration, fit, points)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 
 import numpy as np
 
-from robsim._base.text import quoted
+from robsim._base.text import listed, quoted
 from robsim._core import Frame
 from robsim.calibration._patterns.floor_sheet import FloorSheet, find_marks, sheet_of
 from robsim.calibration._patterns.pattern import Corners
@@ -14,6 +15,9 @@ from robsim.calibration._pictures import pixels_of
 from robsim.imaging import Calibration
 from robsim.imaging._frames import frame_size
 from robsim.imaging._images import Pixels
+
+#: Shifts of a sheet that are good, and poor (px of the frame).
+SHIFTS = (1.0, 3.0)
 
 
 def mark_middles(sheets: Mapping[int, Corners], mark: float) -> dict[int, tuple[float, float]]:
@@ -58,9 +62,45 @@ def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, f
         raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
     pixels = pixels_of("image", image)
     calibration.check_frames(frame_size(pixels))
-    apart: dict[int, list[float]] = {}
+    off: dict[int, float] = {}  # by the mark; of two of one number the nearer one counts
     for number, corners in find_marks(pixels) if calibration.marks else ():
         if number in calibration.marks:
-            off = corners.mean(axis=0) - calibration.marks[number]
-            apart.setdefault(sheet_of(number), []).append(float(np.linalg.norm(off)))
-    return {sheet: float(np.median(each)) for sheet, each in sorted(apart.items())}
+            distance = np.linalg.norm(corners.mean(axis=0) - calibration.marks[number])
+            off[number] = min(float(distance), off.get(number, np.inf))
+    sheets = sorted({sheet_of(number) for number in off})
+    return {
+        sheet: float(np.median([off[number] for number in off if sheet_of(number) == sheet]))
+        for sheet in sheets
+    }
+
+
+def single_marks(image: Pixels) -> dict[int, tuple[float, float]]:
+    """Return the middles of the marks that a picture shows once (px), by their numbers."""
+    found = find_marks(image)
+    counts = Counter(number for number, _ in found)
+    middles = {}
+    for number, corners in found:
+        if counts[number] == 1:
+            u, v = corners.mean(axis=0).tolist()
+            middles[number] = (u, v)
+    return middles
+
+
+def remedy_of_shifts(shifts: Mapping[int, float]) -> str:
+    """Return why sheets may lie elsewhere, and what to do; empty if they lie where they did."""
+    moved = [sheet for sheet, shift in shifts.items() if shift > SHIFTS[0]]
+    if not moved:
+        return ""
+    if len(moved) == 1:
+        said = f"floor sheet {moved[0]} is not where the calibration saw it"
+    else:
+        said = f"floor sheets {listed(map(str, moved))} are not where the calibration saw them"
+    if len(moved) < len(shifts):
+        return (
+            f"{said}, the others are: lay back what was moved; or, if it was the camera, calibrate "
+            "the floor again (robsim calibrate floor)"
+        )
+    return (
+        f"{said}: was the camera moved, turned or zoomed since? Then calibrate the floor again "
+        "(robsim calibrate floor)"
+    )

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from robsim._base.checks import (
     as_float_array,
     check_float,
@@ -240,9 +242,11 @@ def _checked_marks(marks: Any) -> dict[int, tuple[float, float]]:
         raise TypeError(f"marks must be a mapping of at most {_MOST_MARKS}, got {quoted(marks)}")
     checked = {}
     for number, pixel in marks.items():
-        place = as_float_array("marks", pixel)
-        if place.shape != (2,) or not (abs(place) < _MOST).all():
-            raise ValueError(f"marks must have a pixel (u, v) each, got {quoted(pixel)}")
+        mark = check_int("marks", number, minimum=0, maximum=_MOST_MARKS)
+        place = as_float_array(f"marks[{mark}]", pixel)
+        is_pixel = place.shape == (2,) and np.asarray(pixel).dtype.kind in "iuf"
+        if not (is_pixel and (abs(place) < _MOST).all()):
+            raise ValueError(f"marks[{mark}] must be a pixel (u, v), got {quoted(pixel)}")
         u, v = place.tolist()
-        checked[check_int("marks", number, minimum=0, maximum=_MOST_MARKS)] = (u, v)
+        checked[mark] = (u, v)
     return checked

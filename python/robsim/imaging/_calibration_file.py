@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -41,6 +42,7 @@ _COMMENTS = {
     "worst": "the largest (px of the frame)",
 }
 _LONGEST_NUMBER = 10  # digits; Python refuses to read thousands of them
+_NUMBER = re.compile("0|[1-9][0-9]*")  # 01 would be another name of 1
 _RESIDUALS = ("rms", "worst", "points", "pictures")
 
 
@@ -246,7 +248,7 @@ def _marks(table: Any) -> Any:
     if not isinstance(table, dict):
         return table
     return {
-        int(key) if key.isdecimal() and len(key) < _LONGEST_NUMBER else key: value
+        int(key) if len(key) < _LONGEST_NUMBER and _NUMBER.fullmatch(key) else key: value
         for key, value in table.items()
     }
 

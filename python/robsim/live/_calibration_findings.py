@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._base.text import listed
 from robsim._core import Blob, Detection, Frame, MarkerLayout
 from robsim.calibration import sheet_shifts
 from robsim.imaging import Calibration
@@ -154,24 +153,6 @@ def shifts_of_sheets(frames: Iterable[Frame], calibration: Calibration) -> dict[
     except ImportError:
         return {}
     return {sheet: float(np.median(shifts)) for sheet, shifts in each.items()}
-
-
-def remedy_of_shifts(shifts: Mapping[int, float], good: float) -> str:
-    """Return why sheets may lie elsewhere, by more than what is `good` (px)."""
-    moved = [sheet for sheet, shift in shifts.items() if shift > good]
-    if len(moved) == 1:
-        said = f"floor sheet {moved[0]} is not where the calibration saw it"
-    else:
-        said = f"floor sheets {listed(map(str, moved))} are not where the calibration saw them"
-    if len(moved) < len(shifts):
-        return (
-            f"{said}, the others are: lay back what was moved; or, if it was the camera, calibrate "
-            "the floor again (robsim calibrate floor)"
-        )
-    return (
-        f"{said}: was the camera moved, turned or zoomed since? Then calibrate the floor again "
-        "(robsim calibrate floor)"
-    )
 
 
 def remedy(

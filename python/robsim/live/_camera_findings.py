@@ -13,6 +13,7 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim._base.report import Quantity
 from robsim._core import MotorLink
+from robsim.calibration._shifts import SHIFTS, remedy_of_shifts
 from robsim.capture import Camera, CameraCounts
 from robsim.imaging import Calibration
 from robsim.live import _calibration_findings as mapping
@@ -48,7 +49,6 @@ _STILL = 2.0  # px
 _LATENCY = (0.05, 0.15)  # s
 _EXCESS = (0.025, 0.06)  # of the distance between the markers
 _VISIBLE = (0.9, 0.5)  # of the work area
-_SHIFT = (1.0, 3.0)  # px of the frame
 
 _REMEDIES = {
     "no blobs": "train the colours in this light (robsim colors train), or is it another robot?",
@@ -333,8 +333,8 @@ def _sheets(look: CameraLook, calibration: Calibration) -> Iterator[CameraFindin
             "shift of floor sheets",
             max(shifts.values(), default=math.nan),
             "px",
-            _SHIFT,
-            mapping.remedy_of_shifts(shifts, _SHIFT[0]),
+            SHIFTS,
+            remedy_of_shifts(shifts),
         )
 
 

@@ -43,6 +43,7 @@ def check(
 ) -> None:
     """Draw the floor's grid on a picture, to see whether a calibration fits."""
     from robsim.calibration import draw_grid, sheet_shifts
+    from robsim.calibration._shifts import remedy_of_shifts
     from robsim.imaging import load_calibration, save_image
 
     with errors.report_errors():
@@ -58,4 +59,8 @@ def check(
             errors.print_note(f"floor sheets were not looked for: {error}")
     for sheet, shift in shifts.items():
         errors.say(f"floor sheet {sheet}: {shift:.1f} px from where the calibration saw it")
+    if remedy := remedy_of_shifts(shifts):
+        errors.print_note(remedy)
+    if loaded.marks and not shifts:
+        errors.say("no floor sheet is in the picture that the calibration saw")
     errors.say(f"written: {out}")
