@@ -168,6 +168,7 @@ def test_methods_refuse_by_name(picture):
             (lambda: tool.look(0), "k must be of a recording"),
             (lambda: tool.save(), "no colours yet"),
             (lambda: setattr(tool, "value", 3), "colors must be"),
+            (lambda: setattr(tool, "value", None), "value must be"),
         ):
             with pytest.raises((TypeError, ValueError), match=said):
                 call()

@@ -61,7 +61,6 @@ def test_what_is_refused_changes_nothing():
         lambda: training.train("red", IMAGE, (0, 0, 30, 39)),  # beyond the picture
         lambda: training.train("", IMAGE, STRIPES[0]),
         lambda: training.adjust("red", margin=999),
-        lambda: training.adjust("blue", margin=9),
         lambda: training.remove("blue"),
     ):
         with pytest.raises(ValueError, match=r"."):

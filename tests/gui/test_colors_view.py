@@ -13,7 +13,7 @@ from robsim import ColorClass
 from robsim.gui._tools.colors.view import ColorsView
 from robsim.gui._tools.pictures import CameraPictures, OnePicture, RecordedPictures
 from robsim.imaging import save_image
-from robsim.vision import classify, load_colors
+from robsim.vision import classify, load_colors, save_colors
 from waiting import wait_for
 
 RED, BLUE, FLOOR = (210, 40, 30), (30, 40, 210), (120, 122, 118)
@@ -93,10 +93,10 @@ def test_ranges_options_and_the_text_can_be_changed(view, browser):
         ("region", {"region": [70, 0, 99, 9], "keep": 0}, "region"),
         ("region", {"region": [70, 0, 99], "keep": 0}, "region of the message region must be"),
         ("ranges", {"ranges": [[9, 3], [0, 9], [0, 9]]}, "y"),
-        ("thresholds", {"text": "[red"}, "Expected ']'"),
+        ("thresholds", {"text": "[red"}, "thresholds: Expected ']'"),
         ("thresholds", {"text": "[red]\ny = [0, 300]"}, "within 0..255"),
         ("thresholds", {"text": "x" * 9000}, "a text of up to"),
-        ("set", {"name": "margin", "value": 5}, "was not made from a region"),
+        ("set", {"name": "margin", "value": 999}, "margin"),
         ("set", {"name": "nothing", "value": 5}, "there is no setting 'nothing'"),
         ("choose", {"name": ""}, "name"),
         ("look", {"k": 3}, "there is no picture 3"),
@@ -163,3 +163,53 @@ def test_a_camera_is_shown_live_until_it_is_frozen(tmp_path):
         assert view.picture is view._taken
         view.close()
         assert not [one for one in threading.enumerate() if one.name == "robsim pictures"]
+
+
+def test_options_count_for_a_class_that_is_not_there_yet(view, browser):
+    view.training.replace([])
+    image = view.picture.frame.image if view.picture else picture()
+    grey = (40, 0, 45, 9)
+    browser.say("region", region=[*grey], keep=0)
+    assert "grey" in browser.take("note", level="error")[0]["text"]
+    browser.say("set", name="limit_y", value=True)
+    browser.say("region", region=[*grey], keep=0)
+    settled(view)
+    expected = ColorClass.from_region(image, grey, name=view.state()["chosen"], limit_y=True)
+    assert view.training.value == (expected,)
+
+
+def test_each_class_has_the_colour_that_it_is_painted_in(view, browser):
+    view.training.replace([ColorClass("c1"), ColorClass("c2"), ColorClass("red")])
+    colors = [one["css"] for one in view.state()["classes"]]
+    assert len(set(colors)) == 3
+    assert colors[2] == "rgb(255, 0, 0)"
+
+
+def test_a_removed_class_leaves_the_file_and_others_stay(view, browser, tmp_path):
+    save_colors(tmp_path / "colors.toml", ColorClass("kept"))
+    browser.say("region", region=[20, 20, 29, 29], keep=0)
+    browser.say("choose", name="blue")
+    browser.say("region", region=[50, 20, 59, 29], keep=0)
+    browser.say("save", file="")
+    browser.say("remove")
+    browser.say("save", file="")
+    settled(view)
+    assert [one.name for one in load_colors(tmp_path / "colors.toml")] == ["kept", "red"]
+
+
+def test_a_source_that_ends_says_why(tmp_path):
+    sim = robsim.Simulation(area=(300, 300), seed=1)
+    panel = robsim.panel(sim)
+    with robsim.color_panel(sim, file=tmp_path / "c.toml") as tool:
+        browser = FakeBrowser(tool._view, 80)
+        panel.close()
+        browser.take("state", over="the panel of the run was closed", state="paused")
+
+
+def test_a_camera_that_is_closed_says_so(tmp_path):
+    save_image(tmp_path / "0.png", picture())
+    camera = robsim.Camera(tmp_path, fps=100)
+    camera.close()
+    with robsim.color_panel(camera, file=tmp_path / "c.toml") as tool:
+        wait_for(lambda: "closed" in tool._view._over)
+        assert "closed" in FakeBrowser(tool._view, 80).take("state")[0]["over"]

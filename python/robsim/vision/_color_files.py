@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from robsim._base.checks import check_text
 from robsim._base.files import as_path, read_text, read_toml, write_whole
 from robsim._base.files.reading import MOST_TOML, parse_toml
 from robsim._base.shipped import ASSETS
@@ -112,7 +113,12 @@ def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
     return document.as_string()
 
 
-def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorClass]) -> None:
+def save_colors(
+    path: str | PathLike[str],
+    colors: ColorClass | Iterable[ColorClass],
+    *,
+    remove: Iterable[str] = (),
+) -> None:
     """Write colour classes to a colour file.
 
     An existing file keeps its comments and its other colours; colours of the same name get the
@@ -124,20 +130,25 @@ def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorCl
         The file; it is created, with its folder, if needed.
     colors : ColorClass or iterable of ColorClass
         The colours.
+    remove : iterable of str
+        Names of other colours that an existing file is not to keep.
 
     Raises
     ------
+    TypeError
+        If an argument has another type.
     ValueError
         If the existing file is not a colour file (it is left unchanged), if `colors` is empty, or
         if two colours have the same name.
     """
-    path, classes = as_path(path), _classes(colors)
+    path, classes, without = as_path(path), _classes(colors), _names("remove", remove)
     if not classes:
         raise ValueError("colors must have at least one ColorClass, got none")
     if path.exists():
         old = load_colors(path)
         _check_count(len({color.name for color in (*old, *classes)}))
-        text = _updated(read_text(path, MOST_TOML), classes)
+        without -= {color.name for color in classes}
+        text = _updated(read_text(path, MOST_TOML), classes, without)
     else:
         _check_count(len(classes))
         text = _HEADER + colors_to_toml(classes)
@@ -145,11 +156,19 @@ def save_colors(path: str | PathLike[str], colors: ColorClass | Iterable[ColorCl
     write_whole(path, text.encode())
 
 
-def _updated(text: str, colors: Iterable[ColorClass]) -> str:
+def _names(argument: str, names: Any) -> set[str]:
+    if isinstance(names, (str, bytes, dict)) or not isinstance(names, Iterable):
+        raise TypeError(f"{argument} must be names, such as a list, got {quoted(names)}")
+    return {check_text(argument, name) for name in names}
+
+
+def _updated(text: str, colors: Iterable[ColorClass], without: set[str]) -> str:
     """Return the text of a colour file with the ranges of these colours replaced or added."""
     import tomlkit
 
     document = tomlkit.parse(text)
+    for name in without & set(document):
+        del document[name]
     added = []
     for color in colors:
         if color.name not in document:

@@ -64,13 +64,15 @@ def gui(
         typer.Argument(
             metavar="PATH",
             help="Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder "
-            "of a session, a video.",
+            "of a session, a video. With --train a picture, too, or a folder of pictures.",
         ),
     ] = None,
     train: Annotated[
         bool,
         typer.Option(
-            "--train", metavar=SWITCH, help="Train colours, and write them to --colors FILE."
+            "--train",
+            metavar=SWITCH,
+            help="Train colours, those of --colors FILE (by default colors.toml), which it writes.",
         ),
     ] = False,
     scenario: ScenarioFile = None,

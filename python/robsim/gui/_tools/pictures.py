@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from robsim._base.text import one_line
 from robsim._core import Frame, Step
 from robsim.capture import Camera, CaptureError, EndOfStream, FrameTimeoutError
+from robsim.gui._driver import Driver
 from robsim.gui._facade import Panel
 from robsim.imaging import Recording
 from robsim.imaging._images import Pixels
@@ -105,9 +106,7 @@ class CameraPictures(Pictures):
                     frame = self._camera.read(_PATIENCE)
                 except FrameTimeoutError:
                     continue
-                except EndOfStream:
-                    return
-                except (CaptureError, ValueError) as error:
+                except (EndOfStream, CaptureError, ValueError) as error:
                     fail(str(error))
                     return
                 take(Picture(frame, f"frame {frame.index}"))
@@ -147,15 +146,22 @@ class RunPictures(Pictures):
         raise NotImplementedError  # it has only its newest one
 
     def begin(self, take: Callable[[Picture], object], fail: Callable[[str], object]) -> None:
-        self._take = take
+        self._take, self._fail = take, fail
         self._driver.on_step.append(self._look)
+        self._driver.on_state.append(self._watch)
         self._driver.prepare()
 
     def close(self) -> None:
         if self._look in self._driver.on_step:
             self._driver.on_step.remove(self._look)
+            self._driver.on_state.remove(self._watch)
         if self._mine is not None:
             self._mine.close()
+
+    def _watch(self, driver: Driver) -> None:
+        """In the thread of the run."""
+        if driver.state == "closed":
+            self._fail("the panel of the run was closed")
 
     def _look(self, step: Step) -> None:
         """In the thread of the run."""

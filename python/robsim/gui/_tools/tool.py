@@ -53,7 +53,8 @@ class ToolView(View):
         self._taken: Picture | None = None  # in any thread
         self._is_told = False
         self._send_at = 0.0  # when the next one may be sent
-        source.begin(self._take, self.note)
+        self._over = ""  # why no more pictures come
+        source.begin(self._take, self._note_end)
 
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
         return {
@@ -147,9 +148,9 @@ class ToolView(View):
     def _state(self) -> dict[str, Any]:
         k = None if self.picture is None else self.picture.k
         name = "" if self.picture is None else self.picture.name
-        is_live = self.source.is_live and not self.is_frozen
+        is_live = self.source.is_live and not (self.is_frozen or self._over)
         mine = {"type": "state", "state": "running" if is_live else "paused", "k": k, "name": name}
-        return {**mine, "frozen": self.is_frozen, **self.state()}
+        return {**mine, "frozen": self.is_frozen, "over": self._over, **self.state()}
 
     def _send_picture(self, picture: Picture, links: list[Link], now: float) -> None:
         head, buffers = self.head(picture)
@@ -168,6 +169,15 @@ class ToolView(View):
         if not self._is_told:
             self._is_told = True
             self.post(self._show)
+
+    def _note_end(self, why: str) -> None:
+        """Note that no more pictures come; any thread."""
+
+        def end() -> None:
+            self._over = why
+            self.tell_state()
+
+        self.post(end)
 
     def _show(self) -> None:
         self._is_told = False  # before it is looked at: what is taken after that is told again

@@ -5,7 +5,7 @@ import { makeField } from "./base/fields.js";
 import { text } from "./base/texts.js";
 import { makePicture } from "./camera/picture.js";
 import { makeChannels } from "./tools/channels.js";
-import { classColor, makeClasses } from "./tools/classes.js";
+import { makeClasses } from "./tools/classes.js";
 import { makeFilm } from "./tools/film.js";
 import { makeRegionTool } from "./tools/region.js";
 import { makeScore } from "./tools/score.js";
@@ -72,17 +72,18 @@ function makeColorsPicture(context) {
 
 /** Draw the mask, which has each pixel of the picture, or each second one, and so on. */
 function drawMask(pen, { mask, size }, { left, top, scale }) {
-  const side = Math.round(size[0] / mask.width) * scale;
+  const side = Math.round(Math.max(...size) / Math.max(mask.width, mask.height)) * scale;
   pen.drawImage(mask, left, top, mask.width * side, mask.height * side);
 }
 
 /** Draw the boxes of what was found. */
-function drawFound({ pen, frame, pixel, unit }) {
+function drawFound({ pen, frame, pixel, unit, context }) {
+  const css = new Map(context.state.classes.map((one) => [one.name, one.css]));
   pen.lineWidth = unit;
   for (const [name, left, top, right, bottom] of frame.boxes) {
     const [x, y] = pixel([left - 0.5, top - 0.5]);
     const [x2, y2] = pixel([right + 0.5, bottom + 0.5]);
-    pen.strokeStyle = classColor(name);
+    pen.strokeStyle = css.get(name) ?? "magenta";
     pen.strokeRect(x, y, x2 - x, y2 - y);
   }
 }
@@ -99,14 +100,8 @@ function showVerdict(element, { found, missed }) {
 function makeOptions(context) {
   const fields = OPTIONS.map((option) => makeField(option, (value) =>
     context.send({ type: "set", name: option.name, value }), () => {}));
-  context.on("state", ({ classes, chosen }) => {
-    const current = classes.find(({ name }) => name == chosen);
-    for (const field of fields) {
-      const reason = current?.drift.length ? "" : text("needs_region");
-      field.allow(reason);
-      if (current) field.show(current[field.name]);
-    }
-  });
+  context.on("state", ({ options }) =>
+    fields.forEach((field) => field.show(options[field.name])));
   fields.forEach((field) => context.onEnd(field.end));
   return make("div", { className: "robsim-tool-fields" }, ...fields.map((field) => field.element));
 }

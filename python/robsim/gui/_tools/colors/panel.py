@@ -105,6 +105,8 @@ class ColorPanel(HostedPanel):
 
     @value.setter
     def value(self, colors: Iterable[ColorClass]) -> None:
+        if colors is None:
+            raise TypeError("value must be ColorClass objects, got None")
         known = colors_value(colors, None)
         self._view.ask(lambda: self._view.change(lambda: self._view.training.replace(known)))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,8 @@ Counts = NDArray[np.int64]
 _MOST_CLASSES = 32  # as many as `find_blobs` takes
 _MOST_SAMPLES = 100  # of a class
 _HALF = 0.5
+OPTIONS = ("percentile", "margin", "limit_y")
+_ONE_PIXEL = np.eye(1, 256, 128, dtype=np.int64).repeat(3, axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +111,7 @@ class ColorTraining:
 
     def __init__(self, colors: Iterable[ColorClass] = ()) -> None:
         self.classes = {color.name: TrainedClass(color) for color in colors}
+        self._next: dict[str, dict[str, Any]] = {}  # options of classes that are not there yet
 
     @property
     def value(self) -> tuple[ColorClass, ...]:
@@ -133,7 +137,7 @@ class ColorTraining:
         if before is None:
             _check_count(len(self.classes) + 1)
             any_color = ColorClass(name)
-            made = TrainedClass(any_color, samples)
+            made = TrainedClass(any_color, samples, **self._next.get(name, {}))
         else:
             made = TrainedClass(
                 before.color, samples, before.percentile, before.margin, before.limit_y
@@ -144,18 +148,28 @@ class ColorTraining:
     def adjust(self, name: str, **options: float | bool) -> None:
         """Set `percentile`, `margin` or `limit_y` of a class, which is made anew from its samples.
 
+        One without samples is made so when it gets some, also if it is not there yet.
+
         Raises
         ------
         ValueError
-            If an option is out of range, or the class was made from no region; nothing is changed.
+            If an option is out of range; nothing is changed.
         """
-        before = self._known(name)
-        if not before.samples:
-            raise ValueError(f"{quoted(name)} was not made from a region: mark one in the picture")
-        given = {key: getattr(before, key) for key in ("percentile", "margin", "limit_y")}
-        made = TrainedClass(before.color, before.samples, **(given | options))
-        made.color = made.remade()
+        chosen = self.options(name) | options
+        ColorClass.from_histograms(_ONE_PIXEL, name=name, **(chosen | {"limit_y": True}))
+        before = self.classes.get(name)
+        if before is None:
+            self._next[name] = chosen
+            return
+        made = TrainedClass(before.color, before.samples, **chosen)
+        if made.samples:
+            made.color = made.remade()
         self.classes[name] = made
+
+    def options(self, name: str) -> dict[str, Any]:
+        """Return `percentile`, `margin` and `limit_y` of a class, also of one that is to be."""
+        one = self.classes.get(name) or TrainedClass(ColorClass(name), **self._next.get(name, {}))
+        return {key: getattr(one, key) for key in OPTIONS}
 
     def put(self, color: ColorClass) -> None:
         """Set the ranges of a class by hand, or add it; its samples stay to be compared with."""

@@ -19,7 +19,7 @@ from robsim.gui._link import Link
 from robsim.gui._messages import Messages, Refused
 from robsim.gui._panel.run.pictures import boxes_of, numbers
 from robsim.gui._tools.colors.messages import MESSAGES
-from robsim.gui._tools.colors.training import ColorTraining, Region, ranges_of
+from robsim.gui._tools.colors.training import OPTIONS, ColorTraining, Region, ranges_of
 from robsim.gui._tools.pictures import Picture, Pictures
 from robsim.gui._tools.tool import ToolView
 from robsim.robots import RobotDefinition
@@ -29,7 +29,6 @@ from robsim.vision._color_masks import paint_of
 
 _LARGEST_MASK = 1600  # px along a side
 _ALPHA = 200  # of what a class takes, on the picture
-_OPTIONS = ("percentile", "margin", "limit_y")
 
 
 class ColorsView(ToolView):
@@ -55,6 +54,7 @@ class ColorsView(ToolView):
     ) -> None:
         self.training = ColorTraining(colors)
         self.file = file
+        self._known = set(self.training.classes)  # that the file may have
         self._markers = robot.marker_layout()
         self._chosen = next(iter(self.training.classes), "red")
         self._region: Region | None = None
@@ -83,6 +83,7 @@ class ColorsView(ToolView):
         return {
             "chosen": self._chosen,
             "classes": [self._class_of(name) for name in self.training.classes],
+            "options": self.training.options(self._chosen),
             "text": colors_to_toml(self.training.value) if self.training.classes else "",
             "file": str(self.file),
             "region": self._region and [*self._region],
@@ -136,12 +137,12 @@ class ColorsView(ToolView):
             {"picture": picture, "medians": medians.tolist(), "share": share}
             for picture, medians, share in self.training.drift(name)
         ]
-        options = {key: getattr(one, key) for key in _OPTIONS}
+        number = list(self.training.classes).index(name)
         return {
             "name": name,
+            "css": "rgb({}, {}, {})".format(*paint_of(name, number)),
             "ranges": [list(ends) for ends in ranges_of(one.color)],
             "drift": drift,
-            **options,
         }
 
     # What changes the classes; TypeError, ValueError or OSError: nothing was changed.
@@ -172,8 +173,9 @@ class ColorsView(ToolView):
         file = self.file if path is None else as_path(path)
         if not self.training.value:
             raise ValueError("there are no colours yet: mark a region of the picture")
-        save_colors(file, self.training.value)
-        self.file = file
+        names = {color.name for color in self.training.value}
+        save_colors(file, self.training.value, remove=self._known - names)
+        self.file, self._known = file, names
         self.tell_state()
         return file
 
@@ -207,7 +209,11 @@ class ColorsView(ToolView):
         self._beside.begin(lambda: score_color(image, color, [region], repeats=2), tell)
 
     def _take_text(self, text: str) -> None:
-        self.change(lambda: self.training.replace(colors_of_text(text)))
+        try:
+            colors = colors_of_text(text)
+        except ValueError as error:
+            raise ValueError(f"thresholds: {error}") from None
+        self.change(lambda: self.training.replace(colors))
 
     def _save(self, file: str) -> None:
         self.note(f"written: {self.save(file or None)}", "info")
@@ -221,7 +227,7 @@ class ColorsView(ToolView):
             self._tests = value
             self.change(lambda: None)
             return
-        if name not in _OPTIONS:
+        if name not in OPTIONS:
             raise ValueError(f"there is no setting {quoted(name)}")
         if name == "margin" and isinstance(value, float) and value.is_integer():
             value = int(value)  # JSON knows no other numbers

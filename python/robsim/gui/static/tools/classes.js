@@ -28,9 +28,9 @@ export function makeClasses(context) {
   const show = () => {
     const { classes, chosen } = context.state;
     const names = classes.map((one) => one.name);
-    const shown = names.includes(chosen) ? names : [...names, chosen];
+    const shown = names.includes(chosen) ? classes : [...classes, { name: chosen, css: "" }];
     const hasFocus = list.matches(":focus-within");
-    list.replaceChildren(...shown.map((one) => classButton(one, one == chosen, choose)));
+    list.replaceChildren(...shown.map((one) => classButton(one, one.name == chosen, choose)));
     if (hasFocus) list.querySelector("[aria-checked=true]").focus();
     const current = classes.find((one) => one.name == chosen);
     remove.disabled = !current;
@@ -40,12 +40,10 @@ export function makeClasses(context) {
   return { element: make("div", { className: "robsim-tool-part" }, list, bar, drift) };
 }
 
-/** The colour that a class is shown in: that of its name, if it is one. */
-export const classColor = (name) => (CSS.supports("color", name) ? name : "magenta");
-
-function classButton(name, isChosen, choose) {
+/** A class; one that is not trained yet has no colour. */
+function classButton({ name, css }, isChosen, choose) {
   const mark = make("span", { className: "robsim-class-mark" });
-  mark.style.background = classColor(name);
+  mark.style.background = css;
   const button = make("button", { type: "button", className: "robsim-class", role: "radio",
     title: text("choose_class.title", { name }) }, mark, name);
   button.setAttribute("aria-checked", String(isChosen));

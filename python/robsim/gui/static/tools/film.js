@@ -12,7 +12,9 @@ export function makeFilm(context) {
   slider.setAttribute("aria-label", text("film"));
   slider.oninput = () => context.send({ type: "look", k: Number(slider.value) });
   const name = make("output", { className: "robsim-number robsim-quiet" });
-  const element = make("div", { className: "robsim-tool-row robsim-film" }, freeze, slider, name);
+  const ended = make("span", { className: "robsim-chip robsim-warning", hidden: true });
+  const parts = [freeze, slider, name, ended];
+  const element = make("div", { className: "robsim-tool-row robsim-film" }, ...parts);
   const show = () => {
     const { setup, state } = context;
     if (!setup) return;
@@ -24,6 +26,10 @@ export function makeFilm(context) {
       showSlider(slider, state.k, state.name);
     element.hidden = freeze.hidden && slider.hidden;
   };
+  context.on("state", ({ over }) => {
+    ended.hidden = !over;
+    if (ended.textContent != over) ended.textContent = over;
+  });
   context.on("setup", show);
   context.on("state", show);
   context.on("frame", (head) => (name.textContent = head.name));
