@@ -36,6 +36,7 @@ def between(answer=same, sent=same):
         ours.bind((ADDRESS, PORT))
         theirs.connect(("127.0.0.1", PORT))
         stream.bind(("127.0.0.1", 0))
+        stream.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 << 20)  # more than a frame
         thread = threading.Thread(target=_pass_on, args=(ours, theirs, stream, answer, sent, ends))
         thread.start()
         try:

@@ -35,7 +35,7 @@ def test_names_that_are_no_utf8_are_shown():
             return packet
         return packet[: NAMES.start] + b"\xff\xe9" * 32 + packet[NAMES.stop :]
 
-    with served(), between(answer), robsim.Camera(URL) as camera:
+    with served(fps=10), between(answer), robsim.Camera(URL) as camera:
         assert camera.read().image.shape == (240, 320, 3)
 
 
@@ -44,7 +44,7 @@ def test_names_that_are_no_utf8_are_shown():
 @pytest.mark.parametrize("size", [(2**31 - 1, 2**31 - 1), (2_000_000, 1000), (0, 0)])
 def test_a_frame_that_is_smaller_than_it_tells(size):
     with (
-        served(),
+        served(fps=10),
         between(sent=announced(*size)),
         pytest.raises(CaptureError, match="delivers what is no frame"),
     ):
@@ -59,7 +59,7 @@ def test_frames_that_no_memory_holds():
             return packet
         return packet[:12] + packet[12:].replace(b"* HEIGHT *", b"* 999999 *")
 
-    with served(), between(answer), pytest.raises(CaptureError, match="1 to 268435456 are read"):
+    with served(fps=10), between(answer), pytest.raises(CaptureError, match="1 to 268435456 are read"):
         robsim.Camera(URL)
 
 
@@ -80,7 +80,7 @@ def test_ctrl_c_ends_the_wait_for_a_camera_that_only_says_that_it_will_answer():
             return packet
         return struct.pack(">HHH", 0, 0x89, 4) + packet[6:8] + struct.pack(">HH", 0, 65535)
 
-    with served(), between(answer):
+    with served(fps=10), between(answer):
         threading.Timer(1.0, _thread.interrupt_main).start()
         begin = time.monotonic()
         with pytest.raises(KeyboardInterrupt):
