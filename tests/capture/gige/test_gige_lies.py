@@ -59,7 +59,11 @@ def test_frames_that_no_memory_holds():
             return packet
         return packet[:12] + packet[12:].replace(b"* HEIGHT *", b"* 999999 *")
 
-    with served(fps=10), between(answer), pytest.raises(CaptureError, match="1 to 268435456 are read"):
+    with (
+        served(fps=10),
+        between(answer),
+        pytest.raises(CaptureError, match="1 to 268435456 are read"),
+    ):
         robsim.Camera(URL)
 
 
