@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from robsim._core import reduced
-from robsim.gui._panel.run.pictures import Shot, jpeg
+from robsim.gui._frames import jpeg
+from robsim.gui._panel.run.pictures import Shot
 from robsim.imaging._images import Pixels
 
 BITS = 16

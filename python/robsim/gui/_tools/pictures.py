@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -13,11 +12,11 @@ from robsim._core import Frame, Step
 from robsim.capture import Camera, CaptureError, EndOfStream, FrameTimeoutError
 from robsim.gui._driver import Driver
 from robsim.gui._facade import Panel
+from robsim.gui._frames import FrameClock
 from robsim.imaging import Recording
 from robsim.imaging._images import Pixels
 
 _PATIENCE = 0.5  # s for a frame, before it is looked whether all is over
-_GAP = 1 / 30  # s between two frames that are shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +38,7 @@ class Picture:
     k: int | None = None
 
 
-class Pictures(ABC):
+class Pictures:
     """A source of pictures; those that are live tell of each new one, in a thread of their own."""
 
     #: Whether new ones come by themselves.
@@ -50,15 +49,15 @@ class Pictures(ABC):
     def __init__(self, title: str) -> None:
         self.title = title
 
-    @abstractmethod
     def at(self, k: int) -> Picture:
         """Return one of several; the number is within `count`."""
+        raise LookupError(f"{self.title} has its newest picture alone")
 
     def begin(self, take: Callable[[Picture], object], fail: Callable[[str], object]) -> None:
         """Tell of the pictures from now on, and of what ends them, in any thread."""
         take(self.at(0))
 
-    def close(self) -> None:  # noqa: B027  # not all have something to end
+    def close(self) -> None:
         """Tell of no more; what belongs to the user stays open."""
 
 
@@ -95,9 +94,6 @@ class CameraPictures(Pictures):
         self._camera = camera
         self._is_over = threading.Event()
         self._thread: threading.Thread | None = None
-
-    def at(self, k: int) -> Picture:
-        raise NotImplementedError  # it has only its newest one
 
     def begin(self, take: Callable[[Picture], object], fail: Callable[[str], object]) -> None:
         def read() -> None:
@@ -139,11 +135,8 @@ class RunPictures(Pictures):
         super().__init__(title)
         self._driver = panel._view.driver
         self._mine = panel if is_mine else None
-        self._due = 0.0
+        self._clock = FrameClock()
         self._take: Callable[[Picture], object] = lambda _: None
-
-    def at(self, k: int) -> Picture:
-        raise NotImplementedError  # it has only its newest one
 
     def begin(self, take: Callable[[Picture], object], fail: Callable[[str], object]) -> None:
         self._take, self._fail = take, fail
@@ -166,7 +159,7 @@ class RunPictures(Pictures):
     def _look(self, step: Step) -> None:
         """In the thread of the run."""
         now = time.monotonic()
-        if step.frame is None or (now < self._due and self._driver.state == "running"):
+        if step.frame is None or (now < self._clock.due and self._driver.state == "running"):
             return
-        self._due = max(self._due + _GAP, now + _GAP / 2)
+        self._clock.sent(now)
         self._take(Picture(step.frame, f"step {step.k}", step.k))

@@ -13,15 +13,14 @@ import numpy as np
 from PIL import Image
 
 from robsim._core import reduced
+from robsim.gui._frames import FrameClock, jpeg
 from robsim.gui._link import SLOW, Link
 from robsim.gui._messages import COMMON, Messages, Refused, switch, whole
-from robsim.gui._panel.run.pictures import jpeg
 from robsim.gui._tools.pictures import Picture, Pictures
 from robsim.gui._view import View
 
 T = TypeVar("T")
 
-_GAP = 1 / 30  # s between two pictures
 _STILL_WIDTH = 480  # px, of what stays in a saved notebook
 _STILL_COLORS = 64
 
@@ -52,7 +51,7 @@ class ToolView(View):
         self.is_frozen = False
         self._taken: Picture | None = None  # in any thread
         self._is_told = False
-        self._send_at = 0.0  # when the next one may be sent
+        self._clock = FrameClock()
         self._over = ""  # why no more pictures come
         source.begin(self._take, self._note_end)
 
@@ -80,7 +79,7 @@ class ToolView(View):
     def state(self) -> dict[str, Any]:
         """Return the fields of the message ``state``."""
 
-    def changed_picture(self) -> None:  # not all have something to do
+    def changed_picture(self) -> None:
         """Do what is to be done when another picture is shown."""
 
     # In the thread of the view.
@@ -105,10 +104,10 @@ class ToolView(View):
         lacking = [link for link in self.links if link.lacks(self.picture)]
         if self.picture is None or not lacking:
             return math.inf
-        if now < self._send_at:
-            return self._send_at
+        if now < self._clock.due:
+            return self._clock.due
         if ready := [link for link in lacking if link.has_room(now)]:
-            self._send_at = max(self._send_at + _GAP, now + 0.5 * _GAP)
+            self._clock.sent(now)
             self._send_picture(self.picture, ready, now)
         return math.inf if len(ready) == len(lacking) else now + SLOW
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robsim._core import Step
+from robsim.gui._frames import FrameClock
 from robsim.gui._link import SLOW, Link
 from robsim.gui._panel.part import Handlers, Part
 from robsim.gui._panel.run.pictures import Shot, picture_of
 
-_GAP = 1 / 30  # s between two pictures
+if TYPE_CHECKING:
+    from robsim.gui._panel.view import PanelView
 
 
 class CameraView(Part):
@@ -20,7 +22,10 @@ class CameraView(Part):
     _taken: Shot | None = None  # in the thread of the run
     _is_told = False  # the thread of the view that there is one
     _newest: Shot | None = None
-    _due = 0.0  # when the next picture may be sent
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        self._clock = FrameClock()
 
     def handlers(self) -> Handlers:
         return {"grant": self._grant, "size": self._size}
@@ -34,7 +39,9 @@ class CameraView(Part):
 
     def take(self, step: Step) -> None:
         is_running, is_watched = self.panel.is_running, self.panel.is_watched
-        if is_running and (time.monotonic() < self._due if is_watched else self._taken is None):
+        if is_running and (
+            time.monotonic() < self._clock.due if is_watched else self._taken is None
+        ):
             return
         # Whoever comes while it runs is not to see the last step that somebody has watched.
         self._taken = self.panel.record.shot(step) if is_watched or not is_running else None
@@ -60,8 +67,7 @@ class CameraView(Part):
         if shot is None or not lacking:
             return math.inf
         if ready := [link for link in lacking if link.has_room(now)]:
-            # By a due time: "30 ms since the last one" would beat against the clock of the steps.
-            self._due = max(self._due + _GAP, now + 0.5 * _GAP)
+            self._clock.sent(now)
             self._send(shot, ready, now)
         return math.inf if len(ready) == len(lacking) else now + SLOW
 

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from PIL import Image
-
 from robsim._base.checks import Floats
 from robsim._core import Blob, Frame, PlaneMap, Step, detect, reduced
-from robsim.imaging._images import Pixels
+from robsim.gui._frames import boxes_of, jpeg, numbers
 
 if TYPE_CHECKING:
     from robsim.gui._panel.record import Record
-
-_QUALITY = 80  # of the JPEG; 25 kB for 600 x 600
 
 
 @dataclass(frozen=True)
@@ -143,31 +137,9 @@ def picture_of(frame: Frame | None, width: int) -> bytes:
     return b"" if frame is None else jpeg(reduced(frame, max(width, 1)))
 
 
-def jpeg(pixels: Pixels) -> bytes:
-    """Return an image as a JPEG."""
-    out = io.BytesIO()
-    Image.fromarray(pixels).save(out, "JPEG", quality=_QUALITY)
-    return out.getvalue()
-
-
-def numbers(values: Any) -> list[float] | None:
-    """Return an array as a list for JSON; None if one of them is not finite."""
-    array = np.asarray(values, float).ravel()
-    return array.tolist() if np.isfinite(array).all() else None
-
-
 def _estimate(pose: Any, covariance: Any) -> dict[str, Any] | None:
     listed = numbers(pose)
     return None if listed is None else {"pose": listed, "covariance": numbers(covariance)}
-
-
-def boxes_of(blobs: Mapping[str, Sequence[Blob]]) -> list[list[Any]]:
-    """Return ``[colour, left, top, right, bottom]`` of each blob."""
-    return [
-        [color, *(int(side) for side in blob.bounding_box)]
-        for color, found in blobs.items()
-        for blob in found
-    ]
 
 
 def row_of(columns: Mapping[str, Floats], name: str, k: int) -> list[float] | None:

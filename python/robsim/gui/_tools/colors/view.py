@@ -15,9 +15,9 @@ from robsim._base.files import as_path
 from robsim._base.text import quoted
 from robsim._core import ColorClass, classify, color_histograms, detect, find_blobs
 from robsim.gui._beside import Beside
+from robsim.gui._frames import boxes_of, numbers
 from robsim.gui._link import Link
 from robsim.gui._messages import Messages, Refused
-from robsim.gui._panel.run.pictures import boxes_of, numbers
 from robsim.gui._tools.colors.messages import MESSAGES
 from robsim.gui._tools.colors.training import OPTIONS, ColorTraining, Region, ranges_of
 from robsim.gui._tools.pictures import Picture, Pictures
