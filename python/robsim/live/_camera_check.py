@@ -134,8 +134,9 @@ def check_camera(
     -------
     CameraCheck
         Rate, jitter and losses of the frames; exposure; size, contrast and colours of the markers;
-        in how many frames the robot was detected, how much its pose is scattered; latency. Each
-        with a verdict and a remedy.
+        in how many frames the robot was detected, how much its pose is scattered; whether the
+        calibration fits the robot, and the floor sheets that it saw; latency. Each with a verdict
+        and a remedy.
 
     Raises
     ------
