@@ -1,0 +1,1 @@
+"""The panel that defines a robot."""

@@ -1,0 +1,199 @@
+"""A robot while it is drawn: its picture, polygons, heading and size; each change can be undone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import Floats, check_float, check_int
+from robsim._base.text import quoted
+from robsim.imaging._images import Pixels
+from robsim.robots import RobotDefinition
+from robsim.robots._geometry_check import geometry_problems
+from robsim.robots._polygon_checks import finite_array
+from robsim.robots._polygons import area_and_centroid
+
+#: The polygons, in the order in which they are drawn.
+PARTS = ("outline", "red", "blue")
+_FEWEST, _MOST = 3, 200  # corners
+_MOST_CHANGES = 500  # that can be undone
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """What there is of a robot; a polygon that is not drawn yet has no corners.
+
+    Attributes
+    ----------
+    image : array (h, w, 4) of uint8
+        RGBA.
+    size : float
+        Width of the image on the work area (px).
+    alignment : float
+        Clockwise rotation of the image (degrees) after which the robot faces right.
+    outline, red, blue : array (N, 2)
+        Polygons (image px).
+    """
+
+    image: Pixels = field(repr=False)
+    size: float
+    alignment: float = 0.0
+    outline: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
+    red: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
+    blue: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
+
+
+class RobotDrawing:
+    """A robot while it is drawn.
+
+    Parameters
+    ----------
+    sketch : Sketch
+        What there is already.
+    """
+
+    def __init__(self, sketch: Sketch) -> None:
+        self.sketch = sketch
+        self._before: list[Sketch] = []
+        self._after: list[Sketch] = []
+
+    # Corners.
+
+    def put(self, part: str, polygon: Any) -> None:
+        """Draw a polygon in place of what is there; none = nothing is drawn.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such part, or it is no array (N, 2) of at most 200 corners.
+        """
+        corners = finite_array("polygon", polygon, (-1, 2)) if len(polygon) else np.empty((0, 2))
+        if len(corners) > _MOST:
+            raise ValueError(f"polygon must have at most {_MOST} corners, got {len(corners)}")
+        self._change(**{_checked(part): np.array(corners)})
+
+    def move(self, part: str, corner: int, to: Any) -> None:
+        """Move a corner."""
+        polygon = self._polygon(part).copy()
+        polygon[self._index(part, corner)] = finite_array("to", to, (2,))
+        self.put(part, polygon)
+
+    def insert(self, part: str, corner: int, at: Any) -> None:
+        """Insert a corner before another one; as many as there are = behind the last one."""
+        polygon = self._polygon(part)
+        corner = check_int("corner", corner, minimum=0, maximum=len(polygon))
+        self.put(part, np.insert(polygon, corner, finite_array("at", at, (2,)), axis=0))
+
+    def remove(self, part: str, corner: int) -> None:
+        """Remove a corner."""
+        self.put(part, np.delete(self._polygon(part), self._index(part, corner), axis=0))
+
+    # The whole.
+
+    def turn(self, degrees: float) -> None:
+        """Turn the heading: the robot faces right after so much more of a clockwise rotation."""
+        turned = self.sketch.alignment + check_float("degrees", degrees, "degrees")
+        self._change(alignment=float(np.remainder(turned + 180, 360) - 180))
+
+    def face(self, towards: Any) -> None:
+        """Let the robot face a point of the picture, as seen from its centre."""
+        right, down = finite_array("towards", towards, (2,)) - self.centre
+        if np.hypot(right, down) < 1:
+            raise ValueError("towards must lie beside the centre of the robot")
+        self._change(alignment=float(-np.degrees(np.arctan2(down, right))))
+
+    def scale(self, one: Any, other: Any, distance: float) -> None:
+        """Set the size by two points of the picture that are so far apart (work-area px)."""
+        distance = check_float("distance", distance, "px", exclusive_minimum=0, maximum=10_000)
+        apart = finite_array("other", other, (2,)) - finite_array("one", one, (2,))
+        pixels = float(np.hypot(*apart))
+        if pixels < 1:
+            raise ValueError("one and other must be a pixel apart, at least")
+        self._change(size=distance / pixels * self.sketch.image.shape[1])
+
+    @property
+    def centre(self) -> Floats:
+        """The robot's centre: that of its outline, or of the picture while there is none."""
+        outline = self.sketch.outline
+        if len(outline) >= _FEWEST:
+            return area_and_centroid(outline)[1]
+        height, width = self.sketch.image.shape[:2]
+        return np.array(((width - 1) / 2, (height - 1) / 2))
+
+    # What was done.
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to be undone."""
+        return bool(self._before)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a change that was undone."""
+        return bool(self._after)
+
+    def undo(self) -> None:
+        """Undo the last change; nothing if there is none."""
+        if self._before:
+            self._after.append(self.sketch)
+            self.sketch = self._before.pop()
+
+    def redo(self) -> None:
+        """Do again what was undone last; nothing if there is nothing."""
+        if self._after:
+            self._before.append(self.sketch)
+            self.sketch = self._after.pop()
+
+    # What it is.
+
+    def problems(self) -> list[str]:
+        """Return what is missing or wrong, a sentence each; empty: it is a robot."""
+        sketch = self.sketch
+        missing = [part for part in PARTS if len(getattr(sketch, part)) < _FEWEST]
+        if missing:
+            return [f"{part} needs {_FEWEST} corners at least" for part in missing]
+        height, width = sketch.image.shape[:2]
+        return geometry_problems(
+            width=width,
+            height=height,
+            centre=self.centre,
+            outline=sketch.outline,
+            red=sketch.red,
+            blue=sketch.blue,
+        )
+
+    def definition(self, name: str) -> RobotDefinition:
+        """Return the robot; ValueError if something is missing or wrong."""
+        if problems := self.problems():
+            raise ValueError("; ".join(problems))
+        sketch = self.sketch
+        return RobotDefinition(
+            name=name,
+            image=sketch.image,
+            size=sketch.size,
+            alignment=sketch.alignment,
+            centre=self.centre,
+            outline=sketch.outline,
+            red=sketch.red,
+            blue=sketch.blue,
+        )
+
+    def _polygon(self, part: str) -> Floats:
+        polygon: Floats = getattr(self.sketch, _checked(part))
+        return polygon
+
+    def _index(self, part: str, corner: int) -> int:
+        return check_int("corner", corner, minimum=0, maximum=len(self._polygon(part)) - 1)
+
+    def _change(self, **changes: Any) -> None:
+        self._before = [*self._before[1 - _MOST_CHANGES :], self.sketch]
+        self._after.clear()
+        self.sketch = replace(self.sketch, **changes)
+
+
+def _checked(part: str) -> str:
+    if part not in PARTS:
+        raise ValueError(f"part must be one of {', '.join(PARTS)}, got {quoted(part)}")
+    return part

@@ -1,0 +1,147 @@
+"""A robot while it is drawn."""
+
+import math
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.gui._tools.robots.drawing import PARTS, RobotDrawing, Sketch
+
+SQUARE = np.array([(10.0, 10), (90, 10), (90, 70), (10, 70)])
+RED = np.array([(60.0, 20), (80, 20), (80, 40), (60, 40)])
+BLUE = RED + np.array((0, 25))
+
+
+@pytest.fixture
+def drawing():
+    image = np.full((80, 100, 4), 255, np.uint8)
+    return RobotDrawing(Sketch(image, size=120.0))
+
+
+@pytest.fixture
+def drawn(drawing):
+    for part, polygon in zip(PARTS, (SQUARE, RED, BLUE), strict=True):
+        drawing.put(part, polygon)
+    return drawing
+
+
+def test_it_says_what_is_missing_until_it_is_a_robot(drawing):
+    assert drawing.problems() == [f"{part} needs 3 corners at least" for part in PARTS]
+    with pytest.raises(ValueError, match="outline needs 3 corners"):
+        drawing.definition("mine")
+    drawing.put("outline", SQUARE)
+    drawing.put("red", RED)
+    drawing.put("blue", BLUE)
+    assert drawing.problems() == []
+    robot = drawing.definition("mine")
+    assert (robot.name, robot.size) == ("mine", 120)
+    np.testing.assert_array_equal(robot.outline, SQUARE)
+    np.testing.assert_allclose(robot.centre, (50, 40))
+
+
+def test_corners_are_moved_inserted_and_removed(drawn):
+    drawn.move("outline", 0, (5, 6))
+    drawn.insert("outline", 4, (3, 40))
+    drawn.insert("outline", 0, (20, 5))
+    drawn.remove("outline", 1)
+    expected = [(20, 5), (90, 10), (90, 70), (10, 70), (3, 40)]
+    np.testing.assert_array_equal(drawn.sketch.outline, expected)
+    drawn.put("red", [])
+    assert drawn.problems() == ["red needs 3 corners at least"]
+
+
+def test_problems_are_those_of_a_definition(drawn):
+    drawn.move("red", 0, (5, 20))  # out of the outline
+    (problem,) = drawn.problems()
+    assert problem.startswith("red must lie inside the outline")
+    with pytest.raises(ValueError, match="red must lie inside the outline"):
+        drawn.definition("mine")
+
+
+def test_each_change_is_undone_and_done_again(drawn):
+    states = [drawn.sketch]
+    for change in (
+        lambda: drawn.move("blue", 1, (82, 46)),
+        lambda: drawn.turn(10),
+        lambda: drawn.scale((0, 0), (30, 40), 25),
+        lambda: drawn.remove("outline", 2),
+    ):
+        change()
+        states.append(drawn.sketch)
+    for state in states[-2::-1]:
+        drawn.undo()
+        assert drawn.sketch is state
+    for state in states[1:]:
+        drawn.redo()
+        assert drawn.sketch is state
+    assert not drawn.can_redo
+    drawn.undo()
+    drawn.turn(1)
+    assert not drawn.can_redo  # what was undone is gone
+    for _ in range(20):
+        drawn.undo()
+    assert not drawn.can_undo
+    assert drawn.sketch.outline.shape == (0, 2)
+
+
+def test_only_so_many_changes_are_kept(drawing):
+    for _ in range(700):
+        drawing.turn(1)
+    while drawing.can_undo:
+        drawing.undo()
+    assert drawing.sketch.alignment == pytest.approx(np.remainder(200 + 180, 360) - 180)
+
+
+@pytest.mark.parametrize("towards", [(90, 40), (50, 75), (20, 10), (50, 5), (11, 40)])
+def test_it_faces_a_point_of_the_picture(drawn, towards):
+    drawn.face(towards)
+    ((forward, right),) = drawn.definition("mine").to_robot_frame([towards])
+    assert forward > 0
+    assert right == pytest.approx(0, abs=1e-9)
+
+
+def test_two_points_of_known_distance_set_the_size(drawn):
+    drawn.scale((10, 10), (40, 50), 25)  # 50 px of the picture
+    assert drawn.sketch.size == pytest.approx(50)  # 100 px wide
+    assert drawn.definition("mine").unit == pytest.approx(0.5)
+
+
+def test_turning_stays_within_a_half_turn_each_way(drawn):
+    for _ in range(5):
+        drawn.turn(100)
+    assert drawn.sketch.alignment == pytest.approx(500 - 360)
+    assert abs(drawn.sketch.alignment) <= 180
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda d: d.put("green", RED), "part must be one of outline, red, blue, got 'green'"),
+        (lambda d: d.put("red", [(1, math.nan), (2, 3), (4, 5)]), "polygon"),
+        (lambda d: d.put("red", np.zeros((201, 2))), "at most 200 corners, got 201"),
+        (lambda d: d.move("red", 4, (1, 2)), "corner"),
+        (lambda d: d.move("red", 0, (1, 2, 3)), "to"),
+        (lambda d: d.insert("red", 5, (1, 2)), "corner"),
+        (lambda d: d.remove("red", -1), "corner"),
+        (lambda d: d.turn(math.inf), "degrees"),
+        (lambda d: d.face(d.centre), "towards must lie beside"),
+        (lambda d: d.scale((1, 1), (1, 1), 5), "a pixel apart"),
+        (lambda d: d.scale((1, 1), (9, 1), 0), "distance"),
+    ],
+)
+def test_what_is_wrong_is_refused_and_changes_nothing(drawn, call, said):
+    before = drawn.sketch
+    with pytest.raises((TypeError, ValueError), match=said):
+        call(drawn)
+    assert drawn.sketch is before
+
+
+def test_a_robot_that_ships_can_be_taken_up_and_given_back():
+    robot = robsim.load_robot("robot2")
+    names = ("image", "size", "alignment", *PARTS)
+    drawing = RobotDrawing(Sketch(**{name: getattr(robot, name) for name in names}))
+    assert drawing.problems() == []
+    same = drawing.definition(robot.name)
+    np.testing.assert_array_equal(same.outline, robot.outline)
+    assert same.alignment == robot.alignment
