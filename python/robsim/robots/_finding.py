@@ -82,10 +82,10 @@ def robot_from_image(
     given: dict[str, Any] = {"outline": outline, "red": red, "blue": blue}
     points = {key: _scaled(key, value, scale) for key, value in given.items() if value is not None}
     if outline is None:
-        points["outline"] = _opaque_outline(small)
+        points["outline"] = opaque_outline(small)
     for color in ("red", "blue"):
         if color not in points:
-            points[color] = _marker(small, color, as_colors(colors))
+            points[color] = marker_in(small, color, as_colors(colors))
     if centre is None:
         scaled_centre = area_and_centroid(points["outline"])[1]
     else:
@@ -132,7 +132,7 @@ def reduced(robot: RobotDefinition) -> RobotDefinition:
     return replace(robot, image=small, **points)
 
 
-def _opaque_outline(image: Pixels) -> Floats:
+def opaque_outline(image: Pixels) -> Floats:
     """Return the convex polygon around the opaque pixels whose sides have fixed directions."""
     down, right = np.nonzero(image[..., 3] > _OPAQUE)
     if not len(right):
@@ -162,7 +162,7 @@ def _ends(positions: NDArray[np.intp], lines: NDArray[np.intp]) -> NDArray[np.in
     return found
 
 
-def _marker(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Floats:
+def marker_in(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Floats:
     """Return a polygon with the centroid, the area and about the shape of the largest blob."""
     found = [color for color in colors if color.name == name]
     if not found:
@@ -177,10 +177,10 @@ def _marker(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Floats:
             f"{name} marker: nothing in the image has the colour {name} ({ranges(found[0])}): "
             f"give its polygon ({name}) or other colours"
         )
-    return _polygon_around(_pixels_of(blobs[0], pixels, found[0]), blobs[0])
+    return _polygon_around(pixels_of_blob(blobs[0], pixels, found[0]), blobs[0])
 
 
-def _pixels_of(blob: Blob, pixels: Pixels, color: ColorClass) -> Floats:
+def pixels_of_blob(blob: Blob, pixels: Pixels, color: ColorClass) -> Floats:
     """Return the pixels (N, 2) of a blob: right, down."""
     left, top, right, bottom = blob.bounding_box
     yuv = rgb_to_yuv(np.ascontiguousarray(pixels[top : bottom + 1, left : right + 1]))
