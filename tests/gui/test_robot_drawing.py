@@ -59,6 +59,14 @@ def test_problems_are_those_of_a_definition(drawn):
         drawn.definition("mine")
 
 
+def test_corners_on_each_other_are_no_problem_and_a_line_is(drawn):
+    drawn.insert("outline", 1, SQUARE[0])
+    assert drawn.problems() == []
+    assert len(drawn.definition("mine").outline) == 4
+    drawn.put("red", [(60, 20), (70, 20), (80, 20)])
+    assert drawn.problems() == ["red must be a polygon of nonzero area, got points on a line"]
+
+
 def test_each_change_is_undone_and_done_again(drawn):
     states = [drawn.sketch]
     for change in (
@@ -83,6 +91,20 @@ def test_each_change_is_undone_and_done_again(drawn):
         drawn.undo()
     assert not drawn.can_undo
     assert drawn.sketch.outline.shape == (0, 2)
+
+
+def test_a_drag_is_one_change(drawn):
+    before = drawn.sketch
+    drawn.move("red", 0, (61, 21))
+    for k in range(5):
+        drawn.move("red", 0, (62 + k, 22), goes_on=True)
+    assert drawn.sketch.red[0].tolist() == [66, 22]
+    drawn.undo()
+    assert drawn.sketch is before
+    drawn.face((50, 70))
+    drawn.face((20, 70), goes_on=True)
+    drawn.undo()
+    assert drawn.sketch is before
 
 
 def test_only_so_many_changes_are_kept(drawing):
@@ -118,8 +140,8 @@ def test_turning_stays_within_a_half_turn_each_way(drawn):
     ("call", "said"),
     [
         (lambda d: d.put("green", RED), "part must be one of outline, red, blue, got 'green'"),
-        (lambda d: d.put("red", [(1, math.nan), (2, 3), (4, 5)]), "polygon"),
-        (lambda d: d.put("red", np.zeros((201, 2))), "at most 200 corners, got 201"),
+        (lambda d: d.put("red", [(1, math.nan), (2, 3), (4, 5)]), "corners"),
+        (lambda d: d.put("red", np.zeros((201, 2))), "at most 200, got 201"),
         (lambda d: d.move("red", 4, (1, 2)), "corner"),
         (lambda d: d.move("red", 0, (1, 2, 3)), "to"),
         (lambda d: d.insert("red", 5, (1, 2)), "corner"),
@@ -128,6 +150,8 @@ def test_turning_stays_within_a_half_turn_each_way(drawn):
         (lambda d: d.face(d.centre), "towards must lie beside"),
         (lambda d: d.scale((1, 1), (1, 1), 5), "a pixel apart"),
         (lambda d: d.scale((1, 1), (9, 1), 0), "distance"),
+        (lambda d: d.scale((1, 1), (2, 1), 9000), "size"),
+        (lambda d: d.resize(0), "size"),
     ],
 )
 def test_what_is_wrong_is_refused_and_changes_nothing(drawn, call, said):

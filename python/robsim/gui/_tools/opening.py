@@ -21,7 +21,7 @@ from robsim.gui._tools.pictures import (
     RunPictures,
 )
 from robsim.imaging import Recording
-from robsim.imaging._images import check_pixels, image_suffixes, load_image
+from robsim.imaging._images import Pixels, check_pixels, image_suffixes, load_image
 from robsim.robots import RobotDefinition
 from robsim.simulation import Experiment, Simulation
 
@@ -61,9 +61,14 @@ def _picture_file(path: Path) -> Pictures:
 
 def picture_of(robot: RobotDefinition) -> Frame:
     """Return a robot's picture on a grey floor, with the scale of the work area."""
-    image = np.asarray(robot.image)
-    alpha = image[..., 3:].astype(float) / 255
-    shown = np.rint(alpha * image[..., :3] + (1 - alpha) * _FLOOR).astype(np.uint8)
+    shown = over_floor(robot.image).image
     scale = robot.size / shown.shape[1]
     to_area = [(scale, 0, (scale - 1) / 2), (0, scale, (scale - 1) / 2), (0, 0, 1)]
     return Frame(shown, plane_map=PlaneMap(to_area))
+
+
+def over_floor(image: Pixels) -> Frame:
+    """Return a picture (h, w, 4) on a grey floor."""
+    alpha = image[..., 3:].astype(float) / 255
+    shown = np.rint(alpha * image[..., :3] + (1 - alpha) * _FLOOR)
+    return Frame(shown.astype(np.uint8))

@@ -213,3 +213,15 @@ class ToolView(View):
     def _size(self, link: Link, message: dict[str, Any]) -> None:
         link.resize(message["width"])
         link.shown = None
+
+
+def in_place(act: Callable[[dict[str, Any]], object]) -> Callable[[Link, dict[str, Any]], None]:
+    """Return a handler; what is wrong is told to the browser that asked for it."""
+
+    def handle(link: Link, message: dict[str, Any]) -> None:
+        try:
+            act(message)
+        except (TypeError, ValueError, OSError) as error:
+            raise Refused(str(error)) from None
+
+    return handle

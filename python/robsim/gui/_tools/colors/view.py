@@ -17,11 +17,11 @@ from robsim._core import ColorClass, classify, color_histograms, detect, find_bl
 from robsim.gui._beside import Beside
 from robsim.gui._frames import boxes_of, numbers
 from robsim.gui._link import Link
-from robsim.gui._messages import Messages, Refused
+from robsim.gui._messages import Messages
 from robsim.gui._tools.colors.messages import MESSAGES
 from robsim.gui._tools.colors.training import OPTIONS, ColorTraining, Region, ranges_of
 from robsim.gui._tools.pictures import Picture, Pictures
-from robsim.gui._tools.tool import ToolView
+from robsim.gui._tools.tool import ToolView, in_place
 from robsim.robots import RobotDefinition
 from robsim.vision import ColorScore, colors_to_toml, save_colors, score_color
 from robsim.vision._color_files import colors_of_text
@@ -73,7 +73,7 @@ class ColorsView(ToolView):
             "score": lambda _: self._score(),
             "save": lambda message: self._save(message["file"]),
         }
-        return {**super().handlers(), **{name: _in_place(act) for name, act in acts.items()}}
+        return {**super().handlers(), **{name: in_place(act) for name, act in acts.items()}}
 
     def tell(self, link: Link) -> None:
         super().tell(link)
@@ -259,15 +259,3 @@ def _score_message(score: ColorScore) -> dict[str, Any]:
             for sweep in score.sweeps
         ],
     }
-
-
-def _in_place(act: Callable[[dict[str, Any]], object]) -> Callable[[Link, dict[str, Any]], None]:
-    """Return a handler; what is wrong is told to the browser that asked for it."""
-
-    def handle(link: Link, message: dict[str, Any]) -> None:
-        try:
-            act(message)
-        except (TypeError, ValueError, OSError) as error:
-            raise Refused(str(error)) from None
-
-    return handle

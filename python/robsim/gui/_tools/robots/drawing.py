@@ -12,8 +12,8 @@ from robsim._base.text import quoted
 from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition
 from robsim.robots._geometry_check import geometry_problems
-from robsim.robots._polygon_checks import finite_array
-from robsim.robots._polygons import area_and_centroid
+from robsim.robots._polygon_checks import finite_array, polygon
+from robsim.robots._polygons import area_and_centroid, mask
 
 #: The polygons, in the order in which they are drawn.
 PARTS = ("outline", "red", "blue")
@@ -59,9 +59,15 @@ class RobotDrawing:
         self._before: list[Sketch] = []
         self._after: list[Sketch] = []
 
+    def begin(self, sketch: Sketch) -> None:
+        """Draw on another one; there is nothing to be undone."""
+        self.sketch = sketch
+        self._before.clear()
+        self._after.clear()
+
     # Corners.
 
-    def put(self, part: str, polygon: Any) -> None:
+    def put(self, part: str, corners: Any) -> None:
         """Draw a polygon in place of what is there; none = nothing is drawn.
 
         Raises
@@ -69,22 +75,22 @@ class RobotDrawing:
         TypeError, ValueError
             If there is no such part, or it is no array (N, 2) of at most 200 corners.
         """
-        corners = finite_array("polygon", polygon, (-1, 2)) if len(polygon) else np.empty((0, 2))
+        corners = finite_array("corners", corners, (-1, 2)) if len(corners) else np.empty((0, 2))
         if len(corners) > _MOST:
-            raise ValueError(f"polygon must have at most {_MOST} corners, got {len(corners)}")
-        self._change(**{_checked(part): np.array(corners)})
+            raise ValueError(f"corners must be at most {_MOST}, got {len(corners)}")
+        self._change({_checked(part): np.array(corners)})
 
-    def move(self, part: str, corner: int, to: Any) -> None:
-        """Move a corner."""
-        polygon = self._polygon(part).copy()
-        polygon[self._index(part, corner)] = finite_array("to", to, (2,))
-        self.put(part, polygon)
+    def move(self, part: str, corner: int, to: Any, *, goes_on: bool = False) -> None:
+        """Move a corner; `goes_on`: it is the same change as the one before, undone with it."""
+        corners = self._polygon(part).copy()
+        corners[self._index(part, corner)] = finite_array("to", to, (2,))
+        self._change({part: corners}, goes_on=goes_on)
 
     def insert(self, part: str, corner: int, at: Any) -> None:
         """Insert a corner before another one; as many as there are = behind the last one."""
-        polygon = self._polygon(part)
-        corner = check_int("corner", corner, minimum=0, maximum=len(polygon))
-        self.put(part, np.insert(polygon, corner, finite_array("at", at, (2,)), axis=0))
+        corners = self._polygon(part)
+        corner = check_int("corner", corner, minimum=0, maximum=len(corners))
+        self.put(part, np.insert(corners, corner, finite_array("at", at, (2,)), axis=0))
 
     def remove(self, part: str, corner: int) -> None:
         """Remove a corner."""
@@ -95,14 +101,19 @@ class RobotDrawing:
     def turn(self, degrees: float) -> None:
         """Turn the heading: the robot faces right after so much more of a clockwise rotation."""
         turned = self.sketch.alignment + check_float("degrees", degrees, "degrees")
-        self._change(alignment=float(np.remainder(turned + 180, 360) - 180))
+        self._change({"alignment": float(np.remainder(turned + 180, 360) - 180)})
 
-    def face(self, towards: Any) -> None:
+    def face(self, towards: Any, *, goes_on: bool = False) -> None:
         """Let the robot face a point of the picture, as seen from its centre."""
         right, down = finite_array("towards", towards, (2,)) - self.centre
         if np.hypot(right, down) < 1:
             raise ValueError("towards must lie beside the centre of the robot")
-        self._change(alignment=float(-np.degrees(np.arctan2(down, right))))
+        alignment = float(-np.degrees(np.arctan2(down, right)))
+        self._change({"alignment": alignment}, goes_on=goes_on)
+
+    def resize(self, size: float) -> None:
+        """Set the width of the picture on the work area (px)."""
+        self._change({"size": check_float("size", size, "px", minimum=1, maximum=10_000)})
 
     def scale(self, one: Any, other: Any, distance: float) -> None:
         """Set the size by two points of the picture that are so far apart (work-area px)."""
@@ -111,7 +122,7 @@ class RobotDrawing:
         pixels = float(np.hypot(*apart))
         if pixels < 1:
             raise ValueError("one and other must be a pixel apart, at least")
-        self._change(size=distance / pixels * self.sketch.image.shape[1])
+        self.resize(distance / pixels * self.sketch.image.shape[1])
 
     @property
     def centre(self) -> Floats:
@@ -155,14 +166,11 @@ class RobotDrawing:
         if missing:
             return [f"{part} needs {_FEWEST} corners at least" for part in missing]
         height, width = sketch.image.shape[:2]
-        return geometry_problems(
-            width=width,
-            height=height,
-            centre=self.centre,
-            outline=sketch.outline,
-            red=sketch.red,
-            blue=sketch.blue,
-        )
+        try:  # without corners that lie on each other
+            polygons = {part: polygon(part, getattr(sketch, part)) for part in PARTS}
+        except ValueError as error:
+            return [str(error)]
+        return geometry_problems(width=width, height=height, centre=self.centre, **polygons)
 
     def definition(self, name: str) -> RobotDefinition:
         """Return the robot; ValueError if something is missing or wrong."""
@@ -171,7 +179,7 @@ class RobotDrawing:
         sketch = self.sketch
         return RobotDefinition(
             name=name,
-            image=sketch.image,
+            image=self._cut_out(),
             size=sketch.size,
             alignment=sketch.alignment,
             centre=self.centre,
@@ -180,15 +188,25 @@ class RobotDrawing:
             blue=sketch.blue,
         )
 
+    def _cut_out(self) -> Pixels:
+        """Return the picture; what surrounds the robot in one without transparency is cut off."""
+        image = self.sketch.image
+        if (image[..., 3] < 255).any():
+            return image
+        height, width = image.shape[:2]
+        inside = mask(self.sketch.outline, width, height)
+        return np.dstack([image[..., :3], np.where(inside, 255, 0).astype(np.uint8)])
+
     def _polygon(self, part: str) -> Floats:
-        polygon: Floats = getattr(self.sketch, _checked(part))
-        return polygon
+        corners: Floats = getattr(self.sketch, _checked(part))
+        return corners
 
     def _index(self, part: str, corner: int) -> int:
         return check_int("corner", corner, minimum=0, maximum=len(self._polygon(part)) - 1)
 
-    def _change(self, **changes: Any) -> None:
-        self._before = [*self._before[1 - _MOST_CHANGES :], self.sketch]
+    def _change(self, changes: dict[str, Any], *, goes_on: bool = False) -> None:
+        if not (goes_on and self._before):
+            self._before = [*self._before[1 - _MOST_CHANGES :], self.sketch]
         self._after.clear()
         self.sketch = replace(self.sketch, **changes)
 

@@ -16,7 +16,7 @@ _RIM = 0.06  # of the shorter side: what is floor
 _SIGMA = 1.4826  # of a normal distribution, by its median absolute deviation
 _LEAST_SPREAD = 3.0  # levels
 _FAR = 6.0  # spreads from the floor
-_WINDOW = 5  # px; noise is no robot
+_WINDOW = 0.07  # of the shorter side; noise, and seams of the floor, are no robot
 _PAINT = (255, 0, 0)
 _PAINTED = ColorClass("painted", v=(200, 255))
 
@@ -39,8 +39,9 @@ def guess_outline(image: Pixels) -> Floats:
     middle = np.median(floor, axis=0)
     spread = np.maximum(_SIGMA * np.median(np.abs(floor - middle), axis=0), _LEAST_SPREAD)
     distance = np.sqrt(np.square((yuv - middle) / spread).sum(axis=2))
-    stands_out = _mean(distance > _FAR) > 0.5
-    painted = np.where(stands_out[..., None], np.uint8(_PAINT), np.uint8(0))
+    window = 2 * round(_WINDOW * min(image.shape[:2]) / 2) + 1
+    stands_out = _mean(distance > _FAR, window) > 0.5
+    painted = np.where(stands_out[..., None], np.array(_PAINT, np.uint8), np.uint8(0))
     least = max(9, image.shape[0] * image.shape[1] // 400)
     blobs = find_blobs(painted, [_PAINTED], minimum_area=least, maximum_count=1)["painted"]
     if not blobs:
@@ -72,11 +73,9 @@ def _rim(height: int, width: int) -> np.ndarray[tuple[int, int], np.dtype[np.boo
     return rim
 
 
-def _mean(values: np.ndarray[tuple[int, int], np.dtype[np.bool_]]) -> Floats:
-    """Return the share of true values in a window around each pixel."""
-    half = _WINDOW // 2
-    padded = np.pad(values.astype(float), half, mode="edge")
+def _mean(values: np.ndarray[tuple[int, int], np.dtype[np.bool_]], n: int) -> Floats:
+    """Return the share of true values in a window of n x n around each pixel."""
+    padded = np.pad(values.astype(float), n // 2, mode="edge")
     sums = np.pad(padded.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
-    n = _WINDOW
     found: Floats = sums[n:, n:] - sums[:-n, n:] - sums[n:, :-n] + sums[:-n, :-n]
     return found / n**2

@@ -1,0 +1,208 @@
+"""The panel that defines a robot: its picture, its polygons, its heading, its size, its name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from robsim._base.checks import check_float
+from robsim._core import ColorClass
+from robsim.gui._link import Link
+from robsim.gui._messages import Messages
+from robsim.gui._tools.opening import over_floor
+from robsim.gui._tools.pictures import OnePicture, Picture, Pictures
+from robsim.gui._tools.robots.drawing import PARTS, RobotDrawing, Sketch
+from robsim.gui._tools.robots.guess import guess_marker, guess_outline
+from robsim.gui._tools.robots.messages import MESSAGES
+from robsim.gui._tools.tool import ToolView, in_place
+from robsim.robots import RobotDefinition, add_robot, load_robot
+from robsim.robots._lookup import robot_names
+
+_SQUARE = 0.4  # of the shorter side of a picture
+_SMALLEST = 8.0  # px
+
+
+class RobotsView(ToolView):
+    """Defines a robot, of a picture that is captured, or of a robot that there is.
+
+    Parameters
+    ----------
+    source : Pictures or None
+        Where a picture is captured from; None = nowhere.
+    robot : RobotDefinition
+        What is drawn at first.
+    colors : iterable of ColorClass
+        Those of the markers, for first guesses.
+    """
+
+    kind: ClassVar[str] = "robots"
+    messages: ClassVar[Messages] = MESSAGES
+
+    def __init__(
+        self, source: Pictures | None, robot: RobotDefinition, colors: Iterable[ColorClass]
+    ) -> None:
+        self.drawing = RobotDrawing(sketch_of(robot))
+        self.name = robot.name
+        self._loaded = robot
+        self._colors = tuple(colors)
+        self._part = PARTS[0]
+        self._square: tuple[float, float, float] | None = None  # centre and side (px)
+        drawn = OnePicture(over_floor(robot.image), robot.name)
+        super().__init__(drawn if source is None else source)
+        self.is_frozen = source is None  # the drawing is shown, and no newer picture
+        if source is None:
+            self.post(self._show_drawing)
+
+    def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
+        drawing = self.drawing
+        changes: dict[str, Callable[[dict[str, Any]], object]] = {
+            "move": lambda m: drawing.move(self._part, m["corner"], m["at"], goes_on=m["goes_on"]),
+            "insert": lambda m: drawing.insert(self._part, m["corner"], m["at"]),
+            "cut": lambda m: drawing.remove(self._part, m["corner"]),
+            "clear": lambda _: drawing.put(self._part, []),
+            "guess": lambda _: self._guess(self._part),
+            "turn": lambda m: drawing.turn(m["degrees"]),
+            "face": lambda m: drawing.face(m["at"], goes_on=m["goes_on"]),
+            "resize": lambda m: drawing.resize(m["size"]),
+            "scale": lambda m: drawing.scale(m["one"], m["other"], m["distance"]),
+            "undo": lambda _: drawing.undo(),
+            "redo": lambda _: drawing.redo(),
+        }
+        acts: dict[str, Callable[[dict[str, Any]], object]] = {
+            "load": lambda m: self.load(load_robot(m["name"])),
+            "square": lambda m: self._put_square(m["at"], m["side"]),
+            "capture": lambda _: self.capture(),
+            "resume": lambda _: self._resume(),
+            "part": lambda m: self._choose(m["name"]),
+            "reset": lambda _: self.load(self._loaded),
+            "save": lambda m: self._save(m["name"], m["overwrite"]),
+        }
+        handlers = {name: in_place(act) for name, act in acts.items()}
+        handlers |= {name: in_place(self._changing(act)) for name, act in changes.items()}
+        return {**super().handlers(), **handlers}
+
+    def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
+        return {}, []
+
+    def state(self) -> dict[str, Any]:
+        sketch = self.drawing.sketch
+        return {
+            "mode": "draw" if self.is_frozen else "capture",
+            "can_capture": not isinstance(self.source, OnePicture),
+            "square": self._square and [*self._square],
+            "name": self.name,
+            "robots": robot_names(),
+            "part": self._part,
+            "parts": {part: getattr(sketch, part).tolist() for part in PARTS},
+            "centre": self.drawing.centre.tolist(),
+            "alignment": sketch.alignment,
+            "size": sketch.size,
+            "problems": self.drawing.problems(),
+            "can_undo": self.drawing.can_undo,
+            "can_redo": self.drawing.can_redo,
+        }
+
+    def changed_picture(self) -> None:
+        if self._square is None and self.picture is not None and not self.is_frozen:
+            height, width = self.picture.frame.image.shape[:2]
+            self._square = (width / 2, height / 2, _SQUARE * min(width, height))
+
+    # What changes it; TypeError, ValueError or OSError: nothing was changed.
+
+    def change(self, change: Callable[[], object]) -> None:
+        """Do what changes the drawing, and tell what came of it."""
+        try:
+            change()
+        finally:
+            self.tell_state()
+
+    def load(self, robot: RobotDefinition) -> None:
+        """Draw on a robot that there is."""
+        self.drawing.begin(sketch_of(robot))
+        self.name, self._loaded = robot.name, robot
+        self._show_drawing()
+
+    def capture(self) -> None:
+        """Draw on what the square of the live picture shows, with first guesses of all parts."""
+        if self.picture is None or self._square is None or self.is_frozen:
+            raise ValueError("there is no live picture to capture")
+        pixels = _cut_out(self.picture.frame.image, self._square)
+        alpha = np.full((*pixels.shape[:2], 1), 255, np.uint8)
+        sketch = Sketch(np.concatenate([pixels, alpha], axis=2), size=self.drawing.sketch.size)
+        self.drawing.begin(sketch)
+        for part in PARTS:
+            try:
+                self._guess(part)
+            except ValueError:
+                break  # it is drawn by hand
+        self.drawing.begin(self.drawing.sketch)
+        self._part = PARTS[0]
+        self._show_drawing()
+
+    def save(self, name: str, *, overwrite: bool = False) -> RobotDefinition:
+        """Add the robot to the user's, where it survives a restart."""
+        robot = add_robot(
+            name, self.drawing.definition(name), overwrite=overwrite, ignore_colors=True
+        )
+        self.name, self._loaded = robot.name, robot
+        self.tell_state()
+        return robot
+
+    def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
+        return lambda message: self.change(lambda: act(message))
+
+    def _choose(self, part: str) -> None:
+        if part not in PARTS:
+            raise ValueError(f"part must be one of {', '.join(PARTS)}")
+        self._part = part
+        self.tell_state()
+
+    def _guess(self, part: str) -> None:
+        image = over_floor(self.drawing.sketch.image).image
+        if part == "outline":
+            self.drawing.put(part, guess_outline(image))
+        else:
+            outline = self.drawing.sketch.outline
+            self.drawing.put(part, guess_marker(image, outline, part, self._colors))
+
+    def _put_square(self, at: tuple[float, float], side: float) -> None:
+        if self.picture is None:
+            raise ValueError("there is no picture yet")
+        height, width = self.picture.frame.image.shape[:2]
+        side = check_float("side", min(side, width, height), "px", minimum=_SMALLEST)
+        u = min(max(at[0], side / 2), width - side / 2)
+        v = min(max(at[1], side / 2), height - side / 2)
+        self._square = (u, v, side)
+        self.tell_state()
+
+    def _resume(self) -> None:
+        if isinstance(self.source, OnePicture):
+            raise ValueError("there is no camera to go back to")
+        self.is_frozen = False
+        self._show()
+        self.tell_state()
+
+    def _save(self, name: str, overwrite: bool) -> None:
+        self.note(f"saved as {self.save(name, overwrite=overwrite).name}", "info")
+
+    def _show_drawing(self) -> None:
+        self.is_frozen = True
+        self.show(Picture(over_floor(self.drawing.sketch.image), self.name))
+        self.tell_state()
+
+
+def sketch_of(robot: RobotDefinition) -> Sketch:
+    """Return what there is of a robot."""
+    names = ("image", "size", "alignment", *PARTS)
+    return Sketch(**{name: getattr(robot, name) for name in names})
+
+
+def _cut_out(image: np.ndarray[Any, Any], square: tuple[float, float, float]) -> Any:
+    u, v, side = square
+    count = round(side)
+    left, top = (round(middle - side / 2) for middle in (u, v))
+    height, width = image.shape[:2]
+    left, top = min(max(left, 0), width - count), min(max(top, 0), height - count)
+    return np.array(image[top : top + count, left : left + count])
