@@ -2,9 +2,10 @@
 // What a host calls: render({model, el}). Of the model it uses get, send, on and off alone.
 import { renderColors } from "./colors.js";
 import { renderPanel } from "./panel.js";
+import { renderRobots } from "./robots.js";
 import { make } from "./base/dom.js";
 
-const VIEWS = { panel: renderPanel, colors: renderColors };
+const VIEWS = { panel: renderPanel, colors: renderColors, robots: renderRobots };
 
 function render({ model, el }) {
   const id = crypto.getRandomValues(new Uint32Array(2)).join("");

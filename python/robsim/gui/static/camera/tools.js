@@ -1,5 +1,6 @@
 // @ts-check
 // Where the robot is to go: a point that is clicked, a path that is drawn, both also by keys.
+import { ARROWS } from "../base/arrows.js";
 import { makeTextButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
@@ -7,7 +8,6 @@ import { makeDraft } from "./draft.js";
 import { drawLine } from "./overlays.js";
 
 const CROSS_STEP = 10; // px of the work area; with Shift ten times as many
-const CROSS_MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const TOOLS = ["go_to", "draw_path"];
 
 /**
@@ -62,7 +62,7 @@ export function makeTools(context, canvas, changed) {
     const isPath = active() == "draw_path";
     if (key == "Escape" && chosen) leave();
     else if (active() == "look") return false;
-    else if (key in CROSS_MOVES) cross.move(CROSS_MOVES[key], shiftKey);
+    else if (key in ARROWS) cross.move(ARROWS[key], shiftKey);
     else if (key == "Enter" && isPath) finish();
     else if ((key == "Enter" || key == " ") && cross.at) set(cross.at);
     else if (key == "Backspace" && isPath) draft.points.pop();

@@ -1,8 +1,8 @@
 // @ts-check
 // A rectangle that is drawn on the picture with the pointer, or moved by keys.
+import { ARROWS } from "../base/arrows.js";
 import { painter } from "../base/dom.js";
 
-const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const FIRST = 0.05; // of the picture: a region that the keys begin with
 
 /**
@@ -68,9 +68,9 @@ export function makeRegionTool(context, { lens, changed, mark }) {
     dragEnd: () => changed(),
     giveUp: () => changed(),
     key: (event) => {
-      const isMove = event.key in MOVES;
+      const isMove = event.key in ARROWS;
       if (event.key == "Enter" || (isMove && !region)) begin();
-      else if (isMove) move(MOVES[event.key], event);
+      else if (isMove) move(ARROWS[event.key], event);
       else return false;
       return true;
     },
