@@ -8,11 +8,15 @@ from fake_host import FakeHost, Tabs
 from panel_watcher import Watcher
 from robsim.gui._hosts.page import Page
 from robsim.gui._panel.view import PanelView
+from waiting import wait_for
 
 ARGUMENTS = [
     *("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"),
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
 ]
+
+#: What is on a canvas before a picture: nothing, then the ground of either theme.
+BARE = ("0,0,0,0", "128,128,128,255", "232,234,238,255", "10,12,15,255")
 
 
 @pytest.fixture
@@ -89,8 +93,18 @@ def open_panel(open_view):
 
 @pytest.fixture
 def open_tool(open_view):
-    """Return a function that shows a tool in a page of the browser."""
-    return lambda tool, **options: open_view(tool._view, **options)
+    """Return a function that shows a tool in a page of the browser, with its picture."""
+    middle = (
+        "(() => { const c = document.querySelector('.robsim-camera canvas');"
+        " return c.getContext('2d').getImageData(c.width / 2, c.height / 2, 1, 1).data.join(); })()"
+    )
+
+    def open_it(tool, **options):
+        tab = open_view(tool._view, **options)
+        wait_for(lambda: tab.evaluate(middle) not in BARE)
+        return tab
+
+    return open_it
 
 
 @pytest.fixture(scope="module")

@@ -10,11 +10,13 @@ from robsim.gui._hosts.script import STATIC
 from robsim.gui._panel.messages import MESSAGES
 from robsim.gui._panel.view import PanelView
 from robsim.gui._tools.colors.messages import MESSAGES as COLOR_MESSAGES
+from robsim.gui._tools.robots.messages import MESSAGES as ROBOT_MESSAGES
 
 GUI = STATIC.parent
 RUN, TOOLS = (GUI / "PROTOCOL.md").read_text("utf-8").split("## Tools\n")
 TO_BROWSER, FROM_BROWSER = RUN.split("## From the browser")
-TOOLS_TO, TOOLS_FROM = TOOLS.split("### Tools, from the browser")
+TOOLS_TO, REST = TOOLS.split("### Tools, from the browser")
+TOOLS_FROM, ROBOTS = REST.split("### Defining a robot")
 ROW = re.compile(r"^\| `(\w+)` \| (.*?) \|", re.MULTILINE)
 
 
@@ -23,7 +25,12 @@ def rows(text):
 
 
 @pytest.mark.parametrize(
-    ("text", "messages"), [(FROM_BROWSER, MESSAGES), (FROM_BROWSER + TOOLS_FROM, COLOR_MESSAGES)]
+    ("text", "messages"),
+    [
+        (FROM_BROWSER, MESSAGES),
+        (FROM_BROWSER + TOOLS_FROM, COLOR_MESSAGES),
+        (FROM_BROWSER + TOOLS_FROM + ROBOTS, ROBOT_MESSAGES),
+    ],
 )
 def test_every_message_from_a_browser_stands_there_with_its_fields(text, messages):
     told = rows(text)
@@ -44,6 +51,12 @@ def test_every_message_to_a_browser_stands_there():
     told = rows(TO_BROWSER.split("`setup` may come again")[0])
     assert sent_by(GUI, "_tools") == {"setup", "state", *told}
     assert sent_by(GUI / "_tools") == set(rows(TOOLS_TO))
+
+
+def test_every_field_of_the_state_of_a_robot_stands_there():
+    with robsim.gui.robot_panel(robot="lab") as tool:
+        told = set(re.findall(r"`(\w+)`", ROBOTS)) | rows(TOOLS_TO)["state"]
+        assert set(tool._view._state()) - {"type"} <= told
 
 
 def test_every_field_of_what_a_tool_tells_stands_there():

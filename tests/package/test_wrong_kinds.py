@@ -317,6 +317,7 @@ OBJECTS = {
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
     "ColorPanel": lambda: robsim.color_panel(image()),
     "Panel": lambda: robsim.panel(run()),
+    "RobotPanel": robsim.gui.robot_panel,
     "Identifiability": lambda: robsim.identifiability(trace()),
     "Report": report,
     "Session": session,

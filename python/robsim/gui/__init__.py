@@ -3,7 +3,8 @@
 from robsim._base.public import present as _present
 from robsim.gui._facade import Panel, panel
 from robsim.gui._tools.colors.panel import ColorPanel, color_panel
+from robsim.gui._tools.robots.panel import RobotPanel, robot_panel
 
-__all__ = ["ColorPanel", "Panel", "color_panel", "panel"]
+__all__ = ["ColorPanel", "Panel", "RobotPanel", "color_panel", "panel", "robot_panel"]
 
 _present(globals())

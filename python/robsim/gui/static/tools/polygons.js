@@ -40,14 +40,14 @@ export function makePolygons(context, picture) {
     context.send({ type: "insert", corner, at });
   };
   const cut = () => {
-    if (chosen < 0 || chosen >= corners().length) return false;
+    if (chosen < 0) return false;
     context.send({ type: "cut", corner: chosen });
     chosen = -1;
     return true;
   };
   context.on("state", () => {
     if (held == null) local = null;
-    if (chosen >= corners().length) chosen = -1;
+    if (chosen > corners().length) chosen = -1; // the last one may be on its way to Python
     picture().later();
   });
   return {

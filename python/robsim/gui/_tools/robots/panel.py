@@ -1,0 +1,175 @@
+"""What users hold of the panel that defines a robot: `robot_panel` opens it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from os import PathLike
+
+from numpy.typing import ArrayLike
+
+from robsim._base.checks import check_bool
+from robsim._core import ColorClass, Frame
+from robsim.capture import Camera
+from robsim.gui._hosted import HostedPanel
+from robsim.gui._tools.opening import pictures_of
+from robsim.gui._tools.robots.view import RobotsView
+from robsim.imaging import Recording
+from robsim.imaging._images import Pixels
+from robsim.robots import RobotDefinition
+from robsim.robots._lookup import as_robot
+from robsim.simulation import Experiment, Simulation
+from robsim.simulation._options import colors_value
+
+Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
+
+
+def robot_panel(
+    what: Seen | str | PathLike[str] | None = None,
+    *,
+    robot: str | PathLike[str] | RobotDefinition | None = None,
+    colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+) -> RobotPanel:
+    """Open the panel that defines a robot: capture its picture, draw outline and markers, save it.
+
+    Parameters
+    ----------
+    what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
+        What its picture is captured from. A path is that of a picture, of a folder of them, or of a
+        video. Default: nothing; a robot that there is, is drawn on.
+    robot : name, path or RobotDefinition, optional
+        What is drawn at first. Default: the default robot.
+    colors : path or iterable of ColorClass, optional
+        Those of the markers, by which they are guessed. Default: the shipped ones.
+
+    Returns
+    -------
+    RobotPanel
+        The panel; `RobotPanel.value` has the robot.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    TypeError, ValueError
+        If an argument has the wrong type, or is no such file; the message names it.
+
+    Examples
+    --------
+    In a notebook, as the last lines of a cell, and when it is drawn in the next one:
+
+    >>> tool = robsim.gui.robot_panel("photo.png")
+    >>> tool
+
+    >>> sim = robsim.Simulation(robot=tool.value, measure=True)
+    """
+    definition = as_robot(robot)
+    known = colors_value(colors, None)
+    source = None if what is None else pictures_of(what, definition)
+    return RobotPanel(RobotsView(source, definition, known))
+
+
+class RobotPanel(HostedPanel):
+    """The panel that defines a robot; `robsim.gui.robot_panel` makes it.
+
+    What its mouse does can be done by its methods, from any thread. A context closes it at its end;
+    what it looked at stays open.
+    """
+
+    _maker = "robsim.gui.robot_panel"
+    _view: RobotsView
+
+    def __init__(self, view: RobotsView) -> None:
+        self._view = view
+        super().__init__()
+
+    @property
+    def value(self) -> RobotDefinition:
+        """The robot as it is drawn now; a ValueError says what is missing. It can be set."""
+        return self._view.ask(lambda: self._view.drawing.definition(self._view.name))
+
+    @value.setter
+    def value(self, robot: str | PathLike[str] | RobotDefinition) -> None:
+        definition = as_robot(robot)
+        self._view.ask(lambda: self._view.load(definition))
+
+    def capture(self) -> None:
+        """Draw on what the square of the live picture shows, with first guesses.
+
+        Raises
+        ------
+        ValueError
+            If there is no live picture.
+        """
+        self._view.ask(self._view.capture)
+
+    def draw(self, part: str, polygon: ArrayLike) -> None:
+        """Draw a polygon.
+
+        Parameters
+        ----------
+        part : str
+            ``"outline"``, ``"red"`` or ``"blue"``.
+        polygon : array (N, 2)
+            Its corners (image px): right, down.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument has the wrong type or shape; nothing is changed then.
+        """
+        view = self._view
+        view.ask(lambda: view.change(lambda: view.drawing.put(part, polygon)))
+
+    def turn(self, degrees: float) -> None:
+        """Turn the picture against the heading.
+
+        Parameters
+        ----------
+        degrees : float
+            Clockwise rotation that is added (degrees).
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is no number.
+        """
+        view = self._view
+        view.ask(lambda: view.change(lambda: view.drawing.turn(degrees)))
+
+    def undo(self) -> None:
+        """Undo the last change; nothing if there is none."""
+        self._view.ask(lambda: self._view.change(self._view.drawing.undo))
+
+    def save(self, name: str, *, overwrite: bool = False) -> RobotDefinition:
+        """Add the robot to your own, where it survives a restart.
+
+        Parameters
+        ----------
+        name : str
+            Its name, which no robot that ships has.
+        overwrite : bool
+            Replace your robot of this name, if there is one.
+
+        Returns
+        -------
+        RobotDefinition
+            The robot.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If the name is not valid or taken, or the robot is not complete.
+        """
+        check_bool("overwrite", overwrite)
+        return self._view.ask(lambda: self._view.save(name, overwrite=overwrite))
+
+    def __repr__(self) -> str:
+        problems = self._view.drawing.problems()
+        return f"<robsim.gui.RobotPanel: {self._view.name}{', incomplete' * bool(problems)}>"
+
+    @property
+    def _is_closed(self) -> bool:
+        return self._view.is_over
+
+    def _pause_soon(self) -> None:
+        pass  # nothing runs

@@ -1,0 +1,123 @@
+"""The panel that defines a robot, with the mouse and the keys, in Chromium."""
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.robots import load_robot
+from waiting import wait_for
+
+pytestmark = pytest.mark.slow
+
+
+class Mouse:
+    """A tool in a tab, as it is used with the mouse."""
+
+    def __init__(self, tool, tab):
+        self.tool, self.tab = tool, tab
+        self.drawing = tool._view.drawing
+        self.canvas = tab.locator(".robsim-camera canvas")
+        wait_for(lambda: tool._view.picture is not None)
+        height, width = tool._view.picture.frame.image.shape[:2]
+        box = self.canvas.bounding_box()
+        self.scale = min(box["width"] / width, box["height"] / height)
+        self.left = box["x"] + (box["width"] - width * self.scale) / 2
+        self.top = box["y"] + (box["height"] - height * self.scale) / 2
+
+    def at(self, point):
+        return (
+            self.left + (point[0] + 0.5) * self.scale,
+            self.top + (point[1] + 0.5) * self.scale,
+        )
+
+    def drag(self, start, end):
+        self.tab.mouse.move(*self.at(start))
+        self.tab.mouse.down()
+        self.tab.mouse.move(*self.at(end), steps=5)
+        self.tab.mouse.up()
+
+    def choose(self, part):
+        self.tab.click(f".robsim-segments [value={part}]")
+        wait_for(lambda: self.tool._view._part == part)
+
+
+@pytest.fixture(params=["light", "dark"])
+def mouse(request, open_tool, user_folder):
+    with robsim.gui.robot_panel(robot="lab") as tool:
+        yield Mouse(tool, open_tool(tool, theme=request.param))
+
+
+def test_corners_are_dragged_put_on_edges_and_removed(mouse):
+    before = mouse.drawing.sketch.red
+    mouse.choose("red")
+    corner = before[0]
+    mouse.drag(corner, corner + np.array((12, -9)))
+    wait_for(
+        lambda: np.allclose(mouse.drawing.sketch.red[0], corner + np.array((12, -9)), atol=1.5)
+    )
+    mouse.tab.keyboard.press("Control+z")
+    wait_for(lambda: np.array_equal(mouse.drawing.sketch.red, before))
+    middle = before.mean(axis=0)
+    mouse.tab.mouse.click(*mouse.at(middle))
+    wait_for(lambda: len(mouse.drawing.sketch.red) == len(before) + 1)
+    mouse.tab.keyboard.press("Delete")
+    wait_for(lambda: len(mouse.drawing.sketch.red) == len(before))
+    assert np.array_equal(mouse.drawing.sketch.red, before)
+
+
+def test_the_arrow_is_dragged_to_where_it_faces(mouse):
+    centre = mouse.drawing.centre
+    state = mouse.tool._view._state()
+    angle = np.deg2rad(-state["alignment"])
+    end = centre + 46 / mouse.scale * np.array((np.cos(angle), np.sin(angle)))
+    mouse.drag(end, centre + np.array((60, 0)))
+    wait_for(lambda: abs(mouse.drawing.sketch.alignment) < 2)
+    mouse.tab.click("text=+10°")
+    wait_for(lambda: abs(mouse.drawing.sketch.alignment - 10) < 2)
+    mouse.tab.click("[name=reset_robot]")
+    wait_for(lambda: mouse.drawing.sketch.alignment == load_robot("lab").alignment)
+
+
+def test_a_part_is_cleared_guessed_and_the_next_one_comes_by_enter(mouse):
+    mouse.tab.click("[name=clear]")
+    wait_for(lambda: len(mouse.drawing.sketch.outline) == 0)
+    problems = mouse.tab.locator(".robsim-problems")
+    wait_for(lambda: "outline needs 3 corners" in problems.inner_text())
+    assert mouse.tab.is_disabled("[name=save_robot]")
+    mouse.tab.click("[name=guess]")
+    wait_for(lambda: len(mouse.drawing.sketch.outline) > 5)
+    mouse.canvas.focus()
+    mouse.tab.keyboard.press("Enter")
+    wait_for(lambda: mouse.tool._view._part == "red")
+
+
+def test_another_robot_is_loaded_resized_and_saved(mouse):
+    mouse.tab.select_option("[name=robot]", "robot2")
+    wait_for(lambda: mouse.tool._view.name == "robot2")
+    mouse.tab.fill("[name=robot_size]", "150")
+    mouse.tab.press("[name=robot_size]", "Tab")
+    wait_for(lambda: mouse.drawing.sketch.size == 150)
+    mouse.tab.fill("[name=robot_name]", "mine")
+    mouse.tab.click("[name=save_robot]")
+    wait_for(lambda: "mine" in robsim.robots.robot_names())
+    assert load_robot("mine").size == 150
+    mouse.tab.fill("[name=robot_name]", "lab")
+    mouse.tab.click("[name=save_robot]")
+    mouse.tab.wait_for_selector(".robsim-toast-error")
+
+
+def test_a_square_of_a_simulation_is_captured(open_tool, user_folder):
+    sim = robsim.Simulation(robot="lab", start=(400, 500, 0.6), headings=None, seed=2)
+    with robsim.gui.robot_panel(sim, robot="sheep") as tool:
+        mouse = Mouse(tool, open_tool(tool))
+        u, v, side = tool._view._square
+        mouse.drag((u, v), (400, 500))
+        wait_for(lambda: np.allclose(tool._view._square[:2], (400, 500), atol=2))
+        corner = np.array((400 + side / 2, 500 + side / 2))
+        mouse.drag(corner, (400 + 90, 500 + 90))
+        wait_for(lambda: abs(tool._view._square[2] - 180) < 5)
+        mouse.tab.click("[name=capture]")
+        wait_for(lambda: tool._view._state()["mode"] == "draw")
+        assert tool._view.drawing.problems() == []
+        mouse.tab.click("[name=resume]")
+        wait_for(lambda: tool._view._state()["mode"] == "capture")
