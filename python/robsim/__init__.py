@@ -42,12 +42,10 @@ if _TYPE_CHECKING:
     from robsim import plotting as plotting
     from robsim import reference as reference
     from robsim.doctor import check_estimator, check_parameter_estimator
-    from robsim.gui import color_panel, panel
+    from robsim.gui import color_panel, panel, robot_panel
     from robsim.plotting import (
         play,
         plot_batch,
-        plot_consistency,
-        plot_ellipses,
         plot_errors,
         plot_frame,
         plot_parameters,
@@ -95,14 +93,13 @@ __all__ = [
     "panel",
     "play",
     "plot_batch",
-    "plot_consistency",
-    "plot_ellipses",
     "plot_errors",
     "plot_frame",
     "plot_parameters",
     "plot_traces",
     "pose_consistency",
     "pose_errors",
+    "robot_panel",
     "score_path",
     "wrap_angle",
 ]
@@ -116,7 +113,7 @@ _LATE_NAMES = {
     name: "plotting" if name.startswith("pl") else "doctor"
     for name in __all__
     if name == "play" or name.startswith(("plot_", "check_"))
-} | {"panel": "gui", "color_panel": "gui"}
+} | dict.fromkeys(("color_panel", "panel", "robot_panel"), "gui")
 
 _ROOMS = (
     *(

@@ -54,7 +54,7 @@ def test_every_message_to_a_browser_stands_there():
 
 
 def test_every_field_of_the_state_of_a_robot_stands_there():
-    with robsim.gui.robot_panel(robot="lab") as tool:
+    with robsim.robot_panel(robot="lab") as tool:
         told = set(re.findall(r"`(\w+)`", ROBOTS)) | rows(TOOLS_TO)["state"]
         assert set(tool._view._state()) - {"type"} <= told
 

@@ -140,8 +140,8 @@ def test_turning_stays_within_a_half_turn_each_way(drawn):
     ("call", "said"),
     [
         (lambda d: d.put("green", RED), "part must be one of outline, red, blue, got 'green'"),
-        (lambda d: d.put("red", [(1, math.nan), (2, 3), (4, 5)]), "corners"),
-        (lambda d: d.put("red", np.zeros((201, 2))), "at most 200, got 201"),
+        (lambda d: d.put("red", [(1, math.nan), (2, 3), (4, 5)]), "polygon"),
+        (lambda d: d.put("red", np.zeros((201, 2))), "at most 200 corners, got 201"),
         (lambda d: d.move("red", 4, (1, 2)), "corner"),
         (lambda d: d.move("red", 0, (1, 2, 3)), "to"),
         (lambda d: d.insert("red", 5, (1, 2)), "corner"),

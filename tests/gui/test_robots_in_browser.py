@@ -43,7 +43,7 @@ class Mouse:
 
 @pytest.fixture(params=["light", "dark"])
 def mouse(request, open_tool, user_folder):
-    with robsim.gui.robot_panel(robot="lab") as tool:
+    with robsim.robot_panel(robot="lab") as tool:
         yield Mouse(tool, open_tool(tool, theme=request.param))
 
 
@@ -74,7 +74,7 @@ def test_the_arrow_is_dragged_to_where_it_faces(mouse):
     wait_for(lambda: abs(mouse.drawing.sketch.alignment) < 2)
     mouse.tab.click("text=+10°")
     wait_for(lambda: abs(mouse.drawing.sketch.alignment - 10) < 2)
-    mouse.tab.click("[name=reset_robot]")
+    mouse.tab.click("[name=as_before]")
     wait_for(lambda: mouse.drawing.sketch.alignment == load_robot("lab").alignment)
 
 
@@ -108,11 +108,13 @@ def test_another_robot_is_loaded_resized_and_saved(mouse):
 
 def test_a_square_of_a_simulation_is_captured(open_tool, user_folder):
     sim = robsim.Simulation(robot="lab", start=(400, 500, 0.6), headings=None, seed=2)
-    with robsim.gui.robot_panel(sim, robot="sheep") as tool:
+    with robsim.robot_panel(sim, robot="sheep") as tool:
         mouse = Mouse(tool, open_tool(tool))
         u, v, side = tool._view._square
         mouse.drag((u, v), (400, 500))
         wait_for(lambda: np.allclose(tool._view._square[:2], (400, 500), atol=2))
+        u, v, side = tool._view._square
+        mouse.tab.wait_for_selector(f"text=around ({u:.0f}, {v:.0f})")
         corner = np.array((400 + side / 2, 500 + side / 2))
         mouse.drag(corner, (400 + 90, 500 + 90))
         wait_for(lambda: abs(tool._view._square[2] - 180) < 5)

@@ -827,13 +827,17 @@ def test_every_figure_says_what_it_needs_and_where_to_get_it():
     for plot, name, source in (
         (plot_traces, "trace must be a Trace", "give sim.trace"),
         (plot_parameters, "trace must be a Trace", "give sim.trace"),
-        (robsim.plot_ellipses, "trace must be a Trace", "give sim.trace"),
+        (robsim.plotting.plot_ellipses, "trace must be a Trace", "give sim.trace"),
         (plot_frame, "frame must be a Frame", "give sim.frame"),
         (robsim.plotting.draw_overlay, "frame must be a Frame", "give sim.frame"),
         (robsim.plotting.plot_robot, "robot must be a RobotDefinition", "give sim.robot"),
         (plot_batch, "report must be a BatchEstimate", "give robsim.batch_estimate"),
         (robsim.plot_errors, "report must be an ErrorReport", runs),
-        (robsim.plot_consistency, "report must be a ConsistencyReport", "robsim.pose_consistency"),
+        (
+            robsim.plotting.plot_consistency,
+            "report must be a ConsistencyReport",
+            "robsim.pose_consistency",
+        ),
     ):
         for wrong, kind in ((sim, "a Simulation"), (None, "None"), (3, "an int")):
             with pytest.raises(TypeError, match=f"{name}, got {kind}: .*{source}"):
@@ -846,7 +850,7 @@ def test_every_figure_says_what_it_needs_and_where_to_get_it():
 
 def test_before_a_run_there_is_nothing_to_draw():
     sim = robsim.Simulation(seed=1, measure=True, estimate_parameters=True)
-    for plot in (plot_traces, plot_parameters, robsim.plot_ellipses):
+    for plot in (plot_traces, plot_parameters, robsim.plotting.plot_ellipses):
         with pytest.raises(ValueError, match="the trace has no steps yet: run the simulation"):
             plot(sim.trace)
     assert plot_frame(make_frame(), trace=sim.trace).images

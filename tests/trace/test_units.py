@@ -135,7 +135,7 @@ def test_figures_are_labelled(converted):
     assert f"b1X ({unit}/V)" in [label.get_text() for label in axes.get_yticklabels()]
     assert f"100 % = 1 {unit}" in axes.get_xlabel()
     assert f"100 % = 1 {unit}" in robsim.plot_parameters(converted).get_suptitle()
-    assert robsim.plot_ellipses(converted).get_xlabel() == f"x ({unit})"
+    assert robsim.plotting.plot_ellipses(converted).get_xlabel() == f"x ({unit})"
 
 
 def test_pictures_show_the_same(simulation, converted):

@@ -387,7 +387,7 @@ def nees_consistency(
     Returns
     -------
     ConsistencyReport
-        Values, band and verdict; print it, or draw it with `robsim.plot_consistency`.
+        Values, band and verdict; print it, or draw it with `robsim.plotting.plot_consistency`.
 
     Raises
     ------
@@ -419,7 +419,8 @@ def nis_consistency(
     Returns
     -------
     ConsistencyReport
-        Values, band, whiteness and verdict; print it, or draw it with `robsim.plot_consistency`.
+        Values, band, whiteness and verdict; print it, or draw it with
+        `robsim.plotting.plot_consistency`.
 
     Raises
     ------
@@ -449,7 +450,7 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
     Returns
     -------
     ConsistencyReport
-        NEES, band and verdict; print it, or draw it with `robsim.plot_consistency`.
+        NEES, band and verdict; print it, or draw it with `robsim.plotting.plot_consistency`.
 
     Raises
     ------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sized
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -67,7 +68,7 @@ class RobotDrawing:
 
     # Corners.
 
-    def put(self, part: str, corners: Any) -> None:
+    def put(self, part: str, polygon: Any) -> None:
         """Draw a polygon in place of what is there; none = nothing is drawn.
 
         Raises
@@ -75,9 +76,10 @@ class RobotDrawing:
         TypeError, ValueError
             If there is no such part, or it is no array (N, 2) of at most 200 corners.
         """
-        corners = finite_array("corners", corners, (-1, 2)) if len(corners) else np.empty((0, 2))
+        is_empty = isinstance(polygon, Sized) and len(polygon) == 0
+        corners = np.empty((0, 2)) if is_empty else finite_array("polygon", polygon, (-1, 2))
         if len(corners) > _MOST:
-            raise ValueError(f"corners must be at most {_MOST}, got {len(corners)}")
+            raise ValueError(f"polygon must have at most {_MOST} corners, got {len(corners)}")
         self._change({_checked(part): np.array(corners)})
 
     def move(self, part: str, corner: int, to: Any, *, goes_on: bool = False) -> None:
@@ -212,6 +214,6 @@ class RobotDrawing:
 
 
 def _checked(part: str) -> str:
-    if part not in PARTS:
+    if not isinstance(part, str) or part not in PARTS:
         raise ValueError(f"part must be one of {', '.join(PARTS)}, got {quoted(part)}")
     return part

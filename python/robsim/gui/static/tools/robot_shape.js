@@ -11,7 +11,7 @@ export function makeRobotShape(context) {
     ariaLabel: text("robots") });
   list.onchange = () => context.send({ type: "load", name: list.value });
   const act = (name, kind = "") => makeTextButton(name, kind, () => context.send({ type: name }));
-  const [reset, capture, resume] = [act("reset_robot"), act("capture", "robsim-primary"),
+  const [reset, capture, resume] = [act("as_before"), act("capture", "robsim-primary"),
     act("resume")];
   reset.onclick = () => context.send({ type: "reset" });
   const turns = TURNS.map((degrees) => {
@@ -19,6 +19,7 @@ export function makeRobotShape(context) {
     button.textContent = `${degrees > 0 ? "+" : "\u2212"}${Math.abs(degrees)}\u00b0`;
     return button;
   });
+  const square = make("output", { className: "robsim-number", name: "square" });
   const heading = make("output", { className: "robsim-number" });
   const size = numberField("robot_size", (value) =>
     context.send({ type: "resize", size: value }));
@@ -35,6 +36,9 @@ export function makeRobotShape(context) {
       list.replaceChildren(...names.map((value) => make("option", { value, textContent: value })));
     list.value = state.name;
     capture.hidden = state.mode != "capture";
+    const [u, v, side] = (state.mode == "capture" && state.square) || [];
+    square.textContent = side ? text("square", { u: Math.round(u), v: Math.round(v),
+      side: Math.round(side) }) : "";
     resume.hidden = state.mode != "draw" || !state.can_capture;
     heading.textContent = `${state.alignment.toFixed(1).replace("-", "\u2212")}\u00b0`;
     if (document.activeElement != size) size.value = String(Number(state.size.toFixed(2)));
@@ -44,7 +48,7 @@ export function makeRobotShape(context) {
   const words = (id) => make("span", { className: "robsim-quiet", textContent: text(id) });
   return {
     element: make("div", { className: "robsim-tool-part" },
-      row(list, reset, capture, resume),
+      row(list, reset, capture, resume, square),
       row(words("robot_heading"), ...turns, heading),
       row(words("robot_size"), size, words("robot_size_unit")),
       row(name, save)),
