@@ -2020,6 +2020,8 @@ class SimulatedWorld(World):
         ...
     def set_noise(self, noise: VisualNoise) -> None:
         ...
+    def set_robot_radius(self, radius: float) -> None:
+        ...
     def set_seeds(self, *, noise: int, dropout: int, disturbance: int) -> None:
         ...
     def set_start(self, start: numpy.typing.ArrayLike) -> None:
@@ -2264,6 +2266,10 @@ class Loop:
     def set_slot(self, slot: str, value: typing.Any) -> None:
         """
         Put a callable or a native component into a slot; None = the default.
+        """
+    def set_vision(self, colors: collections.abc.Sequence[ColorClass], markers: MarkerLayout, smoothing: int | None) -> None:
+        """
+        Look for other markers, in other colours, from the next step on.
         """
     def start(self) -> None:
         """

@@ -141,6 +141,15 @@ void bind_loop(py::module_& module) {
             self.robot().set_controller_seed(seed);
           },
           py::arg("seed"))
+      .def(
+          "set_vision",
+          [](SlottedLoop& self, const std::vector<ColorClass>& colors, const MarkerLayout& markers,
+             std::optional<int> smoothing) {
+            const RunGuard::Look look(self.guard());
+            self.robot().set_vision(colors, markers, smoothing);
+          },
+          py::arg("colors"), py::arg("markers"), py::arg("smoothing"),
+          "Look for other markers, in other colours, from the next step on.")
       .def_property_readonly(
           "minimum_area", [](SlottedLoop& self) { return blob_options_of(self).minimum_area; },
           "int: of the blobs in the newest frame (px).")

@@ -39,6 +39,7 @@ class SlottedWorld : public SimulatedWorld, public SlotValues {
       return make().cast<std::shared_ptr<Scene>>();
     };
     values["make_scene"] = make;
+    forget_scene();
   }
 
   void set_true_model(const py::object& draw) {
@@ -215,6 +216,7 @@ void bind_simulated_world(py::module_& module) {
             self.set_start(pose_from(start, "start"));
           },
           py::arg("start"))
+      .def("set_robot_radius", &SlottedWorld::set_robot_radius, py::arg("radius"))
       .def("set_noise", &SlottedWorld::set_noise, py::arg("noise"))
       .def("set_dropout", &SlottedWorld::set_dropout, py::arg("probability"), py::arg("steps"))
       .def(

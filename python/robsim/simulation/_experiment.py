@@ -182,6 +182,7 @@ class Experiment(Runner):
             calibration=as_calibration(calibration),
         )
         self._model = model_value(model)
+        self._given_markers = markers_value(markers)
         self._next_look = 1  # at the frames, by the number of steps
         stops = stop_input_value(stop_input)
         self._motors = None if send is None else Motors(send, stops)
@@ -195,7 +196,7 @@ class Experiment(Runner):
             boundary="recorded",
             seed=seed_sequence(seed),
             colors=colors_value(colors, smoothing_value(smoothing)),
-            markers=markers_value(markers) or definition.marker_layout(),
+            markers=self._given_markers or definition.marker_layout(),
             smoothing=smoothing_value(smoothing),
             identify_from=check_choice("identify_from", identify_from, tuple(POSES)),
             time_limit=time_limit,
@@ -217,6 +218,19 @@ class Experiment(Runner):
         if limits is not None:
             world.set_limits(limits_value(limits))
         return world
+
+    def _change_vision(self, **changes: Any) -> None:
+        self._core.check_thread()
+        if self._recording is not None and self._recording.has_begun:
+            (name,) = changes
+            raise RuntimeError(
+                f"{name} cannot be changed while a session is recorded, which has one: make a new "
+                "Experiment with another folder for record"
+            )
+        robot = changes.get("robot", self.robot)
+        markers = self._given_markers or robot.marker_layout()
+        self._look_for(robot, changes.get("colors", self.colors), markers)
+        self._note_change(changes)
 
     def __enter__(self) -> Self:
         return self

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from os import PathLike
 from threading import Lock
 from typing import Any, ClassVar
 
@@ -17,10 +18,12 @@ from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
 from robsim._base.text import quoted
 from robsim._core import ColorClass, Frame, MarkerLayout, Step
 from robsim.robots import RobotDefinition
+from robsim.robots._lookup import as_robot
 from robsim.simulation._callbacks.errors import callback_of
 from robsim.simulation._callbacks.memory import held
 from robsim.simulation._callbacks.missing_data import note_missing_data, unmet_needs
 from robsim.simulation._callbacks.misused_values import note_misuse
+from robsim.simulation._options import colors_value
 from robsim.simulation._run_info import run_info
 from robsim.simulation._slots import SLOTS
 from robsim.simulation._slotted import Slotted
@@ -50,12 +53,12 @@ class Runner(Slotted):
         time_limit: float | None,
     ) -> None:
         super().__init__(time_limit)
-        self.robot = robot
+        self._robot = robot
         self.area = area
         self.boundary = boundary
         self.identify_from = identify_from
-        self.colors = colors
-        self.markers = markers
+        self._colors = colors
+        self._markers = markers
         self._smoothing = smoothing
         self._guarding = Lock()
         self._pulse: Callable[[int], None] | None = None
@@ -74,6 +77,50 @@ class Runner(Slotted):
             identify_from=identify_from,
             controller_seed=stream_number(seed, "controller"),
         )
+
+    @property
+    def robot(self) -> RobotDefinition:
+        """The robot; another one is seen from the next step on."""
+        return self._robot
+
+    @robot.setter
+    def robot(self, robot: str | PathLike[str] | RobotDefinition) -> None:
+        if robot is None:
+            raise TypeError("robot must be a name, a folder or a RobotDefinition, got None")
+        self._change_vision(robot=as_robot(robot))
+
+    @property
+    def colors(self) -> tuple[ColorClass, ...]:
+        """The colour classes; others are looked for from the next step on."""
+        return self._colors
+
+    @colors.setter
+    def colors(self, colors: str | PathLike[str] | Iterable[ColorClass]) -> None:
+        if colors is None:
+            raise TypeError("colors must be a path or ColorClass objects, got None")
+        self._change_vision(colors=colors_value(colors, self._smoothing))
+
+    @property
+    def markers(self) -> MarkerLayout:
+        """Where the robot carries its markers."""
+        return self._markers
+
+    @abstractmethod
+    def _change_vision(self, **changes: Any) -> None:
+        """See another robot, or other colours, from the next step on."""
+
+    def _look_for(
+        self, robot: RobotDefinition, colors: tuple[ColorClass, ...], markers: MarkerLayout
+    ) -> None:
+        self._core.set_vision(colors, markers, self._smoothing)
+        self._robot, self._colors, self._markers = robot, colors, markers
+        self._is_marker_size_known = False
+
+    def _note_change(self, names: Iterable[str]) -> None:
+        """Note options that have changed, if in the middle of a run."""
+        self._run_info = []
+        if self._core.rows or self._core.is_running:
+            self._changed = tuple(sorted({*self._changed, *names}))
 
     def find_blobs(self, frame: Frame) -> dict[str, list[_core.Blob]]:
         """Return the blobs of a frame, found with the colours and smoothing of this object.
@@ -271,6 +318,10 @@ class Runner(Slotted):
             self._seed_core()
         if callbacks is not None:
             self._use(callbacks)
+        self._forget_run()
+
+    def _forget_run(self) -> None:
+        """Forget what was of the steps that are gone."""
         self._rng = None
         self._run_info = []
         self._changed = ()

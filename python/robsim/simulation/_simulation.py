@@ -160,6 +160,7 @@ class Simulation(WorldSlots, Runner):
             identify_from=self._scenario.identify_from,
             time_limit=time_limit,
         )
+        self._earlier: list[tuple[int, Simulation]] = []  # what draws the steps up to a number
         self._seed_core()
         apply_noise(self._world, self._scenario)
         apply_dropout(self._world, self._scenario)
@@ -218,13 +219,39 @@ class Simulation(WorldSlots, Runner):
     def _change(self, **changes: Any) -> None:
         self._core.check_thread()
         self._scenario = self._scenario.replace(**changes)
-        self._run_info = []
-        if self._core.rows or self._core.is_running:
-            self._changed = tuple(sorted({*self._changed, *changes}))
+        self._note_change(changes)
+
+    def _change_vision(self, **changes: Any) -> None:
+        self._core.check_thread()
+        scenario = self.scenario
+        changed = scenario.replace(**changes)
+        check_bounces(changed)
+        if "robot" in changes and (self._core.rows or self._core.stage != "world"):
+            self._keep_drawing(scenario)
+        self._change(**changes)
+        self._world.set_robot_radius(self._scenario._robot_definition.radius)
+        self._put("adjust_background", self._callbacks["adjust_background"])
+        self._look_for(
+            self._scenario._robot_definition,
+            self._scenario._color_classes,
+            self._scenario._marker_layout,
+        )
+
+    def _keep_drawing(self, scenario: Scenario) -> None:
+        """Let the steps up to now be drawn with the robot that was seen in them."""
+        newest = self._core.last_step
+        _ = newest.frame  # drawn now
+        once = {slot: self._callbacks[slot] for slot in ("adjust_background", "define_model")}
+        given = {slot: value for slot, value in once.items() if value is not None}
+        self._earlier.append((newest.k, Simulation(scenario, **given)))
 
     def _seed_core(self) -> None:
         super()._seed_core()
         seed_world(self._world, self._scenario, self._seed)
+
+    def _forget_run(self) -> None:
+        super()._forget_run()
+        self._earlier = []
 
     def _default(self, slot: str) -> Any:
         if slot == "control":
@@ -331,6 +358,10 @@ class Simulation(WorldSlots, Runner):
             raise TypeError(f"k must be an int, the number of a step, got {quoted(k)}")
         if not 0 <= k <= newest:
             raise IndexError(f"there are steps 0..{newest}, got k = {k}")
+        earlier = next((one for last, one in self._earlier if k <= last), None)
+        if earlier is not None:
+            earlier._start()
+            return earlier._drawn(k, self._core.columns(), out)
         if k == newest and k >= self._scenario.camera_delay:
             newest_frame: Frame = self._world.draw_newest(out)
             return newest_frame

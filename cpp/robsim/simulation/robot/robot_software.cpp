@@ -11,6 +11,11 @@ RobotSoftware::RobotSoftware(const RobotOptions& options, std::shared_ptr<const 
       vision_(std::make_shared<MarkerVision>(options.colors, options.markers, options.smoothing)),
       is_kept_([](const StepPointer& step) { return step.use_count() > 1; }) {}
 
+void RobotSoftware::set_vision(const std::vector<ColorClass>& colors, const MarkerLayout& markers,
+                               std::optional<int> smoothing) {
+  vision_ = std::make_shared<MarkerVision>(colors, markers, smoothing);
+}
+
 void RobotSoftware::start() {
   RobotModel model = stages_.define_model();
   estimator_ = stages_.init_parameter_estimator(model);
@@ -48,7 +53,7 @@ void RobotSoftware::begin_step(std::int64_t k, double dt, const Observation& obs
 }
 
 void RobotSoftware::renew_step() {
-  if (step_ && !is_kept_(step_)) return;
+  if (step_ && !is_kept_(step_) && step_->marker_vision() == vision_.get()) return;
   if (step_) step_->end();
   step_ = std::make_shared<Step>(guard_, vision_);
 }

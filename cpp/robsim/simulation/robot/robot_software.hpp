@@ -36,6 +36,10 @@ class RobotSoftware {
   Stages& stages() { return stages_; }
   const Stages& stages() const { return stages_; }
   MarkerVision& vision() const { return *vision_; }
+
+  /// Looks for other markers, in other colours, from the next step on.
+  void set_vision(const std::vector<ColorClass>& colors, const MarkerLayout& markers,
+                  std::optional<int> smoothing);
   void set_controller_seed(std::uint64_t seed) { options_.controller_seed = seed; }
 
   /// Says of a step that is over whether somebody outside still holds it; otherwise its memory is

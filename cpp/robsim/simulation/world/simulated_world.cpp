@@ -39,6 +39,11 @@ void SimulatedWorld::set_start(const Pose& start) {
   options_.start.heading = wrap_angle(start.heading);
 }
 
+void SimulatedWorld::set_robot_radius(double radius) {
+  const RunGuard::Look look(guard());
+  options_.robot_radius = radius;
+}
+
 void SimulatedWorld::set_noise(const VisualNoise& noise) {
   const RunGuard::Look look(guard());
   noise_ = std::make_shared<VisualNoise>(noise);

@@ -84,10 +84,14 @@ class SimulatedWorld : public World {
 
   // To be changed before the start, or between two steps.
   void set_start(const Pose& start);
+  void set_robot_radius(double radius);
   void set_noise(const VisualNoise& noise);
   void set_dropout(double probability, int steps);
   void set_disturbance(const Eigen::Matrix3d& pose_factor, std::array<double, 2> input_sigma);
   void set_seeds(std::uint64_t noise, std::uint64_t dropout, std::uint64_t disturbance);
+
+  /// Lets the scene be made anew for the next frame; earlier ones are drawn with it, too.
+  void forget_scene() { renderer_.reset(); }
 
   /// What the camera looks at; null if nobody has looked yet.
   std::shared_ptr<const Scene> scene() const { return renderer_ ? renderer_->scene() : nullptr; }

@@ -115,6 +115,9 @@ class SavedRecord(Record):
         if drawn := {"adjust_background"} & {*info.callbacks}:
             text = "the pictures are drawn again, without what {} drew on the floor"
             self.remarks = (text.format(listed(drawn)),)
+        if "robot" in info.changed:
+            last = f"the robot changed in the run: all pictures show the last one, {info.robot}"
+            self.remarks += (last,)
 
 
 def _trace_of(saved: Trace | Session) -> Trace:
