@@ -7,7 +7,7 @@ from concurrent.futures import CancelledError, Future
 from copy import deepcopy
 from io import BytesIO
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PIL import Image
@@ -20,6 +20,10 @@ from robsim.identification import BatchEstimate
 from robsim.imaging import save_image
 from robsim.imaging._images import image_file
 from robsim.trace import Trace
+
+if TYPE_CHECKING:
+    from robsim.gui._tools.colors.panel import ColorPanel
+    from robsim.gui._tools.robots.panel import RobotPanel
 
 
 def panel(what: Shown, *, speed: float | None = None) -> Panel:
@@ -227,6 +231,11 @@ class Panel(HostedPanel):
     def trace(self) -> Trace:
         """All steps up to now; the run may go on meanwhile."""
         return self._view.record.trace
+
+    @property
+    def tool(self) -> RobotPanel | ColorPanel | None:
+        """The tool that is open in it, by Define Robot or Train Camera."""
+        return self._view.tools.tool
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write a picture of the camera view and the traces.

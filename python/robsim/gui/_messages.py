@@ -55,6 +55,13 @@ def setting(value: Any) -> bool | float | str:
     return text(value) if isinstance(value, str) else number(value)
 
 
+def message(value: Any) -> dict[str, Any]:
+    """Return a message, to be checked by whom it is for."""
+    if not isinstance(value, dict):
+        raise Refused("a message")
+    return value
+
+
 def maybe(check: Check) -> Check:
     """Return a check that takes null, too."""
     return lambda value: None if value is None else check(value)

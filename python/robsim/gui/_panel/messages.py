@@ -5,6 +5,7 @@ from robsim.gui._messages import (
     Messages,
     list_of,
     maybe,
+    message,
     number,
     point,
     setting,
@@ -28,4 +29,7 @@ MESSAGES: Messages = {
     "source": {"slot": text},
     "edit": {"slot": text},
     "animate": {"on": switch},
+    "tool": {"name": maybe(text)},
+    "use_tool": {},
+    "tell_tool": {"message": message},
 }

@@ -176,7 +176,13 @@ class RunRecord(Record):
 
     def __init__(self, runner: Simulation | Experiment) -> None:
         self._runner = runner
-        self.area, self.colors, self.markers = runner.area, runner.colors, runner.markers
+        self.area = runner.area
+        self.look_again()
+
+    def look_again(self) -> None:
+        """Take over another robot, or other colours, that the run has got."""
+        runner = self._runner
+        self.colors, self.markers = runner.colors, runner.markers
         self.robot_name = runner.robot.name
         self.outline = runner.robot.to_robot_frame(runner.robot.outline)
 

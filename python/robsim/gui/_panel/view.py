@@ -24,6 +24,7 @@ from robsim.gui._panel.record import ExperimentRecord, Record, SimulationRecord
 from robsim.gui._panel.run.callbacks import Callbacks
 from robsim.gui._panel.run.camera import CameraView
 from robsim.gui._panel.run.controls import Controls
+from robsim.gui._panel.run.tools import Tools
 from robsim.gui._panel.run.transport import Transport
 from robsim.gui._panel.saved import SavedRecord
 from robsim.gui._panel.still import Still
@@ -72,7 +73,8 @@ class PanelView(View):
         if not isinstance(self.runner, Playback):
             kinds.append(Callbacks)
         made = (kind(self) for kind in kinds)
-        analysis = (self.past, self._result, self.still, self.rows)
+        self.tools = Tools(self)
+        analysis = (self.past, self._result, self.still, self.rows, self.tools)
         self._parts: list[Part] = [self.camera, *made, *analysis]
         self._handlers = {**super().handlers()}
         for part in self._parts:

@@ -38,7 +38,8 @@ def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
         return RecordedPictures(what)
     if isinstance(what, (Simulation, Experiment)):
         is_open = is_shown(what)
-        return RunPictures(panel(what), type(what).__name__, is_mine=not is_open)
+        found = panel(what)
+        return RunPictures(found._view.driver, type(what).__name__, None if is_open else found)
     if isinstance(what, (Frame, np.ndarray)):
         pixels = what.image if isinstance(what, Frame) else check_pixels("what", what, 3)
         return OnePicture(what if isinstance(what, Frame) else pixels, "a picture")

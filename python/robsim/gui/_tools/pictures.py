@@ -121,20 +121,19 @@ class RunPictures(Pictures):
 
     Parameters
     ----------
-    panel : Panel
-        The panel.
+    driver : Driver
+        That of the panel.
     title : str
         What people call the run.
-    is_mine : bool
-        Whether the panel was opened for this, and is closed with it.
+    mine : Panel or None
+        The panel, if it was opened for this: it is closed with it.
     """
 
     is_live = True
 
-    def __init__(self, panel: Panel, title: str, *, is_mine: bool) -> None:
+    def __init__(self, driver: Driver, title: str, mine: Panel | None = None) -> None:
         super().__init__(title)
-        self._driver = panel._view.driver
-        self._mine = panel if is_mine else None
+        self._driver, self._mine = driver, mine
         self._clock = FrameClock()
         self._take: Callable[[Picture], object] = lambda _: None
 

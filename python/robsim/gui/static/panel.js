@@ -15,6 +15,7 @@ import { makeResult } from "./parts/result.js";
 import { makeTabs } from "./parts/tabs.js";
 import { makeTimeline } from "./parts/timeline.js";
 import { makeTitle } from "./parts/title.js";
+import { makeToolPlace } from "./parts/tool_place.js";
 import { makeTransport } from "./parts/transport.js";
 import { makeTrouble } from "./parts/trouble.js";
 import { makeRunContext } from "./run.js";
@@ -23,11 +24,13 @@ export function renderPanel({ el, send }) {
   const context = makeRunContext(el, send);
   makeFlow(context, () => begin());
   const camera = makeCamera(context);
-  el.append(layOut(context, camera));
+  const place = makeToolPlace(context);
+  el.append(layOut(context, camera, place), place.element);
 
   let newest = null; // the head of the last frame that has come
   const arrived = (head) => {
     if (head.type == "frame") newest = head;
+    if (head.type == "tool") place.arrived(head.message);
   };
   // While one was decoded a newer one of the same kind has come: it is late already.
   const isLate = (head) => head.type == "frame" && head != newest && head.past == newest.past;
@@ -37,6 +40,7 @@ export function renderPanel({ el, send }) {
     if (head.type == "rows" || head.type == "frame") takeRows(context, head, buffers);
     if (isLate(head)) return head.rows.length && context.emit("rows", head, buffers);
     if (head.type == "frame") return takeFrame(context, head, buffers);
+    if (head.type == "tool") return place.receive(head.message, buffers);
     context.emit(head.type, head, buffers);
   };
   const begin = () => {
@@ -46,7 +50,7 @@ export function renderPanel({ el, send }) {
   return { arrived, receive, begin, end: context.end };
 }
 
-function layOut(context, camera) {
+function layOut(context, camera, place) {
   const transport = makeTransport(context);
   const timeline = makeTimeline(context);
   const trouble = makeTrouble(context, transport.press);
@@ -63,7 +67,9 @@ function layOut(context, camera) {
     trouble.lost];
   return make("div", { className: "robsim-panel", tabIndex: -1 },
     make("div", { className: "robsim-left" }, ...left.map((part) => part.element)),
-    make("div", { className: "robsim-right" }, ...tabs.elements), ...over);
+    make("div", { className: "robsim-right" },
+      make("div", { className: "robsim-right-top" }, tabs.list, place.buttons), tabs.sheets),
+    ...over);
 }
 
 function takeState(context, head) {

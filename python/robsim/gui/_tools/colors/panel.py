@@ -183,6 +183,10 @@ class ColorPanel(HostedPanel):
         names = ", ".join(color.name for color in self.value) or "no colours yet"
         return f"<robsim.gui.ColorPanel: {names}>"
 
+    def _used(self) -> tuple[str, tuple[ColorClass, ...]]:
+        """Return what a run is to have of it: the attribute and its value."""
+        return "colors", self._view.ask(lambda: self._view.training.value)  # after what was said
+
     @property
     def _is_closed(self) -> bool:
         return self._view.is_over

@@ -85,7 +85,7 @@ class RobotPanel(HostedPanel):
     @property
     def value(self) -> RobotDefinition:
         """The robot as it is drawn now; a ValueError says what is missing. It can be set."""
-        return self._view.ask(lambda: self._view.drawing.definition(self._view.name))
+        return self._view.ask(self._view.definition)
 
     @value.setter
     def value(self, robot: str | PathLike[str] | RobotDefinition) -> None:
@@ -166,6 +166,10 @@ class RobotPanel(HostedPanel):
     def __repr__(self) -> str:
         problems = self._view.drawing.problems()
         return f"<robsim.gui.RobotPanel: {self._view.name}{', incomplete' * bool(problems)}>"
+
+    def _used(self) -> tuple[str, RobotDefinition]:
+        """Return what a run is to have of it: the attribute and its value."""
+        return "robot", self._view.ask(self._view.used)
 
     @property
     def _is_closed(self) -> bool:

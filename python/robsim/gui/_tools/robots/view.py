@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar
 
@@ -17,11 +18,18 @@ from robsim.gui._tools.robots.drawing import PARTS, RobotDrawing, Sketch
 from robsim.gui._tools.robots.guess import guess_marker, guess_outline
 from robsim.gui._tools.robots.messages import MESSAGES
 from robsim.gui._tools.tool import ToolView, in_place
-from robsim.robots import RobotDefinition, add_robot, load_robot
-from robsim.robots._lookup import robot_names
+from robsim.robots import (
+    RobotDefinition,
+    add_robot,
+    default_robot,
+    load_robot,
+    set_default_robot,
+)
+from robsim.robots._lookup import robot_names, user_robots
 
 _SQUARE = 0.4  # of the shorter side of a picture
 _SMALLEST = 8.0  # px
+_NAME = "mine"
 
 
 class RobotsView(ToolView):
@@ -35,24 +43,32 @@ class RobotsView(ToolView):
         What is drawn at first.
     colors : iterable of ColorClass
         Those of the markers, for first guesses.
+    begins_live : bool
+        Whether the pictures of the source are shown at first, not the robot.
     """
 
     kind: ClassVar[str] = "robots"
     messages: ClassVar[Messages] = MESSAGES
 
     def __init__(
-        self, source: Pictures | None, robot: RobotDefinition, colors: Iterable[ColorClass]
+        self,
+        source: Pictures | None,
+        robot: RobotDefinition,
+        colors: Iterable[ColorClass],
+        *,
+        begins_live: bool = True,
     ) -> None:
-        self.drawing = RobotDrawing(sketch_of(robot))
+        self._as_loaded = sketch_of(robot)
+        self.drawing = RobotDrawing(self._as_loaded)
         self.name = robot.name
-        self._loaded = robot
+        self._first = self._loaded = robot
         self._colors = tuple(colors)
         self._part = PARTS[0]
         self._square: tuple[float, float, float] | None = None  # centre and side (px)
         drawn = OnePicture(over_floor(robot.image), robot.name)
         super().__init__(drawn if source is None else source)
-        self.is_frozen = source is None  # the drawing is shown, and no newer picture
-        if source is None:
+        self.is_frozen = not begins_live or source is None  # the drawing is shown, nothing newer
+        if self.is_frozen:
             self.post(self._show_drawing)
 
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
@@ -120,7 +136,8 @@ class RobotsView(ToolView):
 
     def load(self, robot: RobotDefinition) -> None:
         """Draw on a robot that there is."""
-        self.drawing.begin(sketch_of(robot))
+        self._as_loaded = sketch_of(robot)
+        self.drawing.begin(self._as_loaded)
         self.name, self._loaded = robot.name, robot
         self._show_drawing()
 
@@ -141,13 +158,31 @@ class RobotsView(ToolView):
         self._part = PARTS[0]
         self._show_drawing()
 
+    def definition(self) -> RobotDefinition:
+        """Return the robot as it is drawn; ValueError says what is missing."""
+        if self.drawing.sketch is self._as_loaded:
+            return self._loaded  # with what is not drawn
+        return self.drawing.definition(self.name)
+
     def save(self, name: str, *, overwrite: bool = False) -> RobotDefinition:
         """Add the robot to the user's, where it survives a restart."""
         robot = add_robot(
             name, self.drawing.definition(name), overwrite=overwrite, ignore_colors=True
         )
-        self.name, self._loaded = robot.name, robot
+        self.name, self._loaded, self._as_loaded = robot.name, robot, self.drawing.sketch
         self.tell_state()
+        return robot
+
+    def used(self) -> RobotDefinition:
+        """Return the robot for a run; what was changed is saved, and is the default from now on."""
+        robot = self.definition()
+        if robot is self._first:
+            return robot
+        if robot is not self._loaded:
+            mine = self.name in user_robots()
+            robot = self.save(self.name if mine else _free_name(), overwrite=mine)
+        if robot.name in robot_names() and robot.name != default_robot():
+            set_default_robot(robot.name)
         return robot
 
     def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
@@ -197,6 +232,13 @@ def sketch_of(robot: RobotDefinition) -> Sketch:
     """Return what there is of a robot."""
     names = ("image", "size", "alignment", *PARTS)
     return Sketch(**{name: getattr(robot, name) for name in names})
+
+
+def _free_name() -> str:
+    """Return a name for a robot that was given none."""
+    taken = robot_names()
+    numbered = (f"{_NAME}{n}" for n in itertools.count(2))
+    return next(name for name in itertools.chain([_NAME], numbered) if name not in taken)
 
 
 def _cut_out(image: np.ndarray[Any, Any], square: tuple[float, float, float]) -> Any:

@@ -36,5 +36,5 @@ export function makeTabs(context, sheets) {
   context.on("state", ({ error }) => (callbacks.dataset.mark = error ? "bad" : ""));
   context.on("result", ({ again }) => again || choose("result")); // not one from before
   show();
-  return { elements: [list, make("div", { className: "robsim-sheets" }, ...elements)] };
+  return { list, sheets: make("div", { className: "robsim-sheets" }, ...elements) };
 }

@@ -1,0 +1,181 @@
+"""The tools on a run: opened in the panel's place; what they make is used by the run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from concurrent.futures import Future
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robsim._base.text import said_by
+from robsim.gui._link import Buffers, Link
+from robsim.gui._messages import Refused
+from robsim.gui._panel.part import Handlers, Part
+from robsim.gui._panel.record import RunRecord
+from robsim.gui._playback import Playback
+from robsim.simulation import Experiment, Simulation
+
+if TYPE_CHECKING:
+    from robsim.gui._panel.view import PanelView
+    from robsim.gui._tools.colors.panel import ColorPanel
+    from robsim.gui._tools.robots.panel import RobotPanel
+
+NAMES = ("robots", "colors")
+
+_GAP = 0.5  # s between two looks at whether the run has got others, as in a cell
+_FILE = Path("colors.toml")
+
+
+class Tools(Part):
+    """Opens a tool on the run, relays its messages, and gives the run what was made with it."""
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        self.tool: RobotPanel | ColorPanel | None = None
+        self._name: str | None = None
+        self._lines: dict[Link, ToolLine] = {}
+        self._seen = self._looked_for()
+        self._due = 0.0
+
+    def handlers(self) -> Handlers:
+        return {"tool": self._choose, "use_tool": self._use, "tell_tool": self._tell}
+
+    def setup(self) -> dict[str, Any]:
+        return {"tools": [] if isinstance(self.panel.runner, Playback) else [*NAMES]}
+
+    def state(self) -> dict[str, Any]:
+        return {"tool": self._name}
+
+    def look(self, now: float) -> float:
+        for link in [link for link in self._lines if link not in self.panel.links]:
+            line = self._lines.pop(link)
+            if self.tool is not None:
+                self.tool._view.disconnect(line)
+        if not self.panel.is_watched:
+            return math.inf
+        if now >= self._due:
+            self._due = now + _GAP
+            self._look_at_run()
+        return self._due
+
+    def close(self, timeout: float) -> None:
+        self._close()
+
+    def begin(self, name: str) -> None:
+        """Open a tool on the run, in place of another one."""
+        runner = self.panel.runner
+        if name not in NAMES or isinstance(runner, Playback):
+            raise Refused(f"there is no tool {name!r} for this run")
+        self._close()
+        self.tool = _opened(name, self.panel, runner)
+        self._name = name
+
+    def _choose(self, link: Link, message: dict[str, Any]) -> None:
+        if message["name"] is None:
+            self._close()
+        elif message["name"] != self._name:
+            self.begin(message["name"])
+        self.panel.tell_state()
+
+    def _tell(self, link: Link, message: dict[str, Any]) -> None:
+        """Give the tool a message of a browser."""
+        if self.tool is None:
+            return  # it was closed meanwhile
+        view = self.tool._view
+        if link not in self._lines:
+            self._lines[link] = ToolLine(self.panel, link)
+            view.connect(self._lines[link])
+        view.receive(self._lines[link], {**message["message"], "id": message["id"]})
+
+    def _use(self, link: Link, message: dict[str, Any]) -> None:
+        """Give the run what was made, close the tool, and go on."""
+        if self.tool is None:
+            return
+        self.panel.check_room()
+        try:
+            name, value = self.tool._used()
+        except (OSError, TypeError, ValueError) as error:
+            raise Refused(str(error)) from None
+        runner = self.panel.runner
+        assert isinstance(runner, (Simulation, Experiment))
+        future = self.panel.driver.call(lambda: _change(runner, name, value))
+        future.add_done_callback(lambda done: self.panel.post(lambda: self._used(link, done)))
+
+    def _used(self, link: Link, future: Future[None]) -> None:
+        if future.cancelled():  # the panel is being closed
+            return
+        if (error := future.exception()) is not None:
+            link.send({"type": "note", "level": "error", "text": said_by(error)})
+            return
+        self._close()
+        self._look_at_run()
+        self.panel.tell_state()
+        if isinstance(self.panel.runner, Simulation):  # a real robot waits for Start
+            self.panel.driver.start()
+
+    def _close(self) -> None:
+        tool, self.tool, self._name = self.tool, None, None
+        self._lines.clear()
+        if tool is not None:
+            tool.close()
+
+    def _looked_for(self) -> tuple[object, ...]:
+        runner = self.panel.runner
+        if isinstance(runner, Playback):
+            return ()
+        return runner.robot, runner.colors, runner.markers
+
+    def _look_at_run(self) -> None:
+        """Take over another robot, or other colours, that the run has got."""
+        if (now := self._looked_for()) == self._seen:
+            return
+        self._seen = now
+        if isinstance(self.panel.record, RunRecord):
+            self.panel.record.look_again()
+        self.panel.tell_setup()
+
+
+class ToolLine(Link):
+    """The line of a tool to a browser, through that of the panel."""
+
+    def __init__(self, panel: PanelView, link: Link) -> None:
+        super().__init__()
+        self._panel, self._link = panel, link
+
+    @property
+    def is_behind(self) -> bool:
+        return self._link.is_behind
+
+    def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
+        """Hand it to the thread of the panel, whose line it is."""
+        message = {"type": "tool", "message": dict(head)}
+        if not self._panel.post(lambda: self._link.send(message, buffers)):
+            raise RuntimeError("the panel has ended")
+
+
+def _opened(
+    name: str, panel: PanelView, runner: Simulation | Experiment
+) -> RobotPanel | ColorPanel:
+    # They open panels themselves.
+    from robsim.gui._tools.colors.panel import ColorPanel
+    from robsim.gui._tools.colors.view import ColorsView
+    from robsim.gui._tools.pictures import RunPictures
+    from robsim.gui._tools.robots.panel import RobotPanel
+    from robsim.gui._tools.robots.view import RobotsView
+
+    pictures = RunPictures(panel.driver, panel.record.title)
+    if name == "robots":
+        return RobotPanel(RobotsView(pictures, runner.robot, runner.colors, begins_live=False))
+    return ColorPanel(ColorsView(pictures, runner.colors, runner.robot, _FILE))
+
+
+def _change(runner: Simulation | Experiment, name: str, value: Any) -> None:
+    """Let a run look for another robot or other colours; if it cannot, for those before."""
+    before = getattr(runner, name)
+    setattr(runner, name, value)
+    try:
+        runner._check_stages()
+    except BaseException:
+        setattr(runner, name, before)
+        raise

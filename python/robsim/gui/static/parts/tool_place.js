@@ -1,0 +1,58 @@
+// @ts-check
+// The tools on the run: their buttons, and the place where one is shown instead of the panel.
+import { makeTextButton } from "../base/buttons.js";
+import { make } from "../base/dom.js";
+import { renderColors } from "../colors.js";
+import { renderRobots } from "../robots.js";
+
+const TOOLS_OF_RUN = {
+  robots: { button: "define_robot", render: renderRobots },
+  colors: { button: "train_colors", render: renderColors },
+};
+
+export function makeToolPlace(context) {
+  const choose = (name) => context.send({ type: "tool", name });
+  const opening = Object.entries(TOOLS_OF_RUN).map(([name, { button }]) =>
+    [name, makeTextButton(button, "", () => choose(name))]);
+  const buttons = make("div", { className: "robsim-open-tools", hidden: true },
+    ...opening.map(([, button]) => button));
+  const bar = make("div", { className: "robsim-tool-bar" },
+    makeTextButton("discard_tool", "", () => choose(null)),
+    makeTextButton("use_tool", "robsim-primary", () => context.send({ type: "use_tool" })));
+  const element = make("div", { className: "robsim-tool-place", hidden: true });
+  element.onkeydown = (event) => event.stopPropagation(); // the keys are the tool's
+  let shown = null; // the tool: its name and its view
+
+  const close = () => {
+    if (!shown) return;
+    shown.view.end();
+    shown.send({ type: "bye" });
+    shown = null;
+  };
+  const open = (name) => {
+    const el = make("div", { className: "robsim" });
+    const send = (message) => context.send({ type: "tell_tool", message });
+    element.replaceChildren(bar, el);
+    shown = { name, send, view: TOOLS_OF_RUN[name].render({ el, send }) };
+    shown.view.begin();
+  };
+  context.on("setup", ({ tools }) => {
+    for (const [name, button] of opening) button.hidden = !tools.includes(name);
+    buttons.hidden = !tools.length;
+  });
+  context.on("state", ({ tool }) => {
+    if ((shown?.name ?? null) == tool) return;
+    close();
+    context.el.dataset.tool = tool ?? "";
+    element.hidden = !tool;
+    if (tool) open(tool);
+    else element.replaceChildren();
+  });
+  context.onEnd(close);
+  return {
+    element,
+    buttons,
+    arrived: (message) => shown?.view.arrived(message),
+    receive: (message, buffers) => shown?.view.receive(message, buffers),
+  };
+}

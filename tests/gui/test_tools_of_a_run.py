@@ -1,0 +1,185 @@
+"""The tools in the panel of a run: opened on it, relayed, and what they make is used."""
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.robots import default_robot, load_robot, robot_names, set_default_robot
+from waiting import wait_for
+
+
+def simulation(**options):
+    given = {"robot": "lab", "measure": True, "area": (400, 400), "seed": 1, "headings": None}
+    return robsim.Simulation(**given | options)
+
+
+@pytest.fixture
+def watcher(watch, user_folder):
+    watcher = watch(simulation())
+    yield watcher
+    watcher.view.tools.close(0)
+
+
+def opened(watcher, name):
+    watcher.say("tool", name=name)
+    watcher.settle()
+    tell(watcher, "hello", width=200)
+    wait_for(lambda: told(watcher, "state"))
+    return watcher.view.tools.tool
+
+
+def tell(watcher, kind, **fields):
+    watcher.say("tell_tool", message={"type": kind, **fields})
+
+
+def told(watcher, kind):
+    messages = [message["message"] for message in watcher.of("tool")]
+    return [message for message in messages if message["type"] == kind]
+
+
+def used(watcher):
+    watcher.say("use_tool")
+    wait_for(lambda: watcher.newest("state")["tool"] is None)
+    watcher.settle()
+
+
+def test_a_tool_is_opened_for_all_and_closed_again(watcher):
+    assert watcher.newest("setup")["tools"] == ["robots", "colors"]
+    assert watcher.newest("state")["tool"] is None
+    tool = opened(watcher, "robots")
+    assert isinstance(tool, robsim.gui.RobotPanel)
+    assert watcher.newest("state")["tool"] == "robots"
+    other = opened(watcher, "colors")
+    assert tool._is_closed
+    watcher.say("tool", name=None)
+    watcher.settle()
+    assert other._is_closed
+    assert watcher.newest("state")["tool"] is None
+    assert watcher.view.runner.robot.name == "lab"
+
+
+def test_what_a_tool_says_and_hears_goes_through_the_panel(watcher):
+    opened(watcher, "robots")
+    assert told(watcher, "state")[-1]["name"] == "lab"
+    assert told(watcher, "state")[-1]["mode"] == "draw"
+    tell(watcher, "load", name="sheep")
+    wait_for(lambda: told(watcher, "state")[-1]["name"] == "sheep")
+    tell(watcher, "grant", upto=99, late=False)
+    wait_for(lambda: told(watcher, "frame"))
+    tell(watcher, "nonsense")
+    wait_for(lambda: told(watcher, "note"))
+
+
+def test_the_run_goes_on_with_the_robot_that_is_drawn(watcher):
+    sim = watcher.view.runner
+    watcher.say("press", button="step")
+    watcher.settle()
+    opened(watcher, "robots")
+    tell(watcher, "load", name="sheep")
+    used(watcher)
+    wait_for(lambda: sim.n_steps > 3)
+    watcher.say("press", button="pause")
+    watcher.settle()
+    assert watcher.newest("setup")["robot"]["name"] == "sheep"
+    assert sim.trace.info.changed == ("robot",)
+    assert default_robot() == "sheep"
+    assert sim.trace.seen.all()
+
+
+def test_a_robot_that_is_changed_is_saved_and_survives(watcher):
+    opened(watcher, "robots")
+    tell(watcher, "turn", degrees=-30)
+    used(watcher)
+    assert watcher.view.runner.robot.alignment == load_robot("lab").alignment - 30
+    assert default_robot() == "mine"
+    assert load_robot() == watcher.view.runner.robot
+    opened(watcher, "robots")
+    tell(watcher, "turn", degrees=30)
+    used(watcher)
+    assert load_robot("mine").alignment == load_robot("lab").alignment
+    assert robot_names().count("mine") == 1
+
+
+def test_a_robot_that_stays_as_it_is_changes_no_default(watcher):
+    set_default_robot("sheep")
+    opened(watcher, "robots")
+    used(watcher)
+    assert default_robot() == "sheep"
+    assert watcher.view.runner.robot.name == "lab"
+
+
+def test_a_robot_that_is_not_complete_stays_open(watcher):
+    tool = opened(watcher, "robots")
+    tell(watcher, "clear")
+    wait_for(lambda: tool._view.drawing.problems())
+    watcher.say("use_tool")
+    wait_for(watcher.notes)
+    assert "outline needs 3 corners" in watcher.notes()[-1]
+    assert watcher.newest("state")["tool"] == "robots"
+
+
+def test_the_run_goes_on_with_the_colours_that_are_trained(watcher):
+    sim = watcher.view.runner
+    before = sim.colors
+    tool = opened(watcher, "colors")
+    assert tool.value == before
+    tell(watcher, "choose", name="red")
+    tell(watcher, "ranges", ranges=[[0, 255], [0, 100], [200, 255]])
+    used(watcher)
+    assert next(color for color in sim.colors if color.name == "red").u == (0, 100)
+
+
+def test_colours_that_the_measurement_cannot_do_without_are_kept(watcher):
+    sim = watcher.view.runner
+    before = sim.colors
+    opened(watcher, "colors")
+    tell(watcher, "choose", name="red")
+    tell(watcher, "remove")
+    watcher.say("use_tool")
+    wait_for(watcher.notes)
+    assert "colors must have red and blue" in watcher.notes()[-1]
+    assert sim.colors == before
+    assert watcher.newest("state")["tool"] == "colors"
+
+
+def test_a_line_that_is_gone_is_gone_for_the_tool(watcher):
+    tool = opened(watcher, "robots")
+    wait_for(lambda: tool._view.links)
+    watcher.view.disconnect(watcher)
+    wait_for(lambda: not tool._view.links)
+
+
+def test_another_robot_from_a_cell_is_shown(watcher):
+    watcher.view.runner.robot = "sheep"
+    wait_for(lambda: watcher.newest("setup")["robot"]["name"] == "sheep")
+
+
+def test_a_recorded_run_has_no_tools(watch):
+    sim = simulation()
+    watcher = watch(sim.run(3))
+    assert watcher.newest("setup")["tools"] == []
+    watcher.say("tool", name="robots")
+    wait_for(watcher.notes)
+    assert "no tool" in watcher.notes()[-1]
+
+
+def test_an_experiment_trains_on_its_frames_and_waits_for_start(watch, user_folder):
+    frames = [simulation(seed=seed).step().frame for seed in range(3)]
+    watcher = watch(robsim.Experiment(frames, robot="lab", area=(400, 400)))
+    tool = opened(watcher, "colors")
+    watcher.say("press", button="step")
+    wait_for(lambda: tool._view.picture is not None)
+    np.testing.assert_array_equal(tool._view.picture.frame.image, frames[0].image)
+    used(watcher)
+    assert watcher.newest("state")["state"] == "paused"
+
+
+def test_the_tool_of_a_panel_can_be_scripted(user_folder):
+    with robsim.panel(simulation()) as panel:
+        assert panel.tool is None
+        panel._view.post(lambda: panel._view.tools.begin("robots"))
+        wait_for(lambda: panel.tool is not None)
+        panel.tool.turn(30)
+        assert panel.tool.value.alignment == load_robot("lab").alignment + 30
+        tool = panel.tool
+    assert tool._is_closed
