@@ -1,0 +1,75 @@
+"""Define Robot, Train Camera and Resume simulation in the panel of a run, in Chromium."""
+
+import pytest
+
+import robsim
+from robsim.robots import default_robot
+from waiting import wait_for
+
+pytestmark = pytest.mark.slow
+
+
+def simulation():
+    return robsim.Simulation(robot="lab", measure=True, area=(400, 400), seed=1, headings=None)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_a_robot_from_the_list_drives_on(open_panel, user_folder, theme):
+    sim = simulation()
+    view, tab = open_panel(sim, theme=theme)
+    tab.click("[name=define_robot]")
+    tab.wait_for_selector(".robsim-tool")
+    assert not tab.is_visible(".robsim-transport")
+    tab.select_option(".robsim-tool [name=robot]", "sheep")
+    wait_for(lambda: view.tools.tool._view.name == "sheep")
+    tab.click("[name=use_tool]")
+    tab.wait_for_selector(".robsim-title-name:has-text('sheep')")
+    assert tab.is_visible(".robsim-transport")
+    wait_for(lambda: sim.n_steps > 2)
+    assert default_robot() == "sheep"
+
+
+def test_keys_in_a_tool_are_the_tools(open_panel, user_folder):
+    sim = simulation()
+    view, tab = open_panel(sim)
+    tab.click("[name=define_robot]")
+    tab.wait_for_selector(".robsim-tool [value=outline][aria-checked=true]")
+    tab.focus(".robsim-tool canvas")
+    tab.keyboard.press("Enter")
+    tab.wait_for_selector(".robsim-tool [value=red][aria-checked=true]")
+    tab.keyboard.press("Space")
+    tab.keyboard.press("ArrowRight")
+    tab.click("[name=discard_tool]")
+    tab.wait_for_selector(".robsim-tool", state="detached")
+    assert view.driver.state == "paused"
+    assert sim.n_steps <= 1
+
+
+def test_colours_are_trained_while_it_runs(open_panel, user_folder):
+    sim = simulation()
+    view, tab = open_panel(sim)
+    before = sim.colors
+    tab.click("[name=start]")
+    tab.click("[name=train_colors]")
+    tab.wait_for_selector(".robsim-tool .robsim-chip:has-text('Robot found')")
+    tab.click(".robsim-tool .robsim-class:has-text('red')")
+    text = tab.input_value(".robsim-tool textarea")
+    tab.fill(".robsim-tool textarea", text.replace("[154, 255]", "[170, 255]", 1))
+    tab.locator(".robsim-tool textarea").blur()
+    wait_for(lambda: view.tools.tool.value != before)
+    tab.click("[name=use_tool]")
+    wait_for(lambda: sim.colors != before)
+    tab.wait_for_selector(".robsim-tool", state="detached")
+
+
+def test_a_second_browser_sees_the_tool_and_its_end(open_panel, open_view, user_folder):
+    view, tab = open_panel(simulation())
+    tab.click("[name=define_robot]")
+    tab.wait_for_selector(".robsim-tool")
+    other = open_view(view)
+    other.wait_for_selector(".robsim-tool")
+    other.click(".robsim-tool [value=blue]")
+    tab.wait_for_selector(".robsim-tool [value=blue][aria-checked=true]")
+    other.click("[name=discard_tool]")
+    tab.wait_for_selector(".robsim-tool", state="detached")
+    assert tab.is_visible(".robsim-transport")
