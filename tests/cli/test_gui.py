@@ -225,6 +225,20 @@ def test_colours_are_trained_on_a_picture_and_on_the_robot(seen, tmp_path, monke
     assert shown == [("colors", "photo.png"), ("colors", "the picture of the robot sheep")]
 
 
+def test_a_robot_is_defined_on_a_picture_and_on_another_robot(seen, tmp_path, monkeypatch):
+    save_image(tmp_path / "photo.png", np.full((60, 80, 3), 120, np.uint8))
+    shown = []
+    monkeypatch.setattr(
+        Page, "wait", lambda page, _: shown.append((page.view.kind, page.view.source.title))
+    )
+    assert command("gui", "photo.png", "--robots", cwd=tmp_path).exit_code == 0
+    assert command("gui", "--robots", "--robot", "sheep", cwd=tmp_path).exit_code == 0
+    assert shown == [("robots", "photo.png"), ("robots", "sheep")]
+    both = command("gui", "--robots", "--train")
+    assert both.exit_code == 2
+    assert "--robots and --train are two tools: give one of them" in both.stderr
+
+
 @pytest.mark.parametrize("option", [("--noise", "gaussian:10"), ("--seed", "1"), ("--speed", "2")])
 def test_what_is_for_a_run_is_refused_where_nothing_runs(option):
     run = command("gui", "--train", *option)

@@ -31,7 +31,6 @@ from robsim.cli.simulated.options import (
 from robsim.cli.text import parse_speed, whole_number
 
 if TYPE_CHECKING:
-    from robsim.gui import ColorPanel
     from robsim.gui._hosted import HostedPanel
     from robsim.gui._hosts.page import Page
     from robsim.gui._panel.view import Shown
@@ -45,8 +44,8 @@ HELP = (
     "With a folder it runs the callbacks there, and takes in what you change in them. A trace, a "
     "session or a video is played back. Without any of these there is a simulation to play "
     "with.\n\n"
-    "With --train it trains colours instead: on a picture, a folder of pictures, a video, a "
-    "simulation of callbacks, or the picture of the robot.\n\n"
+    "With --robots it defines a robot instead, with --train it trains colours: on a picture, a "
+    "folder of pictures, a video, a simulation of callbacks, or the picture of the robot.\n\n"
     "It ends when you close its last page, or with Ctrl-C. Only browsers on this machine can open "
     "the page."
 )
@@ -64,9 +63,18 @@ def gui(
         typer.Argument(
             metavar="PATH",
             help="Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder "
-            "of a session, a video. With --train a picture, too, or a folder of pictures.",
+            "of a session, a video. With --robots or --train a picture, too, or a folder of them.",
         ),
     ] = None,
+    robots: Annotated[
+        bool,
+        typer.Option(
+            "--robots",
+            metavar=SWITCH,
+            help="Define a robot with the mouse: picture, outline, markers, heading, size. At "
+            "first that of --robot, or the default one.",
+        ),
+    ] = False,
     train: Annotated[
         bool,
         typer.Option(
@@ -113,15 +121,17 @@ def gui(
     from robsim.gui import panel
 
     with errors.report_errors(path):
-        if train:
+        if tools := [name for name, is_on in (("robots", robots), ("train", train)) if is_on]:
             of_a_run = {
                 **{"--scenario": scenario, "--control": control, "--speed": speed},
                 **{"--noise": noise, "--dropout": dropout, "--area": area, "--seed": seed},
                 "--time-limit": time_limit,
             }
+            if len(tools) > 1:
+                raise ValueError(f"--{tools[0]} and --{tools[1]} are two tools: give one of them")
             if given := [name for name, value in of_a_run.items() if value is not None]:
-                raise ValueError(f"{given[0]} is for a run: with --train nothing runs")
-            with _training(path, colors, robot) as tool:
+                raise ValueError(f"{given[0]} is for a run: with --{tools[0]} nothing runs")
+            with _tool(tools[0], path, colors, robot) as tool:
                 _show(tool, port, is_wanted=not no_browser)
             return
         factor = parse_speed("--speed", speed)
@@ -143,13 +153,15 @@ def gui(
             _show(opened, port, is_wanted=not no_browser)
 
 
-def _training(path: Path | None, colors: Path | None, robot: str | None) -> ColorPanel:
-    """Return the panel that trains colours on what a path has."""
-    from robsim.gui import color_panel
+def _tool(name: str, path: Path | None, colors: Path | None, robot: str | None) -> HostedPanel:
+    """Return the panel that makes something on what a path has."""
+    from robsim.gui import color_panel, robot_panel
 
     what: Any = path
     if path is not None and path.is_dir() and any(path.glob("*.py")):
         what = simulation_of(path, {})
+    if name == "robots":
+        return robot_panel(what, robot=robot, colors=colors)
     file = Path("colors.toml") if colors is None else colors
     return color_panel(what, robot=robot, file=file)
 
