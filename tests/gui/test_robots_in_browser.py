@@ -106,6 +106,25 @@ def test_another_robot_is_loaded_resized_and_saved(mouse):
     mouse.tab.wait_for_selector(".robsim-toast-error")
 
 
+def test_two_points_of_known_distance_give_the_size(mouse):
+    drawing, tab = mouse.drawing, mouse.tab
+    tab.click("[name=ruler]")
+    tab.wait_for_selector("text=Click two points")
+    n_corners = len(drawing.sketch.outline)
+    for point in ((100, 100), (100, 340)):
+        tab.mouse.click(*mouse.at(point))
+    tab.wait_for_selector("[name=ruler_length]:visible")
+    tab.fill("[name=ruler_length]", "60")
+    tab.keyboard.press("Enter")
+    width = drawing.sketch.image.shape[1]
+    wait_for(lambda: abs(drawing.sketch.size - 60 * width / 240) < 1)
+    mouse.drag((100, 340), (100, 220))
+    wait_for(lambda: abs(drawing.sketch.size - 60 * width / 120) < 2)
+    tab.keyboard.press("Escape")
+    tab.click("[name=ruler]")
+    assert len(drawing.sketch.outline) == n_corners
+
+
 def test_a_square_of_a_simulation_is_captured(open_tool, user_folder):
     sim = robsim.Simulation(robot="lab", start=(400, 500, 0.6), headings=None, seed=2)
     with robsim.robot_panel(sim, robot="sheep") as tool:

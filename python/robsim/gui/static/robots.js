@@ -5,22 +5,24 @@ import { makePicture } from "./camera/picture.js";
 import { makePolygons } from "./tools/polygons.js";
 import { makeRobotParts } from "./tools/robot_parts.js";
 import { makeRobotShape } from "./tools/robot_shape.js";
+import { makeRuler } from "./tools/ruler.js";
 import { makeSquare } from "./tools/square.js";
 import { renderTool } from "./tools/tool.js";
 
 export function renderRobots(host) {
   return renderTool(host, "robots", (context) => {
     const parts = makeRobotParts(context);
-    const picture = makeRobotPicture(context, parts.next);
+    const ruler = makeRuler(context, () => picture);
+    const picture = makeRobotPicture(context, parts.next, ruler);
     const element = make("div", { className: "robsim-camera" }, picture.canvas,
       make("div", { className: "robsim-camera-bar" }, picture.whole));
-    const beside = [parts, makeRobotShape(context)];
+    const beside = [parts, makeRobotShape(context, ruler)];
     return { view: element, below: "", width: picture.width,
       beside: beside.map((part) => part.element) };
   });
 }
 
-function makeRobotPicture(context, next) {
+function makeRobotPicture(context, next, ruler) {
   const of = () => picture;
   const polygons = makePolygons(context, of);
   const square = makeSquare(context, of);
@@ -29,24 +31,24 @@ function makeRobotPicture(context, next) {
     context.send({ type: shiftKey ? "redo" : "undo" });
     return true;
   };
-  let isSquare = false; // the drag is the square's
+  const taking = () => [square, ruler].find((one) => one.isOn()) ?? polygons;
+  let dragged = polygons; // whose the drag is
   const tool = {
-    ...polygons,
-    isActive: () => square.isOn() || polygons.isActive(),
-    takesDrags: () => square.isOn() || polygons.takesDrags(),
-    dragStart: (at) => (isSquare = square.dragStart(at)) || polygons.dragStart(at),
-    drag: (from, to) => (isSquare ? square.drag(to) : polygons.drag(from, to)),
-    dragEnd: () => (isSquare ? square.dragEnd() : polygons.dragEnd()),
-    giveUp: () => (isSquare ? square.dragEnd() : polygons.giveUp()),
+    isActive: () => taking() != polygons || polygons.isActive(),
+    takesDrags: () => taking() != polygons || polygons.takesDrags(),
+    hover: () => {},
+    click: (at) => taking().click?.(at),
+    doubleClick: (at) => taking().doubleClick?.(at) ?? false,
+    dragStart: (at) => (dragged = taking()).dragStart(at),
+    drag: (_, to) => dragged.drag(to),
+    dragEnd: () => dragged.dragEnd(),
+    giveUp: () => dragged.giveUp(),
     key: (event) => {
       if (event.key == "Enter" && context.state.mode == "draw") return next(), true;
-      return square.key(event) || polygons.key(event);
+      return taking().key(event);
     },
   };
-  const draw = (scene) => {
-    square.draw(scene);
-    polygons.draw(scene);
-  };
+  const draw = (scene) => [square, polygons, ruler].forEach((one) => one.draw(scene));
   const picture = makePicture(context, { label: "robot_picture", inks: [], draw, tool });
   context.el.addEventListener("keydown", (event) => {
     if (event.target.matches("input, textarea") || !history(event)) return;

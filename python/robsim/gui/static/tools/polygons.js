@@ -53,7 +53,6 @@ export function makePolygons(context, picture) {
   return {
     isActive: () => state().mode == "draw",
     takesDrags: () => state().mode == "draw",
-    hover: () => {},
     click: (at) => {
       if (state().mode != "draw" || !picture().lens.holds(at)) return;
       const corner = near(at, corners());
@@ -74,7 +73,7 @@ export function makePolygons(context, picture) {
       isNew = true;
       return true;
     },
-    drag: (_, to) => move(pixelAt(to)),
+    drag: (to) => move(pixelAt(to)),
     dragEnd: () => (held = null),
     giveUp: () => (held = local = null),
     key: (event) => {

@@ -6,7 +6,7 @@ import { text } from "../base/texts.js";
 
 const TURNS = [-10, -1, 1, 10]; // degrees
 
-export function makeRobotShape(context) {
+export function makeRobotShape(context, ruler) {
   const list = make("select", { className: "robsim-select", name: "robot",
     ariaLabel: text("robots") });
   list.onchange = () => context.send({ type: "load", name: list.value });
@@ -51,6 +51,7 @@ export function makeRobotShape(context) {
       row(list, reset, capture, resume, square),
       row(words("robot_heading"), ...turns, heading),
       row(words("robot_size"), size, words("robot_size_unit")),
+      ruler.element,
       row(name, save)),
   };
 }

@@ -44,6 +44,7 @@ export function makeSquare(context, picture) {
       } else tell([u + pu - from.at[0], v + pv - from.at[1], side]);
     },
     dragEnd: () => (from = null),
+    giveUp: () => (from = null),
     key: ({ key, shiftKey }) => {
       if (!isOn() || !(key in ARROWS || key == "PageUp" || key == "PageDown")) return false;
       const step = shiftKey ? 10 : 1;
