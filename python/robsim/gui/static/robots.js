@@ -15,7 +15,7 @@ export function renderRobots(host) {
     const ruler = makeRuler(context, () => picture);
     const picture = makeRobotPicture(context, parts.next, ruler);
     const element = make("div", { className: "robsim-camera" }, picture.canvas,
-      make("div", { className: "robsim-camera-bar" }, picture.whole));
+      make("div", { className: "robsim-camera-bar" }, picture.whole), parts.problems);
     const beside = [parts, makeRobotShape(context, ruler)];
     return { view: element, below: "", width: picture.width,
       beside: beside.map((part) => part.element) };

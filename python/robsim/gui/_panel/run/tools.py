@@ -60,7 +60,7 @@ class Tools(Part):
         return self._due
 
     def close(self, timeout: float) -> None:
-        self._close()
+        self._close(timeout)
 
     def begin(self, name: str) -> None:
         """Open a tool on the run, in place of another one."""
@@ -114,11 +114,12 @@ class Tools(Part):
         if isinstance(self.panel.runner, Simulation):  # a real robot waits for Start
             self.panel.driver.start()
 
-    def _close(self) -> None:
+    def _close(self, timeout: float = 0.0) -> None:
+        """Close the tool; without a timeout (s) it ends when it has done what it is at."""
         tool, self.tool, self._name = self.tool, None, None
         self._lines.clear()
         if tool is not None:
-            tool.close()
+            tool._close(timeout)
 
     def _looked_for(self) -> tuple[object, ...]:
         runner = self.panel.runner

@@ -31,5 +31,5 @@ export function makeRobotParts(context) {
   });
   const next = () => choose(ROBOT_PARTS[(ROBOT_PARTS.indexOf(context.state.part) + 1) % 3]);
   const row = make("div", { className: "robsim-tool-row" }, parts, guess, clear, undo, redo);
-  return { element: make("div", { className: "robsim-tool-part" }, row, hint, problems), next };
+  return { element: make("div", { className: "robsim-tool-part" }, row, hint), problems, next };
 }
