@@ -41,6 +41,7 @@ export function watchGestures(canvas, handlers) {
   };
   canvas.onpointerdown = (event) => {
     if (event.button) return;
+    canvas.dataset.pointer = event.pointerType; // fingers are thick
     try {
       canvas.setPointerCapture(event.pointerId);
     } catch {

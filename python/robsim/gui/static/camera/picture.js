@@ -58,14 +58,14 @@ export function makePicture(context, { label, inks, draw, tool }) {
     later();
   };
   for (const event of ["setup", "local", "theme"]) context.on(event, recolor);
-  context.on("state", later);
+  const changed = () => (setManners(), later());
+  context.on("state", changed);
   context.on("frame", paint); // at once: an animation frame later would be one more
   context.on("frame", widths.tell);
   context.onEnd(() => resizes.disconnect());
   context.onEnd(later.cancel);
   return {
-    canvas, lens, whole, later,
-    changed: () => (setManners(), later()),
+    canvas, lens, whole, later, changed,
     width: () => (fit(), widths.first()),
   };
 }

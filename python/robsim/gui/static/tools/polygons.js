@@ -17,7 +17,7 @@ export function makePolygons(context, picture) {
 
   const state = () => context.state;
   const corners = () => state().parts?.[state().part] ?? [];
-  const reach = () => REACH[matchMedia("(pointer: coarse)").matches ? "touch" : "mouse"];
+  const reach = () => REACH[picture().canvas.dataset.pointer] ?? REACH.mouse;
   const onScreen = (point) => picture().lens.toCanvas(point);
   const pixelAt = (at) => picture().lens.toPixel(at);
   const near = (at, points) => {

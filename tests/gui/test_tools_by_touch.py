@@ -1,0 +1,103 @@
+"""The tools with fingers, in Chromium: regions, corners, the square, pinching."""
+
+import numpy as np
+import pytest
+
+import robsim
+from waiting import wait_for
+
+pytestmark = pytest.mark.slow
+
+
+class Fingers:
+    """A tool in a tab, on a screen that is touched."""
+
+    def __init__(self, tool, open_tool):
+        self.tab = open_tool(tool, size=(820, 1180), has_touch=True)
+        self.talk = self.tab.context.new_cdp_session(self.tab)
+        self.tool = tool
+        self.measure()
+
+    def measure(self):
+        """Find the picture, which has moved if the page was scrolled."""
+        canvas = self.tab.locator(".robsim-camera canvas")
+        canvas.scroll_into_view_if_needed()
+        height, width = self.tool._view.picture.frame.image.shape[:2]
+        self.box = canvas.bounding_box()
+        self.scale = min(self.box["width"] / width, self.box["height"] / height)
+        self.left = self.box["x"] + (self.box["width"] - width * self.scale) / 2
+        self.top = self.box["y"] + (self.box["height"] - height * self.scale) / 2
+
+    def at(self, point):
+        u, v = point
+        return self.left + (u + 0.5) * self.scale, self.top + (v + 0.5) * self.scale
+
+    def touch(self, kind, *points):
+        places = [
+            dict(zip("xy", map(float, self.at(p)), strict=True), id=i) for i, p in enumerate(points)
+        ]
+        self.talk.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": places})
+
+    def drag(self, start, end):
+        self.touch("touchStart", start)
+        for share in np.linspace(0, 1, 6)[1:]:
+            self.touch("touchMove", (1 - share) * np.array(start) + share * np.array(end))
+        self.touch("touchEnd")
+
+    def tap(self, point):
+        self.tab.touchscreen.tap(*self.at(point))
+
+
+@pytest.fixture
+def robots(open_tool, user_folder):
+    with robsim.robot_panel(robot="lab") as tool:
+        yield tool, Fingers(tool, open_tool)
+
+
+def test_a_finger_drags_a_corner_and_taps_new_ones(robots):
+    tool, fingers = robots
+    drawing = tool._view.drawing
+    fingers.tab.click(".robsim-segments [value=red]")
+    fingers.tab.wait_for_selector("[value=red][aria-checked=true]")
+    fingers.measure()
+    before = drawing.sketch.red
+    # Fingers are thick: it begins a little beside the corner.
+    fingers.drag(before[0] + (8, 6), before[0] + (30, -20))
+    wait_for(lambda: np.hypot(*(drawing.sketch.red[0] - before[0])) > 15)
+    fingers.tap(before.mean(axis=0))
+    wait_for(lambda: len(drawing.sketch.red) == len(before) + 1)
+
+
+def test_two_fingers_zoom_and_change_nothing(robots):
+    tool, fingers = robots
+    before = tool._view.drawing.sketch
+    fingers.touch("touchStart", (200, 240), (280, 240))
+    for spread in (60, 90, 130):
+        fingers.touch("touchMove", (240 - spread, 240), (240 + spread, 240))
+    fingers.touch("touchEnd")
+    fingers.tab.wait_for_selector("[name=zoom_reset]:visible")
+    assert tool._view.drawing.sketch is before
+
+
+def test_a_finger_drags_the_square_and_makes_it_larger(open_tool, user_folder):
+    sim = robsim.Simulation(robot="lab", headings=None)
+    with robsim.robot_panel(sim, robot="sheep") as tool:
+        fingers = Fingers(tool, open_tool)
+        u, v, side = tool._view._square
+        fingers.drag((u, v), (u - 90, v + 60))
+        wait_for(lambda: np.allclose(tool._view._square[:2], (u - 90, v + 60), atol=4))
+        u, v, side = tool._view._square
+        fingers.tab.wait_for_selector(f"text=around ({u:.0f}, {v:.0f})")
+        fingers.drag((u + side / 2, v + side / 2), (u + side / 2 + 40, v + side / 2 + 40))
+        wait_for(lambda: tool._view._square[2] > side + 60)
+
+
+def test_a_finger_marks_a_region(open_tool, tmp_path):
+    image = np.full((200, 300, 3), 120, np.uint8)
+    image[60:120, 100:180] = (210, 40, 30)
+    with robsim.color_panel(image, file=tmp_path / "colors.toml") as tool:
+        fingers = Fingers(tool, open_tool)
+        fingers.drag((105, 65), (170, 110))
+        wait_for(lambda: tool.value)
+        (red,) = tool.value
+        assert red.v[0] > 150
