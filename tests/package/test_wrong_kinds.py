@@ -235,6 +235,7 @@ EXAMPLES = {
     "innovation": lambda: np.ones((40, 3)),
     "k": lambda: 0,
     "key": lambda: "time",
+    "kind": lambda: "bye",
     "last_u": lambda: (0.1, 0.2),
     "make": lambda: robsim.Spin,
     "margin": lambda: 5,

@@ -9,6 +9,7 @@ import warnings
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from robsim.gui._hosts.caller import answers_to
 from robsim.gui._view import View
 
 if TYPE_CHECKING:
@@ -68,6 +69,33 @@ class HostedPanel(ABC):
     def snapshot(self) -> bytes:
         """Return a picture of what it shows, a PNG."""
         return self._view.snapshot()
+
+    def message(self, kind: str, **fields: Any) -> list[dict[str, Any]]:
+        """Do what the page asks for when the mouse does something there, and wait for its end.
+
+        Parameters
+        ----------
+        kind : str
+            Type of the message, such as ``"press"``. ``robsim/gui/PROTOCOL.md`` lists all that a
+            browser may send.
+        **fields
+            Its fields, such as ``button="step"``: numbers, texts, lists or None.
+
+        Returns
+        -------
+        list of dict
+            What the panel answers, without pictures, such as ``tree`` to ``inspect``; often
+            nothing. A callback that fails does not make this fail: `Panel.error` has it.
+
+        Raises
+        ------
+        RuntimeError
+            If the panel is closed.
+        TypeError, ValueError
+            If there is no such message, or what it asks for is refused; the text says why.
+        """
+        self._check_open()
+        return answers_to(self._view, kind, fields)
 
     # Where it is shown.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from abc import abstractmethod
 from collections import deque
@@ -56,6 +57,12 @@ class View(Worker):
             if link.n_waiting < _MOST_WAITING * (2 if is_urgent else 1):
                 received = _Received(self, link, message)
                 link.n_waiting += self.post(received, first=is_urgent)
+
+    def settle(self) -> None:
+        """Wait until all is done that was received by now; in the thread itself it does not."""
+        done = threading.Event()
+        if not self.is_here and self.post(done.set):
+            done.wait()
 
     def is_urgent(self, message: Any) -> bool:
         """Return whether a message, which may be anything, comes before all that waits."""

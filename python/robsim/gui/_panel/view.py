@@ -104,6 +104,12 @@ class PanelView(View):
             part.close(timeout)
         return has_ended
 
+    def settle(self) -> None:
+        super().settle()
+        if not (self.is_here or self.driver.is_here):  # a callback, which the run waits for
+            self.driver.ask(lambda: None)
+            super().settle()  # what the run has answered
+
     def is_urgent(self, message: Any) -> bool:
         return (
             isinstance(message, dict)

@@ -1,0 +1,79 @@
+"""Messages as a browser sends them, said by Python."""
+
+import numpy as np
+import pytest
+
+import robsim
+
+
+@pytest.fixture
+def panel():
+    with robsim.panel(robsim.Simulation(area=(300, 300), seed=1)) as panel:
+        yield panel
+
+
+def test_a_button_is_pressed_and_its_end_waited_for(panel):
+    for _ in range(3):
+        assert panel.message("press", button="step") == []
+    assert len(panel.trace) == 3
+    panel.message("press", button="reset")
+    assert len(panel.trace) == 0
+
+
+def test_what_is_asked_is_answered(panel):
+    panel.message("press", button="step")
+    (tree,) = panel.message("inspect", k=None, path=[])
+    assert tree["type"] == "tree"
+    assert "frame" in [node["name"] for node in tree["nodes"]]
+    (source,) = panel.message("source", slot="control")
+    assert "def control(step)" in source["text"]
+
+
+def test_what_is_set_can_be_seen(panel):
+    panel.message("set", name="tracking", value="default")
+    panel.message("set", name="noise", value="gaussian")
+    panel.message("press", button="step")
+    assert panel.trace.is_tracked
+    assert panel._what.noise.percent > 0
+
+
+def test_a_refusal_is_an_error(panel):
+    with pytest.raises(ValueError, match="there is no button 'jump'"):
+        panel.message("press", button="jump")
+    with pytest.raises(ValueError, match="the message press lacks button"):
+        panel.message("press")
+    with pytest.raises(ValueError, match="kind must be one of"):
+        panel.message("jump")
+    with pytest.raises(TypeError, match="kind must be one of"):
+        panel.message(3)
+    with pytest.raises(TypeError, match="fields must be numbers, texts, lists or None"):
+        panel.message("path", points=np.zeros((2, 2)))
+    with pytest.raises(ValueError, match="there is no control 'nois'"):
+        panel.message("set", name="nois", value="gaussian")
+    with pytest.raises(ValueError, match="noise_level must be within"):
+        panel.message("set", name="noise_level", value=-5)
+
+
+def test_a_callback_may_say_something_and_does_not_wait_for_its_own_run():
+    sim = robsim.Simulation(area=(300, 300), seed=1)
+
+    @sim.control
+    def control(step):
+        panel.message("press", button="pause")
+        return 0, 0
+
+    with robsim.panel(sim) as panel:
+        panel.message("press", button="step")
+        assert panel.error is None
+        assert len(panel.trace) == 1
+
+
+def test_a_tool_takes_its_messages_too(user_folder):
+    with robsim.robot_panel(robot="lab") as tool:
+        before = tool.value.alignment
+        tool.message("turn", degrees=10)
+        assert tool.value.alignment == pytest.approx(before + 10)
+        with pytest.raises(ValueError, match="there is no camera to go back to"):
+            tool.message("resume")
+    with pytest.raises(RuntimeError, match="the panel is closed"):
+        tool.message("turn", degrees=10)
