@@ -14,6 +14,8 @@ from robsim.imaging._images import Pixels
 
 _GAP = 1 / 30  # s between two frames
 _QUALITY = 80  # of the JPEG; 25 kB for 600 x 600
+_MOST_BYTES = 140_000  # of a picture that stays in a notebook
+_COLORS = (128, 64, 32, 16)  # of few a photograph of a noisy floor takes a fifth
 
 
 class FrameClock:
@@ -34,6 +36,18 @@ def jpeg(pixels: Pixels) -> bytes:
     """Return an image as a JPEG."""
     out = io.BytesIO()
     Image.fromarray(pixels).save(out, "JPEG", quality=_QUALITY)
+    return out.getvalue()
+
+
+def small_png(picture: Image.Image) -> bytes:
+    """Return an image as a PNG of so few colours that it is small, for a saved notebook."""
+    for colors in _COLORS:
+        out = io.BytesIO()
+        kind = Image.Quantize.FASTOCTREE  # it keeps rare colours, such as those of the markers
+        few = picture.quantize(colors, kind, dither=Image.Dither.NONE)
+        few.save(out, "PNG", optimize=True)
+        if out.tell() <= _MOST_BYTES:
+            break
     return out.getvalue()
 
 

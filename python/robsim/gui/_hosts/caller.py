@@ -21,6 +21,7 @@ def answers_to(view: View, kind: str, fields: Mapping[str, Any]) -> list[dict[st
     """
     check_choice("kind", kind, tuple(view.messages))
     line = _Answers()
+    view.settle()  # a tool has its first picture, if there is one
     view.receive(line, {"type": kind, "id": "caller", **_as_sent(fields)})
     view.settle()
     for head in line.heads:

@@ -8,6 +8,7 @@ top-level names are unique.
 from __future__ import annotations
 
 import functools
+import json
 import re
 from pathlib import Path
 
@@ -24,6 +25,17 @@ def script() -> str:
     _collect(STATIC / "view.js", parts)
     texts = (STATIC / "texts.json").read_text("utf-8")
     return f"const TEXTS = {texts.strip()};\n" + "\n".join(parts.values())
+
+
+def words(name: str, **values: object) -> str:
+    """Return a text of the module, with its values."""
+    return _texts()[name].format(**values)
+
+
+@functools.cache
+def _texts() -> dict[str, str]:
+    texts: dict[str, str] = json.loads((STATIC / "texts.json").read_text("utf-8"))
+    return texts
 
 
 @functools.cache

@@ -15,6 +15,7 @@ from robsim._base.checks import Floats
 from robsim._base.text import no_formula
 from robsim._core import Estimate, Measurement
 from robsim.evaluation._histograms import usual_limits
+from robsim.gui._frames import small_png
 from robsim.gui._panel.analysis.statistics import longest_valid
 from robsim.gui._panel.drawing import drawing
 from robsim.gui._panel.record import Record
@@ -28,8 +29,6 @@ from robsim.trace import Trace
 _SIZE = (1000, 500)  # px
 _DPI = 100
 _MOST_STEPS = 3000  # of the traces; more would take long
-_MOST_BYTES = 140_000
-_COLORS = (128, 64, 32, 16)  # of the picture; of few a photograph of a noisy floor takes a fifth
 _UNITS = ("px", "px", "deg")
 
 
@@ -49,7 +48,7 @@ def still_picture(record: Record, shot: Shot | None, state: str) -> bytes:
         figure = _figure(record, shot, state)
         canvas = io.BytesIO()
         figure.savefig(canvas, format="png", dpi=_DPI)
-    return _with_fewer_colors(canvas)
+    return small_png(Image.open(canvas).convert("RGB"))
 
 
 @style.applied
@@ -136,14 +135,3 @@ def _draw_histograms(panels: Sequence[Axes], trace: Trace) -> None:
         text = f"{values.mean():.3f} ± {values.std():.3f} {unit}"
         panel.set_title(text, loc="left", fontsize=8, pad=3).set_in_layout(False)
     panels[-1].set_xlabel(f"error, {style.n_steps(len(trace))}")
-
-
-def _with_fewer_colors(canvas: io.BytesIO) -> bytes:
-    picture = Image.open(canvas).convert("RGB")
-    for colors in _COLORS:
-        out = io.BytesIO()
-        kind = Image.Quantize.FASTOCTREE  # it keeps rare colours, such as those of the markers
-        picture.quantize(colors, kind, dither=Image.Dither.NONE).save(out, "PNG", optimize=True)
-        if out.tell() <= _MOST_BYTES:
-            break
-    return out.getvalue()

@@ -57,6 +57,9 @@ class Pictures:
         """Tell of the pictures from now on, and of what ends them, in any thread."""
         take(self.at(0))
 
+    def settle(self) -> None:
+        """Wait until the pictures that are known by now have been told of."""
+
     def close(self) -> None:
         """Tell of no more; what belongs to the user stays open."""
 
@@ -142,6 +145,9 @@ class RunPictures(Pictures):
         self._driver.on_step.append(self._look)
         self._driver.on_state.append(self._watch)
         self._driver.prepare()
+
+    def settle(self) -> None:
+        self._driver.ask(lambda: None)
 
     def close(self) -> None:
         if self._look in self._driver.on_step:

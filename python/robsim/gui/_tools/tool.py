@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import math
+import time
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
@@ -13,7 +13,8 @@ import numpy as np
 from PIL import Image
 
 from robsim._core import reduced
-from robsim.gui._frames import FrameClock, jpeg
+from robsim.gui._beside import Beside
+from robsim.gui._frames import FrameClock, jpeg, small_png
 from robsim.gui._link import SLOW, Link
 from robsim.gui._messages import COMMON, Messages, Refused, switch, whole
 from robsim.gui._tools.pictures import Picture, Pictures
@@ -22,7 +23,7 @@ from robsim.gui._view import View
 T = TypeVar("T")
 
 _STILL_WIDTH = 480  # px, of what stays in a saved notebook
-_STILL_COLORS = 64
+_REST = 0.5  # s after a change, since whoever drags on and on is not to wait for pictures
 
 #: What every tool takes of a browser.
 TOOL_MESSAGES: Messages = {**COMMON, "look": {"k": whole}, "freeze": {"on": switch}}
@@ -52,6 +53,8 @@ class ToolView(View):
         self._taken: Picture | None = None  # in any thread
         self._is_told = False
         self._clock = FrameClock()
+        self._stills = Beside(self, "robsim still")
+        self._still_due = math.inf
         self._over = ""  # why no more pictures come
         source.begin(self._take, self._note_end)
 
@@ -67,7 +70,9 @@ class ToolView(View):
     def close(self, timeout: float = 5.0) -> bool:
         """End it; the source, which is the user's, stays open."""
         self.source.close()
-        return super().close(timeout)
+        has_ended = super().close(timeout)
+        self._stills.wait(timeout)
+        return has_ended
 
     # What a tool adds.
 
@@ -82,6 +87,18 @@ class ToolView(View):
     def changed_picture(self) -> None:
         """Do what is to be done when another picture is shown."""
 
+    def still(self) -> Callable[[], bytes]:
+        """Return what draws the still picture (PNG) of what is shown now, in any thread."""
+        frame = None if self.picture is None else self.picture.frame
+
+        def draw() -> bytes:
+            pixels = np.zeros((1, 1, 3), np.uint8) if frame is None else frame.image
+            return small_png(
+                Image.fromarray(pixels if frame is None else reduced(frame, _STILL_WIDTH))
+            )
+
+        return draw
+
     # In the thread of the view.
 
     def tell(self, link: Link) -> None:
@@ -94,6 +111,7 @@ class ToolView(View):
     def tell_state(self) -> None:
         """Tell all browsers the state."""
         self.send(self._state())
+        self._still_due = time.monotonic() + _REST
 
     def show_again(self) -> None:
         """Send the picture again, with what is told with it."""
@@ -101,6 +119,9 @@ class ToolView(View):
             link.shown = None
 
     def look(self, now: float) -> float:
+        return min(self._look_at_links(now), self._look_at_still(now))
+
+    def _look_at_links(self, now: float) -> float:
         lacking = [link for link in self.links if link.lacks(self.picture)]
         if self.picture is None or not lacking:
             return math.inf
@@ -111,14 +132,29 @@ class ToolView(View):
             self._send_picture(self.picture, ready, now)
         return math.inf if len(ready) == len(lacking) else now + SLOW
 
+    def settle(self) -> None:
+        if not self.is_here:
+            self.source.settle()
+        super().settle()
+
     def snapshot(self) -> bytes:
-        picture = self.picture
-        pixels = np.zeros((1, 1, 3), np.uint8)  # while there is none yet
-        if picture is not None:
-            pixels = reduced(picture.frame, _STILL_WIDTH)
-        out = io.BytesIO()
-        Image.fromarray(pixels).quantize(_STILL_COLORS).save(out, "PNG")
-        return out.getvalue()
+        self.settle()
+        try:
+            draw = self.ask(self.still)
+        except RuntimeError:  # it is closed: nothing changes any more
+            draw = self.still()
+        return draw()
+
+    def _look_at_still(self, now: float) -> float:
+        """Draw anew what a saved notebook keeps, once nothing has changed for a while."""
+        links = [link for link in self.links if link.keeps_still]
+        if now >= self._still_due and links:
+            if self._stills.is_busy:
+                return now + _REST
+            self._stills.begin(self.still(), lambda picture: _keep(links, picture))
+        if now >= self._still_due or not links:
+            self._still_due = math.inf
+        return self._still_due
 
     def ask(self, function: Callable[[], T]) -> T:
         """Return what a function returns, or raise what it raises, in the thread of the view."""
@@ -213,6 +249,12 @@ class ToolView(View):
     def _size(self, link: Link, message: dict[str, Any]) -> None:
         link.resize(message["width"])
         link.shown = None
+
+
+def _keep(links: list[Link], picture: bytes | None) -> None:
+    if picture is not None:
+        for link in links:
+            link.keep(picture)
 
 
 def in_place(act: Callable[[dict[str, Any]], object]) -> Callable[[Link, dict[str, Any]], None]:

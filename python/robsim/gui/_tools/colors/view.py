@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
-import numpy as np
 from PIL import Image
 
 from robsim._base.files import as_path
 from robsim._base.text import quoted
-from robsim._core import ColorClass, classify, color_histograms, detect, find_blobs
+from robsim._core import ColorClass, Frame, color_histograms
 from robsim.gui._beside import Beside
-from robsim.gui._frames import boxes_of, numbers
 from robsim.gui._link import Link
 from robsim.gui._messages import Messages
+from robsim.gui._tools.colors.found import found_in, painted
 from robsim.gui._tools.colors.messages import MESSAGES
 from robsim.gui._tools.colors.training import OPTIONS, ColorTraining, Region, ranges_of
 from robsim.gui._tools.pictures import Picture, Pictures
@@ -27,7 +26,6 @@ from robsim.vision import ColorScore, colors_to_toml, save_colors, score_color
 from robsim.vision._color_files import colors_of_text
 from robsim.vision._color_masks import paint_of
 
-_LARGEST_MASK = 1600  # px along a side
 _ALPHA = 200  # of what a class takes, on the picture
 
 
@@ -94,11 +92,19 @@ class ColorsView(ToolView):
         colors = self.training.value
         if not (self._tests and colors):
             return {"boxes": [], "found": None, "missed": None}, []
-        blobs = find_blobs(picture.frame, list(colors), markers=self._markers)
-        found = detect(blobs, self._markers, plane_map=picture.frame.plane_map, image=picture.frame)
-        pose = None if found.measurement is None else numbers(found.measurement.pose)
-        missed = None if pose else found.explanation
-        return {"boxes": boxes_of(blobs), "found": pose, "missed": missed}, [self._mask(picture)]
+        found = found_in(picture.frame, colors, self._markers)
+        return found, [_mask(picture.frame, colors)]
+
+    def still(self) -> Callable[[], bytes]:
+        picture, title, state = self.picture, self.source.title, self._state()
+        colors, markers = self.training.value, self._markers
+
+        def draw() -> bytes:
+            from robsim.gui._tools.colors.still import colors_still  # matplotlib's fonts
+
+            return colors_still(picture, title, state, colors, markers)
+
+        return draw
 
     def changed_picture(self) -> None:
         if self.is_frozen or not self.source.is_live:
@@ -108,28 +114,6 @@ class ColorsView(ToolView):
         has_ended = super().close(timeout)
         self._beside.wait(timeout)
         return has_ended
-
-    def _mask(self, picture: Picture) -> bytes:
-        """Return which pixel belongs to which class, as a picture to lay over it (PNG).
-
-        Of a large picture it has each second pixel, or each third, and so on.
-        """
-        colors = self.training.value
-        masks = classify(picture.frame, list(colors))
-        shape = picture.frame.image.shape[:2]
-        step = -(-max(shape) // _LARGEST_MASK)
-        index = np.zeros(shape, np.uint8)[::step, ::step]
-        palette = [0, 0, 0]
-        for number, (name, mask) in enumerate(masks.items(), start=1):
-            index[mask[::step, ::step]] = number
-            palette += paint_of(name, number - 1)
-        shown = Image.fromarray(np.ascontiguousarray(index), "P")
-        shown.putpalette(palette)
-        out = io.BytesIO()
-        alpha = bytes([0, *[_ALPHA] * len(masks)])
-        bits = next(bits for bits in (1, 2, 4, 8) if len(masks) < 1 << bits)  # few are quick
-        shown.save(out, "PNG", transparency=alpha, bits=bits, compress_level=1)
-        return out.getvalue()
 
     def _class_of(self, name: str) -> dict[str, Any]:
         one = self.training.classes[name]
@@ -259,3 +243,15 @@ def _score_message(score: ColorScore) -> dict[str, Any]:
             for sweep in score.sweeps
         ],
     }
+
+
+def _mask(frame: Frame, colors: Sequence[ColorClass]) -> bytes:
+    """Return which pixel belongs to which class, as a picture to lay over it (PNG)."""
+    index, inks = painted(frame, colors)
+    shown = Image.fromarray(index, "P")
+    shown.putpalette([0, 0, 0, *(part for ink in inks for part in ink)])
+    out = io.BytesIO()
+    alpha = bytes([0, *[_ALPHA] * len(inks)])
+    bits = next(bits for bits in (1, 2, 4, 8) if len(inks) < 1 << bits)  # few are quick
+    shown.save(out, "PNG", transparency=alpha, bits=bits, compress_level=1)
+    return out.getvalue()

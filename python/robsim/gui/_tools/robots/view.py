@@ -120,6 +120,16 @@ class RobotsView(ToolView):
             "can_redo": self.drawing.can_redo,
         }
 
+    def still(self) -> Callable[[], bytes]:
+        picture, title, state = self.picture, self.source.title, self._state()
+
+        def draw() -> bytes:
+            from robsim.gui._tools.robots.still import robots_still  # matplotlib's fonts
+
+            return robots_still(picture, title, state)
+
+        return draw
+
     def changed_picture(self) -> None:
         if self._square is None and self.picture is not None and not self.is_frozen:
             height, width = self.picture.frame.image.shape[:2]

@@ -1,0 +1,41 @@
+"""What colour classes find in a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._core import ColorClass, Frame, MarkerLayout, classify, detect, find_blobs
+from robsim.gui._frames import boxes_of, numbers
+from robsim.vision._color_masks import paint_of
+
+_LARGEST = 1600  # px along a side of a mask
+
+
+def found_in(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) -> dict[str, Any]:
+    """Return the boxes of the blobs, the pose of the robot, or why it was not found."""
+    blobs = find_blobs(frame, list(colors), markers=markers)
+    found = detect(blobs, markers, plane_map=frame.plane_map, image=frame)
+    pose = None if found.measurement is None else numbers(found.measurement.pose)
+    missed = None if pose else found.explanation
+    return {"boxes": boxes_of(blobs), "found": pose, "missed": missed}
+
+
+def painted(
+    frame: Frame, colors: Sequence[ColorClass]
+) -> tuple[NDArray[np.uint8], list[tuple[int, ...]]]:
+    """Return which pixel belongs to which class, from 1, and the RGB of each class.
+
+    Of a large picture it has each second pixel, or each third, and so on.
+    """
+    masks = classify(frame, list(colors))
+    shape = frame.image.shape[:2]
+    step = -(-max(shape) // _LARGEST)
+    index = np.zeros(shape, np.uint8)[::step, ::step]
+    for number, mask in enumerate(masks.values(), start=1):
+        index[mask[::step, ::step]] = number
+    inks = [paint_of(name, number) for number, name in enumerate(masks)]
+    return np.ascontiguousarray(index), inks

@@ -1,0 +1,171 @@
+"""The still pictures of the tools: what a saved notebook keeps of them."""
+
+import io
+import math
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import robsim
+from browsers import FakeBrowser
+from robsim.gui._tools.pictures import OnePicture
+from robsim.gui._tools.tool import ToolView
+
+SIDE, LEFT, TOP = 455, 6, 34  # of the picture on the sheet (px)
+YELLOW, RED_INK, WHITE, ACCENT = (255, 213, 0), (255, 90, 95), (255, 255, 255), (87, 80, 211)
+FLOOR, RED = (120, 122, 118), (210, 40, 30)
+FIRST_LEVEL, LAST_LEVEL = 502, 904  # px: where the histograms begin and end
+ROWS = {"y": 72, "u": 138, "v": 204}  # px: the tops of the histograms
+
+
+class Still:
+    """A still picture, looked at by places in the frame's pixels."""
+
+    def __init__(self, tool, size):
+        png = tool.snapshot()
+        assert len(png) <= 140_000
+        self.pixels = np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)
+        self.scale = SIDE / max(size)
+        margins = [(SIDE - round(self.scale * length)) // 2 for length in size]
+        self.corner = np.array((LEFT, TOP)) + margins
+
+    def at(self, point):
+        """The mean colour of 3 x 3 pixels of the sheet around a place in the frame."""
+        x, y = np.floor(self.corner + self.scale * (np.array(point) + 0.5)).astype(int)
+        return self.mean(x - 1, y - 1, x + 2, y + 2)
+
+    def has(self, point, ink):
+        """Whether one of the 5 x 5 pixels around a place has an ink: lines are thin."""
+        x, y = np.floor(self.corner + self.scale * (np.array(point) + 0.5)).astype(int)
+        near = self.pixels[y - 2 : y + 3, x - 2 : x + 3]
+        return bool((np.abs(near - ink).max(axis=2) < 60).any())
+
+    def mean(self, left, top, right, bottom):
+        return self.pixels[top:bottom, left:right].mean(axis=(0, 1))
+
+
+def is_near(color, other, far=45):
+    return bool(np.abs(np.subtract(color, other)).max() < far)
+
+
+@pytest.fixture
+def robot_tool(user_folder):
+    with robsim.robot_panel(robot="lab") as tool:
+        yield tool
+
+
+def robot_still(tool):
+    height, width = tool.value.image.shape[:2]
+    return Still(tool, (width, height))
+
+
+def test_corners_are_drawn_where_they_are(robot_tool):
+    assert not is_near(robot_still(robot_tool).at(robot_tool.value.red[0]), RED_INK, 20)
+    robot_tool.message("part", name="red")
+    corner, moved = robot_tool.value.red[0], robot_tool.value.red[0] + (0, 14)
+    assert is_near(robot_still(robot_tool).at(corner), RED_INK, 20)
+    robot_tool.message("move", corner=0, at=moved.tolist(), goes_on=False)
+    still = robot_still(robot_tool)
+    assert is_near(still.at(moved), RED_INK, 20)
+    assert not is_near(still.at(corner), RED_INK, 20)
+
+
+def test_the_arrow_points_to_where_the_robot_faces(robot_tool):
+    robot = robot_tool.value
+    for turned in (0, 90):
+        angle = math.radians(-robot.alignment - turned)
+        still = robot_still(robot_tool)
+        tip = robot.centre + 40 / still.scale * np.array((math.cos(angle), math.sin(angle)))
+        beside = robot.centre + 40 / still.scale * np.array((-math.sin(angle), math.cos(angle)))
+        assert is_near(still.at(tip), WHITE, 130)
+        assert not is_near(still.at(beside), WHITE, 130)
+        robot_tool.message("turn", degrees=90)
+
+
+def test_the_square_is_drawn_around_what_is_captured(user_folder):
+    sim = robsim.Simulation(resolution=(300, 300), seed=1)
+    with robsim.robot_panel(sim) as tool:
+        tool.message("square", at=[110, 130], side=60)
+        still = Still(tool, (300, 300))
+        for place in ((80, 130), (140, 130), (110, 100), (110, 160)):
+            assert still.has(np.array(place) - 0.5, YELLOW)
+        assert not still.has((60, 130), YELLOW)
+
+
+@pytest.fixture
+def color_tool(tmp_path):
+    image = np.full((120, 160, 3), FLOOR, np.uint8)
+    image[40:60, 40:60] = image[80:90, 100:120] = RED
+    with robsim.color_panel(image, file=tmp_path / "colors.toml") as tool:
+        yield tool
+
+
+def color_still(tool):
+    return Still(tool, (160, 120))
+
+
+def level(value):
+    return FIRST_LEVEL + (LAST_LEVEL - FIRST_LEVEL) / 256 * value
+
+
+def test_region_histograms_and_ranges_are_drawn(color_tool):
+    before = color_still(color_tool)
+    assert is_near(before.at((44, 50)), RED, 20)
+    color_tool.message("region", region=[44, 44, 55, 55], keep=0)
+    still = color_still(color_tool)
+    assert still.has((43.5, 50), YELLOW)
+    assert not before.has((43.5, 50), YELLOW)
+    color = color_tool.value[0]
+    values = robsim.vision.rgb_to_yuv(np.array([[RED]], np.uint8))[0, 0]
+    for name, value in zip("yuv", values, strict=True):
+        top, x = ROWS[name] + 8, int(level(value))
+        assert is_near(still.mean(x, top, x + 2, top + 40), (89, 98, 110), 60), name
+        for end in (getattr(color, name)[0], getattr(color, name)[1] + 1):
+            x = round(level(end))
+            assert is_near(still.mean(x - 1, top, x + 1, top + 40), ACCENT, 60), (name, end)
+        assert is_near(before.mean(x - 1, top, x + 1, top + 40), WHITE), name
+
+
+def test_the_test_paints_what_belongs_to_a_class(color_tool):
+    color_tool.message("region", region=[44, 44, 55, 55], keep=0)
+    painted = color_still(color_tool)
+    assert is_near(painted.at((110, 85)), (255, 0, 0), 52)
+    assert is_near(painted.at((80, 85)), FLOOR, 12)
+    assert is_near(painted.mean(18, 46, 22, 50), (251, 239, 208), 20)  # "Not seen: ..."
+    color_tool.message("set", name="tests", value=False)
+    bare = color_still(color_tool)
+    assert is_near(bare.at((110, 85)), RED, 12)
+    assert is_near(bare.mean(18, 46, 22, 50), WHITE, 12)
+
+
+def test_closed_or_without_a_picture_there_is_one_too(color_tool):
+    shown = color_tool.snapshot()
+    color_tool.close()
+    assert color_tool.snapshot() == shown
+
+    class Bare(ToolView):
+        kind, messages = "bare", {}
+
+        def head(self, picture):
+            return {}, []
+
+        def state(self):
+            return {}
+
+    view = Bare(OnePicture(np.full((90, 120, 3), FLOOR, np.uint8), "a picture"))
+    assert Image.open(io.BytesIO(view.snapshot())).width > 100
+    view.close()
+
+
+def test_a_saved_notebook_gets_it_again_when_something_has_changed(color_tool):
+    class Notebook(FakeBrowser):
+        keeps_still = True
+
+        def keep(self, picture):
+            self.transmit({"type": "kept"}, [picture])
+
+    notebook = Notebook(color_tool._view)
+    notebook.say("region", region=[44, 44, 55, 55], keep=0)
+    _, (picture,) = notebook.take("kept")
+    assert picture == color_tool.snapshot()
