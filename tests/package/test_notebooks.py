@@ -2,13 +2,17 @@
 
 import importlib
 import json
+import re
 
 import pytest
 
 from commands import command
 from robsim._base.shipped import NOTEBOOKS, copy_notebooks
+from robsim.gui._hosts.script import words
 
 SHIPPED = sorted(NOTEBOOKS.glob("*.ipynb"))
+MANUAL = "08_the_manual_of_2008"
+FIGURES = list(range(1, 36))  # of chapter 2 of the manual
 LEFT_BEHIND = """
 import threading
 print([thread.name for thread in threading.enumerate() if thread.name.startswith("robsim")])
@@ -29,6 +33,7 @@ def test_there_are_notebooks():
         "04_state_estimation.ipynb",
         "05_latency.ipynb",
         "06_live.ipynb",
+        f"{MANUAL}.ipynb",
     ]
 
 
@@ -37,7 +42,7 @@ def test_a_notebook_is_short_and_stripped(file):
     notebook = json.loads(file.read_text(encoding="utf-8"))
     assert set(notebook["metadata"]) == {"kernelspec", "language_info"}
     assert notebook["metadata"]["kernelspec"]["name"] == "python3"
-    assert 4 <= len(code_cells(notebook)) <= 10
+    assert 4 <= len(code_cells(notebook)) <= (25 if file.stem == MANUAL else 10)
     for cell in code_cells(notebook):
         assert (cell["outputs"], cell["execution_count"], cell["metadata"]) == ([], None, {})
 
@@ -57,6 +62,60 @@ def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
     kinds = [set(output["data"]) for output in outputs if "data" in output]
     pictures = [kind for kind in kinds if kind & {"image/png", "text/html"}]
     assert len(pictures) >= 3
+    if file.stem == MANUAL:
+        check_figures(code_cells(notebook))
+
+
+def check_figures(cells):
+    """Each figure of the manual is there once, with what it shows, and no two are the same."""
+    numbers, shown, above = [], [], []
+    for output in (output for cell in cells for output in cell["outputs"]):
+        data = output.get("data", {})
+        caption = re.match(r"\*\*Figure 2-(\d+)\.\*\* \w", data.get("text/markdown", ""))
+        if caption is None:
+            above += [
+                data[kind] for kind in ("image/png", "text/html", "text/markdown") if kind in data
+            ]
+        else:
+            assert above, caption[0]
+            numbers.append(int(caption[1]))
+            shown += above
+            above = []
+    assert numbers == FIGURES
+    assert len(set(shown)) == len(shown)
+
+
+def manual():
+    notebook = json.loads((NOTEBOOKS / f"{MANUAL}.ipynb").read_text(encoding="utf-8"))
+    return ["".join(cell["source"]) for cell in notebook["cells"]]
+
+
+def test_the_notebook_on_the_manual_has_all_its_figures():
+    code = "\n".join(manual())
+    assert [int(number) for number in re.findall(r"^figure\(\s*(\d+),", code, re.M)] == FIGURES
+
+
+#: What the windows of 2008 had.
+CONTROLS_OF_2008 = [
+    *("Tracking", "Parameter estimation", "state estimator", "Bndry box", "Object trace"),
+    *("Animate GUI", "Edit", "spin", "drive around", "noise", "Define Robot", "Train Camera"),
+    *("batch", "heading", "magenta", "green", "black", "histograms", "crosses", "workspace"),
+    *("Load", "arrows", "Reset", "Define outline", "yellow square", "Save", "Resume"),
+    *("No camera", "Resume simulation", "Freeze", "Select", "Y, U, V", "Thresholds"),
+    *("definition file", "Test"),
+]
+
+
+def test_the_table_of_2008_names_what_the_page_says():
+    (text,) = (text for text in manual() if "| 2008 | now | names |" in text)
+    rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
+    before = "; ".join(row[0] for row in rows)
+    assert [name for name in CONTROLS_OF_2008 if name not in before] == []
+    assert len(rows) > 30
+    for _, now, *names in rows[2:]:
+        bold = re.findall(r"\*\*(.*?)\*\*", now)
+        assert [words(name) for name in re.findall(r"`(.*?)`", "".join(names))] == bold
+        assert bold or "`" in now
 
 
 @pytest.mark.long
