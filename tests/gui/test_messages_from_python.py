@@ -29,6 +29,14 @@ def test_what_is_asked_is_answered(panel):
     assert "def control(step)" in source["text"]
 
 
+def test_finish_has_drawn_its_figure(panel):
+    panel.message("set", name="control", value="drive-around")
+    for _ in range(30):
+        panel.message("press", button="step")
+    panel.message("press", button="finish")
+    assert panel._view._result._newest[0]["type"] == "result"
+
+
 def test_what_is_set_can_be_seen(panel):
     panel.message("set", name="tracking", value="default")
     panel.message("set", name="noise", value="gaussian")

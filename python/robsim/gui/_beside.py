@@ -45,7 +45,7 @@ class Beside:
         self._thread = threading.Thread(target=work, name=self._name, daemon=True)
         self._thread.start()
 
-    def wait(self, timeout: float) -> None:
-        """Wait until nothing is computed; any thread may call this."""
+    def wait(self, timeout: float | None = None) -> None:
+        """Wait until nothing is computed; any thread may call this (None: as long as it takes)."""
         if (thread := self._thread) is not None:
             thread.join(timeout)

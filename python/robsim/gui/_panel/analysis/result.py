@@ -62,6 +62,10 @@ class Result(Part):
                 self._estimated = seen, batch_estimate(trace)
             return self._estimated
 
+    def settle(self) -> None:
+        """Wait until what was wanted has been estimated and drawn."""
+        self._beside.wait()
+
     def close(self, timeout: float) -> None:
         self._beside.wait(timeout)
 
