@@ -63,7 +63,7 @@ def test_a_finger_drags_a_corner_and_taps_new_ones(robots):
     before = drawing.sketch.red
     # Fingers are thick: it begins a little beside the corner.
     fingers.drag(before[0] + (8, 6), before[0] + (30, -20))
-    wait_for(lambda: np.hypot(*(drawing.sketch.red[0] - before[0])) > 15)
+    wait_for(lambda: np.abs(drawing.sketch.red - before).max() > 15)  # of the nearest one
     fingers.tap(before.mean(axis=0))
     wait_for(lambda: len(drawing.sketch.red) == len(before) + 1)
 
