@@ -7,6 +7,7 @@ import pytest
 
 import robsim
 from robsim.gui._tools.robots.drawing import PARTS, RobotDrawing, Sketch
+from robsim.gui._tools.robots.view import sketch_of
 
 SQUARE = np.array([(10.0, 10), (90, 10), (90, 70), (10, 70)])
 RED = np.array([(60.0, 20), (80, 20), (80, 40), (60, 40)])
@@ -161,11 +162,20 @@ def test_what_is_wrong_is_refused_and_changes_nothing(drawn, call, said):
     assert drawn.sketch is before
 
 
+def test_a_centre_that_was_given_stays_until_there_is_another_outline():
+    lab = robsim.load_robot("lab")
+    drawing = RobotDrawing(sketch_of(lab))
+    drawing.insert("red", 0, lab.red[0] + 1)
+    np.testing.assert_array_equal(drawing.definition("mine").centre, lab.centre)
+    drawing.move("outline", 0, lab.outline[0] + 1)
+    assert np.abs(drawing.centre - lab.centre).max() > 1
+    drawing.undo()
+    np.testing.assert_array_equal(drawing.centre, lab.centre)
+
+
 def test_a_robot_that_ships_can_be_taken_up_and_given_back():
-    robot = robsim.load_robot("robot2")
-    names = ("image", "size", "alignment", *PARTS)
-    drawing = RobotDrawing(Sketch(**{name: getattr(robot, name) for name in names}))
-    assert drawing.problems() == []
-    same = drawing.definition(robot.name)
-    np.testing.assert_array_equal(same.outline, robot.outline)
-    assert same.alignment == robot.alignment
+    for name in ("lab", "robot2", "sheep"):
+        robot = robsim.load_robot(name)
+        drawing = RobotDrawing(sketch_of(robot))
+        assert drawing.problems() == []
+        assert drawing.definition(name) == robot

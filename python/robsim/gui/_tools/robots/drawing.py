@@ -36,6 +36,10 @@ class Sketch:
         Clockwise rotation of the image (degrees) after which the robot faces right.
     outline, red, blue : array (N, 2)
         Polygons (image px).
+    centre : array (2,) or None
+        The robot's centre (image px). None = that of the outline.
+    maximum_blobs : int
+        As of `RobotDefinition`.
     """
 
     image: Pixels = field(repr=False)
@@ -44,6 +48,8 @@ class Sketch:
     outline: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
     red: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
     blue: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
+    centre: Floats | None = None
+    maximum_blobs: int = RobotDefinition.maximum_blobs
 
 
 class RobotDrawing:
@@ -128,7 +134,9 @@ class RobotDrawing:
 
     @property
     def centre(self) -> Floats:
-        """The robot's centre: that of its outline, or of the picture while there is none."""
+        """The robot's centre: its own, or that of an outline that was drawn, or of the picture."""
+        if self.sketch.centre is not None:
+            return self.sketch.centre
         outline = self.sketch.outline
         if len(outline) >= _FEWEST:
             return area_and_centroid(outline)[1]
@@ -188,6 +196,7 @@ class RobotDrawing:
             outline=sketch.outline,
             red=sketch.red,
             blue=sketch.blue,
+            maximum_blobs=sketch.maximum_blobs,
         )
 
     def _cut_out(self) -> Pixels:
@@ -210,6 +219,8 @@ class RobotDrawing:
         if not (goes_on and self._before):
             self._before = [*self._before[1 - _MOST_CHANGES :], self.sketch]
         self._after.clear()
+        if "outline" in changes:
+            changes["centre"] = None
         self.sketch = replace(self.sketch, **changes)
 
 

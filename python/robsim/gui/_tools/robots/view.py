@@ -240,7 +240,7 @@ class RobotsView(ToolView):
 
 def sketch_of(robot: RobotDefinition) -> Sketch:
     """Return what there is of a robot."""
-    names = ("image", "size", "alignment", *PARTS)
+    names = ("image", "size", "alignment", "centre", "maximum_blobs", *PARTS)
     return Sketch(**{name: getattr(robot, name) for name in names})
 
 
