@@ -76,9 +76,12 @@ BlobsByColor find(const ImageLike& image, const std::vector<ColorClass>& colors,
 
 std::map<std::string, py::array_t<bool>> masks_of(const ImageLike& image,
                                                   const std::vector<ColorClass>& colors,
-                                                  int smoothing) {
+                                                  const std::optional<MarkerLayout>& markers,
+                                                  std::optional<int> smoothing) {
   const ImageView view = view_from(image, "image");
-  pixels::RowClassifier classifier(colors, smoothing);
+  BlobOptions options;
+  if (markers) options = marker_blobs(*markers, plane_map_of(image), view);
+  pixels::RowClassifier classifier(colors, smoothing.value_or(options.smoothing));
   std::map<std::string, py::array_t<bool>> masks;
   std::vector<bool*> next;
   for (const ColorClass& color : colors) {
@@ -287,7 +290,6 @@ at_border : bool
       .def("__repr__", py::overload_cast<const Blob&>(&repr));
   define_blob_value(blob);
 
-  const BlobOptions defaults;
   public_in(module, "robsim")
       .def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
            py::arg("markers") = py::none(), py::arg("minimum_area") = py::none(),
@@ -330,7 +332,7 @@ TypeError, ValueError
 
   public_in(module, "robsim.vision")
       .def("classify", &masks_of, py::arg("image"), py::arg("colors"), py::kw_only(),
-           py::arg("smoothing") = defaults.smoothing, R"(
+           py::arg("markers") = py::none(), py::arg("smoothing") = py::none(), R"(
 Return which pixels belong to which colour class: the masks that `find_blobs` works on.
 
 Parameters
@@ -339,8 +341,11 @@ image : Frame or array (H, W, 3) of uint8
     RGB; rows of any stride.
 colors : list of ColorClass
     The colours; a pixel may belong to several.
-smoothing : int
-    Width of the window whose mean classifies a pixel, as in `find_blobs`; 1 = off.
+markers : MarkerLayout, optional
+    The markers to find, from which `smoothing` follows as in `find_blobs`.
+smoothing : int, optional
+    Width of the window whose mean classifies a pixel, as in `find_blobs`; 1 = off. Default: 1, or
+    as `find_blobs` has it for the markers.
 
 Returns
 -------

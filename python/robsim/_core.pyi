@@ -2418,7 +2418,7 @@ def check_mean_interval(time: float, n_steps: int, dt: float) -> None:
     """
     Raise ValueError if so many steps in a time (s), 10 or more, are not dt long on average.
     """
-def classify(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], *, smoothing: int = 1) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
+def classify(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, smoothing: int | None = None) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """
     Return which pixels belong to which colour class: the masks that `find_blobs` works on.
     
@@ -2428,8 +2428,11 @@ def classify(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collectio
         RGB; rows of any stride.
     colors : list of ColorClass
         The colours; a pixel may belong to several.
-    smoothing : int
-        Width of the window whose mean classifies a pixel, as in `find_blobs`; 1 = off.
+    markers : MarkerLayout, optional
+        The markers to find, from which `smoothing` follows as in `find_blobs`.
+    smoothing : int, optional
+        Width of the window whose mean classifies a pixel, as in `find_blobs`; 1 = off. Default: 1, or
+        as `find_blobs` has it for the markers.
     
     Returns
     -------

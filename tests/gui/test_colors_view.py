@@ -59,7 +59,9 @@ def test_a_region_makes_a_class_that_is_shown_in_the_picture(view, browser):
     head, (jpeg, mask) = browser.take("frame")
     assert Image.open(io.BytesIO(jpeg)).size == (80, 60)
     shown = mask_of(mask)
-    np.testing.assert_array_equal(shown[..., 3] > 0, classify(picture(), [made])["red"])
+    np.testing.assert_array_equal(
+        shown[..., 3] > 0, classify(picture(), [made], markers=view._markers)["red"]
+    )
     assert shown[25, 25].tolist() == [255, 0, 0, 200]
     ((color, *box),) = head["boxes"]
     assert color == "red"

@@ -141,3 +141,25 @@ def test_classify_refuses_what_find_blobs_refuses(smoothing):
         robsim.vision.classify(image, RED_AND_BLUE, smoothing=smoothing)
     with pytest.raises(ValueError, match="colors must have different names, got 'red' twice"):
         robsim.vision.classify(image, RED_AND_BLUE[:1] * 2)
+
+
+def test_with_markers_the_masks_are_those_that_their_blobs_are_of(rng):
+    noise = robsim.GaussianNoise(30)
+    sim = robsim.Simulation(robot="lab", measure=True, noise=noise, seed=1)
+    frame, markers = sim.step().frame, sim.markers
+    colors = list(sim.colors)
+    masks = robsim.vision.classify(frame, colors, markers=markers)
+    plain = robsim.vision.classify(frame, colors)
+    assert (masks["red"] != plain["red"]).any()
+    for color, blobs in robsim.find_blobs(frame, colors, markers=markers).items():
+        for blob in blobs:
+            left, top, right, bottom = blob.bounding_box
+            assert masks[color][top : bottom + 1, left : right + 1].sum() >= blob.area
+    (window,) = (
+        n
+        for n in (3, 5, 7)
+        if np.array_equal(robsim.vision.classify(frame, colors, smoothing=n)["red"], masks["red"])
+    )
+    assert window == sim._core.smoothing
+    same = robsim.vision.classify(frame, colors, markers=markers, smoothing=1)
+    np.testing.assert_array_equal(same["red"], plain["red"])

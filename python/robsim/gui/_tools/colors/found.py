@@ -25,13 +25,13 @@ def found_in(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) 
 
 
 def painted(
-    frame: Frame, colors: Sequence[ColorClass]
+    frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout
 ) -> tuple[NDArray[np.uint8], list[tuple[int, ...]]]:
     """Return which pixel belongs to which class, from 1, and the RGB of each class.
 
     Of a large picture it has each second pixel, or each third, and so on.
     """
-    masks = classify(frame, list(colors))
+    masks = classify(frame, list(colors), markers=markers)  # as where blobs are found
     shape = frame.image.shape[:2]
     step = -(-max(shape) // _LARGEST)
     index = np.zeros(shape, np.uint8)[::step, ::step]

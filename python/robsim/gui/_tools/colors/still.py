@@ -86,7 +86,7 @@ def _draw_test(
     markers: MarkerLayout,
 ) -> tuple[str, bool]:
     """Draw which pixels belong to the classes; return what is said of the robot."""
-    shown.paint(*painted(frame, colors))
+    shown.paint(*painted(frame, colors, markers))
     inks = {one["name"]: one["css"] for one in state["classes"]}
     found = found_in(frame, colors, markers)
     for name, *sides in found["boxes"]:

@@ -12,7 +12,7 @@ from PIL import Image
 
 from robsim._base.files import as_path
 from robsim._base.text import quoted
-from robsim._core import ColorClass, Frame, color_histograms
+from robsim._core import ColorClass, Frame, MarkerLayout, color_histograms
 from robsim.gui._beside import Beside
 from robsim.gui._link import Link
 from robsim.gui._messages import Messages
@@ -93,7 +93,7 @@ class ColorsView(ToolView):
         if not (self._tests and colors):
             return {"boxes": [], "found": None, "missed": None}, []
         found = found_in(picture.frame, colors, self._markers)
-        return found, [_mask(picture.frame, colors)]
+        return found, [_mask(picture.frame, colors, self._markers)]
 
     def still(self) -> Callable[[], bytes]:
         picture, title, state = self.picture, self.source.title, self._state()
@@ -245,9 +245,9 @@ def _score_message(score: ColorScore) -> dict[str, Any]:
     }
 
 
-def _mask(frame: Frame, colors: Sequence[ColorClass]) -> bytes:
+def _mask(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) -> bytes:
     """Return which pixel belongs to which class, as a picture to lay over it (PNG)."""
-    index, inks = painted(frame, colors)
+    index, inks = painted(frame, colors, markers)
     shown = Image.fromarray(index, "P")
     shown.putpalette([0, 0, 0, *(part for ink in inks for part in ink)])
     out = io.BytesIO()
