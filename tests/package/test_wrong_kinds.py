@@ -250,6 +250,7 @@ EXAMPLES = {
     "path": lambda: "file",
     "percent": lambda: 5.0,
     "phi": lambda: np.eye(5),
+    "picture": image,
     "pixels": lambda: [(1, 2), (3, 4)],
     "points": lambda: [(1, 2), (3, 4)],
     "pose": lambda: (1, 2, 0.1),

@@ -30,8 +30,18 @@ class FakeBrowser(Link):
             self._told.append((dict(head), list(buffers)))
             self._news.notify()
 
-    def say(self, kind, **fields):
-        self._view.receive(self, {"type": kind, "id": self.name, **fields})
+    def say(self, kind, *buffers, **fields):
+        self._view.receive(self, {"type": kind, "id": self.name, **fields}, buffers)
+
+    def upload(self, content, name="photo.png", *, key="1", part=1 << 19):
+        """Send a file, each part when the one before was answered; return the last answer."""
+        for at in range(0, len(content), part):
+            about = {"key": key, "name": name, "size": len(content), "at": at}
+            self.say("upload", content[at : at + part], **about)
+            answer, _ = self.take("uploaded", key=key)
+            if answer["state"] != "more":
+                break
+        return self.take("uploaded", key=key)[0] if answer["state"] == "read" else answer
 
     def press(self, button):
         self.say("press", button=button)

@@ -42,6 +42,7 @@ class Link(ABC):
         self._upto: int | None = None  # the newest grant, which is greater when a frame has come
         self._refused: deque[float] = deque(maxlen=_MOST_REFUSALS)  # when
         self.n_waiting = 0  # messages of its views; with the lock of the `View` held
+        self.bytes_waiting = 0  # of their buffers, as that
         self.is_gone = False  # nothing can be sent any more
 
     @abstractmethod

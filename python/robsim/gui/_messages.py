@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
 Check = Callable[[Any], Any]
-#: Type of message -> field -> check; `id` is in all of them.
+#: Type of message -> field -> check; `id` is in all of them. The field `buffers` is no JSON.
 Messages = Mapping[str, Mapping[str, Check]]
 
 _MOST_TEXT = 200  # characters
@@ -85,6 +85,17 @@ def point(value: Any) -> tuple[float, float]:
     return number(value[0]), number(value[1])
 
 
+def one_buffer(most: int) -> Check:
+    """Return a check of buffers: it returns the only one, of up to so many bytes."""
+
+    def checked(value: Any) -> bytes:
+        if len(value) != 1 or len(value[0]) > most:
+            raise Refused(f"one, of up to {most} bytes")
+        return bytes(value[0])
+
+    return checked
+
+
 #: What every panel takes.
 COMMON: Messages = {
     "hello": {"width": whole},
@@ -94,14 +105,17 @@ COMMON: Messages = {
 }
 
 
-def checked_message(message: Any, messages: Messages) -> dict[str, Any]:
+def checked_message(
+    message: Any, messages: Messages, buffers: Sequence[bytes] = ()
+) -> dict[str, Any]:
     """Return a message with the fields of its type and no others; else raise `Refused`."""
     kind = message.get("type") if isinstance(message, dict) else None
     if not isinstance(kind, str) or kind not in messages:
         raise Refused("not a message of this panel")
     fields = {"id": text, **messages[kind]}
+    given = {**message, "buffers": buffers}  # whatever the browser says of them
     return {"type": kind} | {
-        name: _checked(kind, name, check, message) for name, check in fields.items()
+        name: _checked(kind, name, check, given) for name, check in fields.items()
     }
 
 

@@ -11,11 +11,12 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from robsim._base.text import said_by
-from robsim.gui._link import Link
+from robsim.gui._link import Buffers, Link
 from robsim.gui._messages import Messages, Refused, checked_message
 from robsim.gui._worker import Worker
 
 _MOST_WAITING = 500  # messages of a line; whoever sends more is not listened to, others are
+_MOST_BYTES_WAITING = 1 << 22  # of a line's buffers; what comes beyond that is thrown away
 _MOST_IN_A_ROW = 50  # jobs, before it looks for what is due
 RETRY = 1.0  # s until what failed in `look` is tried again
 
@@ -50,13 +51,16 @@ class View(Worker):
         """Remove a line."""
         self.post(lambda: self._disconnect(link))
 
-    def receive(self, link: Link, message: Any) -> None:
-        """Take a message of a browser."""
+    def receive(self, link: Link, message: Any, buffers: Buffers = ()) -> None:
+        """Take a message of a browser, and its buffers, of which `message` says nothing."""
         is_urgent = self.is_urgent(message)
         with self._wake:
             if link.n_waiting < _MOST_WAITING * (2 if is_urgent else 1):
-                received = _Received(self, link, message)
-                link.n_waiting += self.post(received, first=is_urgent)
+                if link.bytes_waiting + sum(map(len, buffers)) > _MOST_BYTES_WAITING:
+                    buffers = ()
+                received = _Received(self, link, message, buffers)
+                if self.post(received, first=is_urgent):
+                    received.count(1)
 
     def settle(self) -> None:
         """Wait until all is done that was received by now; in the thread itself it does not."""
@@ -105,10 +109,10 @@ class View(Worker):
     def snapshot(self) -> bytes:
         """Return a still picture of the view (PNG); any thread may ask."""
 
-    def handle(self, link: Link, message: Any) -> None:
-        """Do what a message asks for."""
+    def handle(self, link: Link, message: Any, buffers: Buffers = ()) -> None:
+        """Do what a message asks for; its buffers are its field `buffers`, where it has one."""
         try:
-            checked = checked_message(message, self.messages)
+            checked = checked_message(message, self.messages, buffers)
             handler = self.handlers().get(checked["type"])
             if handler is None:
                 raise Refused(f"{self.kind} takes no message {checked['type']!r}")
@@ -122,7 +126,7 @@ class View(Worker):
             jobs, self._jobs = self._jobs, deque()
             for job in jobs:
                 if isinstance(job, _Received) and job.is_of(kind):
-                    job.link.n_waiting -= 1
+                    job.count(-1)
                 else:
                     self._jobs.append(job)
 
@@ -172,13 +176,18 @@ class View(Worker):
 class _Received:
     """A message that waits."""
 
-    def __init__(self, view: View, link: Link, message: Any) -> None:
-        self._view, self.link, self._message = view, link, message
+    def __init__(self, view: View, link: Link, message: Any, buffers: Buffers) -> None:
+        self._view, self.link, self._message, self._buffers = view, link, message, buffers
 
     def __call__(self) -> None:
         with self._view._wake:
-            self.link.n_waiting -= 1
-        self._view.handle(self.link, self._message)
+            self.count(-1)
+        self._view.handle(self.link, self._message, self._buffers)
+
+    def count(self, sign: int) -> None:
+        """Count it among what waits on its line, or no more; with the lock of the view held."""
+        self.link.n_waiting += sign
+        self.link.bytes_waiting += sign * sum(map(len, self._buffers))
 
     def is_of(self, kind: str) -> bool:
         return isinstance(self._message, dict) and self._message.get("type") == kind

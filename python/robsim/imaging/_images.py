@@ -6,7 +6,7 @@ import io
 import warnings
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,22 +55,39 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     check_choice("mode", mode, ("RGB", "RGBA"))
     with as_path(path).open("rb") as file, warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
-        try:
-            with Image.open(file, formats=_formats()) as image:
-                if image.width * image.height > MOST_PIXELS:
-                    raise ValueError(f"{image.width} x {image.height} px")
-                upright = ImageOps.exif_transpose(image)
-                return np.array(_eight_bits(upright).convert(mode))
-        except UnidentifiedImageError as error:
-            raise ValueError(
-                f"{one_line(path)} is not in an image format that Pillow reads"
-            ) from error
-        except _BOMBS as error:
-            raise ValueError(f"{one_line(path)} has too many pixels: {cut(error)}") from error
-        except Exception as error:  # Pillow's decoders raise many types
-            raise ValueError(
-                f"{one_line(path)} cannot be read as an image: {cut(error)}"
-            ) from error
+        return decoded(file, one_line(path), mode)
+
+
+def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
+    """Return the pixels of an open image file; any thread may ask.
+
+    Parameters
+    ----------
+    file : file
+        Its content.
+    name : str
+        What it is called in messages.
+    mode : str or None
+        ``"RGB"`` or ``"RGBA"``; None = as it is: RGBA if it has transparency.
+
+    Raises
+    ------
+    ValueError
+        As from `load_image`.
+    """
+    try:
+        with Image.open(file, formats=_formats()) as image:
+            if image.width * image.height > MOST_PIXELS:
+                raise ValueError(f"{image.width} x {image.height} px")
+            upright = _eight_bits(ImageOps.exif_transpose(image))
+            own = "RGBA" if upright.has_transparency_data else "RGB"
+            return np.array(upright.convert(mode or own))
+    except UnidentifiedImageError as error:
+        raise ValueError(f"{name} is not in an image format that Pillow reads") from error
+    except _BOMBS as error:
+        raise ValueError(f"{name} has too many pixels: {cut(error)}") from error
+    except Exception as error:  # Pillow's decoders raise many types
+        raise ValueError(f"{name} cannot be read as an image: {cut(error)}") from error
 
 
 def _formats() -> list[str]:

@@ -22,7 +22,7 @@ from robsim.vision._color_files import as_colors
 
 MAXIMUM_SIDE = 1000  # px, larger images are scaled down
 _SIZE = 120.0  # work-area px
-_OPAQUE = 127  # alpha above it is opaque
+OPAQUE = 127  # alpha above it is opaque
 _CORNERS = 36  # of a polygon
 _POINTS = 200_000  # about the number of sample points in a blob whose shape is measured
 
@@ -100,7 +100,7 @@ def robot_from_image(
         red=points["red"],
         blue=points["blue"],
     )
-    if outline is None and (small[..., 3] > _OPAQUE).all():
+    if outline is None and (small[..., 3] > OPAQUE).all():
         warn_user(
             "the image has no transparency, so its border is the outline, and what surrounds the "
             "robot is part of it: make the surroundings transparent, or give an outline",
@@ -134,7 +134,7 @@ def reduced(robot: RobotDefinition) -> RobotDefinition:
 
 def opaque_outline(image: Pixels) -> Floats:
     """Return the convex polygon around the opaque pixels whose sides have fixed directions."""
-    down, right = np.nonzero(image[..., 3] > _OPAQUE)
+    down, right = np.nonzero(image[..., 3] > OPAQUE)
     if not len(right):
         raise ValueError("outline: the image is transparent everywhere")
     height, width = image.shape[:2]

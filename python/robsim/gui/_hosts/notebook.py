@@ -153,9 +153,9 @@ class NotebookLink(Link):
             self._next_try = time.monotonic() + self._try_gap
             self._waiting = deque([({"type": "polled", "gap": _POLL}, ())])
 
-    def _receive(self, widget: object, message: Any, buffers: object) -> None:
+    def _receive(self, widget: object, message: Any, buffers: Buffers) -> None:
         if (view := self._view()) is not None:
-            view.receive(self, message)
+            view.receive(self, message, [bytes(one) for one in buffers])  # copies of memoryviews
         self._deliver()
 
     def _deliver(self) -> None:

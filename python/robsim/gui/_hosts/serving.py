@@ -229,7 +229,7 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
 
     def on_message(self, message: str | bytes) -> None:
         assert self._link is not None
-        self._host.view.receive(self._link, _content(message))
+        self._host.view.receive(self._link, *unpacked_message(message))
 
     def on_close(self) -> None:
         if self._link is not None:
@@ -237,14 +237,29 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
             self._host.view.disconnect(self._link)
 
 
-def _content(message: str | bytes) -> Any:
-    """Return what a message says; None = it is no JSON text."""
-    if isinstance(message, bytes):
-        return None
+def unpacked_message(message: str | bytes) -> tuple[Any, Buffers]:
+    """Return what a message of a browser says, and its buffers; None = it says nothing."""
     try:
-        return json.loads(message)
-    except (ValueError, RecursionError):
-        return None
+        if isinstance(message, str):
+            return json.loads(message), ()
+        return _unpacked(message)
+    except (ValueError, RecursionError, struct.error):
+        return None, ()
+
+
+def _unpacked(packed: bytes) -> tuple[Any, Buffers]:
+    (length,) = struct.unpack_from("<I", packed)
+    head = json.loads(packed[4 : 4 + length])
+    lengths = head.get("buffers") if isinstance(head, dict) else None
+    if not isinstance(lengths, list) or any(type(one) is not int or one < 0 for one in lengths):
+        raise ValueError("the lengths of the buffers are not told")
+    at, buffers = 4 + length, []
+    for length in lengths:
+        buffers.append(packed[at : at + length])
+        at += length + -length % 4
+    if at != len(packed):
+        raise ValueError("the buffers have other lengths")
+    return head, buffers
 
 
 class PageLink(Link):

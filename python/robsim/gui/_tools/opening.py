@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from robsim._base.files import as_path
-from robsim._base.text import quoted
+from robsim._base.text import one_line, quoted
 from robsim._core import Frame, PlaneMap
 from robsim.capture import Camera
 from robsim.gui._facade import is_shown, panel
@@ -21,7 +21,7 @@ from robsim.gui._tools.pictures import (
     RunPictures,
 )
 from robsim.imaging import Recording
-from robsim.imaging._images import Pixels, check_pixels, image_suffixes, load_image
+from robsim.imaging._images import Pixels, check_pixels, decoded, image_suffixes, load_image
 from robsim.robots import RobotDefinition
 from robsim.simulation import Experiment, Simulation
 
@@ -69,7 +69,30 @@ def picture_of(robot: RobotDefinition) -> Frame:
 
 
 def over_floor(image: Pixels) -> Frame:
-    """Return a picture (h, w, 4) on a grey floor."""
-    alpha = image[..., 3:].astype(float) / 255
-    shown = np.rint(alpha * image[..., :3] + (1 - alpha) * _FLOOR)
+    """Return a picture (h, w, 3 or 4) on a grey floor."""
+    if image.shape[2] == 3 or (image[..., 3] == 255).all():
+        return Frame(np.ascontiguousarray(image[..., :3]))
+    alpha = image[..., 3:].astype(np.uint16)  # in which 255 x 255 has room
+    # alpha / 255 x colour + (1 - alpha / 255) x floor, rounded
+    shown = (alpha * image[..., :3] + (255 - alpha) * np.uint16(_FLOOR) + 127) // 255
     return Frame(shown.astype(np.uint8))
+
+
+def given_picture(picture: Any) -> tuple[Pixels, str]:
+    """Return the pixels (h, w, 3 or 4) of a picture, and what people call it.
+
+    Raises
+    ------
+    OSError
+        If its file cannot be read.
+    TypeError, ValueError
+        If it is neither a Frame, nor an array, nor the path of a picture.
+    """
+    if isinstance(picture, Frame):
+        return picture.image, "a picture"
+    if isinstance(picture, (str, PathLike)):
+        path = as_path(picture, "picture")
+        with path.open("rb") as file:
+            return decoded(file, one_line(path)), path.name
+    channels = 4 if isinstance(picture, np.ndarray) and picture.shape[2:] == (4,) else 3
+    return check_pixels("picture", picture, channels, "a path, a Frame or "), "a picture"

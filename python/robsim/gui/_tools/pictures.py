@@ -49,6 +49,13 @@ class Pictures:
     def __init__(self, title: str) -> None:
         self.title = title
 
+    @property
+    def kind(self) -> str:
+        """What browsers call it: live, recording or picture."""
+        if self.is_live:
+            return "live"
+        return "recording" if self.count else "picture"
+
     def at(self, k: int) -> Picture:
         """Return one of several; the number is within `count`."""
         raise LookupError(f"{self.title} has its newest picture alone")

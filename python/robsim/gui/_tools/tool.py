@@ -7,18 +7,22 @@ import time
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from os import PathLike
 from typing import Any, TypeVar
 
 import numpy as np
 from PIL import Image
 
-from robsim._core import reduced
+from robsim._core import Frame, reduced
 from robsim.gui._beside import Beside
 from robsim.gui._frames import FrameClock, jpeg, small_png
 from robsim.gui._link import SLOW, Link
 from robsim.gui._messages import COMMON, Messages, Refused, switch, whole
-from robsim.gui._tools.pictures import Picture, Pictures
+from robsim.gui._tools.opening import given_picture, over_floor
+from robsim.gui._tools.pictures import OnePicture, Picture, Pictures
+from robsim.gui._tools.uploads import UPLOAD_MESSAGES, Uploads
 from robsim.gui._view import View
+from robsim.imaging._images import Pixels
 
 T = TypeVar("T")
 
@@ -26,7 +30,13 @@ _STILL_WIDTH = 480  # px, of what stays in a saved notebook
 _REST = 0.5  # s after a change, since whoever drags on and on is not to wait for pictures
 
 #: What every tool takes of a browser.
-TOOL_MESSAGES: Messages = {**COMMON, "look": {"k": whole}, "freeze": {"on": switch}}
+TOOL_MESSAGES: Messages = {
+    **COMMON,
+    "look": {"k": whole},
+    "freeze": {"on": switch},
+    **UPLOAD_MESSAGES,
+    "back": {},
+}
 
 
 class ToolView(View):
@@ -43,6 +53,8 @@ class ToolView(View):
         What is shown; None until the first one has come.
     is_frozen : bool
         Whether it stays though newer ones come.
+    is_replaced : bool
+        Whether other pictures are shown than those that it began with.
     """
 
     def __init__(self, source: Pictures) -> None:
@@ -56,6 +68,9 @@ class ToolView(View):
         self._stills = Beside(self, "robsim still")
         self._still_due = math.inf
         self._over = ""  # why no more pictures come
+        self._own = source  # that it began with; what follows is of that one
+        self._left: tuple[Picture | None, bool] = (None, False)  # when it was replaced
+        self._uploads = Uploads(self)
         source.begin(self._take, self._note_end)
 
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
@@ -65,12 +80,16 @@ class ToolView(View):
             "size": self._size,
             "look": self._look_at,
             "freeze": self._freeze,
+            "upload": self._uploads.take,
+            "give_up": self._give_up,
+            "back": in_place(lambda _: self.go_back()),
         }
 
     def close(self, timeout: float = 5.0) -> bool:
         """End it; the source, which is the user's, stays open."""
-        self.source.close()
+        self._own.close()
         has_ended = super().close(timeout)
+        self._uploads.wait(timeout)
         self._stills.wait(timeout)
         return has_ended
 
@@ -99,12 +118,64 @@ class ToolView(View):
 
         return draw
 
+    def changed_source(self) -> None:
+        """Do what is to be done when pictures of something else follow."""
+
+    def loading(self, pixels: Pixels, name: str) -> Callable[[], object]:
+        """Prepare a picture (h, w, 3 or 4) that was loaded, in any thread.
+
+        Returns
+        -------
+        function
+            Takes it, in the thread of the view. It raises a ValueError, as does this, if it cannot
+            be used.
+        """
+        picture = OnePicture(over_floor(pixels), name)
+        return lambda: self.replace(picture)
+
+    # What is shown.
+
+    @property
+    def is_replaced(self) -> bool:
+        return self.source is not self._own
+
+    def load_picture(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
+        """Take a picture as if it were loaded in a browser; any thread may call this."""
+        self.ask(self.loading(*given_picture(picture)))
+
+    def replace(self, source: Pictures) -> None:
+        """Show a picture in place of those that it began with, until `go_back`."""
+        if not self.is_replaced:
+            self._left = self.picture, self.is_frozen
+        self.source, self.picture, self.is_frozen = source, None, False
+        self._changed_source()
+        self.show(source.at(0))
+
+    def go_back(self) -> None:
+        """Show again what it began with, as it was left."""
+        if not self.is_replaced:
+            raise ValueError("there is nothing to go back to: these are the pictures it began with")
+        self.source = self._own
+        self.picture, self.is_frozen = self._left
+        self._changed_source()
+        if self.is_frozen and self.picture is not None:
+            self.show(self.picture)
+        self._show()
+        self.tell_state()
+
+    @property
+    def back(self) -> str | None:
+        """What `go_back` shows: live, recording or picture; None = there is nothing."""
+        return self._own.kind if self.is_replaced else None
+
+    def _changed_source(self) -> None:
+        self.changed_source()
+        self.send(self._setup())
+
     # In the thread of the view.
 
     def tell(self, link: Link) -> None:
-        source = self.source
-        setup = {"title": source.title, "is_live": source.is_live, "count": source.count}
-        link.send({"type": "setup", **setup})
+        link.send(self._setup())
         link.send(self._state())
         link.shown = None
 
@@ -119,7 +190,8 @@ class ToolView(View):
             link.shown = None
 
     def look(self, now: float) -> float:
-        return min(self._look_at_links(now), self._look_at_still(now))
+        due = min(self._look_at_links(now), self._look_at_still(now))
+        return min(due, self._uploads.look(now))
 
     def _look_at_links(self, now: float) -> float:
         lacking = [link for link in self.links if link.lacks(self.picture)]
@@ -180,12 +252,18 @@ class ToolView(View):
     def parted(self) -> None:
         """Nobody looks: nothing is computed until somebody does."""
 
+    def _setup(self) -> dict[str, Any]:
+        source = self.source
+        about = {"title": source.title, "is_live": source.is_live, "count": source.count}
+        return {"type": "setup", **about, "back": self.back}
+
     def _state(self) -> dict[str, Any]:
         k = None if self.picture is None else self.picture.k
         name = "" if self.picture is None else self.picture.name
-        is_live = self.source.is_live and not (self.is_frozen or self._over)
+        over = "" if self.is_replaced else self._over
+        is_live = self.source.is_live and not (self.is_frozen or over)
         mine = {"type": "state", "state": "running" if is_live else "paused", "k": k, "name": name}
-        return {**mine, "frozen": self.is_frozen, "over": self._over, **self.state()}
+        return {**mine, "frozen": self.is_frozen, "over": over, **self.state()}
 
     def _send_picture(self, picture: Picture, links: list[Link], now: float) -> None:
         head, buffers = self.head(picture)
@@ -216,6 +294,8 @@ class ToolView(View):
 
     def _show(self) -> None:
         self._is_told = False  # before it is looked at: what is taken after that is told again
+        if self.is_replaced:
+            return
         if self._taken is not None and not (self.is_frozen and self.picture is not None):
             self.show(self._taken)
 
@@ -227,11 +307,16 @@ class ToolView(View):
         if is_first or not self.source.is_live:
             self.tell_state()
 
+    def look_at(self, k: int) -> None:
+        """Show a picture of a recording."""
+        self._taken = self.source.at(k)
+        self.show(self._taken)
+
     def _look_at(self, link: Link, message: dict[str, Any]) -> None:
         if not self.source.count or message["k"] >= self.source.count:
             raise Refused(f"there is no picture {message['k']}")
         try:
-            self.show(self.source.at(message["k"]))
+            self.look_at(message["k"])
         except (OSError, ValueError, IndexError) as error:
             raise Refused(str(error)) from None
 
@@ -239,6 +324,17 @@ class ToolView(View):
         self.is_frozen = message["on"]
         self._show()
         self.tell_state()
+
+    def _give_up(self, link: Link, message: dict[str, Any]) -> None:
+        self._uploads.drop(lambda one: one.link is link and one.key == message["key"])
+
+    def _bye(self, link: Link, message: dict[str, Any]) -> None:
+        self._uploads.drop(lambda one: one.link is link and one.view == message["id"])
+        super()._bye(link, message)
+
+    def _disconnect(self, link: Link) -> None:
+        self._uploads.drop(lambda one: one.link is link)
+        super()._disconnect(link)
 
     def _grant(self, link: Link, message: dict[str, Any]) -> None:
         is_back = not link.is_watched  # though it was taken to have gone

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._core import ColorClass, Frame, MarkerLayout, classify, detect, find_blobs
+from robsim._core import ColorClass, Frame, MarkerLayout, PlaneMap, classify, detect, find_blobs
 from robsim.gui._frames import boxes_of, numbers
 from robsim.vision._color_masks import paint_of
 
@@ -31,11 +31,14 @@ def painted(
 
     Of a large picture it has each second pixel, or each third, and so on.
     """
+    step = -(-max(frame.image.shape[:2]) // _LARGEST)
+    if step > 1:
+        to_area = frame.plane_map.matrix @ np.diag((step, step, 1.0))
+        pixels = np.ascontiguousarray(frame.image[::step, ::step])
+        frame = Frame(pixels, plane_map=PlaneMap(to_area))
     masks = classify(frame, list(colors), markers=markers)  # as where blobs are found
-    shape = frame.image.shape[:2]
-    step = -(-max(shape) // _LARGEST)
-    index = np.zeros(shape, np.uint8)[::step, ::step]
+    index = np.zeros(frame.image.shape[:2], np.uint8)
     for number, mask in enumerate(masks.values(), start=1):
-        index[mask[::step, ::step]] = number
+        index[mask] = number
     inks = [paint_of(name, number) for number, name in enumerate(masks)]
-    return np.ascontiguousarray(index), inks
+    return index, inks

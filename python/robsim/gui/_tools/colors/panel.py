@@ -138,6 +138,37 @@ class ColorPanel(HostedPanel):
             raise TypeError(f"more must be True or False, got {quoted(more)}")
         return self._view.ask(lambda: self._view.train(name, region, more=more))
 
+    def load(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
+        """Show a picture in place of those that are shown, as if it were dropped on the tool.
+
+        Parameters
+        ----------
+        picture : path, Frame or array (H, W, 3) or (H, W, 4) of uint8
+            The picture; what is transparent in it is shown grey.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        RuntimeError
+            If the panel is closed.
+        TypeError, ValueError
+            If it is no picture; what is shown stays then.
+        """
+        self._view.load_picture(picture)
+
+    def go_back(self) -> None:
+        """Show again what the panel was opened on, as it was before a picture was loaded.
+
+        Raises
+        ------
+        RuntimeError
+            If the panel is closed.
+        ValueError
+            If that is what is shown.
+        """
+        self._view.ask(self._view.go_back)
+
     def look(self, k: int) -> None:
         """Show a picture of a recording.
 
@@ -155,7 +186,7 @@ class ColorPanel(HostedPanel):
         if not count:
             raise ValueError("k must be of a recording, which is not what is shown")
         k = check_int("k", k, minimum=0, maximum=count - 1)
-        self._view.ask(lambda: self._view.show(self._view.source.at(k)))
+        self._view.ask(lambda: self._view.look_at(k))
 
     def save(self, path: str | PathLike[str] | None = None) -> Path:
         """Write the classes into a colour file; what else stands in it is kept.

@@ -110,6 +110,9 @@ class ColorsView(ToolView):
         if self.is_frozen or not self.source.is_live:
             self._tell_histograms()
 
+    def changed_source(self) -> None:
+        self._region = None  # which was of the pictures before
+
     def close(self, timeout: float = 5.0) -> bool:
         has_ended = super().close(timeout)
         self._beside.wait(timeout)

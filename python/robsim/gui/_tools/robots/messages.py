@@ -10,6 +10,8 @@ MESSAGES: Messages = {
     "load": {"name": text},
     "square": {"at": point, "side": number},
     "capture": {},
+    "capture_whole": {},
+    "no_camera": {},
     "resume": {},
     "part": {"name": text},
     "move": {"corner": whole, "at": point, "goes_on": switch},

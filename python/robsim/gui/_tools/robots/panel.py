@@ -92,15 +92,59 @@ class RobotPanel(HostedPanel):
         definition = as_robot(robot)
         self._view.ask(lambda: self._view.load(definition))
 
-    def capture(self) -> None:
-        """Draw on what the square of the live picture shows, with first guesses.
+    def load(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
+        """Take a picture, as if it were dropped on the tool.
+
+        One whose surroundings are transparent is drawn on at once, with first guesses; another one
+        is shown in place of the live picture, and `capture` takes the robot out of it.
+
+        Parameters
+        ----------
+        picture : path, Frame or array (H, W, 3) or (H, W, 4) of uint8
+            The picture. What is drawn on is scaled down to at most 1000 px a side.
 
         Raises
         ------
-        ValueError
-            If there is no live picture.
+        OSError
+            If the file cannot be read.
+        RuntimeError
+            If the panel is closed.
+        TypeError, ValueError
+            If it is no picture, or transparent everywhere; nothing is changed then.
         """
-        self._view.ask(self._view.capture)
+        self._view.load_picture(picture)
+
+    def go_back(self) -> None:
+        """Show again what the panel was opened on, in place of a picture that was loaded.
+
+        Raises
+        ------
+        RuntimeError
+            If the panel is closed.
+        ValueError
+            If no picture was loaded, or the panel was opened on none.
+        """
+        self._view.ask(self._view.go_back)
+
+    def capture(self, *, whole: bool = False) -> None:
+        """Draw on what the square of the live or loaded picture shows, with first guesses.
+
+        It is scaled down to at most 1000 px a side.
+
+        Parameters
+        ----------
+        whole : bool
+            Take all of the picture instead.
+
+        Raises
+        ------
+        TypeError
+            If `whole` is neither True nor False.
+        ValueError
+            If there is no such picture.
+        """
+        check_bool("whole", whole)
+        self._view.ask(lambda: self._view.capture(whole=whole))
 
     def draw(self, part: str, polygon: ArrayLike) -> None:
         """Draw a polygon.

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any, ClassVar
-
-import numpy as np
 
 from robsim._base.checks import check_float
 from robsim._core import ColorClass
@@ -15,9 +14,16 @@ from robsim.gui._messages import Messages
 from robsim.gui._tools.opening import over_floor
 from robsim.gui._tools.pictures import OnePicture, Picture, Pictures
 from robsim.gui._tools.robots.drawing import PARTS, RobotDrawing, Sketch
-from robsim.gui._tools.robots.guess import guess_marker, guess_outline
 from robsim.gui._tools.robots.messages import MESSAGES
+from robsim.gui._tools.robots.sketches import (
+    cut_out,
+    guessed,
+    is_cut_out,
+    sketch_of,
+    sketch_of_picture,
+)
 from robsim.gui._tools.tool import ToolView, in_place
+from robsim.imaging._images import Pixels
 from robsim.robots import (
     RobotDefinition,
     add_robot,
@@ -65,6 +71,7 @@ class RobotsView(ToolView):
         self._colors = tuple(colors)
         self._part = PARTS[0]
         self._square: tuple[float, float, float] | None = None  # centre and side (px)
+        self._has_pictures = source is not None
         drawn = OnePicture(over_floor(robot.image), robot.name)
         super().__init__(drawn if source is None else source)
         self.is_frozen = not begins_live or source is None  # the drawing is shown, nothing newer
@@ -90,7 +97,9 @@ class RobotsView(ToolView):
             "load": lambda m: self.load(load_robot(m["name"])),
             "square": lambda m: self._put_square(m["at"], m["side"]),
             "capture": lambda _: self.capture(),
+            "capture_whole": lambda _: self.capture(whole=True),
             "resume": lambda _: self._resume(),
+            "no_camera": lambda _: self._show_drawing(),
             "part": lambda m: self._choose(m["name"]),
             "reset": lambda _: self.load(self._loaded),
             "save": lambda m: self._save(m["name"], m["overwrite"]),
@@ -106,7 +115,7 @@ class RobotsView(ToolView):
         sketch = self.drawing.sketch
         return {
             "mode": "draw" if self.is_frozen else "capture",
-            "can_capture": not isinstance(self.source, OnePicture),
+            "can_capture": self._can_capture,
             "square": self._square and [*self._square],
             "name": self.name,
             "robots": robot_names(),
@@ -130,6 +139,9 @@ class RobotsView(ToolView):
 
         return draw
 
+    def changed_source(self) -> None:
+        self._square = None  # which was of the pictures before
+
     def changed_picture(self) -> None:
         if self._square is None and self.picture is not None and not self.is_frozen:
             height, width = self.picture.frame.image.shape[:2]
@@ -151,22 +163,29 @@ class RobotsView(ToolView):
         self.name, self._loaded = robot.name, robot
         self._show_drawing()
 
-    def capture(self) -> None:
-        """Draw on what the square of the live picture shows, with first guesses of all parts."""
+    def capture(self, *, whole: bool = False) -> None:
+        """Draw on the square of the live picture, or on all of it, with first guesses."""
         if self.picture is None or self._square is None or self.is_frozen:
             raise ValueError("there is no live picture to capture")
-        pixels = _cut_out(self.picture.frame.image, self._square)
-        alpha = np.full((*pixels.shape[:2], 1), 255, np.uint8)
-        sketch = Sketch(np.concatenate([pixels, alpha], axis=2), size=self.drawing.sketch.size)
-        self.drawing.begin(sketch)
-        for part in PARTS:
-            try:
-                self._guess(part)
-            except ValueError:
-                break  # it is drawn by hand
-        self.drawing.begin(self.drawing.sketch)
-        self._part = PARTS[0]
-        self._show_drawing()
+        image = self.picture.frame.image
+        pixels = image if whole else cut_out(image, self._square)
+        self._draw_on(sketch_of_picture(pixels, self.drawing.sketch.size, self._colors))
+
+    def loading(self, pixels: Pixels, name: str) -> Callable[[], object]:
+        if not is_cut_out(pixels):
+            return super().loading(pixels, name)
+        sketch = sketch_of_picture(pixels, 1.0, self._colors)
+        return lambda: self._draw_on(replace(sketch, size=self.drawing.sketch.size))
+
+    def go_back(self) -> None:
+        if not self._has_pictures:
+            raise ValueError("there is no camera to go back to")
+        self._left = None, False  # not the drawing, which may have become another one
+        super().go_back()
+
+    @property
+    def back(self) -> str | None:
+        return super().back if self._has_pictures else None
 
     def definition(self) -> RobotDefinition:
         """Return the robot as it is drawn; ValueError says what is missing."""
@@ -195,6 +214,16 @@ class RobotsView(ToolView):
             set_default_robot(robot.name)
         return robot
 
+    @property
+    def _can_capture(self) -> bool:
+        return self._has_pictures or self.is_replaced
+
+    def _draw_on(self, sketch: Sketch) -> None:
+        self.drawing.begin(sketch)
+        self.name = _free_name()  # it is another robot
+        self._part = PARTS[0]
+        self._show_drawing()
+
     def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
         return lambda message: self.change(lambda: act(message))
 
@@ -205,12 +234,7 @@ class RobotsView(ToolView):
         self.tell_state()
 
     def _guess(self, part: str) -> None:
-        image = over_floor(self.drawing.sketch.image).image
-        if part == "outline":
-            self.drawing.put(part, guess_outline(image))
-        else:
-            outline = self.drawing.sketch.outline
-            self.drawing.put(part, guess_marker(image, outline, part, self._colors))
+        self.drawing.put(part, guessed(self.drawing.sketch, part, self._colors))
 
     def _put_square(self, at: tuple[float, float], side: float) -> None:
         if self.picture is None:
@@ -223,9 +247,11 @@ class RobotsView(ToolView):
         self.tell_state()
 
     def _resume(self) -> None:
-        if isinstance(self.source, OnePicture):
+        if not self._can_capture:
             raise ValueError("there is no camera to go back to")
         self.is_frozen = False
+        if self.is_replaced:
+            self.show(self.source.at(0))
         self._show()
         self.tell_state()
 
@@ -238,23 +264,8 @@ class RobotsView(ToolView):
         self.tell_state()
 
 
-def sketch_of(robot: RobotDefinition) -> Sketch:
-    """Return what there is of a robot."""
-    names = ("image", "size", "alignment", "centre", "maximum_blobs", *PARTS)
-    return Sketch(**{name: getattr(robot, name) for name in names})
-
-
 def _free_name() -> str:
     """Return a name for a robot that was given none."""
     taken = robot_names()
     numbered = (f"{_NAME}{n}" for n in itertools.count(2))
     return next(name for name in itertools.chain([_NAME], numbered) if name not in taken)
-
-
-def _cut_out(image: np.ndarray[Any, Any], square: tuple[float, float, float]) -> Any:
-    u, v, side = square
-    count = round(side)
-    left, top = (round(middle - side / 2) for middle in (u, v))
-    height, width = image.shape[:2]
-    left, top = min(max(left, 0), width - count), min(max(top, 0), height - count)
-    return np.array(image[top : top + count, left : left + count])
