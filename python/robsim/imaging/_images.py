@@ -83,7 +83,9 @@ def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
             own = "RGBA" if upright.has_transparency_data else "RGB"
             return np.array(upright.convert(mode or own))
     except UnidentifiedImageError as error:
-        raise ValueError(f"{name} is not in an image format that Pillow reads") from error
+        raise ValueError(
+            f"{name} is not in an image format that Pillow reads, such as PNG or JPEG"
+        ) from error
     except _BOMBS as error:
         raise ValueError(f"{name} has too many pixels: {cut(error)}") from error
     except Exception as error:  # Pillow's decoders raise many types

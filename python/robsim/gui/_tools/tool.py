@@ -147,7 +147,7 @@ class ToolView(View):
         """Show a picture in place of those that it began with, until `go_back`."""
         if not self.is_replaced:
             self._left = self.picture, self.is_frozen
-        self.source, self.picture, self.is_frozen = source, None, False
+        self.source, self.is_frozen = source, False
         self._changed_source()
         self.show(source.at(0))
 

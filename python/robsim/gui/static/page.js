@@ -18,11 +18,29 @@ function unpack(data) {
   return [head, buffers];
 }
 
+/** Pack a message as Python does, see PROTOCOL.md. */
+function pack(message, buffers) {
+  const lengths = buffers.map(({ byteLength }) => byteLength);
+  const head = new TextEncoder().encode(JSON.stringify({ ...message, buffers: lengths }));
+  const room = (length) => length + ((4 - (length % 4)) % 4);
+  const start = 4 + room(head.length);
+  const packed = new Uint8Array(lengths.reduce((sum, length) => sum + room(length), start));
+  packed.fill(0x20, 4, start);
+  new DataView(packed.buffer).setUint32(0, start - 4, true);
+  packed.set(head, 4);
+  let at = start;
+  for (const buffer of buffers) {
+    packed.set(new Uint8Array(buffer), at);
+    at += room(buffer.byteLength);
+  }
+  return packed;
+}
+
 /** What the view needs of its host; what it says is kept until the line is open. */
 function modelOf(socket) {
   const listeners = new Set();
   const waiting = [];
-  const say = (text) => socket.readyState == WebSocket.OPEN && socket.send(text);
+  const say = (data) => socket.readyState == WebSocket.OPEN && socket.send(data);
   socket.addEventListener("open", () => waiting.forEach(say));
   socket.onmessage = ({ data }) => {
     const [head, buffers] = unpack(data);
@@ -30,10 +48,10 @@ function modelOf(socket) {
   };
   return {
     get: (name) => ({ kind: document.body.dataset.kind })[name],
-    send(message) {
-      const text = JSON.stringify(message);
-      if (socket.readyState == WebSocket.CONNECTING) waiting.push(text);
-      else say(text);
+    send(message, _, buffers) {
+      const data = buffers ? pack(message, buffers) : JSON.stringify(message);
+      if (socket.readyState == WebSocket.CONNECTING) waiting.push(data);
+      else say(data);
     },
     on: (_, listener) => listeners.add(listener),
     off: (_, listener) => listeners.delete(listener),
@@ -68,6 +86,11 @@ function retry(el, [pause, ...later]) {
     socket.onclose = () => retry(el, later);
   }, 1000 * pause);
 }
+
+// A file that is dropped beside the view, or while that is lost, must not be opened in its place.
+for (const type of ["dragover", "drop"])
+  addEventListener(type, (event) => event.dataTransfer?.types.includes("Files") &&
+    event.preventDefault());
 
 show(open());
 // A page out of the browser's cache has a line that is closed.

@@ -4,6 +4,7 @@ import { renderColors } from "./colors.js";
 import { renderPanel } from "./panel.js";
 import { renderRobots } from "./robots.js";
 import { make } from "./base/dom.js";
+import { guardFromDrops } from "./tools/load.js";
 
 const VIEWS = { panel: renderPanel, colors: renderColors, robots: renderRobots };
 
@@ -14,7 +15,8 @@ function render({ model, el }) {
   // The picture for those without a kernel, which lies below.
   const hides = `.robsim-still-${still} { display: none !important; }`;
   if (still) el.append(make("style", { textContent: hides }));
-  const send = (message) => model.send({ ...message, id });
+  const send = (message, buffers) => model.send({ ...message, id }, undefined, buffers);
+  guardFromDrops(el);
   const view = VIEWS[model.get("kind")]({ el, send });
   let queue = Promise.resolve();
   const receive = (head, buffers) => {

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import replace
+from pathlib import PurePath
 from typing import Any, ClassVar
 
-from robsim._base.checks import check_float
+from robsim._base.checks import check_float, check_name
 from robsim._core import ColorClass
 from robsim.gui._link import Link
 from robsim.gui._messages import Messages
@@ -175,7 +177,13 @@ class RobotsView(ToolView):
         if not is_cut_out(pixels):
             return super().loading(pixels, name)
         sketch = sketch_of_picture(pixels, 1.0, self._colors)
-        return lambda: self._draw_on(replace(sketch, size=self.drawing.sketch.size))
+
+        def take() -> None:
+            with suppress(ValueError):
+                self.name = check_name("name", PurePath(name).stem)
+            self._draw_on(replace(sketch, size=self.drawing.sketch.size))
+
+        return take
 
     def go_back(self) -> None:
         if not self._has_pictures:

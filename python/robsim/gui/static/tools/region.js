@@ -22,6 +22,7 @@ export function makeRegionTool(context, { lens, changed, mark }) {
   });
   context.onEnd(tell.cancel);
   let trained = null; // the class that the region is of
+  context.on("setup", () => (trained = region = null)); // other pictures may follow
   context.on("state", ({ chosen, region: told }) => {
     if (chosen == trained && (region || !told)) return;
     [trained, region] = [chosen, told];

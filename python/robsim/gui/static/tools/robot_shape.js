@@ -11,8 +11,8 @@ export function makeRobotShape(context, ruler) {
     ariaLabel: text("robots") });
   list.onchange = () => context.send({ type: "load", name: list.value });
   const act = (name, kind = "") => makeTextButton(name, kind, () => context.send({ type: name }));
-  const [reset, capture, resume] = [act("as_before"), act("capture", "robsim-primary"),
-    act("resume")];
+  const [reset, capture, whole, resume, noCamera] = [act("as_before"),
+    act("capture", "robsim-primary"), act("capture_whole"), act("resume"), act("no_camera")];
   reset.onclick = () => context.send({ type: "reset" });
   const turns = TURNS.map((degrees) => {
     const button = makeTextButton("turn", "", () => context.send({ type: "turn", degrees }));
@@ -35,7 +35,8 @@ export function makeRobotShape(context, ruler) {
     if ([...list.options].map(({ value }) => value).join() != names.join())
       list.replaceChildren(...names.map((value) => make("option", { value, textContent: value })));
     list.value = state.name;
-    capture.hidden = state.mode != "capture";
+    capture.hidden = whole.hidden = noCamera.hidden = state.mode != "capture";
+    noCamera.textContent = text(context.setup?.is_live ? "no_camera" : "back_to_drawing");
     const [u, v, side] = (state.mode == "capture" && state.square) || [];
     square.textContent = side ? text("square", { u: Math.round(u), v: Math.round(v),
       side: Math.round(side) }) : "";
@@ -48,7 +49,7 @@ export function makeRobotShape(context, ruler) {
   const words = (id) => make("span", { className: "robsim-quiet", textContent: text(id) });
   return {
     element: make("div", { className: "robsim-tool-part" },
-      row(list, reset, capture, resume, square),
+      row(list, reset, capture, whole, resume, noCamera, square),
       row(words("robot_heading"), ...turns, heading),
       row(words("robot_size"), size, words("robot_size_unit")),
       ruler.element,

@@ -8,10 +8,13 @@ import { text } from "../base/texts.js";
 export function makeToolTitle(context, tool) {
   const name = make("span", { className: "robsim-title-name" });
   const source = make("span", { className: "robsim-quiet robsim-tool-source" });
-  context.on("setup", ({ title }) => {
+  context.on("setup", () => {
     name.textContent = text(`tool_title.${tool}`);
-    source.textContent = source.title = title;
     if (isPage()) document.title = `${name.textContent} – robsim`;
+  });
+  context.on("state", ({ mode, name: drawn }) => {
+    const shown = mode == "draw" ? drawn : context.setup.title;
+    if (source.title != shown) source.textContent = source.title = shown;
   });
   return make("header", { className: "robsim-title" }, icon("robot"), name, source,
     makeLooks(context));

@@ -5,6 +5,7 @@ import { makeContext } from "../base/context.js";
 import { make } from "../base/dom.js";
 import { makeFlow } from "../base/flow.js";
 import { makeNotes } from "../parts/notes.js";
+import { makeLoad } from "./load.js";
 import { makeToolTitle } from "./title.js";
 
 /**
@@ -16,11 +17,14 @@ export function renderTool({ el, send }, name, parts) {
   makeFlow(context, () => begin());
   const { view, below, width, beside } = parts(context);
   const notes = makeNotes(context);
+  const load = makeLoad(context);
   const left = make("div", { className: "robsim-left" }, makeToolTitle(context, name),
-    make("div", { className: "robsim-view" }, view), below);
+    make("div", { className: "robsim-view" }, view), load.element, below);
   const right = make("div", { className: "robsim-right robsim-tool-side" }, ...beside);
   const about = { className: "robsim-panel robsim-tool", tabIndex: -1 };
-  el.append(make("div", about, left, right, notes.element));
+  const panel = make("div", about, left, right, notes.element);
+  load.listen(panel);
+  el.append(panel);
 
   let newest = null; // the head of the last frame that has come
   const arrived = (head) => {

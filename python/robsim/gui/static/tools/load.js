@@ -1,0 +1,112 @@
+// @ts-check
+// A picture from a file: chosen, dropped anywhere on the tool, or pasted; back from it.
+import { makeButton, makeTextButton } from "../base/buttons.js";
+import { isPage, make } from "../base/dom.js";
+import { text } from "../base/texts.js";
+import { makeSender } from "./sender.js";
+
+/** `element` stands below the picture; `listen(panel)` lets files be dropped on the panel. */
+export function makeLoad(context) {
+  const way = makeWay(() => sender.giveUp());
+  const sender = makeSender(context, way.show);
+  const take = (files) => {
+    if (files.length > 1) context.emit("note", { level: "info", text: text("load_one") });
+    sender.send(files[0]);
+  };
+  const input = make("input", { type: "file", name: "picture", accept: "image/*", hidden: true });
+  input.onchange = () => {
+    if (input.files.length) take(input.files);
+    input.value = ""; // so that the same file can be chosen again
+  };
+  const load = makeTextButton("load_picture", "", () => input.click());
+  const back = makeTextButton("back", "", () => context.send({ type: "back" }));
+  context.on("setup", ({ back: to }) => {
+    back.hidden = !to;
+    if (to) back.textContent = text(`back.${to}`);
+  });
+  const element = make("div", { className: "robsim-tool-row robsim-load" }, load, input, back,
+    way.element);
+  const listen = (panel) => {
+    panel.append(makeDropPlace(panel, take));
+    listenToPaste(context, isPage() ? document : panel, take);
+  };
+  return { element, listen };
+}
+
+/** How a file goes: what has come of it, or why it was refused. */
+function makeWay(giveUp) {
+  const hint = make("span", { className: "robsim-quiet robsim-load-hint",
+    textContent: text("load_hint") });
+  const bar = make("progress", { max: 1 });
+  const words = make("span", { className: "robsim-load-words" });
+  const going = make("div", { className: "robsim-load-going" }, bar, words,
+    makeTextButton("give_up", "", giveUp));
+  const why = make("span");
+  const refused = make("div", { className: "robsim-load-refused", role: "alert" }, why,
+    makeButton("close", "robsim-plain robsim-icon", () => show(null)));
+  const element = make("div", { className: "robsim-load-way" }, hint, going, refused);
+  const show = (about) => {
+    const state = about?.state;
+    going.hidden = state != "more" && state != "read";
+    refused.hidden = state != "refused" && state != "unreadable";
+    hint.hidden = !(going.hidden && refused.hidden);
+    if (!going.hidden) {
+      if (state == "read") bar.removeAttribute("value");
+      else bar.value = about.share;
+      words.textContent = text(`load.${state}`, { name: about.name,
+        percent: Math.round(100 * about.share) });
+    }
+    if (!refused.hidden) why.textContent = about.why ?? text("load_unreadable", about);
+  };
+  show(null);
+  return { element, show };
+}
+
+const holdsFiles = ({ dataTransfer }) => Boolean(dataTransfer?.types.includes("Files"));
+
+/** Where a file is dropped: all of the panel, which says so while one is held over it. */
+function makeDropPlace(panel, take) {
+  const place = make("div", { className: "robsim-drop", hidden: true },
+    make("span", { textContent: text("drop_here") }));
+  const over = (event) => {
+    if (!holdsFiles(event)) return;
+    event.preventDefault();
+    event.dataTransfer.dropEffect = "copy";
+    place.hidden = false;
+  };
+  panel.addEventListener("dragenter", over);
+  panel.addEventListener("dragover", over);
+  panel.addEventListener("dragleave", ({ relatedTarget }) => {
+    if (!panel.contains(relatedTarget)) place.hidden = true;
+  });
+  panel.addEventListener("drop", (event) => {
+    place.hidden = true;
+    if (!holdsFiles(event)) return;
+    event.preventDefault();
+    if (event.dataTransfer.files.length) take(event.dataTransfer.files);
+  });
+  return place;
+}
+
+function listenToPaste(context, target, take) {
+  const paste = (event) => {
+    const files = [...(event.clipboardData?.files ?? [])];
+    if (!files.length) return;
+    event.preventDefault();
+    event.stopPropagation();
+    take(files);
+  };
+  target.addEventListener("paste", paste);
+  context.onEnd(() => target.removeEventListener("paste", paste));
+}
+
+/** Let no file that is dropped where nothing takes it be shown in place of the page. */
+export function guardFromDrops(el) {
+  const guard = (event) => {
+    if (event.defaultPrevented || !holdsFiles(event)) return;
+    event.preventDefault();
+    event.dataTransfer.dropEffect = "none";
+  };
+  el.addEventListener("dragover", guard);
+  el.addEventListener("drop", guard);
+}
