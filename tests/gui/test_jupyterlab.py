@@ -6,11 +6,14 @@ import re
 import time
 from urllib.request import Request, urlopen
 
+import numpy as np
 import pytest
 
 from painted_frames import assert_order
 from robsim.gui._bench import in_lab
 from robsim.gui._bench.lab import Lab, lab_server, write_notebook
+from robsim.gui._tools.uploads import MOST_OF_A_PART
+from robsim.imaging import save_image
 
 # Found, not loaded: that takes seconds, also where these tests are left out.
 if not in_lab.is_lab_there():
@@ -164,6 +167,37 @@ def end_kernels(server):
 def ask(server, method, path):
     headers = {"Authorization": f"token {server.token}"}
     return urlopen(Request(f"{server.address}/{path}", headers=headers, method=method))
+
+
+TOOL = """import robsim
+tool = robsim.color_panel()
+tool"""
+LOADED = ".robsim-tool-source:text-is('photo.png')"
+
+
+def test_a_tool_takes_a_file_and_trains_a_colour(chromium, server):
+    image = np.full((600, 800, 3), (120, 122, 118), np.uint8)
+    image[200:400, 300:500] = 210, 40, 30
+    image += np.random.default_rng(1).integers(0, 20, image.shape).astype(np.uint8)
+    save_image(server.folder / "photo.png", image)
+    assert (server.folder / "photo.png").stat().st_size > MOST_OF_A_PART
+    write_notebook(server.folder / "tool.ipynb", [TOOL, "print(repr(tool.value))"])
+    context = chromium.new_context(viewport={"width": 1500, "height": 1000})
+    lab = Lab(context, server, server.folder / "tool.ipynb")
+    lab.run(0)
+    shown(lab, "paused")
+    lab.page.set_input_files(".robsim input[name=picture]", server.folder / "photo.png")
+    lab.page.wait_for_selector(LOADED)
+    box = lab.page.locator(".robsim-camera canvas").bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    lab.page.mouse.move(*middle)
+    lab.page.mouse.down()
+    lab.page.mouse.move(*(at + 8 for at in middle), steps=4)
+    lab.page.mouse.up()
+    lab.page.wait_for_selector(".robsim-class-mark[style*='rgb(255, 0, 0)']")
+    lab.run(1)
+    assert "ColorClass('red'" in lab.output(1)
+    context.close()
 
 
 def test_what_is_measured_are_frames_in_their_order(chromium, server, monkeypatch):

@@ -409,6 +409,20 @@ def test_a_page_sends_its_buffers_and_leaves_nothing(view):
         page.close()
 
 
+def test_a_widget_sends_its_buffers(view):
+    pytest.importorskip("anywidget")
+    from robsim.gui._hosts.notebook import NotebookLink
+
+    line, sent = NotebookLink(view), []
+    line.widget.send = lambda head, buffers: sent.append(head)
+    content = png(OTHER)
+    head = {"type": "upload", "id": "me", **first_part(content)}
+    line._receive(line.widget, head, [memoryview(content)])  # as a kernel has them
+    wait_for(lambda: [one["state"] for one in sent] == ["read", "taken"])
+    np.testing.assert_array_equal(shown(view), OTHER)
+    line.close()
+
+
 @fuzzed
 @given(st.binary(max_size=60), st.lists(st.integers(-9, 9) | st.none() | st.booleans(), max_size=4))
 def test_any_bytes_are_a_message_or_none(rest, lengths):
