@@ -301,6 +301,7 @@ ALLOWED = {
     "gui/_panel/still_picture.py": "packs in memory",
     "gui/_facade.py": "opens a picture in memory",
     "gui/_hosted.py": "opens a page",
+    "gui/_tools/opening.py": "opens a picture to read",
     "gui/_hosts/page.py": "opens a browser",
     "cli/simulated/gui.py": "opens a page",
     "cli/results.py": "packs in memory",
