@@ -1,8 +1,11 @@
 """Define Robot, Train Camera and Resume simulation in the panel of a run, in Chromium."""
 
+import numpy as np
 import pytest
 
 import robsim
+from drops import drag_file
+from robsim.imaging import save_image
 from robsim.robots import default_robot
 from waiting import wait_for
 
@@ -60,6 +63,17 @@ def test_colours_are_trained_while_it_runs(open_panel, user_folder):
     tab.click("[name=use_tool]")
     wait_for(lambda: sim.colors != before)
     tab.wait_for_selector(".robsim-tool", state="detached")
+
+
+def test_a_picture_is_dropped_on_a_tool_in_the_panel(open_panel, user_folder, tmp_path):
+    save_image(tmp_path / "photo.png", np.full((120, 160, 3), (40, 160, 60), np.uint8))
+    _, tab = open_panel(simulation())
+    tab.click("[name=define_robot]")
+    tab.wait_for_selector(".robsim-tool [value=outline][aria-checked=true]")
+    drag_file(tab, tmp_path / "photo.png")
+    tab.wait_for_selector(".robsim-tool-source:has-text('photo.png')")
+    tab.click("[name=no_camera]")
+    tab.wait_for_selector(".robsim-tool [value=outline]:enabled")
 
 
 def test_a_second_browser_sees_the_tool_and_its_end(open_panel, open_view, user_folder):

@@ -62,6 +62,7 @@ SETUP = {
     "controls": [],
     "motors": False,
     "live": False,
+    "tools": [],
 }
 STATE = {
     "type": "state",
@@ -79,6 +80,7 @@ STATE = {
     "error": None,
     "camera": None,
     "stopped": False,
+    "tool": None,
 }
 FRAME = {
     "type": "frame",

@@ -85,6 +85,13 @@ def point(value: Any) -> tuple[float, float]:
     return number(value[0]), number(value[1])
 
 
+def buffers_of_message(value: Any) -> list[bytes]:
+    """Return the buffers of a message that is passed on, to be checked by whom it is for."""
+    if len(value) > 1:
+        raise Refused("one at most")
+    return [bytes(one) for one in value]
+
+
 def one_buffer(most: int) -> Check:
     """Return a check of buffers: it returns the only one, of up to so many bytes."""
 

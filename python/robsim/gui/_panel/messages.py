@@ -3,6 +3,7 @@
 from robsim.gui._messages import (
     COMMON,
     Messages,
+    buffers_of_message,
     list_of,
     maybe,
     message,
@@ -31,5 +32,5 @@ MESSAGES: Messages = {
     "animate": {"on": switch},
     "tool": {"name": maybe(text)},
     "use_tool": {},
-    "tell_tool": {"message": message},
+    "tell_tool": {"message": message, "buffers": buffers_of_message},
 }

@@ -86,7 +86,8 @@ class Tools(Part):
         if link not in self._lines:
             self._lines[link] = ToolLine(self.panel, link)
             view.connect(self._lines[link])
-        view.receive(self._lines[link], {**message["message"], "id": message["id"]})
+        told = {**message["message"], "id": message["id"]}
+        view.receive(self._lines[link], told, message["buffers"])
 
     def _use(self, link: Link, message: dict[str, Any]) -> None:
         """Give the run what was made, close the tool, and go on."""

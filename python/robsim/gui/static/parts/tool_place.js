@@ -31,7 +31,7 @@ export function makeToolPlace(context) {
   };
   const open = (name) => {
     const el = make("div", { className: "robsim" });
-    const send = (message) => context.send({ type: "tell_tool", message });
+    const send = (message, buffers) => context.send({ type: "tell_tool", message }, buffers);
     element.replaceChildren(bar, el);
     shown = { name, send, view: TOOLS_OF_RUN[name].render({ el, send }) };
     shown.view.begin();
