@@ -284,6 +284,16 @@ def use_title(mouse):
     assert tab.get_by_role("dialog", name="Keys").is_hidden()
 
 
+def use_tools(mouse):
+    tab = mouse.tab
+    for button, name in (("define_robot", "robots"), ("train_colors", "colors")):
+        tab.click(f"button[name={button}]")
+        tab.wait_for_selector(".robsim-tool")
+        assert told(mouse, "tool") == name
+        tab.click("button[name=discard_tool]")
+        tab.wait_for_selector(".robsim-tool", state="detached")
+
+
 def test_every_control_does_something_and_none_is_left_out(mouse, editor):
     use_settings(mouse)
     use_transport(mouse)
@@ -293,6 +303,7 @@ def test_every_control_does_something_and_none_is_left_out(mouse, editor):
     use_callbacks(mouse, editor)
     use_inspector_and_result(mouse)
     use_title(mouse)
+    use_tools(mouse)
     # An error, notes and motors are not there: see below. What is in no file has no Edit.
     elsewhere = ".robsim-error, .robsim-slot-error, .robsim-toasts, [name=stop]"
     assert mouse.tab.evaluate(_LEFT_OUT, f"{elsewhere}, [name^=edit_][hidden]") == []

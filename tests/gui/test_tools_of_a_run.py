@@ -100,6 +100,24 @@ def test_a_robot_that_is_changed_is_saved_and_survives(watcher):
     assert robot_names().count("mine") == 1
 
 
+def test_another_picture_never_takes_the_place_of_a_robot_of_the_users(watcher):
+    lab, sheep = load_robot("lab"), load_robot("sheep")
+    robsim.robots.add_robot("mine", sheep)
+    tool = opened(watcher, "robots")
+    image = np.array(lab.image)
+    for expected in ("mine2", "mine3"):
+        take = tool._view.loading(image, "mine.png")
+        tool._view.ask(take)
+        used(watcher)
+        assert watcher.view.runner.robot.name == expected
+        tool = opened(watcher, "robots")
+    assert load_robot("mine").image.shape == sheep.image.shape
+    tool._view.ask(tool._view.loading(image, "photo of it.png"))
+    tool.turn(10)
+    used(watcher)
+    assert watcher.view.runner.robot.name not in ("mine", "mine2", "mine3")
+
+
 def test_a_robot_that_stays_as_it_is_changes_no_default(watcher):
     set_default_robot("sheep")
     opened(watcher, "robots")

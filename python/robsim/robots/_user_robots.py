@@ -98,7 +98,7 @@ def add_robot(
     UserWarning
         If the image has no transparency and no `outline` is given.
     """
-    _check_new(name, check_bool("overwrite", overwrite))
+    check_new_name(name, check_bool("overwrite", overwrite))
     check_bool("ignore_colors", ignore_colors)
     name = unicodedata.normalize("NFC", name)  # an umlaut may be one character or two
     given: dict[str, Any] = {"size": size, "alignment": alignment, "centre": centre}
@@ -177,7 +177,7 @@ def remove_robot(name: str) -> None:
         reset_default_robot()
 
 
-def _check_new(name: str, overwrite: bool) -> None:
+def check_new_name(name: str, overwrite: bool) -> None:
     """Raise TypeError or ValueError for a name that a new robot cannot have."""
     if not _is_plain(check_text("name", name)):
         raise ValueError(
@@ -251,7 +251,7 @@ def _store(robot: RobotDefinition, overwrite: bool) -> RobotDefinition:
     with naming(parent):
         parent.mkdir(parents=True, exist_ok=True)
     with _locked(parent):
-        _check_new(robot.name, overwrite)  # another process may have added one
+        check_new_name(robot.name, overwrite)  # another process may have added one
         folder = parent / robot.name
         temporary = hidden_path(parent)
         try:

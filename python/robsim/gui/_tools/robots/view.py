@@ -33,7 +33,7 @@ from robsim.robots import (
     load_robot,
     set_default_robot,
 )
-from robsim.robots._lookup import robot_names, user_robots
+from robsim.robots._lookup import name_key, robot_names, user_robots
 
 _SQUARE = 0.4  # of the shorter side of a picture
 _SMALLEST = 8.0  # px
@@ -69,6 +69,7 @@ class RobotsView(ToolView):
         self._as_loaded = sketch_of(robot)
         self.drawing = RobotDrawing(self._as_loaded)
         self.name = robot.name
+        self._of: str | None = robot.name  # the robot that is drawn on; None = of a picture
         self._first = self._loaded = robot
         self._colors = tuple(colors)
         self._part = PARTS[0]
@@ -162,7 +163,8 @@ class RobotsView(ToolView):
         """Draw on a robot that there is."""
         self._as_loaded = sketch_of(robot)
         self.drawing.begin(self._as_loaded)
-        self.name, self._loaded = robot.name, robot
+        self.name = self._of = robot.name
+        self._loaded = robot
         self._show_drawing()
 
     def capture(self, *, whole: bool = False) -> None:
@@ -179,9 +181,10 @@ class RobotsView(ToolView):
         sketch = sketch_of_picture(pixels, 1.0, self._colors)
 
         def take() -> None:
+            drawn = _NAME
             with suppress(ValueError):
-                self.name = check_name("name", PurePath(name).stem)
-            self._draw_on(replace(sketch, size=self.drawing.sketch.size))
+                drawn = check_name("name", PurePath(name).stem)
+            self._draw_on(replace(sketch, size=self.drawing.sketch.size), drawn)
 
         return take
 
@@ -206,7 +209,8 @@ class RobotsView(ToolView):
         robot = add_robot(
             name, self.drawing.definition(name), overwrite=overwrite, ignore_colors=True
         )
-        self.name, self._loaded, self._as_loaded = robot.name, robot, self.drawing.sketch
+        self.name = self._of = robot.name
+        self._loaded, self._as_loaded = robot, self.drawing.sketch
         self.tell_state()
         return robot
 
@@ -216,8 +220,8 @@ class RobotsView(ToolView):
         if robot is self._first:
             return robot
         if robot is not self._loaded:
-            mine = self.name in user_robots()
-            robot = self.save(self.name if mine else _free_name(), overwrite=mine)
+            mine = self._of in user_robots()
+            robot = self.save(self.name if mine else _free_name(self.name), overwrite=mine)
         if robot.name in robot_names() and robot.name != default_robot():
             set_default_robot(robot.name)
         return robot
@@ -226,9 +230,9 @@ class RobotsView(ToolView):
     def _can_capture(self) -> bool:
         return self._has_pictures or self.is_replaced
 
-    def _draw_on(self, sketch: Sketch) -> None:
+    def _draw_on(self, sketch: Sketch, name: str = _NAME) -> None:
         self.drawing.begin(sketch)
-        self.name = _free_name()  # it is another robot
+        self.name, self._of = _free_name(name), None
         self._part = PARTS[0]
         self._show_drawing()
 
@@ -272,8 +276,10 @@ class RobotsView(ToolView):
         self.tell_state()
 
 
-def _free_name() -> str:
-    """Return a name for a robot that was given none."""
-    taken = robot_names()
+def _free_name(name: str) -> str:
+    """Return a name that no robot has: this one, or one that says that it is the user's."""
+    taken = {name_key(one) for one in robot_names()}
     numbered = (f"{_NAME}{n}" for n in itertools.count(2))
-    return next(name for name in itertools.chain([_NAME], numbered) if name not in taken)
+    return next(
+        one for one in itertools.chain([name, _NAME], numbered) if name_key(one) not in taken
+    )
