@@ -154,13 +154,49 @@ def calibrate_floor_by_sheets(
         If an argument has the wrong type or is out of range, the pictures have different sizes, or
         show no sheet, or not those that have a place.
     """
+    mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
+    check_size("area", area)
+    check_mm_per_px(mm_per_px)
+    check_float("marker_height", marker_height, "mm", minimum=0)
+    _check_lens(lens)
+    checked_places(places)
+    size, sheets, moved, count = _seen_sheets(pictures, mark)
+    return calibrate_floor_by_corners(
+        sheets,
+        size,
+        area=area,
+        mm_per_px=mm_per_px,
+        marker_height=marker_height,
+        lens=lens,
+        mark=mark,
+        places=places,
+        count=count,
+        moved=moved,
+    )
+
+
+def calibrate_floor_by_corners(
+    sheets: Mapping[int, Corners],
+    size: tuple[int, int],
+    *,
+    area: tuple[int, int],
+    mm_per_px: float,
+    marker_height: float,
+    lens: Calibration | None,
+    mark: float,
+    places: Mapping[int, tuple[float, float]] | None,
+    count: int = 1,
+    moved: float = 0.0,
+) -> FloorCalibration:
+    """Calibrate by the corners of sheets that were found, by their numbers.
+
+    `size` is that of the pictures (px), `count` how many there were, and `moved` how far a corner
+    wandered from one to the next (px); all else is as for `calibrate_floor_by_sheets`.
+    """
     area = check_size("area", area)
     scale = check_mm_per_px(mm_per_px)
-    mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
     height = check_float("marker_height", marker_height, "mm", minimum=0)
-    _check_lens(lens)
-    where = _checked_places(places)
-    size, sheets, moved, count = _seen_sheets(pictures, mark)
+    where = checked_places(places)
     lens, size = _lens_and_size(lens, size)
     for number in where:
         if number not in sheets:
@@ -398,7 +434,8 @@ def _seen_sheets(
     return size, sheets, moved, count
 
 
-def _checked_places(places: Any) -> dict[int, tuple[float, float]]:
+def checked_places(places: Any) -> dict[int, tuple[float, float]]:
+    """Return places of sheets by their numbers (mm); none if there are none."""
     if places is None:
         return {}
     if not isinstance(places, Mapping):

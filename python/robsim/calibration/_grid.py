@@ -64,8 +64,7 @@ def draw_grid(
     scale = calibration.mm_per_px or 1.0
     extent = (area[0] * scale, area[1] * scale)
     largest = max(extent)
-    if step is None:
-        step = _round_step(largest / _LINES)
+    step = grid_step(calibration) if step is None else step
     step = check_float("step", step, "mm", minimum=largest / 200, maximum=largest)
     drawing = _Drawing(pixels)
     if calibration.marker_height:
@@ -74,6 +73,12 @@ def draw_grid(
     drawing.numbers(floor, extent, step, scale)
     drawing.legend(calibration, step)
     return drawing.finished()
+
+
+def grid_step(calibration: Calibration) -> float:
+    """Return a round distance of lines that gives some eight across the area (mm, or px)."""
+    assert calibration.area is not None
+    return _round_step(max(calibration.area) * (calibration.mm_per_px or 1.0) / _LINES)
 
 
 def _round_step(about: float) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from robsim._core import Blob
+from robsim._core import Blob, PlaneMap
 from robsim.imaging._images import Pixels
 
 _GAP = 1 / 30  # s between two frames
@@ -64,3 +64,12 @@ def boxes_of(blobs: Mapping[str, Sequence[Blob]]) -> list[list[Any]]:
         for color, found in blobs.items()
         for blob in found
     ]
+
+
+def lens_of(plane_map: PlaneMap) -> list[float] | None:
+    """Return fx, fy, cx, cy and the distortion; None for a camera whose lens is not known."""
+    lens = plane_map.intrinsics
+    if lens is None:
+        return None
+    (fx, _, cx), (_, fy, cy), _ = lens.matrix.tolist()
+    return [fx, fy, cx, cy, *lens.distortion.tolist()]

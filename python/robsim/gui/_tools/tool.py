@@ -320,10 +320,14 @@ class ToolView(View):
         except (OSError, ValueError, IndexError) as error:
             raise Refused(str(error)) from None
 
-    def _freeze(self, link: Link, message: dict[str, Any]) -> None:
-        self.is_frozen = message["on"]
+    def freeze(self, on: bool) -> None:
+        """Let the picture stay, or newer ones come again."""
+        self.is_frozen = on
         self._show()
         self.tell_state()
+
+    def _freeze(self, link: Link, message: dict[str, Any]) -> None:
+        self.freeze(message["on"])
 
     def _give_up(self, link: Link, message: dict[str, Any]) -> None:
         self._uploads.drop(lambda one: one.link is link and one.key == message["key"])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from robsim._base.checks import Floats
 from robsim._core import Blob, Frame, PlaneMap, Step, detect, reduced
-from robsim.gui._frames import boxes_of, jpeg, numbers
+from robsim.gui._frames import boxes_of, jpeg, lens_of, numbers
 
 if TYPE_CHECKING:
     from robsim.gui._panel.record import Record
@@ -59,7 +59,7 @@ class Shot:
             "t": self.t,
             "size": size,
             "map": plane_map.matrix.ravel().tolist(),
-            "intrinsics": _lens_of(plane_map),
+            "intrinsics": lens_of(plane_map),
             "measured": self.measured,
             "held": self.held,
             "truth": self.truth,
@@ -68,15 +68,6 @@ class Shot:
             "missed": self.missed,
             "past": self.past,
         }
-
-
-def _lens_of(plane_map: PlaneMap) -> list[float] | None:
-    """Return fx, fy, cx, cy and the distortion; None for a camera whose lens is not known."""
-    lens = plane_map.intrinsics
-    if lens is None:
-        return None
-    (fx, _, cx), (_, fy, cy), _ = lens.matrix.tolist()
-    return [fx, fy, cx, cy, *lens.distortion.tolist()]
 
 
 def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_tracked: bool) -> Shot:
