@@ -42,7 +42,7 @@ if _TYPE_CHECKING:
     from robsim import plotting as plotting
     from robsim import reference as reference
     from robsim.doctor import check_estimator, check_parameter_estimator
-    from robsim.gui import color_panel, panel, robot_panel
+    from robsim.gui import color_panel, floor_panel, panel, robot_panel
     from robsim.plotting import (
         play,
         plot_batch,
@@ -86,6 +86,7 @@ __all__ = [
     "check_parameter_estimator",
     "color_panel",
     "find_blobs",
+    "floor_panel",
     "identifiability",
     "load_colors",
     "load_robot",
@@ -113,7 +114,7 @@ _LATE_NAMES = {
     name: "plotting" if name.startswith("pl") else "doctor"
     for name in __all__
     if name == "play" or name.startswith(("plot_", "check_"))
-} | dict.fromkeys(("color_panel", "panel", "robot_panel"), "gui")
+} | dict.fromkeys(("color_panel", "floor_panel", "panel", "robot_panel"), "gui")
 
 _ROOMS = (
     *(

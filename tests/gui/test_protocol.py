@@ -10,13 +10,16 @@ from robsim.gui._hosts.script import STATIC
 from robsim.gui._panel.messages import MESSAGES
 from robsim.gui._panel.view import PanelView
 from robsim.gui._tools.colors.messages import MESSAGES as COLOR_MESSAGES
+from robsim.gui._tools.floor.messages import MESSAGES as FLOOR_MESSAGES
 from robsim.gui._tools.robots.messages import MESSAGES as ROBOT_MESSAGES
 
 GUI = STATIC.parent
+PLACES = [(300, 300), (2100, 300), (2100, 2100), (300, 2100)]
 RUN, TOOLS = (GUI / "PROTOCOL.md").read_text("utf-8").split("## Tools\n")
 TO_BROWSER, FROM_BROWSER = RUN.split("## From the browser")
 TOOLS_TO, REST = TOOLS.split("### Tools, from the browser")
-TOOLS_FROM, ROBOTS = REST.split("### Defining a robot")
+TOOLS_FROM, REST = REST.split("### Defining a robot")
+ROBOTS, FLOOR = REST.split("### Calibrating a floor")
 ROW = re.compile(r"^\| `(\w+)` \| (.*?) \|", re.MULTILINE)
 
 
@@ -30,6 +33,7 @@ def rows(text):
         (FROM_BROWSER, MESSAGES),
         (FROM_BROWSER + TOOLS_FROM, COLOR_MESSAGES),
         (FROM_BROWSER + TOOLS_FROM + ROBOTS, ROBOT_MESSAGES),
+        (FROM_BROWSER + TOOLS_FROM + FLOOR, FLOOR_MESSAGES),
     ],
 )
 def test_every_message_from_a_browser_stands_there_with_its_fields(text, messages):
@@ -57,6 +61,18 @@ def test_every_field_of_the_state_of_a_robot_stands_there():
     with robsim.robot_panel(robot="lab") as tool:
         told = set(re.findall(r"`(\w+)`", ROBOTS)) | rows(TOOLS_TO)["state"]
         assert set(tool._view._state()) - {"type"} <= told
+
+
+def test_every_field_of_the_state_of_a_floor_stands_there():
+    told = set(re.findall(r"`(\w+)`", FLOOR)) | rows(TOOLS_TO)["state"]
+    with robsim.floor_panel() as tool:
+        tool.put([(230, 160), (569, 160), (634, 492), (165, 492)], PLACES)
+        tool.fill(600)
+        state = tool._view._state()
+        told_too = [state[name] for name in ("grid", "fit", "sheets")]
+        told_too += [state["points"][0], state["fit"]["points"][0]]
+        for one in (state, *told_too):
+            assert set(one) - {"type"} <= told
 
 
 def test_every_field_of_what_a_tool_tells_stands_there():

@@ -251,12 +251,15 @@ EXAMPLES = {
     "percent": lambda: 5.0,
     "phi": lambda: np.eye(5),
     "picture": image,
+    "pixel": lambda: (230, 160),
     "pixels": lambda: [(1, 2), (3, 4)],
+    "point": lambda: 1,
     "points": lambda: [(1, 2), (3, 4)],
     "pose": lambda: (1, 2, 0.1),
     "pose_1": lambda: (1, 2, 0.1),
     "pose_2": lambda: (1, 2, 0.1),
     "poses": lambda: trace().pose_true,
+    "position": lambda: (300, 300),
     "positions": lambda: [(1, 2), (3, 4)],
     "probability": lambda: 0.1,
     "Q": lambda: np.eye(3),
@@ -316,10 +319,17 @@ def session():
         return robsim.sessions.Session(folder)
 
 
+def floor_panel():
+    tool = robsim.floor_panel()
+    tool.add((230, 160), (300, 300))
+    return tool
+
+
 #: What methods are called on, where the class cannot be made of the examples alone.
 OBJECTS = {
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
     "ColorPanel": lambda: robsim.color_panel(image()),
+    "FloorPanel": floor_panel,
     "Panel": lambda: robsim.panel(run()),
     "RobotPanel": robsim.robot_panel,
     "Identifiability": lambda: robsim.identifiability(trace()),

@@ -3,8 +3,18 @@
 from robsim._base.public import present as _present
 from robsim.gui._facade import Panel, panel
 from robsim.gui._tools.colors.panel import ColorPanel, color_panel
+from robsim.gui._tools.floor.panel import FloorPanel, floor_panel
 from robsim.gui._tools.robots.panel import RobotPanel, robot_panel
 
-__all__ = ["ColorPanel", "Panel", "RobotPanel", "color_panel", "panel", "robot_panel"]
+__all__ = [
+    "ColorPanel",
+    "FloorPanel",
+    "Panel",
+    "RobotPanel",
+    "color_panel",
+    "floor_panel",
+    "panel",
+    "robot_panel",
+]
 
 _present(globals())

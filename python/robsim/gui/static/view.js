@@ -1,12 +1,14 @@
 // @ts-check
 // What a host calls: render({model, el}). Of the model it uses get, send, on and off alone.
 import { renderColors } from "./colors.js";
+import { renderFloor } from "./floor.js";
 import { renderPanel } from "./panel.js";
 import { renderRobots } from "./robots.js";
 import { make } from "./base/dom.js";
 import { guardFromDrops } from "./tools/load.js";
 
-const VIEWS = { panel: renderPanel, colors: renderColors, robots: renderRobots };
+const VIEWS =
+  { panel: renderPanel, colors: renderColors, floor: renderFloor, robots: renderRobots };
 
 function render({ model, el }) {
   const id = crypto.getRandomValues(new Uint32Array(2)).join("");

@@ -21,7 +21,7 @@ export function renderTool({ el, send }, name, parts) {
   const left = make("div", { className: "robsim-left" }, makeToolTitle(context, name),
     make("div", { className: "robsim-view" }, view), load.element, below);
   const right = make("div", { className: "robsim-right robsim-tool-side" }, ...beside);
-  const about = { className: "robsim-panel robsim-tool", tabIndex: -1 };
+  const about = { className: `robsim-panel robsim-tool robsim-tool-${name}`, tabIndex: -1 };
   const panel = make("div", about, left, right, notes.element);
   load.listen(panel);
   el.append(panel);

@@ -1,0 +1,1 @@
+"""The tool that calibrates where a camera looks at the floor from."""

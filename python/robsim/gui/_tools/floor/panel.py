@@ -1,0 +1,441 @@
+"""What users hold of the panel that calibrates a floor: `floor_panel` opens it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from robsim._base.checks import check_bool, check_float, check_int
+from robsim._base.files import as_path
+from robsim._base.text import quoted
+from robsim._core import Frame
+from robsim.calibration import FloorCalibration
+from robsim.calibration._floor import checked_places
+from robsim.capture import Camera
+from robsim.gui._hosted import HostedPanel
+from robsim.gui._tools.floor.example import TITLE, tiled_floor
+from robsim.gui._tools.floor.points import FloorDraft
+from robsim.gui._tools.floor.view import FloorView
+from robsim.gui._tools.opening import pictures_of
+from robsim.gui._tools.pictures import OnePicture
+from robsim.imaging import Calibration, Recording, load_calibration
+from robsim.imaging._images import Pixels
+from robsim.robots import load_robot
+from robsim.simulation import Experiment, Simulation
+
+Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
+
+_FILE = "camera.toml"
+_DRAFT = FloorDraft(area=(1200, 1200), mm_per_px=2.0)
+
+
+def floor_panel(
+    what: Seen | str | PathLike[str] | None = None,
+    *,
+    calibration: Calibration | str | PathLike[str] | None = None,
+    file: str | PathLike[str] | None = None,
+) -> FloorPanel:
+    """Open the panel that calibrates where a camera looks at the floor from.
+
+    Points are placed on the picture by the mouse, under a magnifying glass, and their places on the
+    floor typed in; or printed sheets are found. How well they fit shows at once.
+
+    Parameters
+    ----------
+    what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
+        Whose pictures. A path is that of a picture, of a folder of them, or of a video. Default: an
+        example, a floor of tiles.
+    calibration : Calibration or path, optional
+        What is known already: a lens, or a floor, too. Default: what is in `file`, if it is there.
+    file : path, optional
+        Where Save writes it, unless another file is named there. Default: that of `calibration`, or
+        ``camera.toml``.
+
+    Returns
+    -------
+    FloorPanel
+        The panel; `FloorPanel.value` has the calibration.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    TypeError, ValueError
+        If an argument has the wrong type, or is no such file; the message names it.
+
+    Examples
+    --------
+    In a notebook, as the last lines of a cell, and when it fits well in the next one:
+
+    >>> tool = robsim.floor_panel("floor.png", calibration="camera.toml")
+    >>> tool
+
+    >>> camera = robsim.Camera(0, calibration=tool.value)
+    """
+    known, path = _known(calibration, None if file is None else as_path(file, "file"))
+    example = OnePicture(tiled_floor(), TITLE) if what is None else None
+    source = example or pictures_of(what, load_robot())
+    return FloorPanel(FloorView(source, known, _draft_of(known), path))
+
+
+def _known(calibration: Any, file: Path | None) -> tuple[Calibration | None, Path]:
+    """Return what is known already, and the file to write."""
+    if isinstance(calibration, Calibration):
+        return calibration, file or Path(_FILE)
+    if calibration is None:
+        path = file or Path(_FILE)
+        return (load_calibration(path) if path.exists() else None), path
+    if not isinstance(calibration, (str, PathLike)):
+        raise TypeError(f"calibration must be a Calibration or a path, got {quoted(calibration)}")
+    path = as_path(calibration, "calibration")
+    return load_calibration(path), file or path
+
+
+def _draft_of(known: Calibration | None) -> FloorDraft:
+    if known is None or known.area is None or known.mm_per_px is None:
+        return _DRAFT
+    return FloorDraft(known.area, known.mm_per_px, known.marker_height)
+
+
+class FloorPanel(HostedPanel):
+    """The panel that calibrates a floor; `robsim.floor_panel` makes it.
+
+    What its mouse does can be done by its methods, from any thread. A context closes it at its end;
+    what it looked at stays open.
+    """
+
+    _maker = "robsim.floor_panel"
+    _view: FloorView
+
+    def __init__(self, view: FloorView) -> None:
+        self._view = view
+        super().__init__()
+
+    @property
+    def value(self) -> Calibration:
+        """The calibration as it is now; a ValueError says what is missing. It can be set.
+
+        Set, its lens and its work area are taken, and its floor until points are placed.
+        """
+        return self._view.ask(self._view.calibration)
+
+    @value.setter
+    def value(self, calibration: Calibration) -> None:
+        if not isinstance(calibration, Calibration):
+            raise TypeError(f"value must be a Calibration, got {quoted(calibration)}")
+
+        def take() -> None:
+            self._view.points.clear()
+            self._view.use("points")
+            self._view.take(calibration)
+
+        self._view.ask(lambda: self._view.change(take))
+
+    @property
+    def report(self) -> FloorCalibration:
+        """How well each point fits; a ValueError says what is missing."""
+        return self._view.ask(self._view.fit_report)
+
+    # Points.
+
+    def add(
+        self,
+        pixel: tuple[float, float],
+        position: tuple[float, float] | None = None,
+        *,
+        reach: float = 0.0,
+    ) -> int:
+        """Add a point.
+
+        Parameters
+        ----------
+        pixel : tuple of float
+            Where it is in the picture: (u, v).
+        position : tuple of float, optional
+            Where it is on the floor, from the top left corner of the work area, x to the right and
+            y down as the camera sees it (mm). Default: not known yet; see `place`.
+        reach : float
+            If there is a corner, such as of a tile, or a dot within so many pixels, it is put
+            there, to a tenth of a pixel.
+
+        Returns
+        -------
+        int
+            Its number.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument has the wrong type; nothing is changed then.
+        """
+        reach = check_float("reach", reach, "px", minimum=0)
+        return int(self._do(lambda: self._view.add(pixel, position, reach)))
+
+    def put(self, pixels: ArrayLike, positions: ArrayLike) -> None:
+        """Place points in place of all that there are.
+
+        Parameters
+        ----------
+        pixels : array (N, 2)
+            Where they are in the picture: (u, v).
+        positions : array (N, 2)
+            Where they are on the floor (mm), as in `add`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument has the wrong type or shape; nothing is changed then.
+        """
+
+        def put() -> None:
+            self._view.points.put(pixels, positions)
+            self._view.use("points")
+
+        self._do(put)
+
+    def move(self, point: int, pixel: tuple[float, float]) -> None:
+        """Move a point.
+
+        Parameters
+        ----------
+        point : int
+            Its number.
+        pixel : tuple of float
+            Where it is in the picture: (u, v).
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such point, or an argument has the wrong type.
+        """
+        self._do(lambda: self._view.points.move(point, pixel))
+
+    def snap(self, point: int, *, reach: float = 12.0) -> None:
+        """Move a point to the nearest corner, such as of a tile, or dot.
+
+        Parameters
+        ----------
+        point : int
+            Its number.
+        reach : float
+            Up to how far off it is looked for (px).
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such point, or no corner.
+        """
+        self._do(lambda: self._view.snap(point, reach))
+
+    def place(self, point: int, position: tuple[float, float] | None) -> None:
+        """Say where a point is on the floor.
+
+        Parameters
+        ----------
+        point : int
+            Its number.
+        position : tuple of float or None
+            x and y (mm), as in `add`; None = not known.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such point, or an argument has the wrong type.
+        """
+        self._do(lambda: self._view.points.place(point, position))
+
+    def remove(self, point: int) -> None:
+        """Remove a point.
+
+        Parameters
+        ----------
+        point : int
+            Its number.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such point.
+        """
+        self._do(lambda: self._view.points.remove(point))
+
+    def clear(self) -> None:
+        """Remove all points."""
+        self._do(self._view.points.clear)
+
+    def fill(self, step: float) -> int:
+        """Add the corners that the picture has where those of a regular grid are expected.
+
+        Parameters
+        ----------
+        step : float
+            Side of its squares, such as of tiles (mm); a corner is in the origin of the work area.
+
+        Returns
+        -------
+        int
+            How many were found.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there are too few points yet to tell where they are expected, or none was found.
+        """
+        return int(self._do(lambda: self._view.fill(step)))
+
+    def adjust(
+        self,
+        *,
+        area: tuple[int, int] | None = None,
+        mm_per_px: float | None = None,
+        marker_height: float | None = None,
+    ) -> None:
+        """Set the work area, and how high the markers are; what is not given stays.
+
+        Parameters
+        ----------
+        area : tuple of int, optional
+            Width and height of the work area (px).
+        mm_per_px : float, optional
+            A px of the work area on the floor (mm).
+        marker_height : float, optional
+            How high above the floor the robot's markers are (mm); needs a lens.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument has the wrong type, or is out of range.
+        """
+        points = self._view.points
+        self._do(lambda: points.adjust(area=area, mm_per_px=mm_per_px, marker_height=marker_height))
+
+    def undo(self) -> None:
+        """Undo the last change of the points or the work area; nothing if there is none."""
+        self._do(self._view.points.undo)
+
+    def redo(self) -> None:
+        """Do again what was undone last; nothing if there is nothing."""
+        self._do(self._view.points.redo)
+
+    # Sheets.
+
+    def find_sheets(
+        self,
+        *,
+        mark: float | None = None,
+        places: Mapping[int, tuple[float, float]] | None = None,
+    ) -> FloorCalibration:
+        """Calibrate by the floor sheets that the picture shows.
+
+        Parameters
+        ----------
+        mark : float, optional
+            Side of a mark on the sheets, measured on the print (mm). Default: as it is; at first
+            80.
+        places : mapping of int to tuple of float, optional
+            Where the cross of a sheet lies (mm), by its number. Default: as
+            `robsim.calibration.calibrate_floor_by_sheets` has it.
+
+        Returns
+        -------
+        FloorCalibration
+            How well each sheet fits.
+
+        Raises
+        ------
+        ImportError
+            If OpenCV is not installed.
+        TypeError, ValueError
+            If an argument has the wrong type, or there is no sheet.
+        """
+        where = checked_places(places)
+
+        def find() -> FloorCalibration:
+            sheets = self._view.sheets
+            if mark is not None:
+                sheets.adjust(mark)
+            self._view.find_sheets()
+            for number, (x, y) in where.items():
+                sheets.place(number, x, y)
+            return self._view.fit_report()
+
+        found: FloorCalibration = self._do(find)
+        return found
+
+    # The picture.
+
+    def freeze(self, on: bool = True) -> None:
+        """Let the live picture stay as it is, or go on.
+
+        Parameters
+        ----------
+        on : bool
+            Whether it stays.
+
+        Raises
+        ------
+        TypeError
+            If `on` is not True or False.
+        """
+        check_bool("on", on)
+        self._view.ask(lambda: self._view.freeze(on))
+
+    def look(self, k: int) -> None:
+        """Show a picture of a recording.
+
+        Parameters
+        ----------
+        k : int
+            Its number, from 0.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is none.
+        """
+        count = self._view.source.count
+        if not count:
+            raise ValueError("k must be of a recording, which is not what is shown")
+        k = check_int("k", k, minimum=0, maximum=count - 1)
+        self._view.ask(lambda: self._view.show(self._view.source.at(k)))
+
+    def save(self, path: str | PathLike[str] | None = None) -> Path:
+        """Write the calibration into a file, as ``robsim calibrate`` does.
+
+        Parameters
+        ----------
+        path : path, optional
+            The file. Default: that of the panel.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        TypeError, ValueError
+            If `path` is no path, something is missing, or the file has a lens that this floor was
+            not calibrated with.
+        """
+        return self._view.ask(lambda: self._view.save(path))
+
+    def __repr__(self) -> str:
+        count = len(self._view.points.draft.points)
+        return f"<robsim.gui.FloorPanel: {count} points>"
+
+    def _do(self, change: Any) -> Any:
+        return self._view.ask(lambda: self._view.change(change))
+
+    @property
+    def _is_closed(self) -> bool:
+        return self._view.is_over
+
+    def _pause_soon(self) -> None:
+        pass  # nothing runs

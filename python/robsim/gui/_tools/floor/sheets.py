@@ -1,0 +1,125 @@
+"""Floor sheets in a picture, and where they lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import check_float
+from robsim.calibration import Corners, FloorCalibration, FloorSheet, find_sheets
+from robsim.calibration._floor import calibrate_floor_by_corners
+from robsim.gui._tools.floor.points import FloorDraft
+from robsim.imaging import Calibration
+from robsim.imaging._frames import frame_size
+from robsim.imaging._images import Pixels
+
+_MARK = 80.0  # mm, as it is printed
+
+
+@dataclass(frozen=True)
+class SeenSheets:
+    """What a picture shows of floor sheets.
+
+    Attributes
+    ----------
+    size : tuple of int
+        That of the picture (px).
+    mark : float
+        Side of a mark (mm).
+    corners : mapping of int to Corners
+        By the number of the sheet.
+    places : mapping of int to tuple of float
+        Where the cross of a sheet is on the floor (mm), if it was measured.
+    """
+
+    size: tuple[int, int]
+    mark: float
+    corners: dict[int, Corners] = field(default_factory=dict, repr=False)
+    places: dict[int, tuple[float | None, float | None]] = field(default_factory=dict)
+
+    def fitted(self, draft: FloorDraft, lens: Calibration | None) -> FloorCalibration:
+        """Return the calibration by these sheets; ValueError if there are none."""
+        if not self.corners:
+            raise ValueError("press Find sheets: there are none yet")
+        where = {
+            number: (x, y)
+            for number, (x, y) in self.places.items()
+            if number in self.corners and x is not None and y is not None
+        }
+        return calibrate_floor_by_corners(
+            self.corners,
+            self.size,
+            area=draft.area,
+            mm_per_px=draft.mm_per_px,
+            marker_height=draft.marker_height,
+            lens=lens,
+            mark=self.mark,
+            places=where,
+        )
+
+
+class FloorSheets:
+    """The sheets that were found last, and what was measured of them."""
+
+    def __init__(self) -> None:
+        self._seen = SeenSheets((0, 0), _MARK)
+
+    def task(self) -> SeenSheets:
+        """Return what is fitted."""
+        return self._seen
+
+    def find(self, image: Pixels) -> str:
+        """Find the sheets in a picture; return why there are none, or nothing. Any thread."""
+        seen = self._seen
+        try:
+            corners = find_sheets(image, seen.mark)
+        except ImportError as error:
+            return str(error)
+        if not corners:
+            return (
+                "there is no floor sheet in the picture: are its marks 15 px wide at least, sharp, "
+                "and not hidden?"
+            )
+        self._seen = replace(self._seen, size=frame_size(image), corners=corners)
+        return ""
+
+    def place(self, number: int, x: float | None, y: float | None) -> None:
+        """Say where the cross of a sheet is on the floor (mm); None = not measured."""
+        if number not in self._seen.corners:
+            raise ValueError(f"there is no sheet {number} in the picture")
+        self._seen = replace(self._seen, places={**self._seen.places, number: (x, y)})
+
+    def adjust(self, mark: float) -> None:
+        """Set the side of a mark (mm)."""
+        mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
+        corners = {
+            number: _resized(number, one, self._seen.mark, mark)
+            for number, one in self._seen.corners.items()
+        }
+        self._seen = replace(self._seen, mark=mark, corners=corners)
+
+    def state(self) -> dict[str, Any]:
+        """Return what browsers are told."""
+        seen = self._seen
+        return {
+            "mark": seen.mark,
+            "found": [
+                {
+                    "number": number,
+                    "place": [*seen.places.get(number, (None, None))],
+                    "corners": len(one.pixels),
+                }
+                for number, one in sorted(seen.corners.items())
+            ],
+        }
+
+
+def _resized(number: int, seen: Corners, before: float, mark: float) -> Corners:
+    """Return the corners of a sheet whose marks have another side."""
+    old, new = (
+        np.concatenate([*FloorSheet(number, side).corners().values()]) for side in (before, mark)
+    )
+    nearest = np.linalg.norm(seen.positions[:, None] - old, axis=2).argmin(axis=1)
+    return Corners(new[nearest], seen.pixels)

@@ -1,0 +1,244 @@
+"""The panel that calibrates a floor, without a browser."""
+
+import numpy as np
+import pytest
+
+import robsim
+from browsers import FakeBrowser, settled
+from python_cameras import EndlessCamera
+from robsim.gui._tools.floor.example import pixels_of_floor, tiled_floor
+from robsim.imaging import Calibration, Intrinsics, load_calibration, save_calibration
+from waiting import wait_for
+
+PLACES = np.array(
+    [(300, 300), (2100, 300), (2100, 2100), (300, 2100), (1200, 1200), (600, 1500), (1500, 600)],
+    float,
+)
+PIXELS = pixels_of_floor(PLACES)
+
+
+@pytest.fixture
+def tool(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with robsim.floor_panel() as tool:
+        yield tool
+
+
+@pytest.fixture
+def browser(tool):
+    browser = FakeBrowser(tool._view, 200)
+    browser.take("frame")
+    return browser
+
+
+def fitted(tool):
+    """The state once all is computed."""
+    view = tool._view
+    wait_for(lambda: not view.ask(view._state)["pending"])
+    return view.ask(view._state)
+
+
+def test_points_are_added_placed_and_fitted(tool, browser):
+    assert fitted(tool)["grid"] is None
+    for number, (pixel, (x, y)) in enumerate(zip(PIXELS, PLACES, strict=True), start=1):
+        browser.say("add", at=(np.rint(pixel) + 1).tolist(), reach=8)
+        browser.say("place", point=number, x=x, y=y)
+    settled(tool._view)
+    told = fitted(tool)
+    state, _ = browser.take("state", pending=False, points=told["points"])
+    assert state == told
+    assert state["chosen"] == 7
+    assert state["problems"] == []
+    assert state["fit"]["verdict"] == "good"
+    assert state["fit"]["rms"] < 0.3
+    for one in state["fit"]["points"]:
+        off = np.linalg.norm(np.subtract(one["to"], one["at"]))
+        assert one["px"] == pytest.approx(off, abs=1e-9)
+    found = tool.value
+    assert found.area == (1200, 1200)
+    np.testing.assert_allclose(2 * found.plane_map.to_world(PIXELS), PLACES, atol=3)
+    back = np.reshape(state["grid"]["map"], (3, 3))
+    np.testing.assert_allclose(back, found.floor.matrix)
+    assert state["grid"]["step"] == 250
+
+
+def test_a_wrong_point_is_named_at_once(tool, browser):
+    tool.put(PIXELS, PLACES)
+    tool.place(5, (1200, 1400))
+    report = tool.report
+    assert [one.name for one in report.points if not one.is_used] == ["5"]
+    state = tool._view._state()
+    assert "point 5 is" in state["problems"][0]
+    assert [one["used"] for one in state["fit"]["points"]].count(False) == 1
+    tool.undo()
+    assert tool._view._state()["fit"] is not None
+    assert tool.report.problems == ()
+
+
+@pytest.mark.parametrize(
+    ("places", "said"),
+    [
+        (PLACES[:3], "place a point more"),
+        (np.c_[np.arange(5) * 300, np.arange(5) * 300], "line"),
+        (PLACES[:, ::-1], "mirrored"),
+        (np.vstack([PLACES[:4], PLACES[:1]]), "points 1 and 5 have the same place"),
+    ],
+)
+def test_what_is_wrong_with_the_points_is_said(tool, browser, places, said):
+    pixels = pixels_of_floor(places) if said == "line" else PIXELS[: len(places)]
+    tool.put(pixels, places)
+    assert said in " ".join(fitted(tool)["problems"])
+    if "same place" not in said:
+        with pytest.raises(ValueError, match=said):
+            tool.value  # noqa: B018
+
+
+def test_a_glass_gets_the_pixels_as_they_are(tool, browser):
+    image = tiled_floor()
+    browser.say("magnify", at=[100.4, 50.6], half=5, glass=1)
+    head, (pixels,) = browser.take("detail")
+    assert head["glass"] == 1
+    assert head["box"] == [95, 46, 11, 11]
+    part = np.frombuffer(pixels, np.uint8).reshape(11, 11, 3)
+    np.testing.assert_array_equal(part, image[46:57, 95:106])
+    for at, box in (([-1, 599], [0, 594, 5, 6]), ([-900, 1e300], None)):
+        browser.say("magnify", at=at, half=5, glass=0)
+        head, (pixels,) = browser.take("detail")
+        assert box is None or head["box"] == box
+        assert len(pixels) == 3 * head["box"][2] * head["box"][3]
+
+
+def test_corners_of_a_grid_are_added_where_the_picture_has_them(tool):
+    tool.put(PIXELS, PLACES)
+    assert tool.fill(600) > 10
+    true = pixels_of_floor(tool._view.points.draft.places)
+    off = np.linalg.norm(tool._view.points.draft.pixels - true, axis=1)
+    assert np.sqrt((off**2).mean()) < 0.3
+    tool.undo()
+    assert len(tool._view.points.draft.points) == len(PLACES)
+
+
+def test_it_is_saved_and_loaded_with_the_lens_that_is_there(tool, tmp_path):
+    matrix = [(700, 0, 399.5), (0, 700, 299.5), (0, 0, 1)]
+    lens = Calibration(size=(800, 600), intrinsics=Intrinsics(matrix, [-0.05, 0, 0, 0, 0]))
+    save_calibration(tmp_path / "lens.toml", lens)
+    tool.put(PIXELS, PLACES)
+    with pytest.raises(ValueError, match="has a lens"):
+        tool.save(tmp_path / "lens.toml")
+    with robsim.floor_panel(calibration="lens.toml") as other:
+        assert other.value.floor is None
+        other.adjust(area=(1000, 900), mm_per_px=2.5, marker_height=80)
+        other.put(lens.intrinsics.distorted(PIXELS), PLACES)
+        assert other.report.rms < 0.01
+        assert other.save().name == "lens.toml"
+        value = other.value
+    saved = load_calibration(tmp_path / "lens.toml")
+    assert saved.intrinsics is not None
+    assert (saved.area, saved.mm_per_px, saved.marker_height) == ((1000, 900), 2.5, 80)
+    np.testing.assert_allclose(saved.floor.matrix, value.floor.matrix)
+    with robsim.floor_panel(calibration=saved, file="other.toml") as again:
+        assert again.value == saved
+        assert again._view._state()["grid"]["high"] is not None
+        again.adjust(mm_per_px=5)
+        at = np.array((400.0, 300.0))
+        np.testing.assert_allclose(
+            5 * again.value.floor.to_world(at), 2.5 * saved.floor.to_world(at)
+        )
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "said"),
+    [
+        ("cut", {"point": 9}, "there is no point 9"),
+        ("choose", {"point": 9}, "there is no point 9"),
+        ("set", {"name": "colour", "value": 3}, "no such setting"),
+        ("set", {"name": "width", "value": 3.5}, "area must"),
+        ("set", {"name": "mark", "value": 1}, "mark must"),
+        ("by", {"name": "hand"}, "by must be one of"),
+        ("fill", {"step": 300}, "place 4 points more"),
+        ("sheet", {"number": 3, "x": 1, "y": 2}, "no sheet 3"),
+        ("load", {"file": "none.toml"}, "none.toml"),
+        ("save", {"file": "a.toml"}, "place 4 points more"),
+        ("magnify", {"at": [1, 2], "half": -1, "glass": 0}, "half of the message magnify"),
+    ],
+)
+def test_what_is_wrong_is_said_in_place_and_changes_nothing(tool, browser, kind, fields, said):
+    before = tool._view.points.draft
+    browser.say(kind, **fields)
+    assert said in browser.take("note", level="error")[0]["text"]
+    assert tool._view.points.draft is before
+
+
+def test_a_live_picture_is_calibrated_while_it_goes_on(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with (
+        robsim.Camera(EndlessCamera(np.array(tiled_floor()))) as camera,
+        robsim.floor_panel(camera) as tool,
+    ):
+        browser = FakeBrowser(tool._view, 200)
+        browser.take("frame")
+        tool.put(PIXELS, PLACES)
+        assert fitted(tool)["state"] == "running"
+        browser.take("frame")
+        tool.freeze()
+        assert tool._view._state()["state"] == "paused"
+        assert tool.report.rms < 0.01
+
+
+def test_a_calibration_of_another_size_is_said_and_can_be_forgotten(tool, browser):
+    matrix = [(700, 0, 399.5), (0, 700, 299.5), (0, 0, 1)]
+    save_calibration("small.toml", Calibration(size=(640, 480), intrinsics=Intrinsics(matrix)))
+    tool.put(PIXELS, PLACES)
+    browser.say("load", file="small.toml")
+    settled(tool._view)
+    with pytest.raises(ValueError, match="640 x 480"):
+        tool.report  # noqa: B018
+    browser.say("forget")
+    settled(tool._view)
+    assert tool.report.rms < 0.01
+    browser.say("save", file="mine.toml")
+    assert "mine.toml" in browser.take("note", level="info")[0]["text"]
+
+
+def test_sheets_in_a_picture(tmp_path, monkeypatch):
+    pytest.importorskip("cv2")
+    from photographed_sheets import OBLIQUE, floor_picture
+
+    monkeypatch.chdir(tmp_path)
+    lens = Calibration(size=OBLIQUE.size, intrinsics=Intrinsics(OBLIQUE.matrix, OBLIQUE.distortion))
+    with robsim.floor_panel(floor_picture(OBLIQUE), calibration=lens) as tool:
+        browser = FakeBrowser(tool._view, 200)
+        browser.take("frame")
+        browser.say("sheets")
+        wait_for(lambda: tool._view.way == "sheets")
+        state = fitted(tool)
+        assert [one["number"] for one in state["sheets"]["found"]] == [1, 2, 3, 4, 5]
+        assert state["fit"]["verdict"] == "good"
+        assert state["fit"]["rms"] < 0.3
+        browser.say("sheet", number=1, x=500, y=400)
+        settled(tool._view)
+        to_world = tool.value.floor.to_world
+        before = 2 * to_world(OBLIQUE.pixels([(0, 0, 0)]))
+        np.testing.assert_allclose(before, [(500, 400)], atol=2)
+        assert set(tool.value.marks) >= {0, 5, 29}
+        browser.say("set", name="mark", value=88)  # all is larger by a tenth
+        settled(tool._view)
+        ahead = OBLIQUE.pixels([(100, 0, 0)])
+        far = 2 * tool.value.floor.to_world(ahead) - (500, 400)
+        assert np.linalg.norm(far) == pytest.approx(110, abs=2)
+        assert set(tool.value.marks) >= {0, 5, 29}
+        assert tool.find_sheets(mark=80, places={1: (0, 0)}).rms < 0.3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"what": 3}, "what must be a Camera"),
+        ({"calibration": 3}, "calibration must be"),
+        ({"calibration": "none.toml"}, "none.toml"),
+        ({"file": 3}, "file must be"),
+    ],
+)
+def test_what_is_wrong_is_refused_by_its_name(arguments, said):
+    with pytest.raises((TypeError, ValueError, OSError), match=said):
+        robsim.floor_panel(**arguments)
