@@ -1,0 +1,210 @@
+"""The panel that calibrates a floor, with the mouse, the keys and a finger, in Chromium."""
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.gui._tools.floor.example import pixels_of_floor
+from robsim.imaging import load_calibration
+from waiting import wait_for
+
+pytestmark = pytest.mark.slow
+
+PLACES = [(300, 300), (2100, 300), (2100, 2100), (300, 2100), (1200, 1200), (600, 1500)]
+PIXELS = pixels_of_floor(np.array(PLACES, float))
+
+
+class Hand:
+    """The tool in a tab, as it is used."""
+
+    def __init__(self, tool, tab):
+        self.tool, self.tab = tool, tab
+        self.canvas = tab.locator(".robsim-camera > canvas").first
+        self.glass = tab.locator(".robsim-glass-chosen")
+        height, width = tool._view.picture.frame.image.shape[:2]
+        box = self.canvas.bounding_box()
+        self.scale = min(box["width"] / width, box["height"] / height)
+        self.left = box["x"] + (box["width"] - width * self.scale) / 2
+        self.top = box["y"] + (box["height"] - height * self.scale) / 2
+
+    @property
+    def points(self):
+        return self.tool._view.points.draft.points
+
+    def at(self, pixel):
+        u, v = pixel
+        return self.left + (u + 0.5) * self.scale, self.top + (v + 0.5) * self.scale
+
+    def click(self, pixel):
+        before = len(self.points)
+        self.tab.mouse.click(*self.at(pixel))
+        number = before + 1
+        wait_for(lambda: len(self.points) == number)
+        self.tab.wait_for_selector(f"tr[aria-selected=true] input[name=x_{number}]")
+
+    def shown(self, column, row):
+        cells = self.tab.locator(f".robsim-points tr:has([name=x_{row}]) td")
+        return cells.nth(column).inner_text()
+
+
+@pytest.fixture
+def hand(open_tool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with robsim.floor_panel() as tool:
+        yield Hand(tool, open_tool(tool))
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_a_floor_is_calibrated_and_saved(open_tool, tmp_path, monkeypatch, theme):
+    monkeypatch.chdir(tmp_path)
+    with robsim.floor_panel() as tool:
+        hand = Hand(tool, open_tool(tool, theme=theme))
+        tab = hand.tab
+        assert "place 4 points more" in tab.inner_text(".robsim-problems")
+        assert tab.is_disabled("[name=save_calibration]")
+        for number, (pixel, (x, y)) in enumerate(zip(PIXELS, PLACES, strict=True), start=1):
+            hand.click(np.add(pixel, (2, -1)))
+            tab.keyboard.type(str(x))  # on the picture
+            assert tab.evaluate("document.activeElement.name") == f"x_{number}"
+            tab.keyboard.press("Enter")
+            tab.keyboard.type(str(y))
+            tab.keyboard.press("Enter")
+            wait_for(lambda place=(x, y): hand.points[-1].place == place)
+        found = np.array([one.pixel for one in hand.points])
+        assert np.linalg.norm(found - PIXELS, axis=1).max() < 0.5  # on the corners
+        tab.wait_for_selector(".robsim-chip.robsim-good")
+        wait_for(lambda: hand.shown(4, 6))
+        assert float(hand.shown(4, 6)) < 0.5
+        # A wrong place stands out at once
+        tab.fill("[name=y_5]", "1400")
+        tab.keyboard.press("Enter")
+        tab.wait_for_selector(".robsim-fit-wrong, .robsim-fit-worst")
+        assert tab.locator(".robsim-fit-wrong, .robsim-fit-worst").get_by_title("point 5").count()
+        wait_for(lambda: "point 5" in tab.inner_text(".robsim-problems"))
+        hand.canvas.focus()
+        tab.keyboard.press("Control+z")
+        tab.wait_for_selector(".robsim-chip.robsim-good")
+        tab.fill("[name=calibration_file]", "mine.toml")
+        tab.click("[name=save_calibration]")
+        tab.wait_for_selector(".robsim-toast:has-text('mine.toml')")
+        saved = load_calibration("mine.toml")
+        np.testing.assert_allclose(2 * saved.plane_map.to_world(PIXELS), PLACES, atol=3)
+
+
+def test_a_point_is_dragged_nudged_chosen_and_removed(hand):
+    tab = hand.tab
+    hand.click(PIXELS[0])
+    hand.click(PIXELS[4])
+    start = np.array(hand.points[1].pixel)
+    tab.mouse.move(*hand.at(start))
+    tab.mouse.down()
+    tab.mouse.move(*hand.at(start + np.array((20, 10))), steps=4)
+    tab.mouse.up()
+    wait_for(lambda: np.allclose(hand.points[1].pixel, start + np.array((20, 10)), atol=1))
+    before = np.array(hand.points[1].pixel)
+    hand.canvas.focus()
+    tab.keyboard.press("ArrowRight")
+    tab.keyboard.press("ArrowRight")
+    tab.keyboard.press("Shift+ArrowUp")
+    wait_for(lambda: np.allclose(hand.points[1].pixel, before + np.array((0.2, -1))))
+    for _ in range(4):
+        tab.keyboard.press("Control+z")
+    wait_for(lambda: np.allclose(hand.points[1].pixel, start))
+    tab.keyboard.press("s")
+    wait_for(lambda: tuple(hand.points[1].pixel) != tuple(start))
+    assert hand.points[1].pixel == pytest.approx(tuple(PIXELS[4]), abs=0.5)
+    tab.keyboard.press("Shift+Tab")
+    tab.wait_for_selector("tr[aria-selected=true] input[name=x_1]")
+    tab.keyboard.press("Delete")
+    wait_for(lambda: [one.number for one in hand.points] == [2])
+    tab.click("[name=clear]")
+    wait_for(lambda: hand.points == ())
+
+
+def test_in_the_glass_a_point_is_moved_by_parts_of_a_pixel(hand):
+    tab = hand.tab
+    tab.click("[name=snap]")
+    hand.click(PIXELS[0])
+    start = np.array(hand.points[0].pixel)
+    box = hand.glass.bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    tab.mouse.move(*middle)
+    tab.mouse.down()
+    tab.mouse.move(middle[0] + 4, middle[1] - 12, steps=4)
+    tab.mouse.up()
+    wait_for(lambda: np.allclose(hand.points[0].pixel, start + np.array((0.5, -1.5))))
+    tab.wait_for_selector(f"text=v {hand.points[0].pixel[1]:.2f}")
+    tab.mouse.wheel(0, -100)  # twice as large
+    tab.wait_for_selector(".robsim-glass-words:has-text('16\u00d7')")
+    tab.mouse.move(*middle)
+    tab.mouse.down()
+    tab.mouse.move(middle[0] - 16, middle[1], steps=4)
+    tab.mouse.up()
+    wait_for(lambda: np.allclose(hand.points[0].pixel, start + np.array((-0.5, -1.5))))
+    hand.glass.focus()
+    tab.keyboard.press("ArrowDown")
+    wait_for(lambda: np.allclose(hand.points[0].pixel, start + np.array((-0.5, -1.4))))
+
+
+PIXEL_OF_GLASS = """
+(place) => {
+  const glass = document.querySelector('.robsim-glass-hover');
+  const [x, y] = [glass.width * place, glass.height * place].map(Math.round);
+  return [...glass.getContext('2d').getImageData(x, y, 1, 1).data].slice(0, 3).join();
+}
+"""
+
+
+def test_the_glass_shows_the_pixels_of_a_picture_of_12_megapixels(open_tool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    # Each pixel differs from its neighbours: reduced, they are all grey.
+    rows, columns = np.indices((3000, 4000))
+    image = np.where((rows + columns) % 2, 255, 0).astype(np.uint8)
+    image = np.stack([image, 255 - image, np.full_like(image, 60)], axis=-1)
+    with robsim.floor_panel(image) as tool:
+        hand = Hand(tool, open_tool(tool))
+        hand.tab.mouse.move(*hand.at((2000, 1500)))
+        own = {"255,0,60", "0,255,60"}
+        wait_for(lambda: hand.tab.evaluate(PIXEL_OF_GLASS, 0.35) in own)
+        hand.tab.mouse.move(*hand.at((700, 900)), steps=5)
+        wait_for(lambda: hand.tab.evaluate(PIXEL_OF_GLASS, 0.35) in own)
+
+
+def test_a_finger_places_a_point_and_drags_it_in_the_glass(open_tool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with robsim.floor_panel() as tool:
+        size = (900, 1200)
+        hand = Hand(tool, open_tool(tool, size=size, has_touch=True, is_mobile=True))
+        hand.tab.touchscreen.tap(*hand.at(PIXELS[4]))
+        wait_for(lambda: len(hand.points) == 1)
+        assert hand.points[0].pixel == pytest.approx(tuple(PIXELS[4]), abs=0.5)
+        start = np.array(hand.points[0].pixel)
+        hand.glass.wait_for()
+        hand.glass.scroll_into_view_if_needed()
+        box = hand.glass.bounding_box()
+        x, y = box["x"] + 60, box["y"] + 60
+        touch = hand.tab.context.new_cdp_session(hand.tab)
+        for kind, at in (("Start", x), ("Move", x + 8), ("Move", x + 16), ("End", None)):
+            touches = [] if at is None else [{"x": at, "y": y}]
+            touch.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": touches})
+        wait_for(lambda: np.allclose(hand.points[0].pixel, start + np.array((2, 0)), atol=0.2))
+
+
+def test_sheets_are_found(open_tool, tmp_path, monkeypatch):
+    pytest.importorskip("cv2")
+    from photographed_sheets import OBLIQUE, floor_picture
+
+    monkeypatch.chdir(tmp_path)
+    with robsim.floor_panel(floor_picture(OBLIQUE)) as tool:
+        hand = Hand(tool, open_tool(tool))
+        hand.tab.click(".robsim-segments [value=sheets]")
+        hand.tab.wait_for_selector("text=press Find sheets")
+        hand.tab.click("[name=find_sheets]")
+        hand.tab.wait_for_selector("[name=sheet_x_5]")
+        hand.tab.fill("[name=sheet_x_1]", "500")
+        hand.tab.fill("[name=sheet_y_1]", "400")
+        hand.tab.keyboard.press("Tab")
+        wait_for(lambda: tool._view.sheets.task().places == {1: (500, 400)})
+        wait_for(lambda: not tool._view._state()["pending"])
+        middle = 2 * tool.value.floor.to_world(OBLIQUE.pixels([(0, 0, 0)]))
+        np.testing.assert_allclose(middle, [(500, 400)], atol=8)
