@@ -32,6 +32,7 @@ from robsim.imaging._images import Pixels
 
 _FEWEST = 4
 _TRUSTED = 6  # points, of which one may be wrong
+_MOST_SUSPECTS = 8  # marks that are left out on trial
 _LEVEL = 1e-4  # at which one is called wrong
 _LEAST_WRONG = 1.0  # px
 _MOST_POINTS = 100_000
@@ -301,14 +302,15 @@ def _without_wrong(
 ) -> tuple[int | None, PlaneFit]:
     """Return the mark that does not fit the others, if there is one, and the fit without it."""
     fits = []
-    for index in range(len(ideal)):
+    suspects = np.argsort(fit.gains())[::-1][:_MOST_SUSPECTS].tolist()
+    for index in suspects:
         kept = np.arange(len(ideal)) != index
         try:
             fits.append(fit_plane([ideal[kept]], [places[kept]], matrix))
         except ValueError:  # the others lie on a line
             fits.append(fit)
-    best = int(np.argmin([one.squares for one in fits]))
-    without = fits[best]
+    first = int(np.argmin([one.squares for one in fits]))
+    best, without = suspects[first], fits[first]
     if without is fit or without.free < 1:
         return None, fit
     # F = ((SSE - SSE') / 2) / (SSE' / n'), of a mark that is right F(2, n'), whose tail is

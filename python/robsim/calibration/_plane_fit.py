@@ -51,6 +51,21 @@ class PlaneFit:
         """How many more numbers there are than parameters."""
         return int(self.jacobian.shape[0] - self.jacobian.shape[1])
 
+    def gains(self) -> Floats:
+        """Return by about how much the squares would sink without each point (px^2).
+
+        Of a linear model e' (I - H)^-1 e, with the point's residual e and its block H of the
+        projection J (J' J)^-1 J': D. A. Belsley, E. Kuh and R. E. Welsch, Regression Diagnostics,
+        Wiley, 1980.
+        """
+        rows = self.jacobian.reshape(-1, 2, self.jacobian.shape[1])
+        inverse = np.linalg.pinv(self.jacobian.T @ self.jacobian)
+        errors = np.concatenate(self.residuals)
+        left = np.eye(2) - np.einsum("nip,pq,njq->nij", rows, inverse, rows)
+        # a point that alone tells a parameter has no residual: left is singular there
+        gains: Floats = np.einsum("ni,nij,nj->n", errors, np.linalg.pinv(left, 1e-6), errors)
+        return gains
+
     def expected_errors(self, positions: Floats) -> Floats:
         """Return standard deviations (N,) of the map at positions (N, 2) on the floor (mm)."""
         variance = max(self.squares / max(self.free, 1), _LEAST_NOISE**2)
