@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 from photographed_sheets import LAID, OBLIQUE, VIEWS, Shot, board_pictures, floor_picture
 from python_cameras import EndlessCamera
 from robsim.calibration import Chessboard
+from robsim.calibration._taking import BoardTaker
 from robsim.cli import app
-from robsim.cli.calibration.taking import BoardTaker
 from robsim.imaging import (
     Calibration,
     Intrinsics,

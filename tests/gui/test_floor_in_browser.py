@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim.calibration import Chessboard
 from robsim.gui._tools.floor.example import pixels_of_floor
-from robsim.imaging import load_calibration
+from robsim.imaging import load_calibration, save_image
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow
@@ -60,7 +61,8 @@ def test_a_floor_is_calibrated_and_saved(open_tool, tmp_path, monkeypatch, theme
     with robsim.floor_panel() as tool:
         hand = Hand(tool, open_tool(tool, theme=theme))
         tab = hand.tab
-        assert "place 4 points more" in tab.inner_text(".robsim-problems")
+        problems = ".robsim-floor-result .robsim-problems"
+        assert "place 4 points more" in tab.inner_text(problems)
         assert tab.is_disabled("[name=save_calibration]")
         for number, (pixel, (x, y)) in enumerate(zip(PIXELS, PLACES, strict=True), start=1):
             hand.click(np.add(pixel, (2, -1)))
@@ -72,7 +74,7 @@ def test_a_floor_is_calibrated_and_saved(open_tool, tmp_path, monkeypatch, theme
             wait_for(lambda place=(x, y): hand.points[-1].place == place)
         found = np.array([one.pixel for one in hand.points])
         assert np.linalg.norm(found - PIXELS, axis=1).max() < 0.5  # on the corners
-        tab.wait_for_selector(".robsim-chip.robsim-good")
+        tab.wait_for_selector(".robsim-floor-result .robsim-good")
         wait_for(lambda: hand.shown(4, 6))
         assert float(hand.shown(4, 6)) < 0.5
         # A wrong place stands out at once
@@ -80,10 +82,10 @@ def test_a_floor_is_calibrated_and_saved(open_tool, tmp_path, monkeypatch, theme
         tab.keyboard.press("Enter")
         tab.wait_for_selector(".robsim-fit-wrong, .robsim-fit-worst")
         assert tab.locator(".robsim-fit-wrong, .robsim-fit-worst").get_by_title("point 5").count()
-        wait_for(lambda: "point 5" in tab.inner_text(".robsim-problems"))
+        wait_for(lambda: "point 5" in tab.inner_text(problems))
         hand.canvas.focus()
         tab.keyboard.press("Control+z")
-        tab.wait_for_selector(".robsim-chip.robsim-good")
+        tab.wait_for_selector(".robsim-floor-result .robsim-good")
         tab.fill("[name=calibration_file]", "mine.toml")
         tab.click("[name=save_calibration]")
         tab.wait_for_selector(".robsim-toast:has-text('mine.toml')")
@@ -180,6 +182,7 @@ def test_a_finger_places_a_point_and_drags_it_in_the_glass(open_tool, tmp_path, 
         assert hand.points[0].pixel == pytest.approx(tuple(PIXELS[4]), abs=0.5)
         start = np.array(hand.points[0].pixel)
         hand.glass.wait_for()
+        hand.tab.wait_for_selector("tr[aria-selected=true] input[name=x_1]")
         hand.glass.scroll_into_view_if_needed()
         box = hand.glass.bounding_box()
         x, y = box["x"] + 60, box["y"] + 60
@@ -208,3 +211,31 @@ def test_sheets_are_found(open_tool, tmp_path, monkeypatch):
         wait_for(lambda: not tool._view._state()["pending"])
         middle = 2 * tool.value.floor.to_world(OBLIQUE.pixels([(0, 0, 0)]))
         np.testing.assert_allclose(middle, [(500, 400)], atol=8)
+
+
+def test_a_lens_is_taken_and_used(open_tool, tmp_path, monkeypatch):
+    pytest.importorskip("cv2")
+    from photographed_sheets import board_pictures
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "film").mkdir()
+    for number, image in enumerate(board_pictures(Chessboard(9, 6))):
+        save_image(tmp_path / "film" / f"{number}.png", image)
+    with robsim.floor_panel("film") as tool:
+        hand = Hand(tool, open_tool(tool))
+        tab = hand.tab
+        tab.click(".robsim-segments [value=lens]")
+        tab.wait_for_selector("text=take 4 pictures more")
+        assert tab.is_disabled("[name=use_lens]")
+        tab.click("[name=take_board]")
+        tab.wait_for_selector("td:has-text('frame 0')")
+        tab.get_by_label("Forget picture frame 0").click()
+        tab.wait_for_selector("td:has-text('frame 0')", state="detached")
+        tab.click("[name=take_all_boards]")
+        tab.wait_for_selector("text=8 pictures, rms")
+        tab.click("[name=use_lens]")
+        tab.wait_for_selector("text=The lens is calibrated")
+        assert tool.value.intrinsics is not None
+        tab.fill("[name=board_columns]", "8")
+        tab.keyboard.press("Enter")
+        tab.wait_for_selector("text=take 4 pictures more")

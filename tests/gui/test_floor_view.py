@@ -6,8 +6,15 @@ import pytest
 import robsim
 from browsers import FakeBrowser, settled
 from python_cameras import EndlessCamera
+from robsim.calibration import Chessboard
 from robsim.gui._tools.floor.example import pixels_of_floor, tiled_floor
-from robsim.imaging import Calibration, Intrinsics, load_calibration, save_calibration
+from robsim.imaging import (
+    Calibration,
+    Intrinsics,
+    load_calibration,
+    save_calibration,
+    save_image,
+)
 from waiting import wait_for
 
 PLACES = np.array(
@@ -242,3 +249,75 @@ def test_sheets_in_a_picture(tmp_path, monkeypatch):
 def test_what_is_wrong_is_refused_by_its_name(arguments, said):
     with pytest.raises((TypeError, ValueError, OSError), match=said):
         robsim.floor_panel(**arguments)
+
+
+@pytest.fixture(scope="module")
+def boards():
+    """Pictures of a board, through a lens that distorts."""
+    pytest.importorskip("cv2")
+    from photographed_sheets import board_pictures
+
+    return list(board_pictures(Chessboard(9, 6)))
+
+
+def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypatch):
+    from photographed_sheets import Shot
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "film").mkdir()
+    plain = np.full_like(boards[0], 150)
+    for number, image in enumerate([*boards, plain]):
+        save_image(tmp_path / "film" / f"{number}.png", image)
+    with robsim.floor_panel("film") as tool:
+        browser = FakeBrowser(tool._view, 200)
+        assert "take 4 pictures more" in browser.take("board")[0]["problems"][0]
+        lens = tool._view.lens
+        browser.say("use_lens")
+        assert "take 4 pictures more" in browser.take("note", level="error")[0]["text"]
+        browser.say("take")
+        told, _ = browser.take("board", busy=False)
+        while not told["pictures"]:
+            told, _ = browser.take("board", busy=False)
+        assert told["pictures"] == [{"name": "frame 0", "corners": 54, "rms": None, "used": True}]
+        assert len(told["pixels"]) == 54
+        assert "bottom right" in told["empty"]
+        browser.say("drop", picture=0)
+        browser.say("take_all")
+        assert "no board in frame 8" in browser.take("note", level="error")[0]["text"]
+        wait_for(lambda: lens.report is not None and not lens.is_busy)
+        wait_for(lambda: lens.report is not None and len(lens.report.pictures) == len(boards))
+        assert lens.report.rms < 0.3
+        browser.say("use_lens")
+        settled(tool._view)
+        found = tool.value
+        assert found.intrinsics.matrix[0][0] == pytest.approx(Shot().focal, rel=0.02)
+        assert tool.save().name == "camera.toml"
+        assert load_calibration("camera.toml").floor is None
+        browser.say("board", pattern="charuco", columns=8, rows=5, square=30)
+        told, _ = browser.take("board", pattern="charuco")
+        assert told["pictures"] == []
+        for change, said in (
+            ({"pattern": "paper"}, "pattern must be"),
+            ({"columns": 1}, "columns must"),
+        ):
+            given = {"pattern": "charuco", "columns": 8, "rows": 5, "square": 30} | change
+            browser.say("board", **given)
+            assert said in browser.take("note", level="error")[0]["text"]
+        browser.say("watch", on=True)
+        assert "not live" in browser.take("note", level="error")[0]["text"]
+
+
+def test_live_pictures_of_a_board_are_taken_by_themselves(boards, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with (
+        robsim.Camera(EndlessCamera(boards[0])) as camera,
+        robsim.floor_panel(camera) as tool,
+    ):
+        browser = FakeBrowser(tool._view, 200)
+        browser.say("watch", on=True)
+        wait_for(lambda: len(tool._view.lens.taken) == 1)  # it stands still
+        told, _ = browser.take("board", watches=True)
+        while not told["pictures"]:
+            told, _ = browser.take("board")
+        browser.say("take")
+        wait_for(lambda: len(tool._view.lens.taken) == 2)

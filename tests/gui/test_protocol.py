@@ -73,6 +73,7 @@ def test_every_field_of_the_state_of_a_floor_stands_there():
         told_too += [state["points"][0], state["fit"]["points"][0]]
         for one in (state, *told_too):
             assert set(one) - {"type"} <= told
+        assert set(tool._view.lens.message()) - {"type"} <= rows(TOOLS_TO)["board"]
 
 
 def test_every_field_of_what_a_tool_tells_stands_there():

@@ -85,12 +85,13 @@ def calibrate_lens(
         raise ValueError(
             f"pictures must show the whole board in {FEWEST} at least, got {len(views)} of "
             f"{len(views) + len(missing)}: "
-            + (_why_missing(board) if missing else "take more, 10 to 20 of them")
+            + (why_missing(board) if missing else "take more, 10 to 20 of them")
         )
-    return _report(cv2, size, views, missing)
+    return lens_of_views(cv2, size, views, missing)
 
 
-def _why_missing(board: Chessboard | Charuco) -> str:
+def why_missing(board: Chessboard | Charuco) -> str:
+    """Return what to look at where no board is found."""
     unit = "squares" if isinstance(board, Charuco) else "inner corners"
     return (
         f"is it a board of {board.columns} x {board.rows} {unit}, sharp, evenly lit, with white "
@@ -147,9 +148,10 @@ def _views(
     return size, views, missing
 
 
-def _report(
+def lens_of_views(
     cv2: Any, size: tuple[int, int], views: list[View], missing: list[str]
 ) -> LensCalibration:
+    """Calibrate a lens by `FEWEST` views or more; the views are changed by it."""
     fit = _fit(cv2, size, views)
     if _drop_far_corners(views, fit):
         fit = _fit(cv2, size, views)

@@ -6,6 +6,7 @@ import { makeField } from "./base/fields.js";
 import { text } from "./base/texts.js";
 import { makePicture } from "./camera/picture.js";
 import { makeFilm } from "./tools/film.js";
+import { drawBoards, makeLensBoard } from "./tools/floor/board.js";
 import { makeChosenGlass, makeHoverGlass } from "./tools/floor/glasses.js";
 import { makeGrid, pixelToPlace } from "./tools/floor/grid.js";
 import { makeMarks, timesOf } from "./tools/floor/marks.js";
@@ -13,7 +14,7 @@ import { makeFloorArea, makeFloorFile, makeFloorResult } from "./tools/floor/res
 import { makePointBar, makePointTable, makeSheetTable } from "./tools/floor/table.js";
 import { renderTool } from "./tools/tool.js";
 
-const WAYS = ["points", "sheets"];
+const WAYS = ["points", "sheets", "lens"];
 
 export function renderFloor(host) {
   return renderTool(host, "floor", (context) => {
@@ -43,13 +44,17 @@ function makeFloorPicture(context) {
   };
   const marks = makeMarks(context, () => picture, () => snaps, hovered);
   const draw = (scene) => {
+    if (context.state.by == "lens") return drawBoards(scene);
     grid.draw(scene);
     marks.draw(scene);
     readout.legend(scene.lens.scale);
   };
   const picture = makePicture(context,
     { label: "floor_picture", inks: [], draw, tool: marks.tool });
-  context.on("state", () => picture.changed());
+  context.on("state", ({ by }) => {
+    snap.element.hidden = by != "points";
+    picture.changed();
+  });
   listenToHistory(context);
   const element = make("div", { className: "robsim-camera" }, picture.canvas,
     make("div", { className: "robsim-camera-bar" }, picture.whole), glass.canvas,
@@ -97,13 +102,15 @@ function makeWays(context, glass, table) {
   const points = make("div", { className: "robsim-tool-fields" }, hint, glass,
     makePointBar(context), table.element);
   const sheets = makeSheetTable(context);
+  const board = makeLensBoard(context);
   context.on("state", ({ by, chosen }) => {
+    board.hidden = by != "lens";
     markChosen(ways, "aria-checked", (button) => button.value == by);
     points.hidden = by != "points";
     sheets.hidden = by != "sheets";
     hint.hidden = chosen != null;
   });
-  return make("div", { className: "robsim-tool-part" }, ways, points, sheets);
+  return make("div", { className: "robsim-tool-part" }, ways, points, sheets, board);
 }
 
 /** What is under the pointer, and by what the arrows are magnified. */
@@ -122,7 +129,7 @@ function makeFloorReadout(context) {
   };
   const legend = (scale) => {
     const { state } = context;
-    times.classList.toggle("robsim-away", !state.fit);
+    times.classList.toggle("robsim-away", !state.fit || state.by == "lens");
     const words = text("arrows_times", { times: timesOf(state, scale) });
     if (times.textContent != words) times.textContent = words;
   };

@@ -133,7 +133,7 @@ class FloorPoints:
 
     def add(self, pixel: Any, place: Any = (None, None)) -> int:
         """Add a point; return its number."""
-        at, where = _pixel(pixel), _place(place)
+        at, where = checked_pixel(pixel), _place(place)
         points = self.draft.points
         if len(points) >= MOST:
             raise ValueError(f"there are {MOST} points already, which is enough")
@@ -153,7 +153,7 @@ class FloorPoints:
         both = zip(seen.tolist(), where.tolist(), strict=True)
         self._change(
             points=tuple(
-                PlacedPoint(number, _pixel(pixel), _place(place))
+                PlacedPoint(number, checked_pixel(pixel), _place(place))
                 for number, (pixel, place) in enumerate(both, start=1)
             )
         )
@@ -163,14 +163,14 @@ class FloorPoints:
         first = 1 + max((one.number for one in self.draft.points), default=0)
         room = MOST - len(self.draft.points)
         points = [
-            PlacedPoint(first + i, _pixel(pixel), _place(place))
+            PlacedPoint(first + i, checked_pixel(pixel), _place(place))
             for i, (pixel, place) in enumerate(found[:room])
         ]
         self._change(points=(*self.draft.points, *points))
 
     def move(self, number: int, to: Any, *, goes_on: bool = False) -> None:
         """Move a point; `goes_on`: it is the same change as the one before, undone with it."""
-        self._replace(number, goes_on=goes_on, pixel=_pixel(to))
+        self._replace(number, goes_on=goes_on, pixel=checked_pixel(to))
 
     def nudge(self, number: int, by: Any, *, goes_on: bool = False) -> None:
         """Move a point by so many pixels."""
@@ -264,7 +264,8 @@ class FloorPoints:
         self.draft = replace(self.draft, **changes)
 
 
-def _pixel(value: Any) -> tuple[float, float]:
+def checked_pixel(value: Any) -> tuple[float, float]:
+    """Return a point of a picture (px); ValueError if it is none."""
     u, v = finite_array("pixel", value, (2,)).tolist()
     if max(abs(u), abs(v)) > _FARTHEST:
         raise ValueError(f"pixel must lie in the picture, got {quoted(value)}")

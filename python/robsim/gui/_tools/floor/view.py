@@ -16,16 +16,17 @@ from robsim.gui._link import Link
 from robsim.gui._messages import Messages
 from robsim.gui._tools.floor.corners import snapped
 from robsim.gui._tools.floor.fitting import fit_of, fitted, grid_of, on_work_area
+from robsim.gui._tools.floor.lens import LensPictures
 from robsim.gui._tools.floor.messages import MESSAGES
-from robsim.gui._tools.floor.points import MOST, FloorDraft, FloorPoints
+from robsim.gui._tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
 from robsim.gui._tools.floor.sheets import FloorSheets
 from robsim.gui._tools.pictures import Picture, Pictures
 from robsim.gui._tools.tool import ToolView, in_place
 from robsim.imaging import Calibration, load_calibration, save_calibration
 from robsim.imaging._frames import frame_size
 
-#: What a floor is fitted by.
-WAYS = ("points", "sheets")
+#: What is shown, and what a floor is fitted by: while it is a lens, by the points.
+WAYS = ("points", "sheets", "lens")
 _MOST_HALF = 100  # px of the picture to each side, of what a magnifying glass gets
 _FILL_REACH = 8.0  # px, of where a corner of a grid is expected
 
@@ -61,6 +62,7 @@ class FloorView(ToolView):
         self._fit_report: FloorCalibration | None = None  # of what was fitted last
         self._wrong = ""  # why nothing could be fitted
         self._fitted: object = None  # what that was
+        self.lens = LensPictures(self)
         self._fitting = Beside(self, "robsim floor fit")
         self._finding = Beside(self, "robsim floor sheets")
         super().__init__(source)
@@ -84,6 +86,7 @@ class FloorView(ToolView):
             "redo": lambda _: points.redo(),
         }
         acts: dict[str, Callable[[dict[str, Any]], object]] = {
+            **self.lens.acts(),
             "sheets": lambda _: self._find_sheets(),
             "load": lambda m: self.load(m["file"]),
             "forget": lambda _: self.take(None),
@@ -96,6 +99,10 @@ class FloorView(ToolView):
     def look(self, now: float) -> float:
         self._fit_soon()
         return super().look(now)
+
+    def tell(self, link: Link) -> None:
+        super().tell(link)
+        link.send(self.lens.message())
 
     def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
         return {}, []
@@ -129,11 +136,13 @@ class FloorView(ToolView):
     def changed_picture(self) -> None:
         assert self.picture is not None
         self._frames = frame_size(self.picture.frame.image)
+        self.lens.changed_picture()
 
     def close(self, timeout: float = 5.0) -> bool:
         has_ended = super().close(timeout)
         self._fitting.wait(timeout)
         self._finding.wait(timeout)
+        self.lens.wait(timeout)
         return has_ended
 
     # What changes it; TypeError, ValueError or OSError: nothing was changed.
@@ -150,9 +159,9 @@ class FloorView(ToolView):
 
     def add(self, pixel: Any, place: Any, reach: float) -> int:
         """Add a point, at the nearest corner or dot if there is one within reach (px)."""
-        number = self.points.add(pixel, place)
-        if reach > 0 and (found := self._snapped(self.points.point(number).pixel, reach)):
-            self.points.move(number, found, goes_on=True)
+        at = checked_pixel(pixel)
+        found = self._snapped(at, reach) if reach > 0 else None
+        number = self.points.add(at if found is None else found, place)
         self._chosen, self.way = number, WAYS[0]
         return number
 
@@ -188,7 +197,7 @@ class FloorView(ToolView):
         return len(found)
 
     def use(self, way: str) -> None:
-        """Let the floor be fitted by points, or by sheets."""
+        """Let the floor be fitted by points, or by sheets; or show the lens."""
         if way not in WAYS:
             raise ValueError(f"by must be one of {', '.join(WAYS)}")
         self.way = way
@@ -251,7 +260,7 @@ class FloorView(ToolView):
         """Return what the grid is drawn by."""
         if self._fit_report is not None:
             return self._fit_report.calibration
-        has_points = self.points.draft.points or self.way == "sheets"
+        has_points = bool(self.points.draft.points) or self.way == "sheets"
         if self.base is None or self.base.floor is None or has_points:
             return None
         try:
@@ -295,7 +304,7 @@ class FloorView(ToolView):
         if self._fitted == task or self._fitting.is_busy:
             return
         way, draft, *_ = task
-        if way == "points" and draft.problems() and len(draft.complete) < 4:
+        if way != "sheets" and draft.problems() and len(draft.complete) < 4:
             self._take_fit(task, "; ".join(draft.problems()))  # it is known without a fit
             self.tell_state()
             return

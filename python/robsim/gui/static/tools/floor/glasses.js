@@ -16,7 +16,7 @@ export function makeHoverGlass(context, crosses, below) {
   const glass = makeGlass(context, { glass: 0, zoom: () => HOVER_ZOOM,
     marks: () => [...crosses().filter(({ isIt }) => !isIt), { ...cross, at: glass.middle() }] });
   const { canvas } = glass;
-  canvas.classList.add("robsim-glass-hover");
+  canvas.classList.add("robsim-glass-hover", "robsim-away");
   canvas.setAttribute("aria-hidden", "true");
   const place = ([x, y]) => {
     const side = canvas.offsetWidth;

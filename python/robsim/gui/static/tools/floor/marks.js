@@ -9,6 +9,7 @@ const MARK_REACH = { mouse: 10, touch: 22 }; // px on the screen that a point ta
 const SNAP_REACH = 10; // px on the screen, of a click
 const LEAST_SNAP = 4; // px of the camera
 const LONGEST_ARROW = 46; // px on the screen
+const LONGEST_IN_SHEET = 18; // where there are many side by side
 const TIMES = [1, 2, 5, 10, 20, 50, 100, 200, 500]; // of what the arrows are magnified by
 const MARK_INKS = { fine: "#4fd1ff", worst: "#ffb020", wrong: "#ff5a5f", chosen: "#ffffff" };
 
@@ -172,11 +173,12 @@ function drawMark({ pen, pixel, unit }, at, ink, isIt) {
 }
 
 /** Return by how much the arrows are magnified, so that the longest one is seen well. */
-export function timesOf({ fit }, scale) {
+export function timesOf({ fit, by }, scale) {
   if (!fit) return 1;
   const longest = Math.max(...fit.points.filter(({ used }) => used)
     .map(({ at, to }) => distance(at, to)), 1e-6);
-  const most = (LONGEST_ARROW * devicePixelRatio) / (longest * scale);
+  const wide = by == "points" ? LONGEST_ARROW : LONGEST_IN_SHEET;
+  const most = (wide * devicePixelRatio) / (longest * scale);
   return TIMES.findLast((times) => times <= most) ?? 1;
 }
 

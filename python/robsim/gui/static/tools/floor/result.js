@@ -4,7 +4,7 @@ import { makeTextButton } from "../../base/buttons.js";
 import { make } from "../../base/dom.js";
 import { text } from "../../base/texts.js";
 
-const VERDICT_LOOKS = { good: "robsim-good", poor: "robsim-warning", bad: "robsim-bad" };
+export const VERDICT_LOOKS = { good: "robsim-good", poor: "robsim-warning", bad: "robsim-bad" };
 
 /** Figures, and what is said of them. */
 export function makeFloorResult(context) {
@@ -21,7 +21,10 @@ export function makeFloorResult(context) {
     setItems(remarks, more);
   });
   const row = make("div", { className: "robsim-tool-row" }, chip, figures);
-  return make("div", { className: "robsim-tool-part" }, row, problems, remarks);
+  const element = make("div", { className: "robsim-tool-part robsim-floor-result" }, row, problems,
+    remarks);
+  context.on("state", ({ by }) => (element.hidden = by == "lens"));
+  return element;
 }
 
 function figuresOf(fit) {
@@ -35,11 +38,11 @@ function figuresOf(fit) {
   return words.join(" \u00b7 ");
 }
 
-function setWords(element, words) {
+export function setWords(element, words) {
   if (element.textContent != words) element.textContent = words;
 }
 
-function setItems(list, words) {
+export function setItems(list, words) {
   const shown = [...list.children].map(({ textContent }) => textContent);
   list.hidden = !words.length;
   if (shown.join("\n") == words.join("\n")) return;

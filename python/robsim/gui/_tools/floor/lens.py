@@ -1,0 +1,279 @@
+"""The lens, by pictures of a board that are taken one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from robsim._base.checks import check_bool, check_int
+from robsim._base.text import quoted
+from robsim.calibration import Charuco, Chessboard, Corners, LensCalibration
+from robsim.calibration._lens import FEWEST, View, lens_of_views, why_missing
+from robsim.calibration._taking import BoardTaker, empty_parts
+from robsim.gui._beside import Beside
+from robsim.gui._tools.pictures import Picture
+from robsim.imaging._frames import frame_size
+from robsim.imaging._opencv import load_opencv
+
+if TYPE_CHECKING:
+    from robsim.gui._tools.floor.view import FloorView
+
+_MOST = 60  # pictures
+_MOST_OF_A_FILM = 40  # neighbours in a video show the same
+
+Board = Chessboard | Charuco
+_PATTERNS: dict[str, type[Chessboard] | type[Charuco]] = {
+    "chessboard": Chessboard,
+    "charuco": Charuco,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class TakenBoard:
+    """A picture of the board.
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    corners : Corners
+        What was found in it.
+    """
+
+    name: str
+    corners: Corners = field(repr=False)
+
+
+class LensPictures:
+    """Takes pictures of a board out of those of a view, and calibrates the lens by them.
+
+    All but what takes long happens in the thread of the view.
+
+    Parameters
+    ----------
+    view : FloorView
+        Has the pictures, and is told of what has changed.
+    """
+
+    def __init__(self, view: FloorView) -> None:
+        self.board: Board = Chessboard()
+        self.taken: tuple[TakenBoard, ...] = ()
+        self.report: LensCalibration | None = None
+        self.watches = False
+        self._view = view
+        self._size: tuple[int, int] | None = None
+        self._taker: BoardTaker | None = None
+        self._asked: Picture | None = None
+        self._waiting: list[int] = []  # pictures of a recording that are still to be looked at
+        self._fitted: tuple[TakenBoard, ...] = ()
+        self._wrong = ""
+        self._finding = Beside(view, "robsim board")
+        self._fitting = Beside(view, "robsim lens")
+
+    def acts(self) -> dict[str, Callable[[dict[str, Any]], object]]:
+        """Return what is done with messages."""
+        return {
+            "board": lambda m: self.choose(m["pattern"], m["columns"], m["rows"], m["square"]),
+            "take": lambda _: self.take(),
+            "take_all": lambda _: self.take_all(),
+            "watch": lambda m: self.watch(m["on"]),
+            "drop": lambda m: self.drop(m["picture"]),
+            "use_lens": lambda _: self.use(),
+        }
+
+    def message(self) -> dict[str, Any]:
+        """Return what browsers are told."""
+        report = self.report
+        known = {} if report is None else {one.name: one for one in report.pictures}
+        return {
+            "type": "board",
+            "pattern": "charuco" if isinstance(self.board, Charuco) else "chessboard",
+            "columns": self.board.columns,
+            "rows": self.board.rows,
+            "square": self.board.square,
+            "watches": self.watches,
+            "busy": self.is_busy,
+            "pictures": [
+                {
+                    "name": one.name,
+                    "corners": len(one.corners.pixels),
+                    "rms": known[one.name].rms if one.name in known else None,
+                    "used": known[one.name].is_used if one.name in known else True,
+                }
+                for one in self.taken
+            ],
+            "pixels": [pixel for one in self.taken for pixel in one.corners.pixels.tolist()],
+            "empty": empty_parts([one.corners for one in self.taken], self._size or (1, 1)),
+            "rms": None if report is None else report.rms,
+            "verdict": None if report is None else report.verdict,
+            "problems": self._problems(),
+        }
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a picture is looked at, or the lens is fitted."""
+        return self._finding.is_busy or self._fitting.is_busy or bool(self._waiting)
+
+    def wait(self, timeout: float) -> None:
+        """Wait until nothing is computed."""
+        self._finding.wait(timeout)
+        self._fitting.wait(timeout)
+
+    # What changes it.
+
+    def choose(self, pattern: str, columns: int, rows: int, square: float) -> None:
+        """Set what the board is; the pictures of another one are forgotten."""
+        if pattern not in _PATTERNS:
+            raise ValueError(
+                f"pattern must be one of {', '.join(_PATTERNS)}, got {quoted(pattern)}"
+            )
+        board: Board = _PATTERNS[pattern](columns, rows, square=square)
+        if board != self.board:
+            self.board = board
+            self._begin()
+        self._tell()
+
+    def take(self) -> None:
+        """Take the picture that is shown."""
+        picture = self._view.picture
+        if picture is None:
+            raise ValueError("there is no picture yet")
+        if self._finding.is_busy:
+            self._asked = picture  # it comes next
+        else:
+            self._look_at(picture)
+        self._tell()
+
+    def take_all(self) -> None:
+        """Take the pictures of a recording: all of a few, of many some that are evenly spread."""
+        count = self._view.source.count
+        if not count:
+            raise ValueError("these are not the pictures of a recording: take them one by one")
+        self._waiting = [*range(0, count, max(count // _MOST_OF_A_FILM, 1))]
+        self._next()
+        self._tell()
+
+    def watch(self, on: bool) -> None:
+        """Take live pictures by themselves, whenever the board stands still somewhere new."""
+        self.watches = check_bool("on", on)
+        if on and not self._view.source.is_live:
+            self.watches = False
+            raise ValueError("these pictures are not live: take them one by one")
+        self._tell()
+
+    def drop(self, number: int) -> None:
+        """Forget a picture, by its place in the list, from 0."""
+        number = check_int("picture", number, minimum=0, maximum=max(len(self.taken) - 1, 0))
+        self.taken = (*self.taken[:number], *self.taken[number + 1 :])
+        self._changed()
+
+    def use(self) -> None:
+        """Let the floor be calibrated through this lens."""
+        if self.report is None or self._fitted != self.taken:
+            raise ValueError(self._wrong or "; ".join(self._problems()) or "it is not ready yet")
+        self._view.take(self.report.calibration)
+
+    def changed_picture(self) -> None:
+        """Look at a new picture, if boards are taken by themselves."""
+        picture = self._view.picture
+        if self.watches and picture is not None and not self.is_busy and len(self.taken) < _MOST:
+            self._look_at(picture, is_asked=False)
+
+    # How.
+
+    def _begin(self) -> None:
+        self.taken, self.report, self._fitted = (), None, ()
+        self._taker, self._wrong, self._waiting = None, "", []
+
+    def _look_at(self, picture: Picture, *, is_asked: bool = True) -> None:
+        board, image, size = self.board, picture.frame.image, frame_size(picture.frame.image)
+        if self._size not in (None, size):
+            self._begin()
+        self._size = size
+        self._taker = taker = self._taker or BoardTaker(board, size)
+
+        def find() -> Corners | str | None:
+            try:
+                return board.find(image) if is_asked else taker.look(image)
+            except ImportError as error:
+                return str(error)
+
+        def take(found: Corners | str | None) -> None:
+            if board == self.board:
+                self._take(picture, found, is_asked=is_asked)
+            asked, self._asked = self._asked, None
+            if asked is not None:
+                self._look_at(asked)
+            elif self._waiting:
+                self._next()
+
+        self._finding.begin(find, take)
+
+    def _take(self, picture: Picture, found: Corners | str | None, *, is_asked: bool) -> None:
+        if isinstance(found, Corners):
+            if len(self.taken) < _MOST:
+                self.taken = (*self.taken, TakenBoard(self._name_of(picture), found))
+            self._changed()
+            return
+        if isinstance(found, str):
+            self.watches = False
+            self._view.note(found)
+        elif is_asked:
+            self._view.note(f"no board in {picture.name}: {why_missing(self.board)}")
+        if is_asked or found is not None:
+            self._tell()
+
+    def _name_of(self, picture: Picture) -> str:
+        names = {one.name for one in self.taken}
+        candidates = (f"{picture.name} ({n})" for n in range(2, _MOST + 2))
+        return next(name for name in (picture.name, *candidates) if name not in names)
+
+    def _next(self) -> None:
+        if self._waiting and not self._finding.is_busy:
+            k = self._waiting.pop(0)
+            try:
+                self._look_at(self._view.source.at(k))
+            except (OSError, ValueError, IndexError) as error:
+                self._waiting = []
+                self._view.note(str(error))
+
+    def _changed(self) -> None:
+        self._fit_soon()
+        self._tell()
+
+    def _fit_soon(self) -> None:
+        taken, size = self.taken, self._size
+        if self._fitting.is_busy or taken == self._fitted or size is None:
+            return
+        if len(taken) < FEWEST:
+            self.report, self._wrong, self._fitted = None, "", taken
+            return
+
+        def fit() -> LensCalibration | str:
+            views = [View(one.name, one.corners) for one in taken]
+            cv2 = load_opencv("calibrating a lens")
+            try:
+                return lens_of_views(cv2, size, views, [])
+            except (ValueError, cv2.error) as error:
+                return f"the lens could not be calibrated by these pictures: {error}"
+
+        def done(found: LensCalibration | str | None) -> None:
+            self._fitted = taken
+            self.report = found if isinstance(found, LensCalibration) else None
+            self._wrong = found if isinstance(found, str) else ""
+            self._changed()
+
+        self._fitting.begin(fit, done)
+
+    def _problems(self) -> list[str]:
+        missing = FEWEST - len(self.taken)
+        if missing > 0:
+            more = "a picture" if missing == 1 else f"{missing} pictures"
+            return [f"take {more} more of the board: {FEWEST} are needed, 10 to 20 are better"]
+        if self.report is None:
+            return [self._wrong] if self._wrong else []
+        return [one.sentence for one in self.report.problems]
+
+    def _tell(self) -> None:
+        self._view.send(self.message())
