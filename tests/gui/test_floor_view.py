@@ -307,6 +307,24 @@ def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypat
         assert "not live" in browser.take("note", level="error")[0]["text"]
 
 
+def test_a_lens_by_methods(boards, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "film").mkdir()
+    for number, image in enumerate([*boards[:4], np.full_like(boards[0], 150)]):
+        save_image(tmp_path / "film" / f"{number}.png", image)
+    with robsim.floor_panel("film") as tool:
+        with pytest.raises(ValueError, match="take 4 pictures more"):
+            tool.calibrate_lens()
+        for k in range(4):
+            tool.look(k)
+            assert tool.take_board(Chessboard(9, 6)) == 54
+        assert tool.calibrate_lens().rms < 0.3
+        assert tool.value.intrinsics is not None
+        tool.look(4)
+        with pytest.raises(ValueError, match="no board in frame 4"):
+            tool.take_board()
+
+
 def test_live_pictures_of_a_board_are_taken_by_themselves(boards, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with (

@@ -128,11 +128,38 @@ class LensPictures:
             raise ValueError(
                 f"pattern must be one of {', '.join(_PATTERNS)}, got {quoted(pattern)}"
             )
-        board: Board = _PATTERNS[pattern](columns, rows, square=square)
+        self.begin(_PATTERNS[pattern](columns, rows, square=square))
+
+    def begin(self, board: Board) -> None:
+        """Set what the board is, as `choose`."""
         if board != self.board:
             self.board = board
             self._begin()
         self._tell()
+
+    def take_now(self) -> int:
+        """Take the picture that is shown, and wait for it; return how many corners it shows."""
+        picture = self._view.picture
+        if picture is None:
+            raise ValueError("there is no picture yet")
+        found = self.board.find(picture.frame.image)
+        if found is None:
+            raise ValueError(f"no board in {picture.name}: {why_missing(self.board)}")
+        self._size_up(picture)
+        self._take(picture, found, is_asked=True)
+        return len(found.pixels)
+
+    def fit_now(self) -> LensCalibration:
+        """Return the lens by the pictures that were taken, without waiting for other threads."""
+        if self.report is None or self._fitted != self.taken:
+            found = self._fit(self.taken)
+            self._fitted = self.taken
+            self.report = found if isinstance(found, LensCalibration) else None
+            self._wrong = found if isinstance(found, str) else ""
+            self._tell()
+        if self.report is None:
+            raise ValueError("; ".join(self._problems()))
+        return self.report
 
     def take(self) -> None:
         """Take the picture that is shown."""
@@ -186,11 +213,17 @@ class LensPictures:
         self.taken, self.report, self._fitted = (), None, ()
         self._taker, self._wrong, self._waiting = None, "", []
 
-    def _look_at(self, picture: Picture, *, is_asked: bool = True) -> None:
-        board, image, size = self.board, picture.frame.image, frame_size(picture.frame.image)
+    def _size_up(self, picture: Picture) -> tuple[int, int]:
+        """Begin anew if pictures have another size than before; return it."""
+        size = frame_size(picture.frame.image)
         if self._size not in (None, size):
             self._begin()
         self._size = size
+        return size
+
+    def _look_at(self, picture: Picture, *, is_asked: bool = True) -> None:
+        board, image = self.board, picture.frame.image
+        size = self._size_up(picture)
         self._taker = taker = self._taker or BoardTaker(board, size)
 
         def find() -> Corners | str | None:
@@ -243,28 +276,34 @@ class LensPictures:
         self._tell()
 
     def _fit_soon(self) -> None:
-        taken, size = self.taken, self._size
-        if self._fitting.is_busy or taken == self._fitted or size is None:
+        taken = self.taken
+        if self._fitting.is_busy or taken == self._fitted:
             return
         if len(taken) < FEWEST:
             self.report, self._wrong, self._fitted = None, "", taken
             return
 
-        def fit() -> LensCalibration | str:
-            views = [View(one.name, one.corners) for one in taken]
-            cv2 = load_opencv("calibrating a lens")
-            try:
-                return lens_of_views(cv2, size, views, [])
-            except (ValueError, cv2.error) as error:
-                return f"the lens could not be calibrated by these pictures: {error}"
-
         def done(found: LensCalibration | str | None) -> None:
+            if self._fitted == self.taken:  # somebody did not want to wait for it
+                self._tell()
+                return
             self._fitted = taken
             self.report = found if isinstance(found, LensCalibration) else None
             self._wrong = found if isinstance(found, str) else ""
             self._changed()
 
-        self._fitting.begin(fit, done)
+        self._fitting.begin(lambda: self._fit(taken), done)
+
+    def _fit(self, taken: tuple[TakenBoard, ...]) -> LensCalibration | str:
+        """Return the lens by pictures, or why there is none; any thread."""
+        if len(taken) < FEWEST or self._size is None:
+            return ""
+        views = [View(one.name, one.corners) for one in taken]
+        cv2 = load_opencv("calibrating a lens")
+        try:
+            return lens_of_views(cv2, self._size, views, [])
+        except (ValueError, cv2.error) as error:
+            return f"the lens could not be calibrated by these pictures: {error}"
 
     def _problems(self) -> list[str]:
         missing = FEWEST - len(self.taken)

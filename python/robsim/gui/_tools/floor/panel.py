@@ -13,7 +13,7 @@ from robsim._base.checks import check_bool, check_float, check_int
 from robsim._base.files import as_path
 from robsim._base.text import quoted
 from robsim._core import Frame
-from robsim.calibration import FloorCalibration
+from robsim.calibration import Charuco, Chessboard, FloorCalibration, LensCalibration
 from robsim.calibration._floor import checked_places
 from robsim.capture import Camera
 from robsim.gui._hosted import HostedPanel
@@ -29,7 +29,7 @@ from robsim.simulation import Experiment, Simulation
 
 Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
 
-_FILE = "camera.toml"
+_FILE, _EXAMPLE_FILE = "camera.toml", "example.toml"
 _DRAFT = FloorDraft(area=(1200, 1200), mm_per_px=2.0)
 
 
@@ -53,7 +53,7 @@ def floor_panel(
         What is known already: a lens, or a floor, too. Default: what is in `file`, if it is there.
     file : path, optional
         Where Save writes it, unless another file is named there. Default: that of `calibration`, or
-        ``camera.toml``.
+        ``camera.toml``; of the example ``example.toml``.
 
     Returns
     -------
@@ -76,7 +76,10 @@ def floor_panel(
 
     >>> camera = robsim.Camera(0, calibration=tool.value)
     """
-    known, path = _known(calibration, None if file is None else as_path(file, "file"))
+    given = None if file is None else as_path(file, "file")
+    if what is None and calibration is None and given is None:
+        given = Path(_EXAMPLE_FILE)  # yours stays as it is
+    known, path = _known(calibration, given)
     example = OnePicture(tiled_floor(), TITLE) if what is None else None
     source = example or pictures_of(what, load_robot())
     return FloorPanel(FloorView(source, known, _draft_of(known), path))
@@ -365,6 +368,62 @@ class FloorPanel(HostedPanel):
 
         found: FloorCalibration = self._do(find)
         return found
+
+    # The lens.
+
+    def take_board(self, board: Chessboard | Charuco | None = None) -> int:
+        """Take the picture that is shown for the calibration of the lens.
+
+        Parameters
+        ----------
+        board : Chessboard or Charuco, optional
+            What it shows. Default: as it is; at first the default chessboard. The pictures of
+            another one are forgotten.
+
+        Returns
+        -------
+        int
+            How many corners it shows.
+
+        Raises
+        ------
+        ImportError
+            If OpenCV is not installed.
+        TypeError, ValueError
+            If an argument has the wrong type, or there is no board in the picture.
+        """
+        if not (board is None or isinstance(board, (Chessboard, Charuco))):
+            raise TypeError(f"board must be a Chessboard or a Charuco, got {quoted(board)}")
+        lens = self._view.lens
+
+        def take() -> int:
+            if board is not None:
+                lens.begin(board)
+            return lens.take_now()
+
+        return self._view.ask(take)
+
+    def calibrate_lens(self) -> LensCalibration:
+        """Calibrate the lens by the pictures that were taken, and the floor through it.
+
+        Returns
+        -------
+        LensCalibration
+            How well it fits each picture.
+
+        Raises
+        ------
+        ValueError
+            If fewer than four pictures were taken.
+        """
+        lens = self._view.lens
+
+        def fit() -> LensCalibration:
+            found = lens.fit_now()
+            self._view.take(found.calibration)
+            return found
+
+        return self._view.ask(fit)
 
     # The picture.
 
