@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import PurePath
 from typing import Any, ClassVar
 
-from robsim._base.checks import check_float, check_name
+from robsim._base.checks import check_float
 from robsim._core import ColorClass
 from robsim.gui._link import Link
 from robsim.gui._messages import Messages
@@ -33,7 +33,8 @@ from robsim.robots import (
     load_robot,
     set_default_robot,
 )
-from robsim.robots._lookup import name_key, robot_names, user_robots
+from robsim.robots._lookup import robot_names, user_robots
+from robsim.robots._user_robots import check_new_name
 
 _SQUARE = 0.4  # of the shorter side of a picture
 _SMALLEST = 8.0  # px
@@ -180,13 +181,8 @@ class RobotsView(ToolView):
             return super().loading(pixels, name)
         sketch = sketch_of_picture(pixels, 1.0, self._colors)
 
-        def take() -> None:
-            drawn = _NAME
-            with suppress(ValueError):
-                drawn = check_name("name", PurePath(name).stem)
-            self._draw_on(replace(sketch, size=self.drawing.sketch.size), drawn)
-
-        return take
+        stem = PurePath(name).stem
+        return lambda: self._draw_on(replace(sketch, size=self.drawing.sketch.size), stem)
 
     def go_back(self) -> None:
         if not self._has_pictures:
@@ -278,8 +274,8 @@ class RobotsView(ToolView):
 
 def _free_name(name: str) -> str:
     """Return a name that no robot has: this one, or one that says that it is the user's."""
-    taken = {name_key(one) for one in robot_names()}
-    numbered = (f"{_NAME}{n}" for n in itertools.count(2))
-    return next(
-        one for one in itertools.chain([name, _NAME], numbered) if name_key(one) not in taken
-    )
+    for one in itertools.chain([name, _NAME], (f"{_NAME}{n}" for n in itertools.count(2))):
+        with suppress(ValueError):
+            check_new_name(one, overwrite=False)
+            return one
+    raise AssertionError("numbers do not end")
