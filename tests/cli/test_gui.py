@@ -239,6 +239,28 @@ def test_a_robot_is_defined_on_a_picture_and_on_another_robot(seen, tmp_path, mo
     assert "--robots and --train are two tools: give one of them" in both.stderr
 
 
+def test_a_floor_is_calibrated_on_a_picture_and_on_an_example(seen, tmp_path, monkeypatch):
+    save_image(tmp_path / "photo.png", np.full((60, 80, 3), 120, np.uint8))
+    shown = []
+    monkeypatch.setattr(
+        Page, "wait", lambda page, _: shown.append((page.view.kind, page.view.source.title))
+    )
+    given = ("photo.png", "--calibrate", "--calibration", "mine.toml")
+    assert command("gui", *given, cwd=tmp_path).exit_code == 0
+    assert command("gui", "--calibrate", cwd=tmp_path).exit_code == 0
+    assert shown == [
+        ("floor", "photo.png"),
+        ("floor", "an example: a floor with tiles of 300 mm"),
+    ]
+    for wrong, said in {
+        ("--calibrate", "--robot", "lab"): "--robot is not for --calibrate",
+        ("--calibration", "mine.toml"): "--calibration is for --calibrate: give that, too",
+    }.items():
+        refused = command("gui", *wrong, cwd=tmp_path)
+        assert refused.exit_code == 2
+        assert said in refused.stderr
+
+
 @pytest.mark.parametrize("option", [("--noise", "gaussian:10"), ("--seed", "1"), ("--speed", "2")])
 def test_what_is_for_a_run_is_refused_where_nothing_runs(option):
     run = command("gui", "--train", *option)

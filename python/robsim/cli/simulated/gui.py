@@ -44,8 +44,9 @@ HELP = (
     "With a folder it runs the callbacks there, and takes in what you change in them. A trace, a "
     "session or a video is played back. Without any of these there is a simulation to play "
     "with.\n\n"
-    "With --robots it defines a robot instead, with --train it trains colours: on a picture, a "
-    "folder of pictures, a video, a simulation of callbacks, or the picture of the robot.\n\n"
+    "With --robots it defines a robot instead, with --train it trains colours, with --calibrate it "
+    "calibrates where a camera looks at the floor from: on a picture, a folder of pictures, a "
+    "video, a simulation of callbacks; on the robot, or an example, if there is none.\n\n"
     "It ends when you close its last page, or with Ctrl-C. Only browsers on this machine can open "
     "the page."
 )
@@ -63,7 +64,8 @@ def gui(
         typer.Argument(
             metavar="PATH",
             help="Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder "
-            "of a session, a video. With --robots or --train a picture, too, or a folder of them.",
+            "of a session, a video. For a tool, such as with --train, a picture, too, or a folder "
+            "of them.",
         ),
     ] = None,
     robots: Annotated[
@@ -83,6 +85,21 @@ def gui(
             help="Train colours, those of --colors FILE (by default colors.toml), which it writes.",
         ),
     ] = False,
+    calibrate: Annotated[
+        bool,
+        typer.Option(
+            "--calibrate",
+            metavar=SWITCH,
+            help="Calibrate floor and lens of a camera, in --calibration FILE (by default "
+            "camera.toml), which it writes.",
+        ),
+    ] = False,
+    calibration: Annotated[
+        Path | None,
+        typer.Option(
+            "--calibration", metavar="FILE", help="With --calibrate: what is known, and its file."
+        ),
+    ] = None,
     scenario: ScenarioFile = None,
     control: Control = None,
     speed: Annotated[
@@ -121,7 +138,10 @@ def gui(
     from robsim.gui import panel
 
     with errors.report_errors(path):
-        if tools := [name for name, is_on in (("robots", robots), ("train", train)) if is_on]:
+        chosen = {"robots": robots, "train": train, "calibrate": calibrate}
+        if calibration is not None and not calibrate:
+            raise ValueError("--calibration is for --calibrate: give that, too")
+        if tools := [name for name, is_on in chosen.items() if is_on]:
             of_a_run = {
                 **{"--scenario": scenario, "--control": control, "--speed": speed},
                 **{"--noise": noise, "--dropout": dropout, "--area": area, "--seed": seed},
@@ -131,7 +151,7 @@ def gui(
                 raise ValueError(f"--{tools[0]} and --{tools[1]} are two tools: give one of them")
             if given := [name for name, value in of_a_run.items() if value is not None]:
                 raise ValueError(f"{given[0]} is for a run: with --{tools[0]} nothing runs")
-            with _tool(tools[0], path, colors, robot) as tool:
+            with _tool(tools[0], path, colors, robot, calibration) as tool:
                 _show(tool, port, is_wanted=not no_browser)
             return
         factor = parse_speed("--speed", speed)
@@ -153,15 +173,26 @@ def gui(
             _show(opened, port, is_wanted=not no_browser)
 
 
-def _tool(name: str, path: Path | None, colors: Path | None, robot: str | None) -> HostedPanel:
+def _tool(
+    name: str,
+    path: Path | None,
+    colors: Path | None,
+    robot: str | None,
+    calibration: Path | None,
+) -> HostedPanel:
     """Return the panel that makes something on what a path has."""
-    from robsim.gui import color_panel, robot_panel
+    from robsim.gui import color_panel, floor_panel, robot_panel
 
     what: Any = path
     if path is not None and path.is_dir() and any(path.glob("*.py")):
         what = simulation_of(path, {})
     if name == "robots":
         return robot_panel(what, robot=robot, colors=colors)
+    if name == "calibrate":
+        for option, given in (("--colors", colors), ("--robot", robot)):
+            if given is not None:
+                raise ValueError(f"{option} is not for --calibrate, which looks at the floor")
+        return floor_panel(what, file=calibration)
     file = Path("colors.toml") if colors is None else colors
     return color_panel(what, robot=robot, file=file)
 

@@ -327,7 +327,10 @@ class ToolView(View):
         self.tell_state()
 
     def _freeze(self, link: Link, message: dict[str, Any]) -> None:
-        self.freeze(message["on"])
+        try:
+            self.freeze(message["on"])
+        except ValueError as error:
+            raise Refused(str(error)) from None
 
     def _give_up(self, link: Link, message: dict[str, Any]) -> None:
         self._uploads.drop(lambda one: one.link is link and one.key == message["key"])

@@ -6,15 +6,14 @@ from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 
-from robsim._base.checks import check_int
 from robsim._base.files import as_path
 from robsim._base.text import quoted
 from robsim._core import ColorClass, Frame
 from robsim.capture import Camera
-from robsim.gui._hosted import HostedPanel
 from robsim.gui._tools.colors.training import Region
 from robsim.gui._tools.colors.view import ColorsView
 from robsim.gui._tools.opening import pictures_of
+from robsim.gui._tools.panel import ToolPanel
 from robsim.imaging import Recording
 from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition
@@ -84,7 +83,7 @@ def color_panel(
     return ColorPanel(ColorsView(pictures_of(what, definition), known, definition, path))
 
 
-class ColorPanel(HostedPanel):
+class ColorPanel(ToolPanel):
     """The panel that trains colours; `robsim.color_panel` makes it.
 
     What its mouse does can be done by its methods, from any thread. A context closes it at its end;
@@ -138,56 +137,6 @@ class ColorPanel(HostedPanel):
             raise TypeError(f"more must be True or False, got {quoted(more)}")
         return self._view.ask(lambda: self._view.train(name, region, more=more))
 
-    def load(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
-        """Show a picture in place of those that are shown, as if it were dropped on the tool.
-
-        Parameters
-        ----------
-        picture : path, Frame or array (H, W, 3) or (H, W, 4) of uint8
-            The picture; what is transparent in it is shown grey.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be read.
-        RuntimeError
-            If the panel is closed.
-        TypeError, ValueError
-            If it is no picture; what is shown stays then.
-        """
-        self._view.load_picture(picture)
-
-    def go_back(self) -> None:
-        """Show again what the panel was opened on, as it was before a picture was loaded.
-
-        Raises
-        ------
-        RuntimeError
-            If the panel is closed.
-        ValueError
-            If that is what is shown.
-        """
-        self._view.ask(self._view.go_back)
-
-    def look(self, k: int) -> None:
-        """Show a picture of a recording.
-
-        Parameters
-        ----------
-        k : int
-            Its number, from 0.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If there is none.
-        """
-        count = self._view.source.count
-        if not count:
-            raise ValueError("k must be of a recording, which is not what is shown")
-        k = check_int("k", k, minimum=0, maximum=count - 1)
-        self._view.ask(lambda: self._view.look_at(k))
-
     def save(self, path: str | PathLike[str] | None = None) -> Path:
         """Write the classes into a colour file; what else stands in it is kept.
 
@@ -217,10 +166,3 @@ class ColorPanel(HostedPanel):
     def _used(self) -> tuple[str, tuple[ColorClass, ...]]:
         """Return what a run is to have of it: the attribute and its value."""
         return "colors", self._view.ask(lambda: self._view.training.value)  # after what was said
-
-    @property
-    def _is_closed(self) -> bool:
-        return self._view.is_over
-
-    def _pause_soon(self) -> None:
-        pass  # nothing runs

@@ -9,18 +9,18 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import check_bool, check_float, check_int
+from robsim._base.checks import check_float
 from robsim._base.files import as_path
 from robsim._base.text import quoted
 from robsim._core import Frame
 from robsim.calibration import Charuco, Chessboard, FloorCalibration, LensCalibration
 from robsim.calibration._floor import checked_places
 from robsim.capture import Camera
-from robsim.gui._hosted import HostedPanel
 from robsim.gui._tools.floor.example import TITLE, tiled_floor
 from robsim.gui._tools.floor.points import FloorDraft
 from robsim.gui._tools.floor.view import FloorView
 from robsim.gui._tools.opening import pictures_of
+from robsim.gui._tools.panel import ToolPanel
 from robsim.gui._tools.pictures import OnePicture
 from robsim.imaging import Calibration, Recording, load_calibration
 from robsim.imaging._images import Pixels
@@ -104,7 +104,7 @@ def _draft_of(known: Calibration | None) -> FloorDraft:
     return FloorDraft(known.area, known.mm_per_px, known.marker_height)
 
 
-class FloorPanel(HostedPanel):
+class FloorPanel(ToolPanel):
     """The panel that calibrates a floor; `robsim.floor_panel` makes it.
 
     What its mouse does can be done by its methods, from any thread. A context closes it at its end;
@@ -427,41 +427,6 @@ class FloorPanel(HostedPanel):
 
     # The picture.
 
-    def freeze(self, on: bool = True) -> None:
-        """Let the live picture stay as it is, or go on.
-
-        Parameters
-        ----------
-        on : bool
-            Whether it stays.
-
-        Raises
-        ------
-        TypeError
-            If `on` is not True or False.
-        """
-        check_bool("on", on)
-        self._view.ask(lambda: self._view.freeze(on))
-
-    def look(self, k: int) -> None:
-        """Show a picture of a recording.
-
-        Parameters
-        ----------
-        k : int
-            Its number, from 0.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If there is none.
-        """
-        count = self._view.source.count
-        if not count:
-            raise ValueError("k must be of a recording, which is not what is shown")
-        k = check_int("k", k, minimum=0, maximum=count - 1)
-        self._view.ask(lambda: self._view.show(self._view.source.at(k)))
-
     def save(self, path: str | PathLike[str] | None = None) -> Path:
         """Write the calibration into a file, as ``robsim calibrate`` does.
 
@@ -491,10 +456,3 @@ class FloorPanel(HostedPanel):
 
     def _do(self, change: Any) -> Any:
         return self._view.ask(lambda: self._view.change(change))
-
-    @property
-    def _is_closed(self) -> bool:
-        return self._view.is_over
-
-    def _pause_soon(self) -> None:
-        pass  # nothing runs

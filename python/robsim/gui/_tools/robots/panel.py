@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import check_bool
 from robsim._core import ColorClass, Frame
 from robsim.capture import Camera
-from robsim.gui._hosted import HostedPanel
 from robsim.gui._tools.opening import pictures_of
+from robsim.gui._tools.panel import ToolPanel
 from robsim.gui._tools.robots.view import RobotsView
 from robsim.imaging import Recording
 from robsim.imaging._images import Pixels
@@ -68,7 +68,7 @@ def robot_panel(
     return RobotPanel(RobotsView(source, definition, known))
 
 
-class RobotPanel(HostedPanel):
+class RobotPanel(ToolPanel):
     """The panel that defines a robot; `robsim.robot_panel` makes it.
 
     What its mouse does can be done by its methods, from any thread. A context closes it at its end;
@@ -112,19 +112,7 @@ class RobotPanel(HostedPanel):
         TypeError, ValueError
             If it is no picture, or transparent everywhere; nothing is changed then.
         """
-        self._view.load_picture(picture)
-
-    def go_back(self) -> None:
-        """Show again what the panel was opened on, in place of a picture that was loaded.
-
-        Raises
-        ------
-        RuntimeError
-            If the panel is closed.
-        ValueError
-            If no picture was loaded, or the panel was opened on none.
-        """
-        self._view.ask(self._view.go_back)
+        super().load(picture)
 
     def capture(self, *, whole: bool = False) -> None:
         """Draw on what the square of the live or loaded picture shows, with first guesses.
@@ -214,10 +202,3 @@ class RobotPanel(HostedPanel):
     def _used(self) -> tuple[str, RobotDefinition]:
         """Return what a run is to have of it: the attribute and its value."""
         return "robot", self._view.ask(self._view.used)
-
-    @property
-    def _is_closed(self) -> bool:
-        return self._view.is_over
-
-    def _pause_soon(self) -> None:
-        pass  # nothing runs

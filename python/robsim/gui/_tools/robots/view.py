@@ -194,6 +194,9 @@ class RobotsView(ToolView):
     def back(self) -> str | None:
         return super().back if self._has_pictures else None
 
+    def freeze(self, on: bool) -> None:
+        raise ValueError("nothing is kept here: capture takes what the picture shows")
+
     def definition(self) -> RobotDefinition:
         """Return the robot as it is drawn; ValueError says what is missing."""
         if self.drawing.sketch is self._as_loaded:

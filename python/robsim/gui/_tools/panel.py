@@ -1,0 +1,90 @@
+"""What users hold of every tool: its pictures, and how it ends."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+from robsim._base.checks import check_bool, check_int
+from robsim._core import Frame
+from robsim.gui._hosted import HostedPanel
+from robsim.gui._tools.tool import ToolView
+from robsim.imaging._images import Pixels
+
+
+class ToolPanel(HostedPanel):
+    """A panel in which something is made on pictures."""
+
+    _view: ToolView
+
+    def load(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
+        """Show a picture in place of those that are shown, as if it were dropped on the tool.
+
+        Parameters
+        ----------
+        picture : path, Frame or array (H, W, 3) or (H, W, 4) of uint8
+            The picture; what is transparent in it is shown grey.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        RuntimeError
+            If the panel is closed.
+        TypeError, ValueError
+            If it is no picture, or cannot be used; what is shown stays then.
+        """
+        self._view.load_picture(picture)
+
+    def go_back(self) -> None:
+        """Show again what the panel was opened on, as it was before a picture was loaded.
+
+        Raises
+        ------
+        RuntimeError
+            If the panel is closed.
+        ValueError
+            If that is what is shown.
+        """
+        self._view.ask(self._view.go_back)
+
+    def freeze(self, on: bool = True) -> None:
+        """Let the live picture stay as it is, or go on.
+
+        Parameters
+        ----------
+        on : bool
+            Whether it stays.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `on` is not True or False, or there is nothing to be kept.
+        """
+        check_bool("on", on)
+        self._view.ask(lambda: self._view.freeze(on))
+
+    def look(self, k: int) -> None:
+        """Show a picture of a recording.
+
+        Parameters
+        ----------
+        k : int
+            Its number, from 0.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is none.
+        """
+        count = self._view.source.count
+        if not count:
+            raise ValueError("k must be of a recording, which is not what is shown")
+        k = check_int("k", k, minimum=0, maximum=count - 1)
+        self._view.ask(lambda: self._view.show(self._view.source.at(k)))
+
+    @property
+    def _is_closed(self) -> bool:
+        return self._view.is_over
+
+    def _pause_soon(self) -> None:
+        pass  # nothing runs
