@@ -11,6 +11,7 @@ import robsim
 from browsers import FakeBrowser
 from robsim.gui._tools.pictures import OnePicture
 from robsim.gui._tools.tool import ToolView
+from waiting import wait_for
 
 SIDE, LEFT, TOP = 455, 6, 34  # of the picture on the sheet (px)
 YELLOW, RED_INK, WHITE, ACCENT = (255, 213, 0), (255, 90, 95), (255, 255, 255), (87, 80, 211)
@@ -169,3 +170,23 @@ def test_a_saved_notebook_gets_it_again_when_something_has_changed(color_tool):
     notebook.say("region", region=[44, 44, 55, 55], keep=0)
     _, (picture,) = notebook.take("kept")
     assert picture == color_tool.snapshot()
+
+
+def test_the_still_of_a_floor_has_its_points_and_what_is_wrong_with_them(tmp_path):
+    image = np.full((300, 400, 3), FLOOR, np.uint8)
+    with robsim.floor_panel(image, file=tmp_path / "camera.toml") as tool:
+        pixels = [(20, 20), (380, 20), (380, 280), (20, 280)]
+        places = [(0, 0), (1800, 0), (1800, 1300), (0, 1300)]
+        tool.put(pixels, places)
+        wait_for(lambda: tool._view._state()["fit"])
+        still = np.asarray(Image.open(io.BytesIO(tool.snapshot())).convert("RGB"), float)
+        scale = 560 / 400
+        for u, v in pixels:
+            x, y = round(6 + scale * (u + 0.5)), round(34 + scale * (v + 0.5))
+            assert is_near(still[y, x], (94, 224, 138), 30)
+        middle = still[34 + 60 : 34 + 360, 6 + 60 : 6 + 500]
+        assert (np.abs(middle - FLOOR).max(axis=2) > 60).any()  # the grid
+        tool.clear()
+        empty = np.asarray(Image.open(io.BytesIO(tool.snapshot())).convert("RGB"), float)
+        x, y = round(6 + scale * 20.5), round(34 + scale * 20.5)
+        assert is_near(empty[y, x], FLOOR, 10)

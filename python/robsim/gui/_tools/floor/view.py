@@ -133,6 +133,17 @@ class FloorView(ToolView):
             "can_redo": self.points.can_redo,
         }
 
+    def still(self) -> Callable[[], bytes]:
+        picture, title, state = self.picture, self.source.title, self._state()
+        shown = self._shown_calibration()
+
+        def draw() -> bytes:
+            from robsim.gui._tools.floor.still import floor_still  # matplotlib's fonts
+
+            return floor_still(picture, title, state, shown)
+
+        return draw
+
     def changed_picture(self) -> None:
         assert self.picture is not None
         self._frames = frame_size(self.picture.frame.image)
