@@ -101,6 +101,10 @@ def test_another_robot_is_loaded_resized_and_saved(mouse):
     mouse.tab.click("[name=save_robot]")
     wait_for(lambda: "mine" in robsim.robots.robot_names())
     assert load_robot("mine").size == 150
+    mouse.tab.click("text=+10°")
+    mouse.tab.fill("[name=robot_name]", "mine")
+    mouse.tab.click("[name=save_robot]:has-text('Replace')")
+    wait_for(lambda: load_robot("mine").alignment == mouse.drawing.sketch.alignment)
     mouse.tab.fill("[name=robot_name]", "lab")
     mouse.tab.click("[name=save_robot]")
     mouse.tab.wait_for_selector(".robsim-toast-error")
@@ -123,6 +127,21 @@ def test_two_points_of_known_distance_give_the_size(mouse):
     tab.keyboard.press("Escape")
     tab.click("[name=ruler]")
     assert len(drawing.sketch.outline) == n_corners
+
+
+def test_a_frame_of_a_recording_is_chosen_and_captured(open_tool, user_folder, tmp_path):
+    for k in range(4):
+        frame = robsim.Simulation(robot="lab", start=(300 + 150 * k, 500, 0), seed=k).step().frame
+        robsim.imaging.save_image(tmp_path / f"{k}.png", frame.image)
+    with robsim.robot_panel(tmp_path, robot="sheep") as tool:
+        tab = open_tool(tool)
+        tab.fill("input[type=range][name=picture]", "2")
+        wait_for(lambda: tool._view.picture.k == 2)
+        tab.click("[name=capture]")
+        tab.wait_for_selector("[name=resume]:visible")
+        assert not tab.is_visible("input[type=range][name=picture]")
+        tab.click("[name=resume]")
+        wait_for(lambda: tool._view.picture.k == 2)
 
 
 def test_a_square_of_a_simulation_is_captured(open_tool, user_folder):

@@ -1,5 +1,8 @@
 """The tools in the panel of a run: opened on it, relayed, and what they make is used."""
 
+import dataclasses
+import threading
+
 import numpy as np
 import pytest
 
@@ -15,21 +18,21 @@ def simulation(**options):
 
 @pytest.fixture
 def watcher(watch, user_folder):
-    watcher = watch(simulation())
-    yield watcher
-    watcher.view.tools.close(0)
+    return watch(simulation())  # which closes it
 
 
 def opened(watcher, name):
+    before = len(told(watcher, "state"))
     watcher.say("tool", name=name)
     watcher.settle()
     tell(watcher, "hello", width=200)
-    wait_for(lambda: told(watcher, "state"))
+    wait_for(lambda: len(told(watcher, "state")) > before)
     return watcher.view.tools.tool
 
 
 def tell(watcher, kind, **fields):
-    watcher.say("tell_tool", message={"type": kind, **fields})
+    name = watcher.newest("state")["tool"]
+    watcher.say("tell_tool", name=name, message={"type": kind, **fields})
 
 
 def told(watcher, kind):
@@ -158,6 +161,76 @@ def test_colours_that_the_measurement_cannot_do_without_are_kept(watcher):
     assert "colors must have red and blue" in watcher.notes()[-1]
     assert sim.colors == before
     assert watcher.newest("state")["tool"] == "colors"
+
+
+def test_what_a_closed_tool_still_says_does_not_reach_the_next_one(watcher):
+    tool = opened(watcher, "robots")
+    goes_on = threading.Event()
+    tool._view.post(goes_on.wait)
+    tool._view.post(tool._view.tell_state)
+    opened_before = len(told(watcher, "state"))
+    watcher.say("tool", name="colors")
+    watcher.settle()
+    goes_on.set()
+    wait_for(lambda: not tool._view._thread.is_alive())
+    watcher.settle()
+    watcher.settle()
+    assert len(told(watcher, "state")) == opened_before
+    watcher.say("tell_tool", name="robots", message={"type": "load", "name": "sheep"})
+    watcher.settle()
+    assert watcher.notes() == []
+
+
+def test_a_robot_that_the_run_refuses_is_neither_saved_nor_the_default(watcher):
+    opened(watcher, "robots")
+    tell(watcher, "resize", size=900)
+    watcher.say("use_tool")
+    wait_for(watcher.notes)
+    assert "area must be wider than the robot" in watcher.notes()[-1]
+    assert "mine" not in robot_names()
+    assert default_robot() == "lab"
+    assert watcher.newest("state")["tool"] == "robots"
+
+
+def test_another_robot_of_the_same_name_is_not_written_over(watch, user_folder):
+    robsim.robots.add_robot("mine", "sheep")
+    other = dataclasses.replace(load_robot("lab"), name="mine")
+    watcher = watch(simulation(robot=other))
+    opened(watcher, "robots")
+    tell(watcher, "turn", degrees=10)
+    used(watcher)
+    assert load_robot("mine").image.shape == load_robot("sheep").image.shape
+    assert watcher.view.runner.robot.name == "mine2"
+    assert "saved as mine2; mine2 is the default robot from now on" in watcher.notes()
+
+
+def test_refused_colours_leave_no_trace_in_the_run(watcher):
+    sim = watcher.view.runner
+    sim.run(2)
+    with pytest.raises(ValueError, match="colors must have red and blue"):
+        sim.colors = [color for color in sim.colors if color.name == "red"]
+    assert sim.run(1).info.changed == ()
+
+
+def test_a_colour_file_that_was_not_opened_is_not_written_over(watcher, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mine = [robsim.ColorClass("red", u=(0, 100), v=(150, 255))]
+    robsim.vision.save_colors("colors.toml", mine)
+    opened(watcher, "colors").save()
+    assert robsim.load_colors("colors.toml")[0] == mine[0]
+    assert len(robsim.load_colors("colors2.toml")) == 2
+
+
+def test_stop_is_heard_while_a_tool_is_busy(watcher):
+    tool = opened(watcher, "robots")
+    goes_on = threading.Event()
+    tool._view.post(goes_on.wait)
+    watcher.say("use_tool")
+    watcher.say("press", button="step")
+    wait_for(lambda: watcher.view.runner.n_steps == 1)
+    assert watcher.newest("state")["tool"] == "robots"
+    goes_on.set()
+    wait_for(lambda: watcher.newest("state")["tool"] is None)
 
 
 def test_a_line_that_is_gone_is_gone_for_the_tool(watcher):

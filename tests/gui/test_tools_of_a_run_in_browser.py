@@ -87,3 +87,51 @@ def test_a_second_browser_sees_the_tool_and_its_end(open_panel, open_view, user_
     other.click("[name=discard_tool]")
     tab.wait_for_selector(".robsim-tool", state="detached")
     assert tab.is_visible(".robsim-transport")
+
+
+def test_what_cannot_be_used_is_said_over_the_tool(open_panel, user_folder):
+    _, tab = open_panel(simulation())
+    tab.click("[name=define_robot]")
+    tab.wait_for_selector(".robsim-tool [value=outline][aria-checked=true]")
+    tab.click(".robsim-tool [name=clear]")
+    tab.wait_for_selector(".robsim-problems:visible")
+    tab.click("[name=use_tool]")
+    toast = tab.locator(".robsim-toast:has-text('outline needs 3 corners')")
+    toast.wait_for()
+    assert toast.is_visible()
+
+
+@pytest.mark.parametrize("how", ["button", "Esc"])
+def test_motors_are_stopped_beside_a_tool(open_panel, user_folder, how):
+    sent = []
+    frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 2000
+    options = {"area": (64, 64), "measure": False, "identify_from": "truth"}
+    experiment = robsim.Experiment(
+        frames, send=lambda u: sent.append(tuple(u)), control=lambda step: (1, 2), **options
+    )
+    view, tab = open_panel(experiment, speed=0.2)
+    tab.click(".robsim-transport [name=start]")
+    tab.click("[name=train_colors]")
+    tab.wait_for_selector(".robsim-tool")
+    wait_for(lambda: (1, 2) in sent)
+    assert tab.inner_text("[name=use_tool]") == "Use it"
+    if how == "button":
+        tab.click(".robsim-tool-bar [name=stop]")
+    else:
+        tab.keyboard.press("Escape")
+    wait_for(lambda: sent[-1:] == [(0, 0)])
+    wait_for(lambda: view.driver.is_stopped)
+
+
+def test_keys_beside_a_tool_do_not_drive_the_run(open_panel, user_folder):
+    sim = simulation()
+    view, tab = open_panel(sim)
+    tab.click("[name=define_robot]")
+    tab.wait_for_selector(".robsim-tool [value=outline][aria-checked=true]")
+    tab.mouse.click(1400, 850)
+    for key in (" ", ".", "s"):
+        tab.keyboard.press(key)
+    tab.click("[name=discard_tool]")
+    tab.wait_for_selector(".robsim-tool", state="detached")
+    assert view.driver.state == "paused"
+    assert sim.n_steps == 0

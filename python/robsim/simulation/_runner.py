@@ -98,7 +98,9 @@ class Runner(Slotted):
     def colors(self, colors: str | PathLike[str] | Iterable[ColorClass]) -> None:
         if colors is None:
             raise TypeError("colors must be a path or ColorClass objects, got None")
-        self._change_vision(colors=colors_value(colors, self._smoothing))
+        known = colors_value(colors, self._smoothing)
+        self._check_colors(known)
+        self._change_vision(colors=known)
 
     @property
     def markers(self) -> MarkerLayout:
@@ -333,15 +335,18 @@ class Runner(Slotted):
     def _slots_changed(self) -> None:
         self._run_info = []
 
-    def _check_stages(self) -> None:
-        missing = {"red", "blue"} - {color.name for color in self.colors}
+    def _check_colors(self, colors: tuple[ColorClass, ...]) -> None:
+        missing = {"red", "blue"} - {color.name for color in colors}
         if missing and self._callbacks["measure"] is True:
-            names = ", ".join(color.name for color in self.colors)
+            names = ", ".join(color.name for color in colors)
             raise ValueError(
                 "colors must have red and blue for the default measurement: the names of the two "
                 "markers, whatever their colours are (in the lab robot red is the right one); "
                 f"got {names}"
             )
+
+    def _check_stages(self) -> None:
+        self._check_colors(self.colors)
         if self._is_on("estimate_parameters"):
             self._check_source()
         for slot in self.SLOTS:

@@ -229,8 +229,9 @@ class Simulation(WorldSlots, Runner):
         if "robot" in changes and (self._core.rows or self._core.stage != "world"):
             self._keep_drawing(scenario)
         self._change(**changes)
-        self._world.set_robot_radius(self._scenario._robot_definition.radius)
-        self._put("adjust_background", self._callbacks["adjust_background"])
+        if "robot" in changes:
+            self._world.set_robot_radius(self._scenario._robot_definition.radius)
+            self._put("adjust_background", self._callbacks["adjust_background"])
         self._look_for(
             self._scenario._robot_definition,
             self._scenario._color_classes,

@@ -32,5 +32,5 @@ MESSAGES: Messages = {
     "animate": {"on": switch},
     "tool": {"name": maybe(text)},
     "use_tool": {},
-    "tell_tool": {"message": message, "buffers": buffers_of_message},
+    "tell_tool": {"name": text, "message": message, "buffers": buffers_of_message},
 }

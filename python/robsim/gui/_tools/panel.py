@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from os import PathLike
+from typing import Any, TypeVar
 
 from robsim._base.checks import check_bool, check_int
 from robsim._core import Frame
 from robsim.gui._hosted import HostedPanel
 from robsim.gui._tools.tool import ToolView
 from robsim.imaging._images import Pixels
+
+T = TypeVar("T")
 
 
 class ToolPanel(HostedPanel):
@@ -80,7 +84,24 @@ class ToolPanel(HostedPanel):
         if not count:
             raise ValueError("k must be of a recording, which is not what is shown")
         k = check_int("k", k, minimum=0, maximum=count - 1)
-        self._view.ask(lambda: self._view.show(self._view.source.at(k)))
+        self._view.ask(lambda: self._view.look_at(k))
+
+    def _look(self, function: Callable[[], T]) -> T:
+        """Return what a function returns of what was made, once it is closed, too."""
+        try:
+            return self._view.ask(function)
+        except RuntimeError:
+            if not self._view.is_over:
+                raise
+            return function()
+
+    def _made(self) -> tuple[str, Any]:
+        """Return what a run is to have of it: the attribute and its value; in the view's thread."""
+        raise NotImplementedError  # where no run can have it
+
+    def _keep(self) -> str:
+        """Keep it for later runs; return what was done, in the view's thread."""
+        return ""
 
     @property
     def _is_closed(self) -> bool:

@@ -230,8 +230,10 @@ class ToolView(View):
 
     def ask(self, function: Callable[[], T]) -> T:
         """Return what a function returns, or raise what it raises, in the thread of the view."""
-        if self.is_here:
-            return function()
+        return function() if self.is_here else self.later(function).result()
+
+    def later(self, function: Callable[[], T]) -> Future[T]:
+        """Call a function in the thread of the view; its result or exception comes later."""
         answer: Future[T] = Future()
 
         def do() -> None:
@@ -241,8 +243,8 @@ class ToolView(View):
                 answer.set_exception(error)
 
         if not self.post(do):
-            raise RuntimeError("the panel is closed")
-        return answer.result()
+            answer.set_exception(RuntimeError("the panel is closed"))
+        return answer
 
     @property
     def is_over(self) -> bool:

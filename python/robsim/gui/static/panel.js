@@ -25,7 +25,7 @@ export function renderPanel({ el, send }) {
   makeFlow(context, () => begin());
   const camera = makeCamera(context);
   const place = makeToolPlace(context);
-  el.append(layOut(context, camera, place), place.element);
+  el.append(...layOut(context, camera, place));
 
   let newest = null; // the head of the last frame that has come
   const arrived = (head) => {
@@ -65,11 +65,11 @@ function layOut(context, camera, place) {
   const left = [makeTitle(context), { element: view }, transport, timeline, makeControls(context)];
   const over = [makeKeyboard(context, transport, timeline).element, makeNotes(context).element,
     trouble.lost];
-  return make("div", { className: "robsim-panel", tabIndex: -1 },
+  const panel = make("div", { className: "robsim-panel", tabIndex: -1 },
     make("div", { className: "robsim-left" }, ...left.map((part) => part.element)),
     make("div", { className: "robsim-right" },
-      make("div", { className: "robsim-right-top" }, tabs.list, place.buttons), tabs.sheets),
-    ...over);
+      make("div", { className: "robsim-right-top" }, tabs.list, place.buttons), tabs.sheets));
+  return [panel, place.element, ...over]; // what lies over it is seen beside a tool, too
 }
 
 function takeState(context, head) {

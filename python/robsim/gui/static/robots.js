@@ -2,6 +2,7 @@
 // The panel that defines a robot: what is captured, what is drawn on it.
 import { make } from "./base/dom.js";
 import { makePicture } from "./camera/picture.js";
+import { makeFilm } from "./tools/film.js";
 import { makePolygons } from "./tools/polygons.js";
 import { makeRobotParts } from "./tools/robot_parts.js";
 import { makeRobotShape } from "./tools/robot_shape.js";
@@ -17,7 +18,9 @@ export function renderRobots(host) {
     const element = make("div", { className: "robsim-camera" }, picture.canvas,
       make("div", { className: "robsim-camera-bar" }, picture.whole), parts.problems);
     const beside = [parts, makeRobotShape(context, ruler)];
-    return { view: element, below: "", width: picture.width,
+    const film = makeFilm(context);
+    context.on("state", ({ mode }) => mode == "capture" || (film.element.hidden = true));
+    return { view: element, below: film.element, width: picture.width,
       beside: beside.map((part) => part.element) };
   });
 }

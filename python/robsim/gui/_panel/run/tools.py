@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from robsim._base.text import said_by
 from robsim.gui._link import Buffers, Link
@@ -24,7 +25,10 @@ if TYPE_CHECKING:
 NAMES = ("robots", "colors")
 
 _GAP = 0.5  # s between two looks at whether the run has got others, as in a cell
-_FILE = Path("colors.toml")
+_FILE = "colors.toml"
+_EXPECTED = (OSError, TypeError, ValueError, RuntimeError)
+
+T = TypeVar("T")
 
 
 class Tools(Part):
@@ -71,6 +75,10 @@ class Tools(Part):
         self.tool = _opened(name, self.panel, runner)
         self._name = name
 
+    def has(self, line: ToolLine) -> bool:
+        """Return whether a line is that of the tool which is open."""
+        return line in self._lines.values()
+
     def _choose(self, link: Link, message: dict[str, Any]) -> None:
         if message["name"] is None:
             self._close()
@@ -80,7 +88,7 @@ class Tools(Part):
 
     def _tell(self, link: Link, message: dict[str, Any]) -> None:
         """Give the tool a message of a browser."""
-        if self.tool is None:
+        if self.tool is None or message["name"] != self._name:
             return  # it was closed meanwhile
         view = self.tool._view
         if link not in self._lines:
@@ -94,26 +102,43 @@ class Tools(Part):
         if self.tool is None:
             return
         self.panel.check_room()
-        try:
-            name, value = self.tool._used()
-        except (OSError, TypeError, ValueError) as error:
-            raise Refused(str(error)) from None
-        runner = self.panel.runner
+        tool, runner = self.tool, self.panel.runner
         assert isinstance(runner, (Simulation, Experiment))
-        future = self.panel.driver.call(lambda: _change(runner, name, value))
-        future.add_done_callback(lambda done: self.panel.post(lambda: self._used(link, done)))
 
-    def _used(self, link: Link, future: Future[None]) -> None:
-        if future.cancelled():  # the panel is being closed
-            return
-        if (error := future.exception()) is not None:
-            link.send({"type": "note", "level": "error", "text": said_by(error)})
-            return
-        self._close()
-        self._look_at_run()
-        self.panel.tell_state()
-        if isinstance(self.panel.runner, Simulation):  # a real robot waits for Start
-            self.panel.driver.start()
+        def change_run(made: Future[tuple[str, Any]]) -> None:
+            name, value = made.result()
+            changed = self.panel.driver.call(lambda: setattr(runner, name, value))
+            self._then(link, changed, keep)
+
+        def keep(_: Future[None]) -> None:
+            self._then(link, tool._view.later(tool._keep), resume)
+
+        def resume(kept: Future[str]) -> None:
+            if self.tool is tool:
+                self._close()
+            self._look_at_run()
+            self.panel.tell_state()
+            if remark := kept.result():
+                self.panel.send({"type": "note", "level": "info", "text": remark})
+            if isinstance(runner, Simulation):  # a real robot waits for Start
+                self.panel.driver.start()
+
+        # One after another, each in its thread, and nobody waits: Stop is heard meanwhile.
+        self._then(link, tool._view.later(tool._made), change_run)
+
+    def _then(self, link: Link, future: Future[T], go_on: Callable[[Future[T]], None]) -> None:
+        """Go on in the thread of the view when something is done; say it where it has failed."""
+
+        def done() -> None:
+            if future.cancelled():  # what it was asked for is being closed
+                return
+            if (error := future.exception()) is not None:
+                text = str(error) if isinstance(error, _EXPECTED) else said_by(error)
+                link.send({"type": "note", "level": "error", "text": text})
+            else:
+                go_on(future)
+
+        future.add_done_callback(lambda _: self.panel.post(done))
 
     def _close(self, timeout: float = 0.0) -> None:
         """Close the tool; without a timeout (s) it ends when it has done what it is at."""
@@ -150,9 +175,14 @@ class ToolLine(Link):
         return self._link.is_behind
 
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
-        """Hand it to the thread of the panel, whose line it is."""
+        """Hand it to the thread of the panel, whose line it is; after the tool's end nothing."""
         message = {"type": "tool", "message": dict(head)}
-        if not self._panel.post(lambda: self._link.send(message, buffers)):
+
+        def send() -> None:
+            if self._panel.tools.has(self):
+                self._link.send(message, buffers)
+
+        if not self._panel.post(send):
             raise RuntimeError("the panel has ended")
 
 
@@ -169,15 +199,12 @@ def _opened(
     pictures = RunPictures(panel.driver, panel.record.title)
     if name == "robots":
         return RobotPanel(RobotsView(pictures, runner.robot, runner.colors, begins_live=False))
-    return ColorPanel(ColorsView(pictures, runner.colors, runner.robot, _FILE))
+    return ColorPanel(ColorsView(pictures, runner.colors, runner.robot, _free_file()))
 
 
-def _change(runner: Simulation | Experiment, name: str, value: Any) -> None:
-    """Let a run look for another robot or other colours; if it cannot, for those before."""
-    before = getattr(runner, name)
-    setattr(runner, name, value)
-    try:
-        runner._check_stages()
-    except BaseException:
-        setattr(runner, name, before)
-        raise
+def _free_file() -> Path:
+    """Return a colour file that is not there: one that was not opened is not written over."""
+    for name in itertools.chain([_FILE], (f"colors{n}.toml" for n in itertools.count(2))):
+        if not Path(name).exists():
+            return Path(name)
+    raise AssertionError("numbers do not end")

@@ -100,7 +100,7 @@ class ColorPanel(ToolPanel):
     @property
     def value(self) -> tuple[ColorClass, ...]:
         """The classes as they are now, in the order of the file. They can be set."""
-        return self._view.training.value
+        return self._look(lambda: self._view.training.value)
 
     @value.setter
     def value(self, colors: Iterable[ColorClass]) -> None:
@@ -163,6 +163,5 @@ class ColorPanel(ToolPanel):
         names = ", ".join(color.name for color in self.value) or "no colours yet"
         return f"<robsim.gui.ColorPanel: {names}>"
 
-    def _used(self) -> tuple[str, tuple[ColorClass, ...]]:
-        """Return what a run is to have of it: the attribute and its value."""
-        return "colors", self._view.ask(lambda: self._view.training.value)  # after what was said
+    def _made(self) -> tuple[str, tuple[ColorClass, ...]]:
+        return "colors", self._view.training.value

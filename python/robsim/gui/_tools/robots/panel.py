@@ -85,7 +85,7 @@ class RobotPanel(ToolPanel):
     @property
     def value(self) -> RobotDefinition:
         """The robot as it is drawn now; a ValueError says what is missing. It can be set."""
-        return self._view.ask(self._view.definition)
+        return self._look(self._view.definition)
 
     @value.setter
     def value(self, robot: str | PathLike[str] | RobotDefinition) -> None:
@@ -199,6 +199,8 @@ class RobotPanel(ToolPanel):
         problems = self._view.drawing.problems()
         return f"<robsim.gui.RobotPanel: {self._view.name}{', incomplete' * bool(problems)}>"
 
-    def _used(self) -> tuple[str, RobotDefinition]:
-        """Return what a run is to have of it: the attribute and its value."""
-        return "robot", self._view.ask(self._view.used)
+    def _made(self) -> tuple[str, RobotDefinition]:
+        return "robot", self._view.named()
+
+    def _keep(self) -> str:
+        return self._view.keep()

@@ -10,6 +10,7 @@ from pathlib import PurePath
 from typing import Any, ClassVar
 
 from robsim._base.checks import check_float
+from robsim._base.text import quoted
 from robsim._core import ColorClass
 from robsim.gui._link import Link
 from robsim.gui._messages import Messages
@@ -98,7 +99,7 @@ class RobotsView(ToolView):
             "redo": lambda _: drawing.redo(),
         }
         acts: dict[str, Callable[[dict[str, Any]], object]] = {
-            "load": lambda m: self.load(load_robot(m["name"])),
+            "load": lambda m: self.load(_listed(m["name"])),
             "square": lambda m: self._put_square(m["at"], m["side"]),
             "capture": lambda _: self.capture(),
             "capture_whole": lambda _: self.capture(whole=True),
@@ -194,6 +195,11 @@ class RobotsView(ToolView):
     def back(self) -> str | None:
         return super().back if self._has_pictures else None
 
+    def look_at(self, k: int) -> None:
+        if self.is_frozen:
+            raise ValueError("the robot is drawn now: Capture again shows the pictures")
+        super().look_at(k)
+
     def freeze(self, on: bool) -> None:
         raise ValueError("nothing is kept here: capture takes what the picture shows")
 
@@ -213,17 +219,33 @@ class RobotsView(ToolView):
         self.tell_state()
         return robot
 
-    def used(self) -> RobotDefinition:
-        """Return the robot for a run; what was changed is saved, and is the default from now on."""
-        robot = self.definition()
-        if robot is self._first:
-            return robot
-        if robot is not self._loaded:
-            mine = self._of in user_robots()
-            robot = self.save(self.name if mine else _free_name(self.name), overwrite=mine)
-        if robot.name in robot_names() and robot.name != default_robot():
-            set_default_robot(robot.name)
-        return robot
+    def named(self) -> RobotDefinition:
+        """Return the robot as it is drawn; one that was changed has a name that is free for it."""
+        if self.drawing.sketch is not self._as_loaded and not self._is_mine:
+            self.name = _free_name(self.name)
+        return self.definition()
+
+    def keep(self) -> str:
+        """Save what was changed, and let it be the default from now on; return what was done."""
+        done = []
+        if self.drawing.sketch is not self._as_loaded:
+            self.save(self.name, overwrite=self._is_mine)
+            done.append(f"saved as {self.name}")
+        elif self._loaded is self._first or not self._is_stored:
+            return ""
+        if self.name != default_robot():
+            set_default_robot(self.name)
+            done.append(f"{self.name} is the default robot from now on")
+        return "; ".join(done)
+
+    @property
+    def _is_stored(self) -> bool:
+        """Whether what is drawn on is a robot of the list, and not another one of its name."""
+        return self._of in robot_names() and load_robot(self._of) == self._loaded
+
+    @property
+    def _is_mine(self) -> bool:
+        return self._of in user_robots() and self._is_stored
 
     @property
     def _can_capture(self) -> bool:
@@ -273,6 +295,13 @@ class RobotsView(ToolView):
         self.is_frozen = True
         self.show(Picture(over_floor(self.drawing.sketch.image), self.name))
         self.tell_state()
+
+
+def _listed(name: str) -> RobotDefinition:
+    """Return a robot of the list: browsers name no folders."""
+    if name not in robot_names():
+        raise ValueError(f"there is no robot {quoted(name)}")
+    return load_robot(name)
 
 
 def _free_name(name: str) -> str:

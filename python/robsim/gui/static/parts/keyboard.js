@@ -34,6 +34,7 @@ export function makeKeyboard(context, transport, timeline) {
     const { key, target } = event;
     if (event.ctrlKey || event.metaKey || event.altKey || !(isOver || el.contains(target))) return;
     if (key == "Escape") return escape();
+    if (context.state.tool) return; // they are the tool's
     const isTheirs = target.closest?.(TYPING) || (NATIVE[key] && target.closest?.(NATIVE[key]));
     if (event.defaultPrevented || isTheirs || !actions[key]) return;
     event.preventDefault();

@@ -1,7 +1,8 @@
 // @ts-check
 // The tools on the run: their buttons, and the place where one is shown instead of the panel.
-import { makeTextButton } from "../base/buttons.js";
+import { makeButton, makeTextButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
+import { text } from "../base/texts.js";
 import { renderColors } from "../colors.js";
 import { renderRobots } from "../robots.js";
 
@@ -16,11 +17,14 @@ export function makeToolPlace(context) {
     [name, makeTextButton(button, "", () => choose(name))]);
   const buttons = make("div", { className: "robsim-open-tools", hidden: true },
     ...opening.map(([, button]) => button));
+  const use = makeTextButton("use_tool", "robsim-primary", () =>
+    context.send({ type: "use_tool" }));
+  const stop = makeButton("stop", "robsim-danger robsim-stop", () =>
+    context.send({ type: "press", button: "stop" }));
   const bar = make("div", { className: "robsim-tool-bar" },
     makeTextButton("discard_tool", "", () => choose(null)),
-    makeTextButton("use_tool", "robsim-primary", () => context.send({ type: "use_tool" })));
+    use, stop);
   const element = make("div", { className: "robsim-tool-place", hidden: true });
-  element.onkeydown = (event) => event.stopPropagation(); // the keys are the tool's
   let shown = null; // the tool: its name and its view
 
   const close = () => {
@@ -31,12 +35,14 @@ export function makeToolPlace(context) {
   };
   const open = (name) => {
     const el = make("div", { className: "robsim" });
-    const send = (message, buffers) => context.send({ type: "tell_tool", message }, buffers);
+    const send = (message, buffers) => context.send({ type: "tell_tool", name, message }, buffers);
     element.replaceChildren(bar, el);
     shown = { name, send, view: TOOLS_OF_RUN[name].render({ el, send }) };
     shown.view.begin();
   };
-  context.on("setup", ({ tools }) => {
+  context.on("setup", ({ tools, motors, source }) => {
+    stop.hidden = !motors;
+    use.textContent = text(source == "simulation" ? "use_tool" : "use_tool.experiment");
     for (const [name, button] of opening) button.hidden = !tools.includes(name);
     buttons.hidden = !tools.length;
   });

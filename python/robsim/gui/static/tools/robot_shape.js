@@ -26,8 +26,11 @@ export function makeRobotShape(context, ruler) {
   const name = make("input", { className: "robsim-text-field", name: "robot_name", maxLength: 40,
     ariaLabel: text("robot_name"), placeholder: text("robot_name") });
   name.onkeydown = (event) => event.stopPropagation();
+  const isThere = () => context.state.robots.includes(name.value.trim());
   const save = makeTextButton("save_robot", "robsim-primary", () =>
-    context.send({ type: "save", name: name.value.trim(), overwrite: false }));
+    context.send({ type: "save", name: name.value.trim(), overwrite: isThere() }));
+  const showSave = () => (save.textContent = text(isThere() ? "replace_robot" : "save_robot"));
+  name.oninput = showSave;
 
   context.on("state", (state) => {
     const isListed = state.robots.includes(state.name);
@@ -43,6 +46,7 @@ export function makeRobotShape(context, ruler) {
     resume.hidden = state.mode != "draw" || !state.can_capture;
     heading.textContent = `${state.alignment.toFixed(1).replace("-", "\u2212")}\u00b0`;
     if (document.activeElement != size) size.value = String(Number(state.size.toFixed(2)));
+    showSave();
     save.disabled = state.mode != "draw" || state.problems.length > 0;
   });
   const row = (...parts) => make("div", { className: "robsim-tool-row" }, ...parts);
