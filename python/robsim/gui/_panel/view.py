@@ -109,6 +109,7 @@ class PanelView(View):
         if not (self.is_here or self.driver.is_here):  # a callback, which the run waits for
             self.driver.ask(lambda: None)
             super().settle()  # what the run has answered
+            self.tools.settle()
             self._result.settle()
             super().settle()  # that it has been told
 

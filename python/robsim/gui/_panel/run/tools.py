@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from pathlib import Path
@@ -41,6 +42,8 @@ class Tools(Part):
         self._lines: dict[Link, ToolLine] = {}
         self._seen = self._looked_for()
         self._due = 0.0
+        self._is_settled = threading.Event()  # nothing is being given to the run
+        self._is_settled.set()
 
     def handlers(self) -> Handlers:
         return {"tool": self._choose, "use_tool": self._use, "tell_tool": self._tell}
@@ -65,6 +68,10 @@ class Tools(Part):
 
     def close(self, timeout: float) -> None:
         self._close(timeout)
+
+    def settle(self) -> None:
+        """Wait until the run has what was made; neither in its thread nor in the view's."""
+        self._is_settled.wait()
 
     def begin(self, name: str) -> None:
         """Open a tool on the run, in place of another one."""
@@ -122,7 +129,9 @@ class Tools(Part):
                 self.panel.send({"type": "note", "level": "info", "text": remark})
             if isinstance(runner, Simulation):  # a real robot waits for Start
                 self.panel.driver.start()
+            self._is_settled.set()
 
+        self._is_settled.clear()
         # One after another, each in its thread, and nobody waits: Stop is heard meanwhile.
         self._then(link, tool._view.later(tool._made), change_run)
 
@@ -130,15 +139,20 @@ class Tools(Part):
         """Go on in the thread of the view when something is done; say it where it has failed."""
 
         def done() -> None:
-            if future.cancelled():  # what it was asked for is being closed
-                return
-            if (error := future.exception()) is not None:
+            error = None if future.cancelled() else future.exception()
+            if error is not None:
                 text = str(error) if isinstance(error, _EXPECTED) else said_by(error)
                 link.send({"type": "note", "level": "error", "text": text})
+            if error is not None or future.cancelled():  # what it was asked for is being closed
+                self._is_settled.set()
             else:
                 go_on(future)
 
-        future.add_done_callback(lambda _: self.panel.post(done))
+        def post(_: Future[T]) -> None:
+            if not self.panel.post(done):  # the panel has been closed
+                self._is_settled.set()
+
+        future.add_done_callback(post)
 
     def _close(self, timeout: float = 0.0) -> None:
         """Close the tool; without a timeout (s) it ends when it has done what it is at."""
