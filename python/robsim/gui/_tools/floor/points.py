@@ -245,12 +245,6 @@ class FloorPoints:
             self._before.append(self.draft)
             self.draft = self._after.pop()
 
-    def begin(self, draft: FloorDraft) -> None:
-        """Go on with another one; there is nothing to be undone."""
-        self.draft = draft
-        self._before.clear()
-        self._after.clear()
-
     def _replace(self, number: int, *, goes_on: bool = False, **changes: Any) -> None:
         old = self.point(number)
         new = replace(old, **changes)
