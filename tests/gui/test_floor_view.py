@@ -1,12 +1,14 @@
 """The panel that calibrates a floor, without a browser."""
 
+import threading
+
 import numpy as np
 import pytest
 
 import robsim
 from browsers import FakeBrowser, settled
 from python_cameras import EndlessCamera
-from robsim.calibration import Chessboard
+from robsim.calibration import Chessboard, Corners, FloorSheet
 from robsim.gui._tools.floor.example import pixels_of_floor, tiled_floor
 from robsim.imaging import (
     Calibration,
@@ -235,6 +237,28 @@ def test_sheets_in_a_picture(tmp_path, monkeypatch):
         assert np.linalg.norm(far) == pytest.approx(110, abs=2)
         assert set(tool.value.marks) >= {0, 5, 29}
         assert tool.find_sheets(mark=80, places={1: (0, 0)}).rms < 0.3
+
+
+def test_a_mark_that_is_measured_while_sheets_are_found_counts_for_them(tool, browser, monkeypatch):
+    begun, goes_on = threading.Event(), threading.Event()
+
+    def find(image, mark):
+        begun.set()
+        assert goes_on.wait(20)
+        positions = np.concatenate([*FloorSheet(1, mark).corners().values()])
+        return {1: Corners(positions, positions + 200)}
+
+    monkeypatch.setattr("robsim.gui._tools.floor.sheets.find_sheets", find)
+    browser.say("sheets")
+    assert begun.wait(20)
+    browser.say("set", name="mark", value=100)
+    browser.take("state", sheets={"mark": 100, "found": []})
+    goes_on.set()
+    wait_for(lambda: tool._view.sheets.task().corners)
+    seen = tool._view.sheets.task()
+    expected = np.concatenate([*FloorSheet(1, 100).corners().values()])
+    assert seen.mark == 100
+    np.testing.assert_allclose(seen.corners[1].positions, expected)
 
 
 @pytest.mark.parametrize(

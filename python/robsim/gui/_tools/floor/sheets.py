@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -60,6 +61,25 @@ class SeenSheets:
         )
 
 
+@dataclass(frozen=True)
+class FoundSheets:
+    """The sheets that were found in a picture.
+
+    Attributes
+    ----------
+    size : tuple of int
+        That of the picture (px).
+    mark : float
+        Side of a mark by which their corners are told (mm).
+    corners : mapping of int to Corners
+        By the number of the sheet.
+    """
+
+    size: tuple[int, int]
+    mark: float
+    corners: dict[int, Corners] = field(repr=False)
+
+
 class FloorSheets:
     """The sheets that were found last, and what was measured of them."""
 
@@ -70,20 +90,29 @@ class FloorSheets:
         """Return what is fitted."""
         return self._seen
 
-    def find(self, image: Pixels) -> str:
-        """Find the sheets in a picture; return why there are none, or nothing. Any thread."""
-        seen = self._seen
-        try:
-            corners = find_sheets(image, seen.mark)
-        except ImportError as error:
-            return str(error)
-        if not corners:
-            return (
-                "there is no floor sheet in the picture: are its marks 15 px wide at least, sharp, "
-                "and not hidden?"
-            )
-        self._seen = replace(self._seen, size=frame_size(image), corners=corners)
-        return ""
+    def looking(self, image: Pixels) -> Callable[[], FoundSheets | str]:
+        """Return what finds the sheets in a picture, or says why there are none; any thread."""
+        mark = self._seen.mark
+
+        def find() -> FoundSheets | str:
+            try:
+                corners = find_sheets(image, mark)
+            except ImportError as error:
+                return str(error)
+            if not corners:
+                return (
+                    "there is no floor sheet in the picture: are its marks 15 px wide at least, "
+                    "sharp, and not hidden?"
+                )
+            return FoundSheets(frame_size(image), mark, corners)
+
+        return find
+
+    def take(self, found: FoundSheets) -> None:
+        """Take the sheets of a picture; their marks may have been given another side since."""
+        mark = self._seen.mark
+        corners = _all_resized(found.corners, found.mark, mark)
+        self._seen = replace(self._seen, size=found.size, corners=corners)
 
     def place(self, number: int, x: float | None, y: float | None) -> None:
         """Say where the cross of a sheet is on the floor (mm); None = not measured."""
@@ -94,10 +123,7 @@ class FloorSheets:
     def adjust(self, mark: float) -> None:
         """Set the side of a mark (mm)."""
         mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
-        corners = {
-            number: _resized(number, one, self._seen.mark, mark)
-            for number, one in self._seen.corners.items()
-        }
+        corners = _all_resized(self._seen.corners, self._seen.mark, mark)
         self._seen = replace(self._seen, mark=mark, corners=corners)
 
     def state(self) -> dict[str, Any]:
@@ -114,6 +140,13 @@ class FloorSheets:
                 for number, one in sorted(seen.corners.items())
             ],
         }
+
+
+def _all_resized(corners: dict[int, Corners], before: float, mark: float) -> dict[int, Corners]:
+    """Return the corners of sheets, by number, whose marks have another side."""
+    if before == mark:
+        return corners
+    return {number: _resized(number, one, before, mark) for number, one in corners.items()}
 
 
 def _resized(number: int, seen: Corners, before: float, mark: float) -> Corners:

@@ -19,7 +19,7 @@ from robsim.gui._tools.floor.fitting import fit_of, fitted, grid_of, on_work_are
 from robsim.gui._tools.floor.lens import LensPictures
 from robsim.gui._tools.floor.messages import MESSAGES
 from robsim.gui._tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
-from robsim.gui._tools.floor.sheets import FloorSheets
+from robsim.gui._tools.floor.sheets import FloorSheets, FoundSheets
 from robsim.gui._tools.pictures import Picture, Pictures
 from robsim.gui._tools.tool import ToolView, in_place
 from robsim.imaging import Calibration, load_calibration, save_calibration
@@ -372,23 +372,26 @@ class FloorView(ToolView):
             raise ValueError("there is no picture yet")
         if self._finding.is_busy:
             raise ValueError("the picture before is still looked at")
-        image = self.picture.frame.image
 
-        def take(wrong: str | None) -> None:
+        def take(found: FoundSheets | str | None) -> None:
             self.way = "sheets"
-            if wrong:
-                self.note(wrong)
+            if isinstance(found, str):
+                self.note(found)
+            elif found is not None:
+                self.sheets.take(found)
             self.tell_state()
 
-        self._finding.begin(lambda: self.sheets.find(image), take)
+        self._finding.begin(self.sheets.looking(self.picture.frame.image), take)
         self.tell_state()
 
     def find_sheets(self) -> None:
         """Find the sheets in the picture, and let the floor be fitted by them."""
         if self.picture is None:
             raise ValueError("there is no picture yet")
-        if wrong := self.sheets.find(self.picture.frame.image):
-            raise ValueError(wrong)
+        found = self.sheets.looking(self.picture.frame.image)()
+        if isinstance(found, str):
+            raise ValueError(found)
+        self.sheets.take(found)
         self.way = "sheets"
 
     def _save(self, file: str) -> None:
