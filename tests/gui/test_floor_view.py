@@ -318,6 +318,10 @@ def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypat
         assert tool.save().name == "camera.toml"
         assert load_calibration("camera.toml").floor is None
         browser.say("board", pattern="charuco", columns=8, rows=5, square=30)
+        assert "remove the 8 pictures first" in browser.take("note", level="error")[0]["text"]
+        assert len(lens.taken) == 8
+        browser.say("drop", picture=None)
+        browser.say("board", pattern="charuco", columns=8, rows=5, square=30)
         told, _ = browser.take("board", pattern="charuco")
         assert told["pictures"] == []
         for change, said in (
@@ -363,3 +367,125 @@ def test_live_pictures_of_a_board_are_taken_by_themselves(boards, tmp_path, monk
             told, _ = browser.take("board")
         browser.say("take")
         wait_for(lambda: len(tool._view.lens.taken) == 2)
+
+
+class Boards:
+    """Pictures of which each has a board, somewhere else; none is looked for in them."""
+
+    def __init__(self, monkeypatch):
+        self.sees = True
+        self.count = 0
+        self.begun, self.goes_on = threading.Event(), threading.Event()
+        self.goes_on.set()
+
+        def find(board, image):
+            self.begun.set()
+            assert self.goes_on.wait(20)
+            self.count += 1
+            grid = np.mgrid[:6, :9].reshape(2, -1).T[:, ::-1].astype(float)
+            pixels = 20 * grid + 10 + 5 * self.count
+            return Corners(board.square * grid, pixels) if self.sees else None
+
+        monkeypatch.setattr(Chessboard, "find", find)
+        monkeypatch.setattr("robsim.gui._tools.floor.lens.FEWEST", 1000)  # no lens
+
+
+@pytest.fixture
+def fakes(monkeypatch):
+    return Boards(monkeypatch)
+
+
+def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, browser, fakes):
+    assert tool.take_board() == 54
+    lens = tool._view.lens
+    small = np.zeros((480, 640, 3), np.uint8)
+    tool.load(small)
+    fakes.sees = False
+    browser.say("take")
+    assert "no board in" in browser.take("note", level="error")[0]["text"]
+    assert len(lens.taken) == 1
+    fakes.sees = True
+    browser.say("take")
+    said = "pictures of the board are 800 x 600; this one is 640 x 480"
+    assert said in browser.take("note", level="error")[0]["text"]
+    with pytest.raises(ValueError, match=said):
+        tool.take_board()
+    tool.go_back()
+    assert tool.take_board() == 54
+    assert len(lens.taken) == 2
+    tool.drop_boards(0)
+    assert [one.size for one in lens.taken] == [(800, 600)]
+    with pytest.raises(ValueError, match="there is no picture 1"):
+        tool.drop_boards(1)
+    tool.drop_boards()
+    tool.load(small)
+    assert tool.take_board() == 54
+    assert lens.taken[0].size == (640, 480)
+
+
+def test_of_a_picture_that_was_loaded_no_board_is_taken_by_itself(fakes, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    camera = EndlessCamera(np.zeros((60, 80, 3), np.uint8))
+    with robsim.Camera(camera) as device, robsim.floor_panel(device) as tool:
+        lens = tool._view.lens
+        tool.load(np.zeros((48, 64, 3), np.uint8))
+        looked = []
+        monkeypatch.setattr(lens, "_look_at", lambda picture, **_: looked.append(picture))
+        tool._view.ask(lambda: setattr(lens, "watches", True))
+        tool.load(np.ones((48, 64, 3), np.uint8))
+        settled(tool._view)
+        assert looked == []
+        tool.go_back()
+        wait_for(lambda: looked)
+
+
+def test_with_another_side_of_a_square_the_pictures_stay(tool, browser, fakes):
+    lens = tool._view.lens
+    tool.take_board(Chessboard(9, 6, 25))
+    fakes.begun.clear()
+    fakes.goes_on.clear()
+    browser.say("take")
+    assert fakes.begun.wait(20)
+    browser.say("board", pattern="chessboard", columns=9, rows=6, square=26.5)
+    told, _ = browser.take("board", square=26.5)
+    assert len(told["pictures"]) == 1
+    fakes.goes_on.set()
+    wait_for(lambda: len(lens.taken) == 2)
+    for one in lens.taken:
+        np.testing.assert_allclose(one.corners.positions.max(axis=0), (8 * 26.5, 5 * 26.5))
+    with pytest.raises(ValueError, match="remove the 2 pictures first"):
+        tool.take_board(Chessboard(8, 6))
+    browser.say("board", pattern="chessboard", columns=8, rows=6, square=25)
+    assert "remove the 2 pictures first" in browser.take("note", level="error")[0]["text"]
+    assert lens.board == Chessboard(9, 6, 26.5)
+    assert len(lens.taken) == 2
+    tool.drop_boards(1)
+    with pytest.raises(ValueError, match="remove the picture first"):
+        tool.take_board(Chessboard(8, 6))
+
+
+def test_more_pictures_than_enough_are_refused(tool, browser, fakes):
+    lens = tool._view.lens
+    for _ in range(60):
+        tool.take_board()
+    for message in ("take", "watch"):
+        browser.say(message, **({"on": True} if message == "watch" else {}))
+        assert "there are 60 pictures already" in browser.take("note", level="error")[0]["text"]
+    with pytest.raises(ValueError, match="60 pictures already"):
+        tool.take_board()
+    assert len(lens.taken) == 60
+    assert not lens.watches
+
+
+@pytest.mark.parametrize("count", [40, 41, 79, 81])
+def test_pictures_of_a_whole_film_are_taken(tool, fakes, monkeypatch, count):
+    lens, looked = tool._view.lens, []
+    source = tool._view.source
+    picture = source.at(0)
+    monkeypatch.setattr(source, "count", count, raising=False)
+    monkeypatch.setattr(source, "at", lambda k: looked.append(k) or picture)
+    tool._view.ask(lens.take_all)
+    tool.load(np.zeros((48, 64, 3), np.uint8))  # the film goes on
+    wait_for(lambda: not tool._view.ask(lambda: lens.is_busy))
+    assert len(lens.taken) == len(looked) <= 40
+    assert looked[-1] >= count - 3

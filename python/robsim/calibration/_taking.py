@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,10 +30,15 @@ class BoardTaker:
         What is held in front of the camera.
     size : tuple of int
         Width and height of the frames (px).
+
+    Attributes
+    ----------
+    board : Chessboard or Charuco
+        As given.
     """
 
     def __init__(self, board: Chessboard | Charuco, size: tuple[int, int]) -> None:
-        self._board, self._size = board, size
+        self.board, self._size = board, size
         self._last: Corners | None = None
         self._kept: list[Corners] = []
 
@@ -42,7 +48,7 @@ class BoardTaker:
 
     def look(self, image: Any) -> Corners | None:
         """Return the corners of a board that stands still in a frame, in a place that is new."""
-        corners = self._board.find(image)
+        corners = self.board.find(image)
         last, self._last = self._last, corners
         if corners is None or last is None or _moved(last, corners) > _STILL:
             return None
@@ -56,6 +62,16 @@ class BoardTaker:
     def empty_parts(self) -> list[str]:
         """Parts of the picture that no board has reached."""
         return empty_parts(self._kept, self._size)
+
+
+def is_resized(one: Chessboard | Charuco, other: Chessboard | Charuco) -> bool:
+    """Return whether two boards differ, but in the side of their squares alone."""
+    return one != other and replace(one, square=other.square) == other
+
+
+def resized(corners: Corners, one: Chessboard | Charuco, other: Chessboard | Charuco) -> Corners:
+    """Return the corners of a board as those of another one, whose squares have another side."""
+    return Corners(corners.positions * (other.square / one.square), corners.pixels)
 
 
 def empty_parts(seen: Sequence[Corners], size: tuple[int, int]) -> list[str]:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from robsim._base.checks import check_bool, check_int
 from robsim._base.text import quoted
 from robsim.calibration import Charuco, Chessboard, Corners, LensCalibration
 from robsim.calibration._lens import FEWEST, View, lens_of_views, why_missing
-from robsim.calibration._taking import BoardTaker, empty_parts
+from robsim.calibration._taking import BoardTaker, empty_parts, is_resized, resized
 from robsim.gui._beside import Beside
-from robsim.gui._tools.pictures import Picture
+from robsim.gui._tools.pictures import Picture, Pictures
 from robsim.imaging._frames import frame_size
 from robsim.imaging._opencv import load_opencv
 
@@ -37,11 +38,14 @@ class TakenBoard:
     ----------
     name : str
         What it is called.
+    size : tuple of int
+        Its width and height (px).
     corners : Corners
         What was found in it.
     """
 
     name: str
+    size: tuple[int, int]
     corners: Corners = field(repr=False)
 
 
@@ -62,10 +66,10 @@ class LensPictures:
         self.report: LensCalibration | None = None
         self.watches = False
         self._view = view
-        self._size: tuple[int, int] | None = None
         self._taker: BoardTaker | None = None
         self._asked: Picture | None = None
-        self._waiting: list[int] = []  # pictures of a recording that are still to be looked at
+        self._film: Pictures | None = None
+        self._waiting: list[int] = []  # its pictures that are still to be looked at
         self._fitted: tuple[TakenBoard, ...] = ()
         self._wrong = ""
         self._finding = Beside(view, "robsim board")
@@ -104,7 +108,7 @@ class LensPictures:
                 for one in self.taken
             ],
             "pixels": [pixel for one in self.taken for pixel in one.corners.pixels.tolist()],
-            "empty": empty_parts([one.corners for one in self.taken], self._size or (1, 1)),
+            "empty": empty_parts([one.corners for one in self.taken], self._size),
             "rms": None if report is None else report.rms,
             "verdict": None if report is None else report.verdict,
             "problems": self._problems(),
@@ -120,33 +124,52 @@ class LensPictures:
         self._finding.wait(timeout)
         self._fitting.wait(timeout)
 
+    @property
+    def _size(self) -> tuple[int, int]:
+        """That of the pictures that were taken (px)."""
+        return self.taken[0].size if self.taken else (1, 1)
+
     # What changes it.
 
     def choose(self, pattern: str, columns: int, rows: int, square: float) -> None:
-        """Set what the board is; the pictures of another one are forgotten."""
+        """Set what the board is, as `begin`."""
         if pattern not in _PATTERNS:
             raise ValueError(
                 f"pattern must be one of {', '.join(_PATTERNS)}, got {quoted(pattern)}"
             )
-        self.begin(_PATTERNS[pattern](columns, rows, square=square))
+        try:
+            self.begin(_PATTERNS[pattern](columns, rows, square=square))
+        finally:
+            self._tell()  # what it is after all
 
     def begin(self, board: Board) -> None:
-        """Set what the board is, as `choose`."""
-        if board != self.board:
-            self.board = board
-            self._begin()
-        self._tell()
+        """Set what the board is; ValueError if pictures show another one.
+
+        If only the side of its squares differs, the pictures that were taken count as before.
+        """
+        if is_resized(self.board, board):
+            self.taken = tuple(
+                replace(one, corners=resized(one.corners, self.board, board)) for one in self.taken
+            )
+        elif board != self.board:
+            if self.taken:
+                raise ValueError(
+                    f"the pictures that were taken show another board: {self._remove_first()}"
+                )
+            self._taker, self._waiting = None, []
+        self.board = board
+        self._changed()
 
     def take_now(self) -> int:
         """Take the picture that is shown, and wait for it; return how many corners it shows."""
         picture = self._view.picture
         if picture is None:
             raise ValueError("there is no picture yet")
+        self._refuse_more()
         found = self.board.find(picture.frame.image)
         if found is None:
             raise ValueError(f"no board in {picture.name}: {why_missing(self.board)}")
-        self._size_up(picture)
-        self._take(picture, found, is_asked=True)
+        self._keep(picture, found)
         return len(found.pixels)
 
     def fit_now(self) -> LensCalibration:
@@ -166,6 +189,7 @@ class LensPictures:
         picture = self._view.picture
         if picture is None:
             raise ValueError("there is no picture yet")
+        self._refuse_more()
         if self._finding.is_busy:
             self._asked = picture  # it comes next
         else:
@@ -177,22 +201,35 @@ class LensPictures:
         count = self._view.source.count
         if not count:
             raise ValueError("these are not the pictures of a recording: take them one by one")
-        self._waiting = [*range(0, count, max(count // _MOST_OF_A_FILM, 1))]
+        self._refuse_more()
+        self._film = self._view.source
+        self._waiting = [*range(0, count, math.ceil(count / _MOST_OF_A_FILM))]
         self._next()
         self._tell()
 
     def watch(self, on: bool) -> None:
         """Take live pictures by themselves, whenever the board stands still somewhere new."""
-        self.watches = check_bool("on", on)
-        if on and not self._view.source.is_live:
-            self.watches = False
-            raise ValueError("these pictures are not live: take them one by one")
-        self._tell()
+        self.watches = False
+        try:
+            if check_bool("on", on):
+                self._refuse_more()
+            if on and not self._view.source.is_live:
+                raise ValueError("these pictures are not live: take them one by one")
+            self.watches = on
+        finally:
+            self._tell()
 
-    def drop(self, number: int) -> None:
-        """Forget a picture, by its place in the list, from 0."""
-        number = check_int("picture", number, minimum=0, maximum=max(len(self.taken) - 1, 0))
-        self.taken = (*self.taken[:number], *self.taken[number + 1 :])
+    def drop(self, number: int | None) -> None:
+        """Forget a picture, by its place in the list, from 0; None = all."""
+        if number is None:
+            self.taken = ()
+        else:
+            number = check_int("picture", number, minimum=0, maximum=_MOST)
+            if number >= len(self.taken):
+                raise ValueError(f"there is no picture {number}")
+            self.taken = (*self.taken[:number], *self.taken[number + 1 :])
+        if not self.taken:
+            self._taker, self._waiting = None, []
         self._changed()
 
     def use(self) -> None:
@@ -204,36 +241,37 @@ class LensPictures:
     def changed_picture(self) -> None:
         """Look at a new picture, if boards are taken by themselves."""
         picture = self._view.picture
-        if self.watches and picture is not None and not self.is_busy and len(self.taken) < _MOST:
+        is_watched = self.watches and not self._view.is_replaced
+        if is_watched and picture is not None and not self.is_busy:
             self._look_at(picture, is_asked=False)
 
     # How.
 
-    def _begin(self) -> None:
-        self.taken, self.report, self._fitted = (), None, ()
-        self._taker, self._wrong, self._waiting = None, "", []
+    def _remove_first(self) -> str:
+        count = len(self.taken)
+        return "remove the picture first" if count == 1 else f"remove the {count} pictures first"
 
-    def _size_up(self, picture: Picture) -> tuple[int, int]:
-        """Begin anew if pictures have another size than before; return it."""
-        size = frame_size(picture.frame.image)
-        if self._size not in (None, size):
-            self._begin()
-        self._size = size
-        return size
+    def _refuse_more(self) -> None:
+        if len(self.taken) >= _MOST:
+            raise ValueError(f"there are {_MOST} pictures already, which is enough")
 
     def _look_at(self, picture: Picture, *, is_asked: bool = True) -> None:
         board, image = self.board, picture.frame.image
-        size = self._size_up(picture)
-        self._taker = taker = self._taker or BoardTaker(board, size)
+        if not is_asked:
+            self._taker = self._taker or BoardTaker(board, frame_size(image))
+            board = self._taker.board
+        look = board.find if is_asked or self._taker is None else self._taker.look
 
         def find() -> Corners | str | None:
             try:
-                return board.find(image) if is_asked else taker.look(image)
+                return look(image)
             except ImportError as error:
                 return str(error)
 
         def take(found: Corners | str | None) -> None:
-            if board == self.board:
+            if is_resized(board, self.board) and isinstance(found, Corners):
+                found = resized(found, board, self.board)
+            if board == self.board or is_resized(board, self.board):
                 self._take(picture, found, is_asked=is_asked)
             asked, self._asked = self._asked, None
             if asked is not None:
@@ -245,9 +283,15 @@ class LensPictures:
 
     def _take(self, picture: Picture, found: Corners | str | None, *, is_asked: bool) -> None:
         if isinstance(found, Corners):
-            if len(self.taken) < _MOST:
-                self.taken = (*self.taken, TakenBoard(self._name_of(picture), found))
-            self._changed()
+            try:
+                self._keep(picture, found)
+            except ValueError as error:
+                if is_asked:
+                    self._waiting = []
+                else:
+                    self.watches = False
+                self._view.note(str(error))
+                self._tell()
             return
         if isinstance(found, str):
             self.watches = False
@@ -257,16 +301,29 @@ class LensPictures:
         if is_asked or found is not None:
             self._tell()
 
+    def _keep(self, picture: Picture, found: Corners) -> None:
+        """Take a picture with its corners; ValueError if it does not go with the others."""
+        self._refuse_more()
+        size = frame_size(picture.frame.image)
+        if self.taken and size != self._size:
+            (width, height), (other_width, other_height) = self._size, size
+            raise ValueError(
+                f"the pictures of the board are {width} x {height}; this one is {other_width} x "
+                f"{other_height}: {self._remove_first()}, or take others of that size"
+            )
+        self.taken = (*self.taken, TakenBoard(self._name_of(picture), size, found))
+        self._changed()
+
     def _name_of(self, picture: Picture) -> str:
         names = {one.name for one in self.taken}
         candidates = (f"{picture.name} ({n})" for n in range(2, _MOST + 2))
         return next(name for name in (picture.name, *candidates) if name not in names)
 
     def _next(self) -> None:
-        if self._waiting and not self._finding.is_busy:
+        if self._waiting and self._film is not None and not self._finding.is_busy:
             k = self._waiting.pop(0)
             try:
-                self._look_at(self._view.source.at(k))
+                self._look_at(self._film.at(k))
             except (OSError, ValueError, IndexError) as error:
                 self._waiting = []
                 self._view.note(str(error))
@@ -296,12 +353,12 @@ class LensPictures:
 
     def _fit(self, taken: tuple[TakenBoard, ...]) -> LensCalibration | str:
         """Return the lens by pictures, or why there is none; any thread."""
-        if len(taken) < FEWEST or self._size is None:
+        if len(taken) < FEWEST:
             return ""
         views = [View(one.name, one.corners) for one in taken]
         cv2 = load_opencv("calibrating a lens")
         try:
-            return lens_of_views(cv2, self._size, views, [])
+            return lens_of_views(cv2, taken[0].size, views, [])
         except (ValueError, cv2.error) as error:
             return f"the lens could not be calibrated by these pictures: {error}"
 

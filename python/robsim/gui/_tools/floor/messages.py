@@ -25,7 +25,7 @@ MESSAGES: Messages = {
     "take": {},
     "take_all": {},
     "watch": {"on": switch},
-    "drop": {"picture": whole},
+    "drop": {"picture": maybe(whole)},
     "use_lens": {},
     "undo": {},
     "redo": {},

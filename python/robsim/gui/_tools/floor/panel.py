@@ -377,8 +377,8 @@ class FloorPanel(ToolPanel):
         Parameters
         ----------
         board : Chessboard or Charuco, optional
-            What it shows. Default: as it is; at first the default chessboard. The pictures of
-            another one are forgotten.
+            What it shows. Default: as it is; at first the default chessboard. If only the side of
+            its squares is another one than before, the pictures that were taken count as before.
 
         Returns
         -------
@@ -390,7 +390,8 @@ class FloorPanel(ToolPanel):
         ImportError
             If OpenCV is not installed.
         TypeError, ValueError
-            If an argument has the wrong type, or there is no board in the picture.
+            If an argument has the wrong type, there is no board in the picture, or those that were
+            taken have another size, or show another board: see `drop_boards`.
         """
         if not (board is None or isinstance(board, (Chessboard, Charuco))):
             raise TypeError(f"board must be a Chessboard or a Charuco, got {quoted(board)}")
@@ -402,6 +403,21 @@ class FloorPanel(ToolPanel):
             return lens.take_now()
 
         return self._view.ask(take)
+
+    def drop_boards(self, picture: int | None = None) -> None:
+        """Forget pictures of the board.
+
+        Parameters
+        ----------
+        picture : int, optional
+            Which one, by its place among those that were taken, from 0. Default: all.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such picture.
+        """
+        self._view.ask(lambda: self._view.lens.drop(picture))
 
     def calibrate_lens(self) -> LensCalibration:
         """Calibrate the lens by the pictures that were taken, and the floor through it.
