@@ -127,6 +127,18 @@ def test_corners_of_a_grid_are_added_where_the_picture_has_them(tool):
     assert len(tool._view.points.draft.points) == len(PLACES)
 
 
+def test_a_grid_of_too_many_places_is_refused_before_corners_are_looked_for(tool, monkeypatch):
+    tool.put(PIXELS, PLACES)
+    looked = []
+    monkeypatch.setattr(tool._view, "_snapped", lambda *_: looked.append(1))
+    with pytest.raises(ValueError, match="step must be larger: it gives"):
+        tool.fill(24)
+    assert looked == []
+    with pytest.raises(ValueError, match="no other corner"):
+        tool.fill(600)  # its places in the picture, without the points
+    assert len(looked) == 24
+
+
 def test_it_is_saved_and_loaded_with_the_lens_that_is_there(tool, tmp_path):
     matrix = [(700, 0, 399.5), (0, 700, 299.5), (0, 0, 1)]
     lens = Calibration(size=(800, 600), intrinsics=Intrinsics(matrix, [-0.05, 0, 0, 0, 0]))

@@ -7,9 +7,12 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+
 from robsim._base.checks import check_float
 from robsim._base.files import as_path
 from robsim._base.text import one_line
+from robsim._core import PlaneMap
 from robsim.calibration import FloorCalibration
 from robsim.gui._beside import Beside
 from robsim.gui._link import Link
@@ -29,6 +32,8 @@ from robsim.imaging._frames import frame_size
 WAYS = ("points", "sheets", "lens")
 _MOST_HALF = 100  # px of the picture to each side, of what a magnifying glass gets
 _FILL_REACH = 8.0  # px, of where a corner of a grid is expected
+
+Pixel = tuple[float, float]
 
 
 class FloorView(ToolView):
@@ -192,20 +197,36 @@ class FloorView(ToolView):
         calibration = self.fit_report().calibration
         floor = calibration.floor
         assert floor is not None
-        known = {one.place for one in draft.points}
-        found = []
-        for row in range(int(height / step) + 1):
-            for column in range(int(width / step) + 1):
-                place = (column * step, row * step)
-                pixel = floor.to_pixel([one / draft.mm_per_px for one in place]).tolist()
-                if place not in known and (corner := self._snapped(tuple(pixel), _FILL_REACH)):
-                    found.append((corner, place))
+        expected = self._grid_places(floor, step)
+        if len(draft.points) + len(expected) > MOST:
+            raise ValueError(
+                f"step must be larger: it gives {len(expected)} places in the picture, and there "
+                f"may be {MOST} points"
+            )
+        found = [
+            (corner, place)
+            for pixel, place in expected
+            if (corner := self._snapped(pixel, _FILL_REACH))
+        ]
         if not found:
             raise ValueError(f"no other corner lies on a grid of {step:g} mm")
-        if len(draft.points) + len(found) > MOST:
-            raise ValueError(f"step must be larger: it gives {len(found)} points")
         self.points.extend(found)
         return len(found)
+
+    def _grid_places(self, floor: PlaneMap, step: float) -> list[tuple[Pixel, Pixel]]:
+        """Return where a grid (mm) is in the picture, and on the floor, without its points."""
+        draft = self.points.draft
+        assert self.picture is not None
+        width, height = frame_size(self.picture.frame.image)
+        columns, rows = (int(side * draft.mm_per_px / step) + 1 for side in draft.area)
+        places = [(column * step, row * step) for row in range(rows) for column in range(columns)]
+        pixels = floor.to_pixel(np.array(places) / draft.mm_per_px).tolist()
+        known = {one.place for one in draft.points}
+        return [
+            ((u, v), place)
+            for (u, v), place in zip(pixels, places, strict=True)
+            if place not in known and 0 <= u < width and 0 <= v < height
+        ]
 
     def use(self, way: str) -> None:
         """Let the floor be fitted by points, or by sheets; or show the lens."""
