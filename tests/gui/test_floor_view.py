@@ -1,5 +1,6 @@
 """The panel that calibrates a floor, without a browser."""
 
+import os
 import threading
 
 import numpy as np
@@ -165,6 +166,68 @@ def test_it_is_saved_and_loaded_with_the_lens_that_is_there(tool, tmp_path):
         np.testing.assert_allclose(
             5 * again.value.floor.to_world(at), 2.5 * saved.floor.to_world(at)
         )
+
+
+LENS = Calibration(
+    size=(800, 600), intrinsics=Intrinsics([(700, 0, 399.5), (0, 700, 299.5), (0, 0, 1)])
+)
+
+
+def test_a_file_that_is_no_calibration_is_not_overwritten(tool, browser, tmp_path):
+    tool.put(PIXELS, PLACES)
+    for name, content in (("colors.toml", "format = 1\n"), ("notes.toml", "to do")):
+        (tmp_path / name).write_text(content)
+        browser.say("save", file=name)
+        said = f"{name} is no calibration: save under another name"
+        assert said in browser.take("note", level="error")[0]["text"]
+        assert (tmp_path / name).read_text() == content
+    assert tool._view.file.name == "example.toml"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes")
+def test_a_pipe_is_neither_read_nor_written(tool, browser, tmp_path):
+    tool.put(PIXELS, PLACES)
+    os.mkfifo(tmp_path / "pipe.toml")
+    (tmp_path / "folder.toml").mkdir()
+    for name in ("pipe.toml", "folder.toml"):
+        for kind in ("load", "save"):
+            browser.say(kind, file=name)
+            assert f"{name} is not a file" in browser.take("note", level="error")[0]["text"]
+
+
+def test_a_calibration_that_was_not_read_is_not_overwritten(tool, tmp_path):
+    tool.put(PIXELS, PLACES)
+    floor = tool.value
+    save_calibration("camera.toml", floor)
+    with robsim.floor_panel(tiled_floor(), calibration=LENS) as other:
+        with pytest.raises(ValueError, match=r"camera.toml is there already, and was not read"):
+            other.save()
+        with pytest.raises(ValueError, match="there already"):
+            tool.save("camera.toml")
+        assert load_calibration("camera.toml") == floor
+        assert other.save("mine.toml") == other.save()  # which it wrote itself
+    with robsim.floor_panel(tiled_floor(), calibration="mine.toml") as third:
+        assert third.save(tmp_path / "mine.toml").name == "mine.toml"
+        with pytest.raises(ValueError, match="there already"):
+            third.save("camera.toml")
+        third._view.load("camera.toml")
+        assert third.save().name == "camera.toml"
+    with robsim.floor_panel(tiled_floor(), file="camera.toml") as fourth:
+        assert fourth.save().name == "camera.toml"
+
+
+def test_that_a_floor_is_dropped_from_a_file_is_said(tool):
+    tool.put(PIXELS, PLACES)
+    save_calibration("camera.toml", tool.value)
+    with robsim.floor_panel(tiled_floor(), file="camera.toml") as other:
+        browser = FakeBrowser(other._view, 200)
+        browser.take("frame")
+        other._view.ask(lambda: other._view.take(LENS))  # as a lens that was calibrated
+        other.save()
+        assert "camera.toml had a floor" in browser.take("note", level="info")[0]["text"]
+        other.save()
+        browser.say("save", file="camera.toml")
+        assert "written" in browser.take("note", level="info")[0]["text"]  # there is none any more
 
 
 @pytest.mark.parametrize(

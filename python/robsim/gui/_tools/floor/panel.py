@@ -79,23 +79,25 @@ def floor_panel(
     given = None if file is None else as_path(file, "file")
     if what is None and calibration is None and given is None:
         given = Path(_EXAMPLE_FILE)  # yours stays as it is
-    known, path = _known(calibration, given)
+    known, path, is_read = _known(calibration, given)
     example = OnePicture(tiled_floor(), TITLE) if what is None else None
     source = example or pictures_of(what, load_robot())
-    return FloorPanel(FloorView(source, known, _draft_of(known), path))
+    return FloorPanel(FloorView(source, known, _draft_of(known), path, is_read=is_read))
 
 
-def _known(calibration: Any, file: Path | None) -> tuple[Calibration | None, Path]:
-    """Return what is known already, and the file to write."""
+def _known(calibration: Any, file: Path | None) -> tuple[Calibration | None, Path, bool]:
+    """Return what is known already, the file to write, and whether that is where it is from."""
     if isinstance(calibration, Calibration):
-        return calibration, file or Path(_FILE)
+        return calibration, file or Path(_FILE), False
     if calibration is None:
         path = file or Path(_FILE)
-        return (load_calibration(path) if path.exists() else None), path
+        is_there = path.exists()
+        return (load_calibration(path) if is_there else None), path, is_there
     if not isinstance(calibration, (str, PathLike)):
         raise TypeError(f"calibration must be a Calibration or a path, got {quoted(calibration)}")
     path = as_path(calibration, "calibration")
-    return load_calibration(path), file or path
+    known = load_calibration(path)
+    return known, file or path, file is None or file.resolve() == path.resolve()
 
 
 def _draft_of(known: Calibration | None) -> FloorDraft:
@@ -461,8 +463,9 @@ class FloorPanel(ToolPanel):
         OSError
             If it cannot be written.
         TypeError, ValueError
-            If `path` is no path, something is missing, or the file has a lens that this floor was
-            not calibrated with.
+            If `path` is no path, something is missing, or the file is there already, but is no
+            calibration, was neither read nor written by this panel, or has a lens that this floor
+            was not calibrated with.
         """
         return self._view.ask(lambda: self._view.save(path))
 

@@ -18,6 +18,7 @@ from robsim.gui._beside import Beside
 from robsim.gui._link import Link
 from robsim.gui._messages import Messages
 from robsim.gui._tools.floor.corners import snapped
+from robsim.gui._tools.floor.file import refuse_device, replaced
 from robsim.gui._tools.floor.fitting import fit_of, fitted, grid_of, on_work_area
 from robsim.gui._tools.floor.lens import LensPictures
 from robsim.gui._tools.floor.messages import MESSAGES
@@ -49,18 +50,27 @@ class FloorView(ToolView):
         The work area, without points.
     file : path
         What is written, unless another file is named.
+    is_read : bool
+        Whether `base` is what that file has.
     """
 
     kind: ClassVar[str] = "floor"
     messages: ClassVar[Messages] = MESSAGES
 
     def __init__(
-        self, source: Pictures, base: Calibration | None, draft: FloorDraft, file: Path
+        self,
+        source: Pictures,
+        base: Calibration | None,
+        draft: FloorDraft,
+        file: Path,
+        *,
+        is_read: bool,
     ) -> None:
         self.points = FloorPoints(draft)
         self.sheets = FloorSheets()
         self.base = base
         self.file = file
+        self._files = {file.resolve()} if is_read else set()  # that were read or written
         self.way = WAYS[0]
         self._chosen: int | None = None
         self._frames: tuple[int, int] | None = None
@@ -237,9 +247,9 @@ class FloorView(ToolView):
     def load(self, file: str | PathLike[str]) -> None:
         """Take lens and floor of a calibration in place of those that are known."""
         path = as_path(file, "calibration")
+        refuse_device(path)
         self.take(load_calibration(path))
-        self.file = path
-        self.tell_state()
+        self._note_file(path)
 
     def take(self, calibration: Calibration | None) -> None:
         """Take lens and floor of a calibration; None = nothing is known."""
@@ -256,11 +266,21 @@ class FloorView(ToolView):
         """Write the calibration into a file, which is the panel's from now on."""
         file = self.file if path is None else as_path(path)
         calibration = self.calibration()
-        _refuse_other_lens(file, calibration)
+        there = replaced(file, calibration, is_known=file.resolve() in self._files)
         save_calibration(file, calibration)
-        self.file = file
-        self.tell_state()
+        self._note_file(file)
+        if there is not None and there.floor is not None and calibration.floor is None:
+            self.note(
+                f"{one_line(file)} had a floor, by the lens that is replaced: calibrate it again",
+                "info",
+            )
         return file
+
+    def _note_file(self, file: Path) -> None:
+        """Note the file that was read or written: it is the one to write from now on."""
+        self.file = file
+        self._files.add(file.resolve())
+        self.tell_state()
 
     # What it is.
 
@@ -443,18 +463,3 @@ def _lens_state(base: Calibration | None) -> dict[str, Any] | None:
         return None
     residuals = base.lens_residuals
     return {"rms": None if residuals is None else residuals.rms, "size": [*base.size]}
-
-
-def _refuse_other_lens(file: Path, calibration: Calibration) -> None:
-    """Keep the lens that a file has, if nothing was known of one."""
-    if calibration.intrinsics is not None or not file.exists():
-        return
-    try:
-        there = load_calibration(file)
-    except ValueError:
-        return  # it is no calibration: save_calibration writes it anew
-    if there.intrinsics is not None:
-        raise ValueError(
-            f"{one_line(file)} has a lens, which this floor was not calibrated with: load it, or "
-            "save under another name"
-        )
