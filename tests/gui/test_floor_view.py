@@ -216,6 +216,29 @@ def test_a_calibration_that_was_not_read_is_not_overwritten(tool, tmp_path):
         assert fourth.save().name == "camera.toml"
 
 
+def test_a_lens_can_be_saved_before_there_is_a_floor(tool, browser):
+    def why():
+        return fitted(tool)["cannot_save"]
+
+    assert "place 4 points more" in why()
+    browser.say("by", name="lens")
+    settled(tool._view)
+    assert "press Use this lens" in why()
+    tool._view.ask(lambda: tool._view.take(LENS))
+    assert why() == ""
+    browser.say("save", file="lens.toml")
+    assert "lens.toml" in browser.take("note", level="info")[0]["text"]
+    tool.add(PIXELS[0])
+    assert "place 3 points more" in why()
+    with pytest.raises(ValueError, match="place 3 points more"):
+        tool.save()
+    tool.put(PIXELS, PLACES)
+    assert why() == ""
+    browser.say("by", name="sheets")
+    settled(tool._view)
+    assert "Find sheets" in why()
+
+
 def test_that_a_floor_is_dropped_from_a_file_is_said(tool):
     tool.put(PIXELS, PLACES)
     save_calibration("camera.toml", tool.value)

@@ -144,6 +144,7 @@ class FloorView(ToolView):
             "pending": self._finding.is_busy or self._fitted != self._task(),
             "lens": _lens_state(self.base),
             "file": str(self.file),
+            "cannot_save": self._why_not_saved(),
             "can_undo": self.points.can_undo,
             "can_redo": self.points.can_redo,
         }
@@ -331,6 +332,16 @@ class FloorView(ToolView):
         if self._fit_report is not None:
             said += [one.sentence for one in self._fit_report.problems]
         return said
+
+    def _why_not_saved(self) -> str:
+        """Return what is to be done before it can be saved; empty if it can be."""
+        is_lens_alone = self.base is not None and self.base.floor is None
+        has_points = bool(self.points.draft.points) or self.way == "sheets"
+        if self._shown_calibration() is not None or (is_lens_alone and not has_points):
+            return ""
+        if self.way == "lens" and not has_points:
+            return "take pictures of the board, and press Use this lens when it fits"
+        return "; ".join(self._problems()) or "it is not ready yet"
 
     # How it is fitted: in a thread of its own, always what is newest.
 

@@ -103,7 +103,8 @@ export function makeFloorFile(context) {
   let known = "";
   context.on("state", (state) => {
     if (state.file != known) file.value = known = state.file;
-    save.disabled = !state.grid;
+    save.disabled = Boolean(state.cannot_save);
+    save.title = state.cannot_save || text("save_calibration.title");
   });
   return make("div", { className: "robsim-tool-row robsim-floor-file" }, file, load, save);
 }
