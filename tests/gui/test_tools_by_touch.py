@@ -76,6 +76,8 @@ def test_two_fingers_zoom_and_change_nothing(robots):
         fingers.touch("touchMove", (240 - spread, 240), (240 + spread, 240))
     fingers.touch("touchEnd")
     fingers.tab.wait_for_selector("[name=zoom_reset]:visible")
+    fingers.tab.click(".robsim-segments [value=blue]")  # told after all that the fingers did
+    wait_for(lambda: tool._view._part == "blue")
     assert tool._view.drawing.sketch is before
 
 

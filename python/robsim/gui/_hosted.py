@@ -73,6 +73,9 @@ class HostedPanel(ABC):
     def message(self, kind: str, **fields: Any) -> list[dict[str, Any]]:
         """Do what the page asks for when the mouse does something there, and wait for its end.
 
+        What is computed beside the panel, such as how well colours would do in other light, or
+        where floor sheets are, comes later.
+
         Parameters
         ----------
         kind : str
