@@ -129,3 +129,21 @@ def test_a_robot_is_captured_from_a_camera(user_folder):
         browser.say("resume")
         wait_for(lambda: view._state()["mode"] == "capture")
         view.close()
+
+
+def test_reset_goes_back_to_how_it_began_and_can_be_undone(user_folder):
+    with robsim.robot_panel(robot="lab") as tool:
+        begun = tool.value
+        tool.turn(20)
+        turned = tool.value.alignment
+        tool.message("reset")
+        assert tool.value is begun
+        tool.undo()
+        assert tool.value.alignment == turned
+        tool.load(np.array(load_robot("sheep").image))
+        outline = tool._view.drawing.sketch.outline
+        tool.message("part", name="outline")
+        tool.message("clear")
+        tool.message("reset")
+        np.testing.assert_array_equal(tool._view.drawing.sketch.outline, outline)
+        assert tool._view.name not in robsim.robots.robot_names()

@@ -72,6 +72,12 @@ class RobotDrawing:
         self._before.clear()
         self._after.clear()
 
+    def go_to(self, sketch: Sketch) -> None:
+        """Draw on as it was once; that can be undone."""
+        if sketch is not self.sketch:
+            self._remember()
+            self.sketch = sketch
+
     # Corners.
 
     def put(self, part: str, polygon: Any) -> None:
@@ -215,9 +221,13 @@ class RobotDrawing:
     def _index(self, part: str, corner: int) -> int:
         return check_int("corner", corner, minimum=0, maximum=len(self._polygon(part)) - 1)
 
+    def _remember(self) -> None:
+        self._before = [*self._before[1 - _MOST_CHANGES :], self.sketch]
+        self._after.clear()
+
     def _change(self, changes: dict[str, Any], *, goes_on: bool = False) -> None:
         if not (goes_on and self._before):
-            self._before = [*self._before[1 - _MOST_CHANGES :], self.sketch]
+            self._remember()
         self._after.clear()
         if "outline" in changes:
             changes["centre"] = None

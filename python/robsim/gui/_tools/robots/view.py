@@ -69,6 +69,7 @@ class RobotsView(ToolView):
         begins_live: bool = True,
     ) -> None:
         self._as_loaded = sketch_of(robot)
+        self._begun = self._as_loaded  # where Reset goes back to
         self.drawing = RobotDrawing(self._as_loaded)
         self.name = robot.name
         self._of: str | None = robot.name  # the robot that is drawn on; None = of a picture
@@ -105,8 +106,8 @@ class RobotsView(ToolView):
             "capture_whole": lambda _: self.capture(whole=True),
             "resume": lambda _: self._resume(),
             "no_camera": lambda _: self._show_drawing(),
+            "reset": lambda _: self._reset(),
             "part": lambda m: self._choose(m["name"]),
-            "reset": lambda _: self.load(self._loaded),
             "save": lambda m: self._save(m["name"], m["overwrite"]),
         }
         handlers = {name: in_place(act) for name, act in acts.items()}
@@ -164,7 +165,8 @@ class RobotsView(ToolView):
     def load(self, robot: RobotDefinition) -> None:
         """Draw on a robot that there is."""
         self._as_loaded = sketch_of(robot)
-        self.drawing.begin(self._as_loaded)
+        self._begun = self._as_loaded
+        self.drawing.begin(self._begun)
         self.name = self._of = robot.name
         self._loaded = robot
         self._show_drawing()
@@ -215,7 +217,8 @@ class RobotsView(ToolView):
             name, self.drawing.definition(name), overwrite=overwrite, ignore_colors=True
         )
         self.name = self._of = robot.name
-        self._loaded, self._as_loaded = robot, self.drawing.sketch
+        self._loaded = robot
+        self._begun = self._as_loaded = self.drawing.sketch
         self.tell_state()
         return robot
 
@@ -251,7 +254,12 @@ class RobotsView(ToolView):
     def _can_capture(self) -> bool:
         return self._has_pictures or self.is_replaced
 
+    def _reset(self) -> None:
+        self.drawing.go_to(self._begun)
+        self._show_drawing()
+
     def _draw_on(self, sketch: Sketch, name: str = _NAME) -> None:
+        self._begun = sketch
         self.drawing.begin(sketch)
         self.name, self._of = _free_name(name), None
         self._part = PARTS[0]
