@@ -15,6 +15,8 @@ export function makeLensBoard(context) {
   const [take, all] = [act("take_board", "take"), act("take_all_boards", "take_all")];
   take.classList.add("robsim-primary");
   const use = act("use_lens", "use_lens");
+  const drop = makeTextButton("drop_boards", "", () =>
+    context.send({ type: "drop", picture: null }));
   const watch = makeField({ name: "watch", kind: "switch" },
     (on) => context.send({ type: "watch", on }), () => {});
   context.onEnd(watch.end);
@@ -33,6 +35,9 @@ export function makeLensBoard(context) {
     watch.show(board.watches);
     take.disabled = all.disabled = board.busy;
     use.disabled = board.rms == null || board.busy;
+    use.title = board.busy ? text("board_busy")
+      : (use.disabled && board.problems[0]) || text("use_lens.title");
+    drop.hidden = !board.pictures.length;
     chip.hidden = !board.verdict;
     chip.className = `robsim-chip ${VERDICT_LOOKS[board.verdict] ?? ""}`;
     setWords(chip, board.verdict ? text(`floor_verdict.${board.verdict}`) : "");
@@ -42,7 +47,7 @@ export function makeLensBoard(context) {
   });
   const row = (...parts) => make("div", { className: "robsim-tool-row" }, ...parts);
   return make("div", { className: "robsim-tool-fields" }, makeBoardFields(context), hint,
-    row(take, all, watch.element), row(chip, figures, use), problems, pictures);
+    row(take, all, watch.element), row(chip, figures, use, drop), problems, pictures);
 }
 
 function wordsOf({ pictures, rms, busy }) {
@@ -60,15 +65,18 @@ function makeBoardFields(context) {
   const kind = make("select", { className: "robsim-select", name: "board_kind",
     ariaLabel: text("board_kind") }, ...BOARD_KINDS.map((value) =>
     make("option", { value, textContent: text(`board_kind.${value}`) })));
+  const typed = new Set(); // those that are being typed in
   const fields = ["columns", "rows", "square"].map((name) => {
     const label = text(`board_${name}`);
     const input = make("input", { type: "number", className: "robsim-text-field robsim-shorter",
       name: `board_${name}`, min: "1", step: name == "square" ? "any" : "1", ariaLabel: label,
       title: label });
     input.onkeydown = (event) => event.stopPropagation();
+    input.oninput = () => typed.add(input);
     return input;
   });
   const tell = () => {
+    typed.clear();
     const [columns, rows, square] = fields.map(({ valueAsNumber }) => valueAsNumber);
     if (![columns, rows].every(Number.isInteger) || !Number.isFinite(square)) return;
     context.send({ type: "board", pattern: kind.value, columns, rows, square });
@@ -80,7 +88,7 @@ function makeBoardFields(context) {
     kind.value = board.pattern;
     unit.textContent = text(`board_unit.${board.pattern}`);
     [board.columns, board.rows, board.square].forEach((value, i) => {
-      if (document.activeElement != fields[i]) fields[i].value = String(value);
+      if (!typed.has(fields[i])) fields[i].value = String(value);
     });
   });
   const [columns, rows, square] = fields;
