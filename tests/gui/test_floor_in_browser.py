@@ -64,6 +64,7 @@ def test_a_floor_is_calibrated_and_saved(open_tool, tmp_path, monkeypatch, theme
         problems = ".robsim-floor-result .robsim-problems"
         assert "place 4 points more" in tab.inner_text(problems)
         assert tab.is_disabled("[name=save_calibration]")
+        assert "place 4 points more" in tab.get_attribute("[name=save_calibration]", "title")
         for number, (pixel, (x, y)) in enumerate(zip(PIXELS, PLACES, strict=True), start=1):
             hand.click(np.add(pixel, (2, -1)))
             tab.keyboard.type(str(x))  # on the picture
@@ -121,6 +122,29 @@ def test_a_point_is_dragged_nudged_chosen_and_removed(hand):
     wait_for(lambda: [one.number for one in hand.points] == [2])
     tab.click("[name=clear]")
     wait_for(lambda: hand.points == ())
+
+
+def test_a_place_that_is_no_number_is_marked_and_changes_nothing(hand):
+    tab = hand.tab
+    hand.click(PIXELS[0])
+    tab.fill("[name=x_1]", "300")
+    tab.fill("[name=y_1]", "400")
+    tab.keyboard.press("Enter")
+    wait_for(lambda: hand.points[0].place == (300, 400))
+    tab.fill("[name=x_1]", "3oo")
+    tab.keyboard.press("Enter")
+    tab.wait_for_selector("[name=x_1][aria-invalid=true]")
+    tab.fill("[name=y_1]", "500")
+    tab.keyboard.press("Enter")
+    wait_for(lambda: hand.points[0].place == (300, 500))
+    assert tab.input_value("[name=x_1]") == "3oo"
+    tab.fill("[name=x_1]", "350")
+    tab.keyboard.press("Enter")
+    wait_for(lambda: hand.points[0].place == (350, 500))
+    assert not tab.locator("[name=x_1][aria-invalid=true]").count()
+    tab.fill("[name=x_1]", "")
+    tab.keyboard.press("Enter")
+    wait_for(lambda: hand.points[0].place == (None, 500))
 
 
 def test_in_the_glass_a_point_is_moved_by_parts_of_a_pixel(hand):
@@ -236,6 +260,17 @@ def test_a_lens_is_taken_and_used(open_tool, tmp_path, monkeypatch):
         tab.click("[name=use_lens]")
         tab.wait_for_selector("text=The lens is calibrated")
         assert tool.value.intrinsics is not None
+        assert tab.is_enabled("[name=save_calibration]")  # without a floor
+        tab.fill("[name=board_square]", "26")
+        tab.keyboard.press("Enter")
+        wait_for(lambda: tool._view.lens.board.square == 26)
+        tab.wait_for_selector("text=8 pictures, rms")
         tab.fill("[name=board_columns]", "8")
         tab.keyboard.press("Enter")
+        tab.wait_for_selector(".robsim-toast:has-text('remove the 8 pictures first')")
+        wait_for(lambda: tab.input_value("[name=board_columns]") == "9")
+        tab.click("[name=drop_boards]")
         tab.wait_for_selector("text=take 4 pictures more")
+        tab.fill("[name=board_columns]", "8")
+        tab.keyboard.press("Enter")
+        wait_for(lambda: tool._view.lens.board.columns == 8)

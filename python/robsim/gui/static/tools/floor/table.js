@@ -3,13 +3,10 @@
 import { makeTextButton } from "../../base/buttons.js";
 import { make } from "../../base/dom.js";
 import { text } from "../../base/texts.js";
+import { isWrong, readNumber } from "./numbers.js";
 import { fitsOf, standing } from "./marks.js";
 
 const AXES = ["x", "y"];
-const asNumber = (words) => {
-  const found = Number(words.trim().replace(",", ".").replace("\u2212", "-"));
-  return words.trim() && Number.isFinite(found) ? found : null;
-};
 const asWords = (value) => (value == null ? "" : String(Number(value.toFixed(3))));
 
 /** `focus` gives the picture the keys again. */
@@ -23,8 +20,11 @@ export function makePointTable(context, focus) {
     if (to) to.focus();
     else focus();
   };
-  const tell = (number) => {
-    const [x, y] = AXES.map((axis) => asNumber(rows.get(number)[axis].value));
+  const tell = (number, axis) => {
+    const made = rows.get(number);
+    if (readNumber(made[axis]) === undefined) return;
+    const known = context.state.points.find((one) => one.number == number)?.place ?? [];
+    const [x, y] = AXES.map((name, i) => readNumber(made[name], known[i]));
     context.send({ type: "place", point: number, x, y });
   };
   const keys = (event) => {
@@ -37,7 +37,7 @@ export function makePointTable(context, focus) {
     const field = (axis) => make("input", {
       className: "robsim-text-field", name: `${axis}_${number}`, inputMode: "decimal",
       ariaLabel: text(`point.${axis}`, { number }), autocomplete: "off",
-      onchange: () => tell(number), onkeydown: keys,
+      onchange: () => tell(number, axis), onkeydown: keys,
       onfocus: () => number == context.state.chosen || choose(number),
     });
     const [x, y] = AXES.map(field);
@@ -69,7 +69,8 @@ export function makePointTable(context, focus) {
       const made = rows.get(number);
       if (!made.row.isConnected || made.row.parentNode != body) body.append(made.row);
       AXES.forEach((axis, i) => {
-        if (document.activeElement != made[axis]) made[axis].value = asWords(place[i]);
+        const field = made[axis];
+        if (document.activeElement != field && !isWrong(field)) field.value = asWords(place[i]);
       });
       const fit = fits.get(number);
       made.mm.textContent = fit ? fit.mm.toFixed(1) : "";
@@ -101,7 +102,7 @@ export function makePointBar(context) {
   const step = make("input", { className: "robsim-text-field robsim-short", name: "fill_step",
     inputMode: "decimal", value: "300", ariaLabel: text("fill_step") });
   const fill = makeTextButton("fill", "", () => {
-    const value = asNumber(step.value);
+    const value = readNumber(step);
     if (value) context.send({ type: "fill", step: value });
   });
   step.onkeydown = (event) => {
@@ -127,7 +128,7 @@ export function makeSheetTable(context) {
   const mark = make("input", { className: "robsim-text-field robsim-short", name: "mark",
     inputMode: "decimal", ariaLabel: text("sheet_mark") });
   mark.onchange = () => {
-    const value = asNumber(mark.value);
+    const value = readNumber(mark);
     if (value != null) context.send({ type: "set", name: "mark", value });
   };
   mark.onkeydown = (event) => event.stopPropagation();
@@ -142,7 +143,9 @@ export function makeSheetTable(context) {
     for (const field of fields) {
       field.onkeydown = (event) => event.stopPropagation();
       field.onchange = () => {
-        const [x, y] = fields.map(({ value }) => asNumber(value));
+        if (readNumber(field) === undefined) return;
+        const known = context.state.sheets.found.find((one) => one.number == number);
+        const [x, y] = fields.map((one, i) => readNumber(one, known?.place[i] ?? null));
         context.send({ type: "sheet", number, x, y });
       };
     }
