@@ -242,19 +242,19 @@ def test_pictures_are_taken_from_a_live_camera(monkeypatch, tmp_path):
     from robsim.cli.live import sources
 
     images = list(board_pictures(BOARD, farther=1.3))
+    looks = []
+    look = BoardTaker.look
+    monkeypatch.setattr(BoardTaker, "look", lambda *args: looks.append(args) or look(*args))
 
     class Held(EndlessCamera):
-        """Shows one picture after the other, each for a while."""
-
-        number = 0
+        """Shows one picture after the other, each until it was looked at a few times."""
 
         def read(self):
-            self.image = images[min(self.number // 8, len(images) - 1)]
-            self.number += 1
+            self.image = images[min(len(looks) // 4, len(images) - 1)]
             time.sleep(0.02)
             return super().read()
 
-    monkeypatch.setattr(sources, "_source", lambda text: Held(images[0], 8 * len(images)))
+    monkeypatch.setattr(sources, "_source", lambda text: Held(images[0]))
     result = calibrate("lens", "--camera", "0", "--count", "5", "--keep", tmp_path / "kept")
     assert result.exit_code in (0, 1), result.output
     assert "5 of 5" in result.stderr

@@ -96,12 +96,20 @@ def test_a_pause_is_told_though_its_last_step_cannot_be_had(mistakes, monkeypatc
 
 
 WAIT = """
-import signal
+import signal, sys, threading, time
 import robsim
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a job in the background
 panel = robsim.panel(robsim.Simulation(area=(300, 300)), speed=float("inf"))
 panel.start()
-print(panel.url, flush=True)
+panel.url  # is served from here on
+
+def tell():
+    main = threading.main_thread().ident
+    while sys._current_frames()[main].f_code.co_filename != threading.__file__:
+        time.sleep(0.01)
+    print("waits", flush=True)
+
+threading.Timer(0.2, tell).start()
 panel.wait()
 print(panel.state, len(panel.trace) > 0)
 """
