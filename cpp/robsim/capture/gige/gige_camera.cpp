@@ -17,6 +17,7 @@ namespace {
 
 constexpr double patience_for_answer = 0.5;      // s; a camera answers within milliseconds
 constexpr double patience_for_discovery = 1;     // s
+constexpr int most_attempts = 3;
 constexpr guint64 patience_for_frame = 100'000;  // us
 constexpr int local_packet = 16000;  // bytes: on loopback the fewer there are, the fewer are lost
 constexpr int safe_packet = 1500;    // bytes, of any Ethernet
@@ -129,6 +130,19 @@ void GigeCamera::open() {
   if (stream_) return;
   give_back();
   const GigeIdentity identity = find();
+  // A program that is held up on a busy machine loses the camera again before it has started it.
+  for (int attempts_left = most_attempts - 1;; --attempts_left) {
+    try {
+      return open_at(identity);
+    } catch (const CaptureError& error) {
+      const bool was_ours = camera_ != nullptr;
+      if (error.fault() != CaptureFault::busy || !was_ours || attempts_left == 0) throw;
+      give_back();
+    }
+  }
+}
+
+void GigeCamera::open_at(const GigeIdentity& identity) {
   try {
     connect(identity);
     apply(settings_, camera_.get(), name_);

@@ -54,6 +54,7 @@ class GigeCamera : public CaptureDevice {
 
  private:
   GigeIdentity find() const;
+  void open_at(const GigeIdentity& identity);
   void connect(const GigeIdentity& identity);
   void choose_packet_size(const GigeIdentity& identity);
   void prepare();
