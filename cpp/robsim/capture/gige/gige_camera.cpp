@@ -15,8 +15,8 @@ namespace robsim {
 
 namespace {
 
-constexpr double patience_for_answer = 0.5;      // s; a camera answers within milliseconds
-constexpr double patience_for_discovery = 1;     // s
+constexpr double patience_for_answer = 0.5;   // s; a camera answers within milliseconds
+constexpr double patience_for_discovery = 1;  // s
 constexpr int most_attempts = 3;
 constexpr guint64 patience_for_frame = 100'000;  // us
 constexpr int local_packet = 16000;  // bytes: on loopback the fewer there are, the fewer are lost
