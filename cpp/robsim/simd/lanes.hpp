@@ -2,51 +2,75 @@
 
 #include <cstring>
 #include <functional>
+#include <type_traits>
 
 #include "robsim/simd/target.hpp"
 
 namespace robsim::simd {
 
-/// A vector of four doubles, in registers as wide as the processor has. In memory: four doubles of
-/// any alignment.
-class Lanes {
+/// A vector of 32 bytes of numbers, in registers as wide as the processor has. In memory: so many
+/// numbers at any alignment. Operations are those of the numbers, one by one.
+template <typename Number>
+class LanesOf {
  public:
-  static constexpr int count = 4;
+  static constexpr int count = 32 / sizeof(Number);
 
-  ROBSIM_INLINE Lanes(double a, double b, double c, double d) : vector_{a, b, c, d} {}
-  static ROBSIM_INLINE Lanes all(double value) { return {value, value, value, value}; }
+  LanesOf() = default;  // any numbers
 
-  static ROBSIM_INLINE Lanes load(const double* values) {
+  /// So many numbers as there are lanes.
+  template <typename... Numbers, typename = std::enable_if_t<sizeof...(Numbers) == count>>
+  ROBSIM_INLINE LanesOf(Numbers... numbers) : vector_{static_cast<Number>(numbers)...} {}
+
+  static ROBSIM_INLINE LanesOf all(Number value) { return LanesOf(Vector{} + value); }
+
+  static ROBSIM_INLINE LanesOf load(const Number* values) {
     Vector vector;
     std::memcpy(&vector, values, sizeof(vector));
-    return Lanes(vector);
+    return LanesOf(vector);
   }
-  ROBSIM_INLINE void store(double* values) const { std::memcpy(values, &vector_, sizeof(vector_)); }
+  ROBSIM_INLINE void store(Number* values) const { std::memcpy(values, &vector_, sizeof(vector_)); }
 
-  friend ROBSIM_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
-    return Lanes(a.vector_ + b.vector_);
+  friend ROBSIM_INLINE LanesOf operator+(const LanesOf& a, const LanesOf& b) {
+    return LanesOf(a.vector_ + b.vector_);
   }
-  friend ROBSIM_INLINE Lanes operator-(const Lanes& a, const Lanes& b) {
-    return Lanes(a.vector_ - b.vector_);
+  friend ROBSIM_INLINE LanesOf operator-(const LanesOf& a, const LanesOf& b) {
+    return LanesOf(a.vector_ - b.vector_);
   }
-  friend ROBSIM_INLINE Lanes operator*(const Lanes& a, const Lanes& b) {
-    return Lanes(a.vector_ * b.vector_);
+  friend ROBSIM_INLINE LanesOf operator*(const LanesOf& a, const LanesOf& b) {
+    return LanesOf(a.vector_ * b.vector_);
   }
-  friend ROBSIM_INLINE Lanes operator/(const Lanes& a, const Lanes& b) {
-    return Lanes(a.vector_ / b.vector_);
+  friend ROBSIM_INLINE LanesOf operator/(const LanesOf& a, const LanesOf& b) {
+    return LanesOf(a.vector_ / b.vector_);
+  }
+
+  /// The numbers of `a`, moved into [least, most].
+  friend ROBSIM_INLINE LanesOf within(const LanesOf& a, const LanesOf& least, const LanesOf& most) {
+#if defined(__GNUC__) || defined(__clang__)
+    const Vector raised = a.vector_ > least.vector_ ? a.vector_ : least.vector_;
+    return LanesOf(raised < most.vector_ ? raised : most.vector_);
+#else
+    const Vector raised =
+        a.vector_.with(least.vector_, [](Number x, Number y) { return x > y ? x : y; });
+    return LanesOf(raised.with(most.vector_, [](Number x, Number y) { return x < y ? x : y; }));
+#endif
   }
 
  private:
 #if defined(__GNUC__) || defined(__clang__)
-  using Vector = double __attribute__((vector_size(count * sizeof(double))));
+  typedef Number Vector __attribute__((vector_size(32)));  // `using` would lose the attribute
 #else
   struct Vector {
-    double at[count];
+    Number at[count];
 
     template <typename Operation>
     Vector with(const Vector& other, Operation operation) const {
       Vector result;
       for (int i = 0; i < count; ++i) result.at[i] = operation(at[i], other.at[i]);
+      return result;
+    }
+    Vector operator+(Number value) const {
+      Vector result;
+      for (int i = 0; i < count; ++i) result.at[i] = at[i] + value;
       return result;
     }
     Vector operator+(const Vector& other) const { return with(other, std::plus<>()); }
@@ -56,9 +80,21 @@ class Lanes {
   };
 #endif
 
-  explicit ROBSIM_INLINE Lanes(const Vector& vector) : vector_(vector) {}
+  explicit ROBSIM_INLINE LanesOf(const Vector& vector) : vector_(vector) {}
 
   Vector vector_;
 };
+
+using Lanes = LanesOf<double>;
+
+/// The sum of all numbers, always in the same order.
+template <typename Number>
+ROBSIM_INLINE double sum_of(const LanesOf<Number>& lanes) {
+  Number numbers[LanesOf<Number>::count];
+  lanes.store(numbers);
+  double sum = 0;
+  for (const Number number : numbers) sum += static_cast<double>(number);
+  return sum;
+}
 
 }  // namespace robsim::simd
