@@ -111,6 +111,9 @@ MarkerLayout with_options(MarkerLayout markers, double distance_tolerance, doubl
 
 using Place = std::pair<double, double>;
 
+using Places = std::vector<Place>;
+using OutlinePointer = std::shared_ptr<const MarkerShape>;
+
 MarkerLayout layout_from(Place red, Place blue, std::optional<double> red_area,
                          std::optional<double> blue_area, double distance_tolerance,
                          double area_tolerance, int maximum_blobs) {
@@ -122,23 +125,65 @@ MarkerLayout layout_from(Place red, Place blue, std::optional<double> red_area,
   return with_options(markers, distance_tolerance, area_tolerance, maximum_blobs);
 }
 
+std::optional<Places> places_of(const OutlinePointer& shape) {
+  if (!shape) return std::nullopt;
+  Places places;
+  for (const Point& corner : shape->polygon()) places.emplace_back(corner.x, corner.y);
+  return places;
+}
+
+OutlinePointer outline_from(const std::optional<ArrayLike>& corners, const char* name) {
+  return corners ? std::make_shared<MarkerShape>(polygon_from(*corners, name), name) : nullptr;
+}
+
+// What makes it anew, or, with outlines of many corners, what is worth knowing.
+std::string repr_of_layout(const MarkerLayout& self) {
+  const auto number = [](double value) {
+    return std::isnan(value) ? "None" : py::repr(py::float_(value)).cast<std::string>();
+  };
+  const auto place = [&](const Point& point) {
+    return "(" + number(point.x) + ", " + number(point.y) + ")";
+  };
+  const std::string start = "red=" + place(self.red) + ", blue=" + place(self.blue) +
+                            ", red_area=" + number(self.red_area) +
+                            ", blue_area=" + number(self.blue_area);
+  if (self.red_shape && self.blue_shape) {
+    return "<MarkerLayout of polygons: " + start + ">";
+  }
+  return "MarkerLayout.from_positions(" + start +
+         ", distance_tolerance=" + number(self.distance_tolerance) +
+         ", area_tolerance=" + number(self.area_tolerance) +
+         ", maximum_blobs=" + std::to_string(self.maximum_blobs) + ")";
+}
+
+std::optional<py::array_t<double>> array_of(const OutlinePointer& shape) {
+  if (!shape) return std::nullopt;
+  const Polygon& polygon = shape->polygon();
+  return to_array(&polygon[0].x, {static_cast<py::ssize_t>(polygon.size()), 2});
+}
+
 void bind_layout_value(Class<MarkerLayout>& layout) {
   const MarkerLayout defaults;
   layout.def_static(
       "from_positions",
       [](const ArrayLike& red, const ArrayLike& blue, std::optional<double> red_area,
          std::optional<double> blue_area, double distance_tolerance, double area_tolerance,
-         int maximum_blobs) {
+         int maximum_blobs, const std::optional<ArrayLike>& red_polygon,
+         const std::optional<ArrayLike>& blue_polygon) {
         const Point r = point_from(red, "red");
         const Point b = point_from(blue, "blue");
-        return layout_from({r.x, r.y}, {b.x, b.y}, red_area, blue_area, distance_tolerance,
-                           area_tolerance, maximum_blobs);
+        MarkerLayout markers = layout_from({r.x, r.y}, {b.x, b.y}, red_area, blue_area,
+                                           distance_tolerance, area_tolerance, maximum_blobs);
+        markers.red_shape = outline_from(red_polygon, "red_polygon");
+        markers.blue_shape = outline_from(blue_polygon, "blue_polygon");
+        return markers;
       },
       py::arg("red"), py::arg("blue"), py::kw_only(), py::arg("red_area") = py::none(),
       py::arg("blue_area") = py::none(),
       py::arg("distance_tolerance") = defaults.distance_tolerance,
       py::arg("area_tolerance") = defaults.area_tolerance,
-      py::arg("maximum_blobs") = defaults.maximum_blobs, R"(
+      py::arg("maximum_blobs") = defaults.maximum_blobs, py::arg("red_polygon") = py::none(),
+      py::arg("blue_polygon") = py::none(), R"(
 Return the layout of markers at these positions.
 
 Parameters
@@ -149,6 +194,8 @@ red_area, blue_area : float, optional
     Their areas (px^2). Default: not known.
 distance_tolerance, area_tolerance, maximum_blobs
     As for `MarkerLayout`.
+red_polygon, blue_polygon : array (N, 2), optional
+    Their corners, in the same frame. Default: not known; measurements are then less exact.
 )");
   const auto place = [](Point MarkerLayout::* member) {
     return [member](const MarkerLayout& self) { return Place((self.*member).x, (self.*member).y); };
@@ -158,15 +205,36 @@ distance_tolerance, area_tolerance, maximum_blobs
       return std::isnan(self.*member) ? std::nullopt : std::optional(self.*member);
     };
   };
-  define_value(layout,
-               Fields(&layout_from, Field("red", place(&MarkerLayout::red)),
+  const auto outline = [](OutlinePointer MarkerLayout::* member) {
+    return [member](const MarkerLayout& self) { return places_of(self.*member); };
+  };
+  const auto make =
+      [](Place red, Place blue, std::optional<double> red_area, std::optional<double> blue_area,
+         double distance_tolerance, double area_tolerance, int maximum_blobs,
+         const std::optional<Places>& red_outline, const std::optional<Places>& blue_outline) {
+        MarkerLayout markers = layout_from(red, blue, red_area, blue_area, distance_tolerance,
+                                           area_tolerance, maximum_blobs);
+        const auto of = [](const std::optional<Places>& places, const char* name) {
+          return outline_from(places ? std::optional(ArrayLike(py::cast(*places))) : std::nullopt,
+                              name);
+        };
+        markers.red_shape = of(red_outline, "red_polygon");
+        markers.blue_shape = of(blue_outline, "blue_polygon");
+        return markers;
+      };
+  const Fields fields(make, Field("red", place(&MarkerLayout::red)),
                       Field("blue", place(&MarkerLayout::blue)),
                       Field("red_area", area(&MarkerLayout::red_area)),
                       Field("blue_area", area(&MarkerLayout::blue_area)),
                       Field("distance_tolerance", &MarkerLayout::distance_tolerance),
                       Field("area_tolerance", &MarkerLayout::area_tolerance),
-                      Field("maximum_blobs", &MarkerLayout::maximum_blobs)),
-               "from_positions");
+                      Field("maximum_blobs", &MarkerLayout::maximum_blobs),
+                      Field("red_polygon", outline(&MarkerLayout::red_shape)),
+                      Field("blue_polygon", outline(&MarkerLayout::blue_shape)));
+  define_equality(layout, fields);
+  define_hash(layout, fields);
+  define_pickle(layout, fields);
+  layout.def("__repr__", &repr_of_layout);
 }
 
 double width_in(const MarkerLayout& self, const Frame& frame) {
@@ -250,6 +318,13 @@ float
       .def_property_readonly(
           "blue", [](const MarkerLayout& self) { return to_array(self.blue); },
           "array (2,): position of the blue marker, forward and right of the centre (px).")
+      .def_property_readonly(
+          "red_polygon", [](const MarkerLayout& self) { return array_of(self.red_shape); },
+          "array (N, 2) or None: corners of the red marker, forward and right of the centre (px);\n"
+          "None = unknown, as of `from_positions`.")
+      .def_property_readonly(
+          "blue_polygon", [](const MarkerLayout& self) { return array_of(self.blue_shape); },
+          "array (N, 2) or None: corners of the blue marker.")
       .def_readonly("red_area", &MarkerLayout::red_area, "float: px^2, NaN = unknown.")
       .def_readonly("blue_area", &MarkerLayout::blue_area, "float: px^2, NaN = unknown.")
       .def_readonly("distance_tolerance", &MarkerLayout::distance_tolerance, "float: fraction.")

@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "robsim/simulation/robot/robot_software.hpp"
 #include "robsim/vision/explain_detection.hpp"
 #include "robsim/vision/frame_faults.hpp"
+#include "robsim/vision/refine.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -19,30 +21,124 @@ using namespace robsim::bindings;
 namespace {
 
 using Numbers = std::array<double, 3>;
+using Matrix = std::array<Numbers, 3>;
+using BlobPair = std::pair<Blob, Blob>;
 
 Numbers numbers_of(const Measurement& measurement) {
   const Pose& pose = measurement.pose;
   return {pose.x, pose.y, pose.heading};
 }
 
-Measurement measurement_from(const Numbers& pose) { return {pose_from(py::cast(pose), "pose")}; }
+std::optional<Matrix> matrix_of(const std::optional<PoseCovariance>& covariance) {
+  if (!covariance) return std::nullopt;
+  Matrix matrix;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      matrix[i][j] = (*covariance)(static_cast<int>(i), static_cast<int>(j));
+    }
+  }
+  return matrix;
+}
+
+std::optional<BlobPair> blobs_of(const std::optional<MarkerPair>& pair) {
+  return pair ? std::optional(BlobPair(pair->red, pair->blue)) : std::nullopt;
+}
+
+// A figure that may be unknown: None in Python, NaN here.
+std::optional<double> known(double value) {
+  return std::isnan(value) ? std::nullopt : std::optional(value);
+}
+
+Measurement make_measurement(const ArrayLike& pose, const std::optional<ArrayLike>& covariance,
+                             std::optional<double> misfit, std::optional<double> signal_to_noise,
+                             const std::optional<BlobPair>& pair) {
+  Measurement measurement;
+  measurement.pose = pose_from(pose, "pose");
+  if (covariance) measurement.covariance = covariance_from(*covariance, "covariance");
+  if (misfit) measurement.misfit = *misfit;
+  if (signal_to_noise) measurement.signal_to_noise = *signal_to_noise;
+  if (pair) measurement.pair = MarkerPair{pair->first, pair->second};
+  return measurement;
+}
+
+// What makes it anew of what is written by hand, and what is worth reading of the rest.
+std::string repr_of_measurement(const Measurement& self) {
+  const std::string pose = py::repr(py::cast(numbers_of(self))).cast<std::string>();
+  if (!self.covariance) return "Measurement(" + pose + ")";
+  const auto deviation = [&](int i) { return std::sqrt((*self.covariance)(i, i)); };
+  return "<Measurement: " + pose + ", +- " +
+         py::str("{:.3g}, {:.3g}, {:.3g}")
+             .format(deviation(0), deviation(1), deviation(2))
+             .cast<std::string>() +
+         ">";
+}
 
 void bind_measurement(py::module_& module) {
   Class<Measurement> measurement(public_in(module, "robsim"), "Measurement", R"(
-The pose of a detected robot. A frame without a detection gives None instead.
+The pose of a detected robot, and how good it is. A frame without a detection gives None instead.
 
 Parameters
 ----------
 pose : array (3,)
     x, y (work-area px), heading (rad, not degrees). The heading is wrapped to (-pi, pi].
+covariance : array (3, 3), optional
+    Of x, y (work-area px) and heading (rad). Default: not known.
+misfit : float, optional
+    Factor on the variance, because what the fit of the markers leaves is not noise alone: 1 = it
+    is; above 2, a marker is partly hidden, say.
+signal_to_noise : float, optional
+    How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
+    3 it is none.
+pair : tuple of 2 Blob, optional
+    The red and the blue blob that were taken for the markers.
+
+Raises
+------
+ValueError
+    If the pose is not finite, or the covariance has variances below 0.
 )");
   measurement
-      .def(py::init([](const ArrayLike& pose) { return Measurement{pose_from(pose, "pose")}; }),
-           py::arg("pose"))
+      .def(py::init(&make_measurement), py::arg("pose"), py::kw_only(),
+           py::arg("covariance") = py::none(), py::arg("misfit") = py::none(),
+           py::arg("signal_to_noise") = py::none(), py::arg("pair") = py::none())
       .def_property_readonly(
           "pose", [](const Measurement& self) { return to_array(self.pose); },
-          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).");
-  define_value(measurement, Fields(&measurement_from, Field("", &numbers_of)));
+          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).")
+      .def_property_readonly(
+          "covariance",
+          [](const Measurement& self) {
+            return self.covariance ? std::optional(to_array(self.covariance->data(), {3, 3}))
+                                   : std::nullopt;
+          },
+          "array (3, 3) or None: covariance of x, y (work-area px) and heading (rad); None = not\n"
+          "known.")
+      .def_property_readonly(
+          "misfit", [](const Measurement& self) { return known(self.misfit); },
+          "float or None: factor on the variance, 1 where the fit leaves noise alone.")
+      .def_property_readonly(
+          "signal_to_noise", [](const Measurement& self) { return known(self.signal_to_noise); },
+          "float or None: of the markers' edges; from 4 on a pose can be trusted.")
+      .def_property_readonly(
+          "pair", [](const Measurement& self) { return blobs_of(self.pair); },
+          "tuple of 2 Blob or None: the red and the blue blob taken for the markers.");
+  const auto make = [](const Numbers& pose, const std::optional<Matrix>& covariance,
+                       std::optional<double> misfit, std::optional<double> signal_to_noise,
+                       const std::optional<BlobPair>& pair) {
+    const auto array = [](const auto& numbers) { return ArrayLike(py::cast(numbers)); };
+    return make_measurement(array(pose),
+                            covariance ? std::optional(array(*covariance)) : std::nullopt, misfit,
+                            signal_to_noise, pair);
+  };
+  const Fields fields(
+      make, Field("", &numbers_of),
+      Field("covariance", [](const Measurement& m) { return matrix_of(m.covariance); }),
+      Field("misfit", [](const Measurement& m) { return known(m.misfit); }),
+      Field("signal_to_noise", [](const Measurement& m) { return known(m.signal_to_noise); }),
+      Field("pair", [](const Measurement& m) { return blobs_of(m.pair); }));
+  define_equality(measurement, fields);
+  define_hash(measurement, fields);
+  define_pickle(measurement, fields);
+  measurement.def("__repr__", &repr_of_measurement);
 }
 
 Detection detection_from(std::optional<Measurement> measurement, int result,
@@ -130,8 +226,8 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
           },
           "str or None: why there is no measurement: ``\"no blobs\"``, ``\"no red blob\"``,\n"
           "``\"no blue blob\"``, ``\"at the border\"``, ``\"distance\"``, ``\"areas\"``,\n"
-          "``\"ambiguous\"`` or ``\"by chance\"``; and, where the frame tells the cause, "
-          "``\"dark\"``,\n``\"overexposed\"`` or ``\"small markers\"``.")
+          "``\"ambiguous\"``, ``\"by chance\"`` or ``\"noise\"``; and, where the frame tells the "
+          "cause,\n``\"dark\"``, ``\"overexposed\"`` or ``\"small markers\"``.")
       .def_property_readonly("explanation", &explain,
                              "str: a sentence on the result, with the numbers that decided.")
       .def("__repr__", py::overload_cast<const Detection&>(&repr));
@@ -156,11 +252,39 @@ The steps of a run in which the default measurement detected no robot, for the s
       });
 }
 
+// That of a Frame, if no other one is given.
+PlaneMap plane_map_for(const std::optional<PlaneMap>& given,
+                       const std::optional<ImageLike>& image) {
+  if (given) return *given;
+  const bool is_frame = image && py::isinstance<Frame>(*image);
+  return is_frame ? image->cast<const Frame&>().plane_map : PlaneMap();
+}
+
 Detection detect_in(const BlobsByColor& blobs, const MarkerLayout& markers,
-                    const PlaneMap& plane_map, const std::optional<ImageLike>& image) {
-  Detection detection = detect(blobs, markers, plane_map);
-  if (image) examine_frame(detection, view_from(*image, "image"), plane_map);
+                    const std::optional<PlaneMap>& plane_map,
+                    const std::optional<ImageLike>& image) {
+  const PlaneMap map = plane_map_for(plane_map, image);
+  Detection detection = detect(blobs, markers, map);
+  if (!image) return detection;
+  const ImageView view = view_from(*image, "image");
+  const bool is_frame = py::isinstance<Frame>(*image);
+  refine(detection, view, map, is_frame ? image->cast<const Frame&>().headings : 0);
+  examine_frame(detection, view, map);
   return detection;
+}
+
+std::optional<Measurement> locate_in(const BlobsByColor& blobs, const MarkerLayout& markers,
+                                     const std::optional<PlaneMap>& plane_map,
+                                     const std::optional<ImageLike>& image) {
+  return detect_in(blobs, markers, plane_map, image).measurement;
+}
+
+std::vector<std::string> reasons() {
+  std::vector<std::string> names;
+  for (int i = 1; i <= static_cast<int>(DetectionResult::small_markers); ++i) {
+    names.push_back(name_of(static_cast<DetectionResult>(i)));
+  }
+  return names;
 }
 
 std::optional<std::string> remark_on_size(const MarkerLayout& markers, const Frame& frame) {
@@ -170,7 +294,7 @@ std::optional<std::string> remark_on_size(const MarkerLayout& markers, const Fra
 void bind_functions(py::module_& module) {
   public_in(module, "robsim.vision")
       .def("detect", &detect_in, py::arg("blobs"), py::arg("markers"), py::kw_only(),
-           py::arg("plane_map") = PlaneMap(), py::arg("image") = py::none(), R"(
+           py::arg("plane_map") = py::none(), py::arg("image") = py::none(), R"(
 Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
 
 The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
@@ -186,10 +310,11 @@ blobs : dict of str to list of Blob
 markers : MarkerLayout
     The positions of the markers on the robot.
 plane_map : PlaneMap, optional
-    From pixels of the blobs' frame to the work area. Default: the identity.
+    From pixels of the blobs' frame to the work area. Default: that of `image`, if it is a Frame;
+    otherwise the identity.
 image : Frame or array (H, W, 3) of uint8, optional
-    Where the blobs were found: without a measurement it is examined for the cause, such as a dark
-    picture.
+    Where the blobs were found. With it the pose is fitted to the edges of the markers, as `locate`
+    does it; without a measurement it is examined for the cause, such as a dark picture.
 
 Returns
 -------
@@ -209,30 +334,51 @@ Examples
 )");
 
   public_in(module, "robsim._core")
+      .def("detection_reasons", &reasons,
+           "The reasons of a Detection, in the order of their numbers from 1.")
       .def("small_markers_remark", &remark_on_size, py::arg("markers"), py::arg("frame"),
            "What is to be said of markers too small in the frame; None of others.");
 
   public_in(module, "robsim")
-      .def("locate", &locate, py::arg("blobs"), py::arg("markers"),
-           py::arg("plane_map") = PlaneMap(), R"(
+      .def("locate", &locate_in, py::arg("blobs"), py::arg("markers"),
+           py::arg("plane_map") = py::none(), py::kw_only(), py::arg("image") = py::none(), R"(
 Return the pose of the robot whose markers are among the blobs.
 
 The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
-used: they may be cut off.
+used: they may be cut off. With the image, the pose is then fitted to the pixels around the edges of
+the markers, by weighted least squares [1]_: in noise the error is half of that of the blobs'
+centroids, without noise a fifth. Of markers whose outlines are not known, pixels at the edge are
+weighted by their colour.
 
 Parameters
 ----------
 blobs : dict of str to list of Blob
     As from `find_blobs`; "red" and "blue" are used.
 markers : MarkerLayout
-    The positions of the markers on the robot.
+    The positions of the markers on the robot; of `MarkerLayout.from_markers`, the outlines, too.
 plane_map : PlaneMap, optional
-    From pixels of the blobs' frame to the work area. Default: the identity.
+    From pixels of the blobs' frame to the work area. Default: that of `image`, if it is a Frame;
+    otherwise the identity.
+image : Frame or array (H, W, 3) of uint8, optional
+    Where the blobs were found. Default: the pose is that of the blobs' centroids.
 
 Returns
 -------
 Measurement or None
-    None = not detected: no pair fits, or two fit equally well. `robsim.vision.detect` says why.
+    The pose; with the image, also its covariance, misfit and signal-to-noise figure. None = not
+    detected: no pair fits, or two fit equally well, or the markers do not stand out of the noise.
+    `robsim.vision.detect` says why.
+
+References
+----------
+.. [1] R. Hartley, A. Zisserman, "Multiple View Geometry in Computer Vision", 2nd edition, 2003,
+   appendix 6: Gauss-Newton iteration; chapter 5: its covariance.
+
+Examples
+--------
+>>> blobs = robsim.find_blobs(frame, robsim.load_colors())
+>>> measurement = robsim.locate(blobs, robsim.load_robot("lab").marker_layout(), image=frame)
+>>> measurement.pose, measurement.covariance
 )");
 }
 

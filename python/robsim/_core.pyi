@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
 class Intrinsics:
     """
     A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
@@ -258,6 +258,9 @@ class Frame:
         Number of the frame.
     plane_map : PlaneMap, optional
         Pixels to work area. Default: the identity.
+    headings : int, optional
+        Number of headings that the robot is drawn in, at whole pixels, as in frames of a simulation:
+        its pose cannot be measured better than that. Default: any, as a camera sees it.
     
     Examples
     --------
@@ -267,7 +270,7 @@ class Frame:
     >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
     """
     @staticmethod
-    def from_bgr(image: numpy.typing.NDArray[numpy.uint8], *, t: float | None = None, t_arrival: float | None = None, epoch: float | None = None, index: int = 0, plane_map: PlaneMap = ...) -> Frame:
+    def from_bgr(image: numpy.typing.NDArray[numpy.uint8], *, t: float | None = None, t_arrival: float | None = None, epoch: float | None = None, index: int = 0, plane_map: PlaneMap = ..., headings: int | None = None) -> Frame:
         """
         Return the frame of an image in OpenCV's order, BGR: a copy with the channels in the order RGB.
         
@@ -275,7 +278,7 @@ class Frame:
         ----------
         image : array (H, W, 3) of uint8
             BGR pixels, as from ``cv2.imread`` and ``cv2.VideoCapture``.
-        t, t_arrival, epoch, index, plane_map
+        t, t_arrival, epoch, index, plane_map, headings
             As for `Frame`.
         
         Examples
@@ -293,7 +296,7 @@ class Frame:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, image: numpy.typing.NDArray[numpy.uint8], *, copy: bool = True, t: float | None = None, t_arrival: float | None = None, epoch: float | None = None, index: int = 0, plane_map: PlaneMap = ...) -> None:
+    def __init__(self, image: numpy.typing.NDArray[numpy.uint8], *, copy: bool = True, t: float | None = None, t_arrival: float | None = None, epoch: float | None = None, index: int = 0, plane_map: PlaneMap = ..., headings: int | None = None) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -309,6 +312,11 @@ class Frame:
     def epoch(self) -> float | None:
         """
         float or None: ``time.monotonic()`` when `t` was 0 (s).
+        """
+    @property
+    def headings(self) -> int | None:
+        """
+        int or None: number of headings that the robot is drawn in.
         """
     @property
     def image(self) -> numpy.typing.NDArray[numpy.uint8]:
@@ -829,7 +837,7 @@ class MarkerLayout:
             As for `MarkerLayout`.
         """
     @staticmethod
-    def from_positions(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, red_area: float | None = None, blue_area: float | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64) -> MarkerLayout:
+    def from_positions(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, red_area: float | None = None, blue_area: float | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, red_polygon: numpy.typing.ArrayLike | None = None, blue_polygon: numpy.typing.ArrayLike | None = None) -> MarkerLayout:
         """
         Return the layout of markers at these positions.
         
@@ -841,6 +849,8 @@ class MarkerLayout:
             Their areas (px^2). Default: not known.
         distance_tolerance, area_tolerance, maximum_blobs
             As for `MarkerLayout`.
+        red_polygon, blue_polygon : array (N, 2), optional
+            Their corners, in the same frame. Default: not known; measurements are then less exact.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -887,6 +897,11 @@ class MarkerLayout:
         float: px^2, NaN = unknown.
         """
     @property
+    def blue_polygon(self) -> numpy.typing.NDArray[numpy.float64] | None:
+        """
+        array (N, 2) or None: corners of the blue marker.
+        """
+    @property
     def distance(self) -> float:
         """
         float: distance between the markers' centroids (work-area px).
@@ -915,6 +930,12 @@ class MarkerLayout:
     def red_area(self) -> float:
         """
         float: px^2, NaN = unknown.
+        """
+    @property
+    def red_polygon(self) -> numpy.typing.NDArray[numpy.float64] | None:
+        """
+        array (N, 2) or None: corners of the red marker, forward and right of the centre (px);
+        None = unknown, as of `from_positions`.
         """
 class Blob:
     """
@@ -974,12 +995,27 @@ class Blob:
         """
 class Measurement:
     """
-    The pose of a detected robot. A frame without a detection gives None instead.
+    The pose of a detected robot, and how good it is. A frame without a detection gives None instead.
     
     Parameters
     ----------
     pose : array (3,)
         x, y (work-area px), heading (rad, not degrees). The heading is wrapped to (-pi, pi].
+    covariance : array (3, 3), optional
+        Of x, y (work-area px) and heading (rad). Default: not known.
+    misfit : float, optional
+        Factor on the variance, because what the fit of the markers leaves is not noise alone: 1 = it
+        is; above 2, a marker is partly hidden, say.
+    signal_to_noise : float, optional
+        How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
+        3 it is none.
+    pair : tuple of 2 Blob, optional
+        The red and the blue blob that were taken for the markers.
+    
+    Raises
+    ------
+    ValueError
+        If the pose is not finite, or the covariance has variances below 0.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -987,7 +1023,7 @@ class Measurement:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, pose: numpy.typing.ArrayLike) -> None:
+    def __init__(self, pose: numpy.typing.ArrayLike, *, covariance: numpy.typing.ArrayLike | None = None, misfit: float | None = None, signal_to_noise: float | None = None, pair: tuple[Blob, Blob] | None = None) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -996,9 +1032,30 @@ class Measurement:
     def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
+    def covariance(self) -> numpy.typing.NDArray[numpy.float64] | None:
+        """
+        array (3, 3) or None: covariance of x, y (work-area px) and heading (rad); None = not
+        known.
+        """
+    @property
+    def misfit(self) -> float | None:
+        """
+        float or None: factor on the variance, 1 where the fit leaves noise alone.
+        """
+    @property
+    def pair(self) -> tuple[Blob, Blob] | None:
+        """
+        tuple of 2 Blob or None: the red and the blue blob taken for the markers.
+        """
+    @property
     def pose(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).
+        """
+    @property
+    def signal_to_noise(self) -> float | None:
+        """
+        float or None: of the markers' edges; from 4 on a pose can be trusted.
         """
 class Detection:
     """
@@ -1062,8 +1119,8 @@ class Detection:
         """
         str or None: why there is no measurement: ``"no blobs"``, ``"no red blob"``,
         ``"no blue blob"``, ``"at the border"``, ``"distance"``, ``"areas"``,
-        ``"ambiguous"`` or ``"by chance"``; and, where the frame tells the cause, ``"dark"``,
-        ``"overexposed"`` or ``"small markers"``.
+        ``"ambiguous"``, ``"by chance"`` or ``"noise"``; and, where the frame tells the cause,
+        ``"dark"``, ``"overexposed"`` or ``"small markers"``.
         """
     @property
     def red(self) -> Blob | None:
@@ -2477,7 +2534,7 @@ def cpu_paths() -> list[str]:
     """
     Return the paths available on this processor, the fastest last.
     """
-def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, *, plane_map: PlaneMap = ..., image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None) -> Detection:
+def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, *, plane_map: PlaneMap | None = None, image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None) -> Detection:
     """
     Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
     
@@ -2494,10 +2551,11 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     markers : MarkerLayout
         The positions of the markers on the robot.
     plane_map : PlaneMap, optional
-        From pixels of the blobs' frame to the work area. Default: the identity.
+        From pixels of the blobs' frame to the work area. Default: that of `image`, if it is a Frame;
+        otherwise the identity.
     image : Frame or array (H, W, 3) of uint8, optional
-        Where the blobs were found: without a measurement it is examined for the cause, such as a dark
-        picture.
+        Where the blobs were found. With it the pose is fitted to the edges of the markers, as `locate`
+        does it; without a measurement it is examined for the cause, such as a dark picture.
     
     Returns
     -------
@@ -2514,6 +2572,10 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     >>> blobs = robsim.find_blobs(frame, robsim.load_colors())
     >>> detection = robsim.vision.detect(blobs, robsim.load_robot("lab").marker_layout())
     >>> detection.reason, detection.explanation
+    """
+def detection_reasons() -> list[str]:
+    """
+    The reasons of a Detection, in the order of their numbers from 1.
     """
 def exp(x: numpy.typing.ArrayLike) -> typing.Any:
     """
@@ -2619,26 +2681,45 @@ def least_squares(phi: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike) -> Lea
     Householder QR of blocks of rows, then QR with column pivoting of the triangle (Golub and Van Loan,
     Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise in y.
     """
-def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, plane_map: PlaneMap = ...) -> Measurement | None:
+def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, plane_map: PlaneMap | None = None, *, image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None) -> Measurement | None:
     """
     Return the pose of the robot whose markers are among the blobs.
     
     The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
-    used: they may be cut off.
+    used: they may be cut off. With the image, the pose is then fitted to the pixels around the edges of
+    the markers, by weighted least squares [1]_: in noise the error is half of that of the blobs'
+    centroids, without noise a fifth. Of markers whose outlines are not known, pixels at the edge are
+    weighted by their colour.
     
     Parameters
     ----------
     blobs : dict of str to list of Blob
         As from `find_blobs`; "red" and "blue" are used.
     markers : MarkerLayout
-        The positions of the markers on the robot.
+        The positions of the markers on the robot; of `MarkerLayout.from_markers`, the outlines, too.
     plane_map : PlaneMap, optional
-        From pixels of the blobs' frame to the work area. Default: the identity.
+        From pixels of the blobs' frame to the work area. Default: that of `image`, if it is a Frame;
+        otherwise the identity.
+    image : Frame or array (H, W, 3) of uint8, optional
+        Where the blobs were found. Default: the pose is that of the blobs' centroids.
     
     Returns
     -------
     Measurement or None
-        None = not detected: no pair fits, or two fit equally well. `robsim.vision.detect` says why.
+        The pose; with the image, also its covariance, misfit and signal-to-noise figure. None = not
+        detected: no pair fits, or two fit equally well, or the markers do not stand out of the noise.
+        `robsim.vision.detect` says why.
+    
+    References
+    ----------
+    .. [1] R. Hartley, A. Zisserman, "Multiple View Geometry in Computer Vision", 2nd edition, 2003,
+       appendix 6: Gauss-Newton iteration; chapter 5: its covariance.
+    
+    Examples
+    --------
+    >>> blobs = robsim.find_blobs(frame, robsim.load_colors())
+    >>> measurement = robsim.locate(blobs, robsim.load_robot("lab").marker_layout(), image=frame)
+    >>> measurement.pose, measurement.covariance
     """
 def log(x: numpy.typing.ArrayLike) -> typing.Any:
     """

@@ -48,7 +48,7 @@ def test_every_native_function_has_a_signature_and_its_types_in_the_doc(name, fu
         (
             Frame,
             "(image, *, copy=True, t=None, t_arrival=None, epoch=None, index=0, "
-            "plane_map=Ellipsis)",
+            "plane_map=Ellipsis, headings=None)",
         ),
         (Spin, "(voltage=0.05)"),
         (RobotModel.predict, "(self, pose_1, pose_2, u, *, unwrapped=False)"),
@@ -81,7 +81,7 @@ IMAGE = np.zeros((4, 4, 3), np.uint8)
         (
             lambda: Frame(IMAGE, time=3),
             "Frame() has no argument 'time': it takes image, copy, t, t_arrival, epoch, index, "
-            "plane_map",
+            "plane_map, headings",
         ),
         (lambda: Spin(current=3), "Spin() has no argument 'current': it takes voltage"),
         (lambda: robsim.Unicycle(x=3), "Unicycle() has no argument 'x': it takes none"),

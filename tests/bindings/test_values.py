@@ -50,13 +50,13 @@ PAIRS = [
     (RobotModel(), RobotModel(RobotParameters(mass=0.31))),
     (ColorClass("red", u=(1, 2)), ColorClass("red", u=(1, 3))),
     (MarkerLayout(43, 14), MarkerLayout(43, 14, maximum_blobs=3)),
+]
+# Their repr is for reading.
+RECORDS = [
     (
         MarkerLayout.from_markers(TRIANGLE, TRIANGLE + np.array((0, 9))),
         MarkerLayout.from_markers(TRIANGLE, TRIANGLE + np.array((0, 8))),
     ),
-]
-# Their repr is for reading.
-RECORDS = [
     (PlaneMap(), PlaneMap.scaled((10, 10), (20, 20))),
     (Frame(IMAGE, t=0.2, index=3), Frame(IMAGE + 1, t=0.2, index=3)),
     (Blob("red", **BLOB), Blob("blue", **BLOB)),

@@ -250,7 +250,7 @@ def tracked(**options):
 
 @pytest.fixture(scope="module")
 def tracked_run():
-    return tracked(identify_from="measurement")
+    return tracked(identify_from="measurement", noise=robsim.GaussianNoise(10))
 
 
 @pytest.mark.long

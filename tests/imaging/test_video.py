@@ -280,7 +280,7 @@ def run():
 def measured_in(path):
     colors, markers = robsim.load_colors(), robsim.load_robot("lab").marker_layout()
     found = [
-        robsim.locate(robsim.find_blobs(frame, colors, markers=markers), markers, frame.plane_map)
+        robsim.locate(robsim.find_blobs(frame, colors, markers=markers), markers, image=frame)
         for frame in Recording(path)
     ]
     return np.array([measurement.pose for measurement in found])

@@ -42,7 +42,7 @@ def until(condition):
 def measured(frame, scenario=SCENARIO):
     layout = scenario._marker_layout
     blobs = robsim.find_blobs(frame, robsim.load_colors(), markers=layout)
-    return robsim.locate(blobs, layout, plane_map=frame.plane_map).pose
+    return robsim.locate(blobs, layout, image=frame).pose
 
 
 def driven_frames(lab, count):

@@ -28,7 +28,11 @@ CPP = {
     "world": {"text", "geometry", "imaging", "world/sprite"},
     "vision/color": {"text", "imaging"},
     "vision/pixels": {"simd", "imaging", "vision/color"},
-    "vision": {"text", "elementary", "geometry", "imaging", "vision/color", "vision/pixels"},
+    "vision/fit": {"simd", "elementary", "geometry", "imaging", "vision/color"},
+    "vision": {
+        *("text", "elementary", "geometry", "imaging"),
+        *("vision/color", "vision/pixels", "vision/fit"),
+    },
     "capture": {"text", "timing", "threads", "imaging"},
     "capture/firewire": {"timing", "imaging", "imaging/raw", "capture"},
     "capture/gige": {"timing", "threads", "imaging", "imaging/raw", "capture"},

@@ -77,7 +77,7 @@ def test_the_frame_of_a_recorded_step_is_the_one_that_was(boundary):
 
 def test_step_locator_is_what_the_default_measurement_uses():
     def measure(step):
-        return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
+        return robsim.locate(step.blobs, step.markers, image=step.frame)
 
     own, default = (
         robsim.Simulation(**{**OPTIONS, "measure": which}).run(10) for which in (measure, True)

@@ -284,7 +284,7 @@ def test_a_step_without_a_frame_is_not_measured(run):
 
     def measure(step):
         measured.append(step.k)
-        return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
+        return robsim.locate(step.blobs, step.markers, image=step.frame)
 
     given = [frames[0], None, robsim.Observation(None, t=0.4), frames[3]]
     sim = robsim.Experiment(given, measure=measure, estimate_state=estimate_state)

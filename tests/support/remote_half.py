@@ -59,7 +59,7 @@ def robot_half(requests, replies, folder, resolution, control, seed):
                 k, t, *last_u = REQUEST.unpack(requests.recv_bytes())
             except EOFError:
                 return
-            frame = robsim.Frame(pixels, copy=False, t=t, index=k, plane_map=plane_map)
+            frame = robsim.Frame(pixels, copy=False, t=t, index=k, plane_map=plane_map, headings=36)
             yield robsim.Observation(frame, last_u=None if math.isnan(last_u[0]) else last_u)
 
     experiment = robsim.Experiment(

@@ -158,8 +158,7 @@ def test_a_step_has_the_detection_of_the_default_measurement():
     sim = robsim.Simulation(measure=True, seed=1, resolution=(600, 600))
     step = sim.step()
     assert step.detection.measurement == step.measurement
-    frame = step.frame
-    assert step.detection == detect(step.blobs, sim.markers, plane_map=frame.plane_map)
+    assert step.detection == detect(step.blobs, sim.markers, image=step.frame)
     sim.measure = lambda step: robsim.Measurement((1, 2, 3))
     assert sim.step().detection is None
     assert robsim.Simulation(seed=1).step().detection is None

@@ -40,7 +40,7 @@ NO_COLORS = (None, 5, "red", ["red"], [None], COLORS[0], b"x", {"red": COLORS[0]
         (None, [], "red", {1: []}, {"red": [1]}, {"red": None}),
     ),
     Refusal(lambda value: locate({}, value, PlaneMap()), "markers", (None, (43, 14), "lab")),
-    Refusal(lambda value: locate({}, MARKERS, value), "plane_map", NO_MAP),
+    Refusal(lambda value: locate({}, MARKERS, value), "plane_map", NO_MAP[1:]),
 )
 def test_detection(refusal):
     refusal()

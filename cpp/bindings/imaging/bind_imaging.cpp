@@ -31,18 +31,26 @@ void check_time(const Seconds& time, const char* name) {
 }
 
 Frame frame_with(Image image, const Seconds& t, const Seconds& t_arrival, const Seconds& epoch,
-                 std::int64_t index, const PlaneMap& plane_map) {
+                 std::int64_t index, const PlaneMap& plane_map, std::optional<int> headings) {
   check_time(t, "t");
   check_time(t_arrival, "t_arrival");
   check_time(epoch, "epoch");
   if (index < 0) throw py::value_error("index must be at least 0");
-  return {std::move(image), t, t_arrival, epoch, index, plane_map};
+  if (headings && *headings < 1) {
+    throw py::value_error("headings must be at least 1, or None, got " + std::to_string(*headings));
+  }
+  return {std::move(image), t, t_arrival, epoch, index, plane_map, headings.value_or(0)};
 }
 
 Frame make_frame(const PixelArray& image, bool copy, const Seconds& t, const Seconds& t_arrival,
-                 const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map) {
+                 const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map,
+                 std::optional<int> headings) {
   return frame_with(copy ? copy_of(image_view(image, "image")) : borrowed_image(image, "image"), t,
-                    t_arrival, epoch, index, plane_map);
+                    t_arrival, epoch, index, plane_map, headings);
+}
+
+std::optional<int> headings_of(const Frame& frame) {
+  return frame.headings ? std::optional(frame.headings) : std::nullopt;
 }
 
 void bind_frame(py::module_& module) {
@@ -70,6 +78,9 @@ index : int
     Number of the frame.
 plane_map : PlaneMap, optional
     Pixels to work area. Default: the identity.
+headings : int, optional
+    Number of headings that the robot is drawn in, at whole pixels, as in frames of a simulation:
+    its pose cannot be measured better than that. Default: any, as a camera sees it.
 
 Examples
 --------
@@ -82,24 +93,25 @@ A frame in shared memory, which then stays open as long as the frame (under a me
       .def(py::init(&make_frame), py::arg("image"), py::kw_only(),
            py::arg("copy").noconvert() = true, py::arg("t") = py::none(),
            py::arg("t_arrival") = py::none(), py::arg("epoch") = py::none(), py::arg("index") = 0,
-           py::arg("plane_map") = PlaneMap())
+           py::arg("plane_map") = PlaneMap(), py::arg("headings") = py::none())
       .def_static(
           "from_bgr",
           [](const PixelArray& image, const Seconds& t, const Seconds& t_arrival,
-             const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map) {
+             const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map,
+             std::optional<int> headings) {
             return frame_with(copy_of_bgr(image_view(image, "image")), t, t_arrival, epoch, index,
-                              plane_map);
+                              plane_map, headings);
           },
           py::arg("image"), py::kw_only(), py::arg("t") = py::none(),
           py::arg("t_arrival") = py::none(), py::arg("epoch") = py::none(), py::arg("index") = 0,
-          py::arg("plane_map") = PlaneMap(), R"(
+          py::arg("plane_map") = PlaneMap(), py::arg("headings") = py::none(), R"(
 Return the frame of an image in OpenCV's order, BGR: a copy with the channels in the order RGB.
 
 Parameters
 ----------
 image : array (H, W, 3) of uint8
     BGR pixels, as from ``cv2.imread`` and ``cv2.VideoCapture``.
-t, t_arrival, epoch, index, plane_map
+t, t_arrival, epoch, index, plane_map, headings
     As for `Frame`.
 
 Examples
@@ -118,6 +130,8 @@ Examples
                     "float or None: ``time.monotonic()`` when `t` was 0 (s).")
       .def_readonly("index", &Frame::index, "int: number of the frame.")
       .def_readonly("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area.")
+      .def_property_readonly("headings", &headings_of,
+                             "int or None: number of headings that the robot is drawn in.")
       .def(
           "_repr_png_",
           [](const Frame& self) -> std::pair<py::bytes, std::map<std::string, int>> {
@@ -145,13 +159,14 @@ Examples
                " x " + std::to_string(self.image.height()) + " px" + time + ">";
       });
   const auto make = [](const py::array& image, const Seconds& t, const Seconds& t_arrival,
-                       const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map) {
-    return make_frame(PixelArray(image), true, t, t_arrival, epoch, index, plane_map);
+                       const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map,
+                       std::optional<int> headings) {
+    return make_frame(PixelArray(image), true, t, t_arrival, epoch, index, plane_map, headings);
   };
   const Fields fields(make, Field("image", [](const Frame& f) { return image_array(f.image); }),
                       Field("t", &Frame::t), Field("t_arrival", &Frame::t_arrival),
                       Field("epoch", &Frame::epoch), Field("index", &Frame::index),
-                      Field("plane_map", &Frame::plane_map));
+                      Field("plane_map", &Frame::plane_map), Field("headings", &headings_of));
   define_equality(frame, fields);
   define_hash(frame, fields);
   define_pickle(frame, fields);

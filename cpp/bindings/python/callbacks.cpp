@@ -39,7 +39,7 @@ std::optional<Measurement> optional_measurement(const py::object& result) {
     throw py::type_error("the result must be a Measurement, or None = not seen, got " +
                          describe(result));
   }
-  return Measurement{pose_from(result, "the result")};
+  return measurement_of(pose_from(result, "the result"));
 }
 
 Estimate estimate_from(const py::object& result) {

@@ -152,9 +152,26 @@ AxisMatrix axis_matrix_from(py::handle value, const std::string& name) {
   return Eigen::Map<const AxisMatrix>(m.data());
 }
 
+PoseCovariance covariance_from(py::handle value, const std::string& name) {
+  const Doubles P = doubles_from(value, name, Shape{3, 3}, "an array of shape (3, 3)");
+  for (const py::ssize_t i : {0, 1, 2}) {
+    if (P.at(i, i) < 0) {
+      throw py::value_error(name + " must have variances of at least 0 on its diagonal, got " +
+                            describe(py::float_(P.at(i, i))));
+    }
+  }
+  return Eigen::Map<const PoseCovariance>(P.data());
+}
+
+Measurement measurement_of(const Pose& pose) {
+  Measurement measurement;
+  measurement.pose = pose;
+  return measurement;
+}
+
 Measurement measurement_from(py::handle value, const std::string& name) {
   if (py::isinstance<Measurement>(value)) return value.cast<Measurement>();
-  return Measurement{pose_from(value, name)};
+  return measurement_of(pose_from(value, name));
 }
 
 py::array_t<double> to_array(const double* values, const Shape& shape) {

@@ -50,6 +50,12 @@ Input input_from(py::handle value, const std::string& name);
 Polygon polygon_from(py::handle value, const std::string& name);
 AxisMatrix axis_matrix_from(py::handle value, const std::string& name);
 
+/// Throws ValueError for variances below 0.
+PoseCovariance covariance_from(py::handle value, const std::string& name);
+
+/// That of a pose of which nothing more is known.
+Measurement measurement_of(const Pose& pose);
+
 /// A Measurement, or one of this pose.
 Measurement measurement_from(py::handle value, const std::string& name);
 

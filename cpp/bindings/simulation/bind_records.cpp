@@ -34,15 +34,7 @@ Estimate make_estimate(const ArrayLike& pose, const ArrayLike& covariance,
                        const std::optional<ArrayLike>& state) {
   Estimate estimate;
   estimate.pose = pose_from(pose, "pose");
-  const std::string expected = "an array of shape (3, 3)";
-  const Doubles P = doubles_from(covariance, "covariance", Shape{3, 3}, expected);
-  for (const py::ssize_t i : {0, 1, 2}) {
-    if (P.at(i, i) < 0) {
-      throw py::value_error("covariance must have variances of at least 0 on its diagonal, got " +
-                            describe(py::float_(P.at(i, i))));
-    }
-  }
-  std::copy_n(P.data(), 9, estimate.covariance.data());
+  estimate.covariance = covariance_from(covariance, "covariance");
   if (state) {
     const Doubles more = doubles_from(*state, "state", Shape{-1}, "an array of shape (n,)");
     estimate.state.assign(more.data(), more.data() + more.size());

@@ -16,6 +16,7 @@ struct Frame {
   std::optional<double> epoch;      // s, monotonic: t = 0 of this clock
   std::int64_t index = 0;
   PlaneMap plane_map;
+  int headings = 0;  // that the robot is drawn in, at whole pixels; 0 = any, as a camera sees it
 };
 
 }  // namespace robsim

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "robsim/vision/marker_blobs.hpp"
+#include "robsim/vision/refine.hpp"
 
 namespace robsim {
 
@@ -100,6 +101,11 @@ std::string explain_result(const Detection& d) {
              "), but so many others are about that " + number(d.false_alarms, 3) +
              " pairs of them fit as well by chance: is there more noise than markers of this size "
              "can bear, or much else as red and blue?";
+    case DetectionResult::noise:
+      return "red and blue blobs fit the markers, but hardly stand out of the noise: signal to "
+             "noise " +
+             number(d.cause, 1) + ", at least " + number(least_signal_to_noise, 0) +
+             " is needed. More light, less noise, or markers that are larger in the frame";
     case DetectionResult::dark:
       return "the picture is dark: mean level " + number(d.cause, 0) +
              " of 255. No robot was detected: more light, a longer exposure, or colours trained in "
@@ -136,6 +142,8 @@ std::string name_of(DetectionResult result) {
       return "ambiguous";
     case DetectionResult::by_chance:
       return "by chance";
+    case DetectionResult::noise:
+      return "noise";
     case DetectionResult::dark:
       return "dark";
     case DetectionResult::overexposed:

@@ -24,6 +24,7 @@ constexpr double most_false_alarms = 0.005;
 // Blobs of a colour, the largest first, among which the pair most like the markers is looked for.
 constexpr std::size_t most_alike = 8;
 
+// A blob on the work area.
 struct Marker {
   const Blob* blob;
   Point position;  // work-area px
@@ -35,6 +36,11 @@ struct Pair {
   Marker blue;
 };
 
+Marker marker_of(const Blob& blob, const PlaneMap& map) {
+  const double area = static_cast<double>(blob.area) * map.area_scale(blob.centroid);
+  return {&blob, map.to_world(blob.centroid), area};
+}
+
 // The blobs of a colour that are not cut off by the border.
 std::vector<Marker> markers_of(const BlobsByColor& blobs, const char* color, const PlaneMap& map) {
   std::vector<Marker> result;
@@ -42,10 +48,9 @@ std::vector<Marker> markers_of(const BlobsByColor& blobs, const char* color, con
   if (found == blobs.end()) return result;
   for (const Blob& blob : found->second) {
     if (blob.at_border) continue;
-    const Point position = map.to_world(blob.centroid);
-    if (std::isnan(position.x)) continue;  // where the lens shows nothing
-    const double area = static_cast<double>(blob.area) * map.area_scale(blob.centroid);
-    result.push_back({&blob, position, area});
+    const Marker marker = marker_of(blob, map);
+    if (std::isnan(marker.position.x)) continue;  // where the lens shows nothing
+    result.push_back(marker);
   }
   return result;
 }
@@ -284,7 +289,9 @@ Detection choose(const BlobsByColor& blobs, const MarkerLayout& markers, const P
   } else if (detection.false_alarms > most_false_alarms) {
     detection.result = DetectionResult::by_chance;
   } else {
-    detection.measurement = Measurement{pose_from(*best, markers, map)};
+    detection.measurement = Measurement{};
+    detection.measurement->pose = pose_from(*best, markers, map);
+    detection.measurement->pair = MarkerPair{*detection.red, *detection.blue};
   }
   return detection;
 }
@@ -311,6 +318,8 @@ MarkerLayout MarkerLayout::from_markers(const Polygon& red, const Polygon& blue)
   markers.blue = polygon_centroid(blue);
   markers.red_area = polygon_area(red);
   markers.blue_area = polygon_area(blue);
+  markers.red_shape = std::make_shared<MarkerShape>(red, "red");
+  markers.blue_shape = std::make_shared<MarkerShape>(blue, "blue");
   check_marker_layout(markers);
   return markers;
 }
@@ -354,9 +363,9 @@ Detection detect(const BlobsByColor& blobs, const MarkerLayout& markers,
   return detection;
 }
 
-std::optional<Measurement> locate(const BlobsByColor& blobs, const MarkerLayout& markers,
-                                  const PlaneMap& plane_map) {
-  return detect(blobs, markers, plane_map).measurement;
+Pose pose_of(const MarkerPair& pair, const MarkerLayout& markers, const PlaneMap& plane_map) {
+  return pose_from({marker_of(pair.red, plane_map), marker_of(pair.blue, plane_map)}, markers,
+                   plane_map);
 }
 
 }  // namespace robsim

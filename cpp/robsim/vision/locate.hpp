@@ -1,17 +1,29 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "robsim/geometry/polygon.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/find_blobs.hpp"
+#include "robsim/vision/fit/pose_fit.hpp"
 
 namespace robsim {
 
-/// The pose of a detected robot.
+/// The two blobs that were taken for the markers.
+struct MarkerPair {
+  Blob red;
+  Blob blue;
+};
+
+/// The pose of a detected robot, and how good it is, as far as that is known.
 struct Measurement {
   Pose pose;
+  std::optional<PoseCovariance> covariance;  // of x, y (work-area px) and heading (rad)
+  double misfit = std::numeric_limits<double>::quiet_NaN();           // NaN = unknown: see PoseFit
+  double signal_to_noise = std::numeric_limits<double>::quiet_NaN();  // NaN = unknown
+  std::optional<MarkerPair> pair;
 };
 
 /// The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
@@ -24,6 +36,9 @@ struct MarkerLayout {
   double distance_tolerance = 0.12;  // fraction of the distance between the markers
   double area_tolerance = 2.5;       // maximum ratio between an area and its expected value
   int maximum_blobs = 64;            // blobs considered per colour, the largest first
+  // Their outlines, if they are known; copies of a layout share them.
+  std::shared_ptr<const MarkerShape> red_shape;
+  std::shared_ptr<const MarkerShape> blue_shape;
 
   /// The layout of the manual: the line from blue to red is perpendicular to the heading, red on
   /// the robot's right; the centre lies `offset` px ahead of its midpoint.
@@ -51,6 +66,7 @@ enum class DetectionResult {
   areas,      // the blobs of a pair are too large or too small
   ambiguous,  // two pairs fit equally well
   by_chance,  // so many other blobs are about that a pair of them would fit as well
+  noise,      // the markers' edges do not stand out of the noise
 
   // Causes in the frame, where it was examined.
   dark,
@@ -74,7 +90,8 @@ struct Detection {
   double red_area = 0;      // work-area px^2
   double blue_area = 0;     // work-area px^2
 
-  double cause = 0;  // the number that tells a cause in the frame: mean level, share, width
+  // The number that tells a cause in the frame: signal to noise, mean level, share, width.
+  double cause = 0;
 
   MarkerLayout markers;  // that were looked for
 };
@@ -88,8 +105,7 @@ struct Detection {
 /// Method: the number of false alarms (Desolneux, Moisan and Morel 2000, Meaningful alignments).
 Detection detect(const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& plane_map);
 
-/// The measurement of `detect`.
-std::optional<Measurement> locate(const BlobsByColor& blobs, const MarkerLayout& markers,
-                                  const PlaneMap& plane_map);
+/// The pose of a robot whose markers are these two blobs.
+Pose pose_of(const MarkerPair& pair, const MarkerLayout& markers, const PlaneMap& plane_map);
 
 }  // namespace robsim

@@ -18,6 +18,7 @@ class Scene {
   int width() const { return background_.width(); }
   int height() const { return background_.height(); }
   const PlaneMap& camera() const { return camera_; }
+  int headings() const { return robot_.headings(); }
 
   /// The map of the view panned by `pan`.
   PlaneMap plane_map(const Pan& pan) const;

@@ -22,7 +22,10 @@ FORMAT = 1
 _KINDS = (str, bool, int, float, list, dict, datetime.datetime)
 _PACKAGES = ("robsim", "numpy", "pillow", "opencv-python-headless", "opencv-python")
 _LARGEST_INT = 2**63  # of TOML
-_MARKER_KEYS = ("red_area", "blue_area", "distance_tolerance", "area_tolerance", "maximum_blobs")
+_MARKER_KEYS = (
+    *("red_area", "blue_area", "distance_tolerance", "area_tolerance", "maximum_blobs"),
+    *("red_polygon", "blue_polygon"),
+)
 
 
 def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str:
@@ -75,7 +78,7 @@ def _as_toml(name: str, value: Any) -> Any:
         return {"name": value.name, **{c: list(getattr(value, c)) for c in "yuv"}}
     if isinstance(value, MarkerLayout):
         table = {"red": value.red.tolist(), "blue": value.blue.tolist()}
-        return table | {key: getattr(value, key) for key in _MARKER_KEYS}
+        return _as_toml(name, table | {key: getattr(value, key) for key in _MARKER_KEYS})
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, (list, tuple)):

@@ -166,6 +166,8 @@ _TABLES: dict[type, dict[str, _Key]] = {
         "distance_tolerance": _number("fraction"),
         "area_tolerance": _number("ratio"),
         "maximum_blobs": _COUNT,
+        "red_polygon": _array("px, its corners"),
+        "blue_polygon": _array("px"),
     },
     RobotModel: {
         "theta": _array("rows X, Y, P; columns a1, a2, b1, b2, d1", is_needed=True),

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "robsim/simulation/seam/native_work.hpp"
+#include "robsim/vision/frame_faults.hpp"
+#include "robsim/vision/refine.hpp"
 
 namespace robsim {
 
@@ -27,6 +29,13 @@ BlobsByColor MarkerVision::find(const Frame& frame) {
       with_smoothing(marker_blobs(markers_, frame.plane_map, frame.image.view()), smoothing_);
   if (!(options == finder_.options())) finder_ = BlobFinder(finder_.colors(), options);
   return finder_.find(frame.image.view());
+}
+
+Detection MarkerVision::detect(const BlobsByColor& blobs, const Frame& frame) const {
+  Detection detection = robsim::detect(blobs, markers_, frame.plane_map);
+  refine(detection, frame.image.view(), frame.plane_map, frame.headings);
+  examine_frame(detection, frame.image.view(), frame.plane_map);
+  return detection;
 }
 
 }  // namespace robsim

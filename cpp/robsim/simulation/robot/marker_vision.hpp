@@ -8,7 +8,7 @@
 
 namespace robsim {
 
-/// Finds the blobs of a robot's markers in frames of any size.
+/// Finds a robot by its markers in frames of any size.
 class MarkerVision {
  public:
   /// `smoothing` (px), if not as the markers need it.
@@ -23,6 +23,9 @@ class MarkerVision {
   const BlobOptions& options() const { return finder_.options(); }
 
   BlobsByColor find(const Frame& frame);
+
+  /// Looks for the markers among the blobs of a frame.
+  Detection detect(const BlobsByColor& blobs, const Frame& frame) const;
 
  private:
   MarkerLayout markers_;

@@ -4,8 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "robsim/vision/frame_faults.hpp"
-
 namespace robsim {
 
 const Frame* Step::look() {
@@ -31,8 +29,7 @@ const BlobsByColor& Step::find_blobs() {
 
 std::optional<Measurement> Step::detect() {
   const BlobsByColor& found = find_blobs();
-  detection = robsim::detect(found, markers(), frame->plane_map);
-  examine_frame(*detection, frame->image.view(), frame->plane_map);
+  detection = open_vision().detect(found, *frame);
   return detection->measurement;
 }
 

@@ -189,6 +189,7 @@ Frame SimulatedWorld::without_noise(const Capture& capture) {
   frame.t = static_cast<double>(capture.k) * model_->dt();
   frame.index = capture.k;
   frame.plane_map = renderer().plane_map(capture.pan);
+  frame.headings = renderer().scene()->headings();
   const NativeWork native(pixel_count());
   frame.image =
       renderer().render(capture.hidden ? std::nullopt : std::optional(capture.pose), capture.pan);

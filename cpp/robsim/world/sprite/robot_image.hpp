@@ -33,6 +33,8 @@ class RobotImage {
   PixelBox draw(const Point& pixel, double heading, const Shadow& shadow,
                 const WritableView& view) const;
 
+  int headings() const { return headings_; }
+
  private:
   // A strip for each row around the robot's centre, made when the heading is first shown, and kept
   // unless all of them would take too much memory.

@@ -23,7 +23,7 @@ def mirrored_remark(runner: Runner) -> str | None:
         return None
 
     def find(frame: Frame) -> Detection:
-        return detect(runner.find_blobs(frame), runner.markers, plane_map=frame.plane_map)
+        return detect(runner.find_blobs(frame), runner.markers, image=frame)
 
     frame = step.frame
     if frame is not None and looks_mirrored(frame, runner.robot, find):

@@ -31,4 +31,4 @@ def measure(step):
     #             x, y = (red + blue) / 2 + step.markers.offset * forward
     #             return robsim.Measurement((x, y, np.arctan2(-right_x, right_y)))
     # return None
-    return robsim.locate(step.blobs, step.markers, step.frame.plane_map)
+    return robsim.locate(step.blobs, step.markers, image=step.frame)

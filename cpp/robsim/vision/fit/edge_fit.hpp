@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "robsim/vision/fit/edge_model.hpp"
+
+namespace robsim::fit {
+
+/// A marker's pixels, and what the model makes of them.
+struct EdgeFit {
+  EdgePixels pixels;
+  Appearance appearance;
+  EdgeSums sums;
+
+  // How the channels are weighed: z = weights . r is what decides on the pose.
+  std::array<double, 3> weights{};
+  double gain = 0;      // weights . contrast
+  double variance = 0;  // of z
+
+  /// False if they tell nothing: no edge is in the picture.
+  bool update(const EdgeShift& shift);
+
+  /// (contrast to noise)^2 per unit of information.
+  double precision() const { return gain * gain / variance; }
+
+  /// z of every pixel, block by block; 0 where there is none.
+  std::vector<float> residuals() const;
+
+  /// The median size of the residuals, as a share of the contrast.
+  double usual_residual() const;
+
+  /// Weighs pixels anew, less the less they fit. Method: Geman and McClure (1987).
+  void weigh_by_residual();
+};
+
+/// How much larger the variance of the pose is than residuals without correlation would make it, at
+/// least 1: by the correlation of residuals that are up to 2 px apart, where it is more than
+/// chance, and that of the slopes there.
+double variance_factor(const EdgeFit& red, const EdgeFit& blue);
+
+}  // namespace robsim::fit

@@ -1,0 +1,217 @@
+#include "robsim/vision/fit/edge_pixels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "robsim/elementary/sine.hpp"
+#include "robsim/simd/cpu_path.hpp"
+#include "robsim/simd/lanes.hpp"
+#include "robsim/simd/target.hpp"
+
+namespace robsim::fit {
+
+namespace {
+
+constexpr int most_pixels = 1 << 14;  // of an edge, and of a side of its box
+
+/// A pose with the sine and cosine of its heading.
+struct Placed {
+  Pose pose;
+  double sin, cos;
+
+  explicit Placed(const Pose& at) : pose(at) {
+    const auto [s, c] = elementary::sin_cos(at.heading);
+    sin = s;
+    cos = c;
+  }
+  Point to_robot(const Point& world) const {
+    const double x = world.x - pose.x;
+    const double y = world.y - pose.y;
+    return {x * cos + y * sin, -x * sin + y * cos};
+  }
+  Point to_world(const Point& robot) const {
+    return {pose.x + robot.x * cos - robot.y * sin, pose.y + robot.x * sin + robot.y * cos};
+  }
+};
+
+// From pixels of a box to the robot's frame, to second order: exact for the camera that looks
+// straight down, and within 1e-4 px of the marker of a tilted one with a lens.
+class LocalMap {
+ public:
+  LocalMap(const PlaneMap& map, const Placed& robot, const PixelBox& box)
+      : u_((box.left + box.right - 1) / 2.0), v_((box.top + box.bottom - 1) / 2.0) {
+    const double a = std::max(1.0, (box.right - box.left) / 2.0);
+    const double b = std::max(1.0, (box.bottom - box.top) / 2.0);
+    const auto at = [&](int i, int j) {
+      return robot.to_robot(map.to_world({u_ + i * a, v_ + j * b}));
+    };
+    const Point middle = at(0, 0), left = at(-1, 0), right = at(1, 0), top = at(0, -1),
+                bottom = at(0, 1);
+    const Point corners[4] = {at(-1, -1), at(1, -1), at(-1, 1), at(1, 1)};
+    for (const auto part : {&Point::x, &Point::y}) {
+      Coefficients& c = part == &Point::x ? x_ : y_;
+      c.constant = middle.*part;
+      c.u = (right.*part - left.*part) / (2 * a);
+      c.v = (bottom.*part - top.*part) / (2 * b);
+      c.uu = (right.*part + left.*part - 2 * c.constant) / (2 * a * a);
+      c.vv = (bottom.*part + top.*part - 2 * c.constant) / (2 * b * b);
+      c.uv =
+          (corners[0].*part - corners[1].*part - corners[2].*part + corners[3].*part) / (4 * a * b);
+    }
+  }
+
+  /// The coefficients of x and y in a row, as polynomials of the column from `middle`.
+  void row(int v, float (&x)[3], float (&y)[3]) const {
+    x_.in_row(v - v_, x);
+    y_.in_row(v - v_, y);
+  }
+  double middle() const { return u_; }
+
+ private:
+  struct Coefficients {
+    double constant, u, v, uu, uv, vv;
+    void in_row(double b, float (&polynomial)[3]) const {
+      polynomial[0] = static_cast<float>(constant + b * (v + b * vv));
+      polynomial[1] = static_cast<float>(u + b * uv);
+      polynomial[2] = static_cast<float>(uu);
+    }
+  };
+
+  double u_, v_;
+  Coefficients x_, y_;
+};
+
+// The pixels that the marker and so many frame px around it take; empty if the map does not show
+// it.
+PixelBox box_around(const ImageView& image, const PlaneMap& map, const MarkerShape& shape,
+                    const Placed& robot, double margin) {
+  Point least{1e9, 1e9};
+  Point most{-1e9, -1e9};
+  for (const Point& corner : shape.polygon()) {
+    const Point pixel = map.to_pixel(robot.to_world(corner));
+    if (!(std::fabs(pixel.x) < 1e8 && std::fabs(pixel.y) < 1e8)) return {};
+    least = {std::min(least.x, pixel.x), std::min(least.y, pixel.y)};
+    most = {std::max(most.x, pixel.x), std::max(most.y, pixel.y)};
+  }
+  const PixelBox box{static_cast<int>(std::floor(least.x - margin)),
+                     static_cast<int>(std::floor(least.y - margin)),
+                     static_cast<int>(std::ceil(most.x + margin)) + 1,
+                     static_cast<int>(std::ceil(most.y + margin)) + 1};
+  if (box.right - box.left > most_pixels || box.bottom - box.top > most_pixels) return {};
+  return intersection(box, {0, 0, image.width, image.height});
+}
+
+using Floats = simd::LanesOf<float>;
+using Cell = MarkerShape::Table::Cell;
+
+// Pixels next to each other in a row: where they are in the robot's frame, and in the table.
+struct Run {
+  static constexpr int size = 8;
+
+  float x[size], y[size];          // work-area px, from the robot's centre
+  std::int32_t cell[size];         // of the table
+  float across[size], down[size];  // from its middle (work-area px)
+};
+
+struct RowMap {
+  float x[3], y[3];  // coefficients of the column, from the middle of the box
+  float left, top;   // of the table (work-area px)
+  float per_px;      // its cells
+};
+
+// `start`: the first column, from the middle of the box.
+ROBSIM_INLINE void look_up(const RowMap& map, float start, Run& run) {
+  constexpr int cells = MarkerShape::Table::cells;
+  static_assert(Run::size == Floats::count);
+  const Floats a = Floats::all(start) + Floats(0, 1, 2, 3, 4, 5, 6, 7);
+  const Floats x = Floats::all(map.x[0]) + a * (Floats::all(map.x[1]) + a * Floats::all(map.x[2]));
+  const Floats y = Floats::all(map.y[0]) + a * (Floats::all(map.y[1]) + a * Floats::all(map.y[2]));
+  x.store(run.x);
+  y.store(run.y);
+  const Floats last = Floats::all(cells - 0.001F);
+  // NaN becomes 0
+  within((x - Floats::all(map.left)) * Floats::all(map.per_px), Floats::all(0), last)
+      .store(run.across);
+  within((y - Floats::all(map.top)) * Floats::all(map.per_px), Floats::all(0), last)
+      .store(run.down);
+  const float width = 1 / map.per_px;
+  for (int i = 0; i < Run::size; ++i) {
+    const auto column = static_cast<std::int32_t>(run.across[i]);
+    const auto row = static_cast<std::int32_t>(run.down[i]);
+    run.cell[i] = row * cells + column;
+    run.across[i] = (run.across[i] - static_cast<float>(column) - 0.5F) * width;
+    run.down[i] = (run.down[i] - static_cast<float>(row) - 0.5F) * width;
+  }
+}
+
+void look_up_baseline(const RowMap& map, float start, Run& run) { look_up(map, start, run); }
+
+#if ROBSIM_HAS_AVX2_CODE
+ROBSIM_AVX2 void look_up_avx2(const RowMap& map, float start, Run& run) {
+  look_up(map, start, run);
+}
+#endif
+
+// The block for one pixel more, in which other places have no weight.
+EdgeBlock& block_for_next(EdgePixels& pixels) {
+  if (pixels.count % EdgeBlock::size == 0) pixels.blocks.emplace_back();  // all zero
+  return pixels.blocks.back();
+}
+
+void add(EdgePixels& pixels, float distance, const Cell& cell, float x, float y,
+         const std::uint8_t* rgb, int u, int v) {
+  EdgeBlock& block = block_for_next(pixels);
+  const int k = pixels.count++ % EdgeBlock::size;
+  block.distance[k] = distance;
+  block.normal_x[k] = cell.slope_x;
+  block.normal_y[k] = cell.slope_y;
+  // d distance / d heading = normal . (y, -x)
+  block.turn[k] = cell.slope_x * y - cell.slope_y * x;
+  for (int c = 0; c < 3; ++c) block.color[c][k] = static_cast<float>(rgb[c]) - EdgePixels::grey;
+  block.weight[k] = 1;
+  block.u[k] = static_cast<std::int16_t>(u - pixels.box.left);
+  block.v[k] = static_cast<std::int16_t>(v - pixels.box.top);
+}
+
+}  // namespace
+
+void gather(const ImageView& image, const PlaneMap& map, const MarkerShape& shape, const Pose& pose,
+            const Ring& ring, EdgePixels& pixels) {
+  pixels.blocks.clear();
+  pixels.count = 0;
+  const Placed robot(pose);
+  pixels.box = box_around(image, map, shape, robot, ring.outside + 1);
+  const Point centre = map.to_pixel(robot.to_world(shape.centroid()));
+  pixels.scale = 1 / std::sqrt(map.area_scale(centre));
+  if (pixels.box.empty() || !std::isfinite(pixels.scale)) return;
+  const LocalMap to_robot(map, robot, pixels.box);
+  const MarkerShape::Table& table = shape.table();
+  RowMap row_map;
+  row_map.left = static_cast<float>(table.left());
+  row_map.top = static_cast<float>(table.top());
+  row_map.per_px = static_cast<float>(table.per_px());
+  // Places beyond the table lie further outside than the ring, but if a marker is of a pixel or
+  // two.
+  const auto outside = static_cast<float>(-ring.outside / pixels.scale);
+  const auto inside = static_cast<float>(ring.inside / pixels.scale);
+  Run run;
+  for (int v = pixels.box.top; v < pixels.box.bottom; ++v) {
+    to_robot.row(v, row_map.x, row_map.y);
+    const std::uint8_t* row = image.row(v);
+    for (int u = pixels.box.left; u < pixels.box.right; u += Run::size) {
+      ROBSIM_PICK(look_up_baseline, look_up_avx2)
+      (row_map, static_cast<float>(u - to_robot.middle()), run);
+      const int count = std::min(Run::size, pixels.box.right - u);
+      for (int i = 0; i < count; ++i) {
+        const Cell& cell = table.data()[run.cell[i]];
+        const float distance =
+            cell.distance + cell.slope_x * run.across[i] + cell.slope_y * run.down[i];
+        if (distance < outside || distance > inside) continue;
+        add(pixels, distance, cell, run.x[i], run.y[i], row + std::ptrdiff_t{3} * (u + i), u + i,
+            v);
+      }
+    }
+  }
+}
+
+}  // namespace robsim::fit

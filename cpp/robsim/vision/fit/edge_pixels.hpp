@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "robsim/imaging/image.hpp"
+#include "robsim/imaging/plane_map.hpp"
+#include "robsim/vision/fit/marker_shape.hpp"
+
+namespace robsim::fit {
+
+/// Pixels around the edge of a marker, as seen from a pose of the robot.
+struct EdgeBlock {
+  static constexpr int size = 32;
+
+  alignas(32) float distance[size];  // from the edge, above 0 inside; work-area px
+  // Its derivatives by x and y in the robot's frame, and by the heading (work-area px/rad):
+  alignas(32) float normal_x[size];
+  alignas(32) float normal_y[size];
+  alignas(32) float turn[size];
+  alignas(32) float color[3][size];  // R, G, B, from `grey`
+  alignas(32) float weight[size];    // square root; 0 = no pixel
+  alignas(32) float coverage[size];  // T, and its slope: see edge_model.hpp
+  alignas(32) float slope[size];
+  std::int16_t u[size];  // px, from the left and top of the box
+  std::int16_t v[size];
+};
+
+struct EdgePixels {
+  static constexpr float grey = 128;  // in the middle of all levels: what is left is small
+
+  EdgePixels() { blocks.reserve(24); }
+
+  std::vector<EdgeBlock> blocks;
+  int count = 0;
+  PixelBox box;      // where they are
+  double scale = 0;  // frame px per work-area px
+};
+
+/// How far the ring of pixels reaches (frame px).
+struct Ring {
+  double outside = 2.5;
+  double inside = 4;
+};
+
+/// Gathers the pixels of an image at the edge of a marker of a robot at `pose`. None if the marker
+/// is not in the image, or `map` does not show it.
+void gather(const ImageView& image, const PlaneMap& map, const MarkerShape& shape, const Pose& pose,
+            const Ring& ring, EdgePixels& pixels);
+
+}  // namespace robsim::fit

@@ -1,0 +1,243 @@
+#include "robsim/vision/fit/pose_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "robsim/elementary/exponential.hpp"
+#include "robsim/elementary/polar.hpp"
+#include "robsim/elementary/sine.hpp"
+#include "robsim/vision/fit/edge_fit.hpp"
+
+namespace robsim {
+
+namespace {
+
+using namespace fit;
+
+constexpr int unknowns = 6;  // x, y, heading, ln blur, share by which markers are apart, growth
+using Information = Eigen::Matrix<double, unknowns, unknowns>;
+using Step = Eigen::Matrix<double, unknowns, 1>;
+
+constexpr double usual_blur = 0.62;  // frame px: a sharp picture
+constexpr double sharp = 1.4;        // frame px; what is more blurred needs a wider ring
+
+// What is known before, as standard deviations.
+constexpr double blur_spread = 0.3;    // of its logarithm
+constexpr double apart_spread = 0.05;  // of the distance between the markers
+constexpr double growth_spread = 0.5;  // frame px
+
+constexpr int most_steps = 4;
+constexpr int most_robust_steps = 8;
+constexpr double longest_step = 1.5;     // frame px
+constexpr double still = 0.005;          // a step that is the last one
+constexpr double converged = 0.1;        // a step that may be the last one
+constexpr double gather_again = 0.3;     // moves of which the distances are out of date
+constexpr double correlated = 2;         // misfit above which pixels are weighed
+constexpr double clearly_better = 0.8;   // ratio of residuals with weights to those without
+constexpr double picture_error = 0.008;  // frame px a marker: pictures are not drawn more exactly
+
+struct Unknowns {
+  Pose pose;
+  double log_blur = 0;  // from the usual one
+  double apart = 0;
+  double growth = 0;  // work-area px
+
+  double blur() const { return usual_blur * elementary::exp(log_blur); }
+};
+
+class Fit {
+ public:
+  Fit(const ImageView& image, const PlaneMap& map, const MarkerShape& red, const MarkerShape& blue,
+      const Pose& start)
+      : image_(image), map_(map), shapes_{&red, &blue} {
+    at_.pose = start;
+    const Point a = red.centroid(), b = blue.centroid();
+    const Point middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
+    from_middle_[0] = {a.x - middle.x, a.y - middle.y};
+    from_middle_[1] = {b.x - middle.x, b.y - middle.y};
+  }
+
+  std::optional<PoseFit> run() {
+    if (!gather_edges() || !iterate(most_steps)) return std::nullopt;
+    double factor = misfit();
+    if (factor > correlated) {
+      const Fit plain = *this;
+      is_robust_ = true;
+      // Of a marker that is partly hidden, the rest fits much better without that part.
+      if (!iterate(most_robust_steps) || !fits_better_than(plain)) return plain.result(factor);
+      factor = std::max(factor, misfit());
+    }
+    return result(factor);
+  }
+
+ private:
+  double scale() const { return (markers_[0].pixels.scale + markers_[1].pixels.scale) / 2; }
+
+  double misfit() const { return variance_factor(markers_[0], markers_[1]); }
+
+  bool fits_better_than(const Fit& other) const {
+    const auto falls = [&](std::size_t k) {
+      return markers_[k].usual_residual() < clearly_better * other.markers_[k].usual_residual();
+    };
+    return falls(0) || falls(1);
+  }
+
+  bool gather_edges() {
+    gathered_ = at_.pose;
+    // A blurred edge is as wide as its blur.
+    const double wider = 1.5 * std::max(0.0, at_.blur() - 0.8);
+    const Ring ring{Ring{}.outside + wider, Ring{}.inside + wider};
+    for (std::size_t k = 0; k < 2; ++k) {
+      gather(image_, map_, *shapes_[k], gathered_, ring, markers_[k].pixels);
+      if (markers_[k].pixels.count == 0) return false;
+    }
+    return true;
+  }
+
+  // How marker k has moved since its pixels were gathered.
+  EdgeShift shift_of(std::size_t k) const {
+    const auto [sin, cos] = elementary::sin_cos(gathered_.heading);
+    const double x = at_.pose.x - gathered_.x;
+    const double y = at_.pose.y - gathered_.y;
+    EdgeShift shift;
+    shift.x = x * cos + y * sin + at_.apart * from_middle_[k].x;
+    shift.y = -x * sin + y * cos + at_.apart * from_middle_[k].y;
+    shift.turn = wrap_angle(at_.pose.heading - gathered_.heading);
+    shift.grow = at_.growth;
+    shift.blur = at_.blur();
+    return shift;
+  }
+
+  // From the unknowns to the parameters of marker k's edge.
+  Eigen::Matrix<double, parameters, unknowns> jacobian(std::size_t k) const {
+    const auto [sin, cos] = elementary::sin_cos(gathered_.heading);
+    Eigen::Matrix<double, parameters, unknowns> j;
+    j << -cos, -sin, 0, 0, -from_middle_[k].x, 0,  //
+        sin, -cos, 0, 0, -from_middle_[k].y, 0,    //
+        0, 0, 1, 0, 0, 0,                          //
+        0, 0, 0, 0, 0, 1,                          //
+        0, 0, 0, 0, 0, 0;
+    j *= markers_[k].pixels.scale / at_.blur();
+    j(4, 3) = -1;  // dq / d ln blur = -q
+    return j;
+  }
+
+  // The normal equations where the fit is: information N and gradient g. False without an edge.
+  bool linearize(Step& gradient) {
+    const double growth = growth_spread / scale();
+    Step precision;
+    precision << 0, 0, 0, 1 / (blur_spread * blur_spread), 1 / (apart_spread * apart_spread),
+        1 / (growth * growth);
+    Step deviation;
+    deviation << 0, 0, 0, at_.log_blur, at_.apart, at_.growth;
+    information_ = precision.asDiagonal();
+    gradient = -precision.cwiseProduct(deviation);
+    signal_ = 0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      EdgeFit& marker = markers_[k];
+      if (!marker.update(shift_of(k))) return false;
+      const Eigen::Matrix<double, parameters, unknowns> j = jacobian(k);
+      const Eigen::Map<const Eigen::Matrix<double, parameters, parameters, Eigen::RowMajor>> sums(
+          marker.sums.information[0].data());
+      const Eigen::Map<const Eigen::Matrix<double, parameters, 3, Eigen::RowMajor>> residuals(
+          marker.sums.gradient[0].data());
+      const Eigen::Map<const Eigen::Vector3d> weights(marker.weights.data());
+      // N = sum_k gain^2/v J'D'PD J,  g = sum_k gain/v J'D'P z
+      information_ += marker.precision() * (j.transpose() * sums * j);
+      gradient += marker.gain / marker.variance * (j.transpose() * (residuals * weights));
+      signal_ += marker.precision() * marker.sums.slope;
+    }
+    return true;
+  }
+
+  bool iterate(int steps) {
+    for (int i = 0; i < steps; ++i) {
+      if (is_robust_) {
+        for (EdgeFit& marker : markers_) marker.weigh_by_residual();
+      }
+      Step gradient;
+      if (!linearize(gradient)) return false;
+      const Eigen::LLT<Information> decomposition(information_);
+      if (decomposition.info() != Eigen::Success) return false;
+      Step step = decomposition.solve(gradient);
+      last_step_ = scale() * elementary::hypot(step[0], step[1]);
+      if (!std::isfinite(last_step_)) return false;
+      if (last_step_ > longest_step) step *= longest_step / last_step_;
+      take(step);
+      if (last_step_ < still) break;
+      if (i + 1 < steps && is_out_of_date() && !gather_edges()) return false;
+    }
+    return true;
+  }
+
+  void take(const Step& step) {
+    at_.pose.x += step[0];
+    at_.pose.y += step[1];
+    at_.pose.heading = wrap_angle(at_.pose.heading + step[2]);
+    at_.log_blur = std::clamp(at_.log_blur + step[3], -1.0, 2.5);
+    at_.apart += step[4];
+    at_.growth += step[5];
+  }
+
+  bool is_out_of_date() {
+    const bool is_wide = at_.blur() > sharp;
+    const double moved = elementary::hypot(at_.pose.x - gathered_.x, at_.pose.y - gathered_.y);
+    return is_wide || scale() * moved > gather_again;
+  }
+
+  std::optional<PoseFit> result(double factor) const {
+    PoseFit fit;
+    fit.pose = at_.pose;
+    fit.misfit = factor;
+    fit.has_converged = last_step_ < converged;
+    // Of the sum of T'^2, so much is that of a normal edge of the blur of the optics alone.
+    constexpr double normal_share = 0.576;
+    fit.signal_to_noise = std::sqrt(normal_share * signal_);
+    const Information all = information_.inverse();
+    // The estimate of weak edges is not linear in the noise: measured on simulated pictures.
+    const double second_order = 1.05 + 12 / (fit.signal_to_noise * fit.signal_to_noise);
+    fit.covariance = factor * second_order * all.topLeftCorner<3, 3>() + picture_covariance(factor);
+    if (!fit.covariance.allFinite()) return std::nullopt;
+    return fit;
+  }
+
+  // Of places of the markers that are each as wrong as pictures are drawn, or as what the fit
+  // leaves beside noise would move an edge of this blur.
+  PoseCovariance picture_covariance(double factor) const {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    const auto [sin, cos] = elementary::sin_cos(at_.pose.heading);
+    for (const MarkerShape* shape : shapes_) {
+      const Point at = shape->centroid();
+      // d(X, Y)/d(x, y, heading) of a marker at (X, Y) from the centre
+      Eigen::Matrix<double, 2, 3> j;
+      j << 1, 0, -(at.x * sin + at.y * cos), 0, 1, at.x * cos - at.y * sin;
+      sum += j.transpose() * j;
+    }
+    const double left =
+        (1 - 1 / factor) / std::min(markers_[0].precision(), markers_[1].precision());
+    const double variance = picture_error * picture_error + left * at_.blur() * at_.blur();
+    return variance / (scale() * scale()) * sum.inverse();
+  }
+
+  const ImageView& image_;
+  const PlaneMap& map_;
+  const MarkerShape* shapes_[2];
+  Point from_middle_[2];  // work-area px, in the robot's frame
+  EdgeFit markers_[2];
+  Pose gathered_;
+  Unknowns at_;
+  bool is_robust_ = false;
+  Information information_;
+  double signal_ = 0;
+  double last_step_ = 0;  // frame px
+};
+
+}  // namespace
+
+std::optional<PoseFit> fit_pose(const ImageView& image, const PlaneMap& map, const MarkerShape& red,
+                                const MarkerShape& blue, const Pose& start) {
+  return Fit(image, map, red, blue, start).run();
+}
+
+}  // namespace robsim

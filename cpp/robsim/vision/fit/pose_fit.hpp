@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "robsim/imaging/image.hpp"
+#include "robsim/imaging/plane_map.hpp"
+#include "robsim/vision/fit/marker_shape.hpp"
+
+namespace robsim {
+
+using PoseCovariance = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+/// A pose fitted to the edges of the markers.
+struct PoseFit {
+  Pose pose;
+  PoseCovariance covariance;   // of x, y (work-area px) and heading (rad)
+  double misfit = 1;           // factor on the variance, for what the fit leaves is no noise alone
+  double signal_to_noise = 0;  // of the edges of both markers together
+  bool has_converged = false;
+};
+
+/// Fits the pose of a robot to the edges of its two markers: weighted least squares over the RGB
+/// pixels around the outlines, by Gauss and Newton. Level and contrast of each marker and channel
+/// are free, and so are the blur and, within limits, the distance of the markers and their size: a
+/// definition that is somewhat wrong does not pull at the pose. Where what is left is not like
+/// noise, pixels that do not fit count less. Nothing if an edge is not in the picture.
+/// Error propagation: the inverse of the information of the pixels, times the misfit and a factor
+/// for the second order in the noise.
+std::optional<PoseFit> fit_pose(const ImageView& image, const PlaneMap& map, const MarkerShape& red,
+                                const MarkerShape& blue, const Pose& start);
+
+}  // namespace robsim

@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "robsim/simd/cpu_path.hpp"
+#include "robsim/simd/target.hpp"
+#include "robsim/vision/fit/edge_fit.hpp"
+
+namespace robsim::fit {
+
+namespace {
+
+// The neighbours of a pixel up to 2 px away, each pair once: right, and in the rows below.
+struct Lag {
+  int u, v;
+};
+constexpr Lag lags[] = {{1, 0}, {2, 0},  {-2, 1}, {-1, 1}, {0, 1}, {1, 1},
+                        {2, 1}, {-2, 2}, {-1, 2}, {0, 2},  {1, 2}, {2, 2}};
+constexpr int reach = 2;
+
+// More than this many standard deviations is no chance.
+constexpr double significant = 3;
+
+// Numbers of the pixels of a box, 0 where there is none, with so many zeros around that neighbours
+// are found by their distance in memory. Whole numbers: their sums are exact in any order, so that
+// compilers may vectorise them.
+class Grid {
+ public:
+  explicit Grid(const PixelBox& box)
+      : stride_(box.right - box.left + reach),
+        height_(box.bottom - box.top),
+        numbers_(static_cast<std::size_t>(stride_ * (height_ + reach) + reach)) {}
+
+  std::int16_t& at(int u, int v) { return numbers_[static_cast<std::size_t>(v * stride_ + u)]; }
+  int stride() const { return stride_; }
+  int height() const { return height_; }
+  const std::int16_t* row(int v) const { return numbers_.data() + v * stride_; }
+
+ private:
+  int stride_, height_;
+  std::vector<std::int16_t> numbers_;
+};
+
+// So large that the sum of a row of 2^14 products does not overflow.
+constexpr int most = 256;
+
+std::int16_t whole(float value, float unit) {
+  const auto limit = static_cast<float>(most);
+  const float scaled = std::min(std::max(value * unit, -limit), limit);
+  return static_cast<std::int16_t>(scaled + (scaled < 0 ? -0.5F : 0.5F));
+}
+
+ROBSIM_INLINE double product(const Grid& grid, int offset) {
+  std::int64_t sum = 0;
+  for (int v = 0; v < grid.height(); ++v) {
+    const std::int16_t* numbers = grid.row(v);
+    std::int32_t of_row = 0;
+    for (int u = 0; u < grid.stride(); ++u) of_row += numbers[u] * numbers[u + offset];
+    sum += of_row;
+  }
+  return static_cast<double>(sum);
+}
+
+double product_baseline(const Grid& grid, int offset) { return product(grid, offset); }
+
+#if ROBSIM_HAS_AVX2_CODE
+ROBSIM_AVX2 double product_avx2(const Grid& grid, int offset) { return product(grid, offset); }
+#endif
+
+// The sum of the products of all pixels with their neighbour there.
+double product_with(const Grid& grid, const Lag& lag) {
+  return ROBSIM_PICK(product_baseline, product_avx2)(grid, lag.v * grid.stride() + lag.u);
+}
+
+// One number per pixel, on the grid.
+template <typename NumberOf>
+Grid grid_of(const EdgePixels& pixels, NumberOf number_of) {
+  Grid grid(pixels.box);
+  for (int i = 0; i < pixels.count; ++i) {
+    const EdgeBlock& block = pixels.blocks[static_cast<std::size_t>(i / EdgeBlock::size)];
+    const int k = i % EdgeBlock::size;
+    grid.at(block.u[k], block.v[k]) = number_of(block, k, static_cast<std::size_t>(i));
+  }
+  return grid;
+}
+
+Grid ones_of(const EdgePixels& pixels) {
+  return grid_of(pixels, [](const EdgeBlock&, int, std::size_t) { return std::int16_t{1}; });
+}
+
+// z in standard deviations, to 1/32; more than 8 count as 8.
+Grid residuals_of(const EdgeFit& marker) {
+  const std::vector<float> z = marker.residuals();
+  const auto unit = static_cast<float>(32 / std::sqrt(marker.variance));
+  return grid_of(marker.pixels, [&](const EdgeBlock& block, int k, std::size_t i) {
+    return whole(z[i] * block.weight[k], unit);
+  });
+}
+
+Grid slopes_of(const EdgePixels& pixels, bool along_y) {
+  return grid_of(pixels, [&](const EdgeBlock& block, int k, std::size_t) {
+    return whole(block.slope[k] * (along_y ? block.normal_y : block.normal_x)[k], 480);
+  });
+}
+
+// How alike the slopes of pixels and their neighbours are, over both directions.
+class SlopeCorrelation {
+ public:
+  explicit SlopeCorrelation(const EdgeFit* const (&markers)[2]) {
+    for (const EdgeFit* marker : markers) {
+      for (const bool along_y : {false, true}) {
+        grids_.push_back(slopes_of(marker->pixels, along_y));
+        all_ += product_with(grids_.back(), {0, 0});
+      }
+    }
+  }
+  double at(const Lag& lag) const {
+    double sum = 0;
+    for (const Grid& grid : grids_) sum += product_with(grid, lag);
+    return sum / all_;
+  }
+
+ private:
+  std::vector<Grid> grids_;
+  double all_ = 0;
+};
+
+}  // namespace
+
+double variance_factor(const EdgeFit& red, const EdgeFit& blue) {
+  const EdgeFit* const markers[2] = {&red, &blue};
+  const Grid residuals[2] = {residuals_of(red), residuals_of(blue)};
+  const auto count = static_cast<double>(red.pixels.count + blue.pixels.count);
+  const double variance =
+      (product_with(residuals[0], {0, 0}) + product_with(residuals[1], {0, 0})) / count;
+  if (!(variance > 0)) return 1;
+  double factor = 1;
+  std::vector<Grid> ones;  // made if they are needed
+  std::vector<SlopeCorrelation> slopes;
+  for (const Lag& lag : lags) {
+    const double sum = product_with(residuals[0], lag) + product_with(residuals[1], lag);
+    // In a ring of this width at least 6 in 10 pixels have a neighbour there.
+    if (std::fabs(sum) < significant * variance * std::sqrt(0.6 * count)) continue;
+    if (ones.empty()) ones = {ones_of(red.pixels), ones_of(blue.pixels)};
+    const double pairs = product_with(ones[0], lag) + product_with(ones[1], lag);
+    const double correlation = sum / (pairs * variance);
+    if (!(std::fabs(correlation) * std::sqrt(pairs) > significant)) continue;
+    if (slopes.empty()) slopes.emplace_back(markers);
+    // var(D'z) = sum_ij D_i D_j cov(z_i, z_j)
+    factor += 2 * correlation * slopes.front().at(lag);
+  }
+  return std::max(1.0, factor);
+}
+
+}  // namespace robsim::fit
