@@ -1,6 +1,7 @@
 #include "robsim/simulation/recorder.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -104,7 +105,13 @@ void Recorder::record_parameters(const RobotSoftware& robot) {
 }
 
 void Recorder::record_measurement(const Step& step, const std::optional<Pose>& held) {
-  if (step.measurement) write(trace_.writable(*columns_.measured), step.measurement->pose);
+  if (step.measurement) {
+    write(trace_.writable(*columns_.measured), step.measurement->pose);
+    record_quality(*step.measurement);
+  } else if (step.detection) {
+    *trace_.writable(column(columns_.missed, "missed")) =
+        static_cast<double>(step.detection->result);
+  }
   if (held && columns_.held) write(trace_.writable(*columns_.held), *held);
   if (!step.blobs || !step.frame || columns_.blobs.empty()) return;
   auto column = columns_.blobs.begin();
@@ -116,6 +123,26 @@ void Recorder::record_measurement(const Step& step, const std::optional<Pose>& h
       positions[2 * i + 1] = position.y;
     }
   }
+}
+
+// What nobody says of any measurement takes no column.
+void Recorder::record_quality(const Measurement& measurement) {
+  if (measurement.covariance) {
+    double* numbers = trace_.writable(column(columns_.covariance_measured, "covariance_measured"));
+    std::copy_n(measurement.covariance->data(), 9, numbers);
+  }
+  if (!std::isnan(measurement.misfit)) {
+    *trace_.writable(column(columns_.misfit, "misfit")) = measurement.misfit;
+  }
+  if (!std::isnan(measurement.signal_to_noise)) {
+    *trace_.writable(column(columns_.signal_to_noise, "signal_to_noise")) =
+        measurement.signal_to_noise;
+  }
+}
+
+Trace::Column& Recorder::column(Trace::Column*& known, const char* name) {
+  if (!known) known = &trace_.column(name);
+  return *known;
 }
 
 void Recorder::record_estimate(const Step& step) {

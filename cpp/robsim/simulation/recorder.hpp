@@ -34,6 +34,10 @@ class Recorder {
     Trace::Column* bounced = nullptr;
     Trace::Column* measured = nullptr;
     Trace::Column* held = nullptr;
+    Trace::Column* covariance_measured = nullptr;
+    Trace::Column* misfit = nullptr;
+    Trace::Column* signal_to_noise = nullptr;
+    Trace::Column* missed = nullptr;
     Trace::Column* parameters = nullptr;
     Trace::Column* standard_errors_unscaled = nullptr;
     Trace::Column* estimated = nullptr;
@@ -47,7 +51,11 @@ class Recorder {
   void record_truth(const Truth& truth);
   void record_parameters(const RobotSoftware& robot);
   void record_measurement(const Step& step, const std::optional<Pose>& held);
+  void record_quality(const Measurement& measurement);
   void record_estimate(const Step& step);
+
+  // One that is made when there is something to write.
+  Trace::Column& column(Trace::Column*& known, const char* name);
 
   Trace trace_;
   Columns columns_;

@@ -20,11 +20,11 @@ Fields poses(const std::string& suffix) {
   return fields;
 }
 
-Fields covariances() {
+Fields covariances(const std::string& prefix) {
   Fields fields;
   for (const TraceField& row : pose_fields) {
     for (const TraceField& column : pose_fields) {
-      fields.push_back({"cov_" + row.name + "_" + column.name, row.unit + " " + column.unit});
+      fields.push_back({prefix + row.name + "_" + column.name, row.unit + " " + column.unit});
     }
   }
   return fields;
@@ -101,7 +101,18 @@ std::vector<TraceGroup> make_schema() {
             "Last measured pose (N, 3), NaN before the first, and while nothing measures."),
       group("pose_estimated", {3}, poses("estimated"),
             "Estimated pose (N, 3), NaN without a state estimator."),
-      group("covariance", {3, 3}, covariances(), "Covariance of the estimated pose (N, 3, 3)."),
+      group("covariance_measured", {3, 3}, covariances("cov_measured_"),
+            "Covariance of the measured pose (N, 3, 3), NaN where it is not known."),
+      group("misfit", {}, {{"misfit", ""}},
+            "Misfit of the measurement (N,): factor on its variance, 1 = what the fit leaves is "
+            "noise."),
+      group("signal_to_noise", {}, {{"signal_to_noise", ""}},
+            "Signal-to-noise figure of the markers' edges (N,): from 4 on a pose can be trusted."),
+      zero_where_missing(group("missed", {}, {{"missed", ""}},
+                               "Why the default measurement did not see the robot (N,): number of "
+                               "the reason, see `missed_reasons`; 0 = it did.")),
+      group("covariance", {3, 3}, covariances("cov_"),
+            "Covariance of the estimated pose (N, 3, 3)."),
       group("parameters", {3, 5}, parameters(),
             "Online estimate of the model's parameters (N, 3, 5), NaN without an estimator."),
       group("standard_errors_unscaled", {3, 5}, standard_errors_unscaled(),

@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 _TRUTH = "only a simulation knows the truth, recorded frames do not have it"
+_NOT_FITTED = (
+    "run with measure=True; a measure of your own must return that of robsim.locate with "
+    "image=..., or a Measurement with it"
+)
 _UNSEEN = "the robot was never seen; a measure of your own must return its Measurement"
 
 # How a group of columns is recorded.
@@ -15,6 +19,10 @@ _HOW = {
     "were recorded with the frames",
     "pose_measured": "run with measure=True",
     "pose_held": "run with measure=True",
+    "covariance_measured": _NOT_FITTED,
+    "misfit": _NOT_FITTED,
+    "signal_to_noise": _NOT_FITTED,
+    "missed": "the default measurement missed no frame, or there was none: run with measure=True",
     "pose_estimated": "run with estimate_state=...",
     "covariance": "run with estimate_state=...",
     "parameters": "run with estimate_parameters=True",

@@ -16,7 +16,7 @@ from robsim._base.files import as_path, open_whole
 from robsim._base.report.as_data import import_pandas
 from robsim._base.spelling import check_names, no_attribute, suggestion
 from robsim._base.text import as_cell, is_plain, listed, one_line, quoted
-from robsim._core import TraceGroup, wrap_angle
+from robsim._core import TraceGroup, detection_reasons, wrap_angle
 from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of, group_of
 from robsim.trace._not_recorded import how_recorded, not_recorded
 from robsim.trace._properties import Column, Flag
@@ -144,6 +144,10 @@ class Trace:
     bounced = Flag()
     pose_measured = Column()
     pose_held = Column()
+    covariance_measured = Column()
+    misfit = Column()
+    signal_to_noise = Column()
+    missed = Column()
     pose_estimated = Column()
     covariance = Column()
     parameters = Column()
@@ -172,6 +176,16 @@ class Trace:
             for name, rows in self._groups.items()
             if name.startswith("blobs_")
         }
+
+    @property
+    def missed_reasons(self) -> NDArray[np.str_]:
+        """Why the default measurement did not see the robot (N,), as `Detection` names it.
+
+        An empty text where it did, or where nothing was measured.
+        """
+        reasons = np.array(["", *detection_reasons()])
+        known = np.clip(self.missed, 0, len(reasons) - 1)
+        return np.asarray(reasons[known.astype(np.intp)])
 
     @property
     def state(self) -> Floats:

@@ -1,0 +1,177 @@
+"""What a measurement says of itself, and what a trace keeps of it."""
+
+import copy
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.vision import Blob, MarkerLayout, detect
+
+COLORS = robsim.load_colors()
+MARKERS = robsim.load_robot("lab").marker_layout()
+
+
+def simulation(**options):
+    options = {"resolution": (480, 480), "measure": True, "seed": 1} | options
+    return robsim.Simulation(control=robsim.DriveAround(), **options)
+
+
+def located(frame, markers=MARKERS, **options):
+    blobs = robsim.find_blobs(frame, COLORS, markers=markers)
+    return robsim.locate(blobs, markers, image=frame, **options)
+
+
+def test_it_has_covariance_misfit_signal_to_noise_and_pair():
+    sim = simulation(headings=None, noise=robsim.GaussianNoise(10))
+    step = sim.step()
+    measurement = step.measurement
+    assert measurement == located(step.frame) == step.detection.measurement
+    assert measurement.covariance.shape == (3, 3)
+    assert (np.linalg.eigvalsh(measurement.covariance) > 0).all()
+    assert 1 <= measurement.misfit < 1.5
+    assert 15 < measurement.signal_to_noise < 25
+    assert measurement.pair == (step.detection.red, step.detection.blue)
+    assert measurement.pair[0] in step.blobs["red"]
+    assert copy.deepcopy(measurement) == measurement
+    assert hash(copy.copy(measurement)) == hash(measurement)
+    assert "+-" in repr(measurement)
+
+
+def test_what_is_not_known_is_none():
+    measurement = robsim.Measurement((1, 2, 3))
+    assert (measurement.covariance, measurement.misfit) == (None, None)
+    assert (measurement.signal_to_noise, measurement.pair) == (None, None)
+    assert eval(repr(measurement), {"Measurement": robsim.Measurement}) == measurement
+    blobs = robsim.find_blobs(simulation().frame, COLORS, markers=MARKERS)
+    plain = robsim.locate(blobs, MARKERS, simulation().frame.plane_map)
+    assert plain.covariance is None
+    assert [blob.color for blob in plain.pair] == ["red", "blue"]
+
+
+def test_one_by_hand_has_what_it_was_given():
+    blob = Blob("red", area=3, centroid=(1, 2), bounding_box=(0, 0, 3, 3))
+    measurement = robsim.Measurement(
+        (1, 2, 3), covariance=np.eye(3), misfit=1.5, signal_to_noise=9, pair=(blob, blob)
+    )
+    np.testing.assert_array_equal(measurement.covariance, np.eye(3))
+    assert not measurement.covariance.flags.writeable
+    assert (measurement.misfit, measurement.signal_to_noise) == (1.5, 9)
+    assert measurement.pair == (blob, blob)
+    with pytest.raises(ValueError, match=r"covariance must .*\(3, 3\)"):
+        robsim.Measurement((1, 2, 3), covariance=np.eye(2))
+    with pytest.raises(ValueError, match="covariance must have variances of at least 0"):
+        robsim.Measurement((1, 2, 3), covariance=-np.eye(3))
+
+
+def test_more_noise_is_more_variance_and_less_signal():
+    found = [
+        simulation(headings=None, noise=robsim.GaussianNoise(percent)).step().measurement
+        for percent in (2, 10, 30)
+    ]
+    variances = [np.trace(one.covariance[:2, :2]) for one in found]
+    signals = [one.signal_to_noise for one in found]
+    assert sorted(variances) == variances
+    assert sorted(signals, reverse=True) == signals
+
+
+def test_drawn_headings_and_whole_pixels_are_part_of_the_covariance():
+    drawn, exact = (simulation(headings=headings).step() for headings in (36, None))
+    assert (drawn.frame.headings, exact.frame.headings) == (36, None)
+    pixel = 1200 / 480
+    shares = np.diag(drawn.measurement.covariance - exact.measurement.covariance)
+    expected = (pixel**2 / 12, pixel**2 / 12, (2 * np.pi / 36) ** 2 / 12)
+    np.testing.assert_allclose(shares, expected, rtol=0.02)
+
+
+def test_frames_say_in_how_many_headings_the_robot_is_drawn():
+    image = np.zeros((4, 5, 3), np.uint8)
+    frame = robsim.Frame(image, headings=36)
+    assert frame.headings == copy.copy(frame).headings == 36
+    assert frame != robsim.Frame(image)
+    assert robsim.Frame.from_bgr(image, headings=8).headings == 8
+    with pytest.raises(ValueError, match="headings must be at least 1, or None, got 0"):
+        robsim.Frame(image, headings=0)
+
+
+def test_the_errors_are_as_large_as_the_covariance_says():
+    sim = simulation(headings=None, noise=robsim.GaussianNoise(10), boundary="unlimited", seed=7)
+    trace = sim.run(120)
+    error, covariance = trace.error[trace.seen], trace.covariance_measured[trace.seen]
+    squared = robsim.evaluation.nees(error, covariance)
+    # the mean of chi-square of 3 degrees of freedom: 3 +- 4 standard deviations
+    assert abs(np.mean(squared) - 3) < 4 * np.sqrt(6 / len(squared))
+
+
+@pytest.mark.parametrize("resolution", [(480, 480), (1200, 1200)])
+def test_a_clean_pose_is_exact_to_a_few_hundredths_of_a_frame_pixel(resolution):
+    trace = simulation(headings=None, resolution=resolution).run(60)
+    tracking, frame_px = trace.tracking(), 1200 / resolution[0]
+    assert tracking.rmse_xy < 0.035 * frame_px  # the blobs' centroids: 0.05 to 0.08
+    assert np.deg2rad(tracking.rmse_heading_deg) < 0.035 * frame_px / MARKERS.distance
+
+
+def test_without_outlines_pixels_are_weighted_by_their_colour():
+    places = MarkerLayout.from_positions(
+        MARKERS.red, MARKERS.blue, red_area=MARKERS.red_area, blue_area=MARKERS.blue_area
+    )
+    assert places.red_polygon is None
+    assert MARKERS.red_polygon.shape == (24, 2)
+    sim = simulation(headings=None)
+    errors, squared = [], []
+    for _ in range(20):
+        step = sim.step()
+        blobs = robsim.find_blobs(step.frame, COLORS, markers=places)
+        weighted = robsim.locate(blobs, places, image=step.frame)
+        assert weighted.misfit is None
+        counted = robsim.locate(blobs, places, step.frame.plane_map)
+        truth = sim.trace.pose_true[-1]
+        squared.append(robsim.evaluation.nees(weighted.pose - truth, weighted.covariance))
+        errors.append([np.linalg.norm((one.pose - truth)[:2]) for one in (weighted, counted)])
+    weighted, counted = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert weighted < 0.6 * counted
+    assert 0.5 < np.mean(squared) < 9
+
+
+def test_the_plane_map_is_that_of_the_frame():
+    frame = simulation().frame
+    blobs = robsim.find_blobs(frame, COLORS, markers=MARKERS)
+    assert robsim.locate(blobs, MARKERS, image=frame) == located(frame, plane_map=frame.plane_map)
+    # pixels alone have none
+    assert detect(blobs, MARKERS, image=frame.image).measurement is None
+
+
+def test_what_does_not_stand_out_of_the_noise_is_no_measurement():
+    sim = simulation(resolution=(320, 320), headings=None, noise=robsim.GaussianNoise(45), seed=3)
+    trace = sim.run(60)
+    reasons = trace.missed_reasons
+    assert (reasons[trace.seen] == "").all()
+    assert (reasons[~trace.seen] != "").all()
+    assert "noise" in reasons
+    assert (trace.signal_to_noise[trace.seen] >= 3).all()
+    missed = {one.reason: one for one in sim.missed_detections}["noise"]
+    assert missed.steps == np.sum(reasons == "noise")
+    assert "signal to noise 2." in missed.first.explanation
+
+
+def test_the_trace_keeps_it(tmp_path):
+    sim = simulation(noise=robsim.GaussianNoise(10))
+    trace = sim.run(5)
+    last = sim.last_step.measurement
+    np.testing.assert_array_equal(trace.covariance_measured[-1], last.covariance)
+    assert (trace.misfit[-1], trace.signal_to_noise[-1]) == (last.misfit, last.signal_to_noise)
+    assert trace.units["cov_measured_x_heading"] == "px rad"
+    assert trace.in_unit("mm", mm_per_px=2).covariance_measured[0, 0, 0] == pytest.approx(
+        4 * trace.covariance_measured[0, 0, 0]
+    )
+    trace.save(tmp_path / "run.npz")
+    assert robsim.Trace.load(tmp_path / "run.npz") == trace
+
+
+def test_a_measure_that_says_only_the_pose_records_no_more():
+    trace = simulation(measure=lambda step: (1, 2, 3)).run(3)
+    assert np.isnan(trace.covariance_measured).all()
+    assert "misfit" not in trace.names
+    assert (trace.missed_reasons == "").all()
+    with pytest.raises(robsim.trace.NotRecordedError, match=r"robsim\.locate"):
+        trace.require("covariance_measured")
