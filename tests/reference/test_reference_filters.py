@@ -32,17 +32,23 @@ LINEAR = robsim.RobotModel.from_theta(
 
 
 def step_of(k, pose=None, u=(0, 0), dt=DT):
-    measurement = None if pose is None else robsim.Measurement(pose)
+    measurement = robsim.Measurement(pose) if isinstance(pose, np.ndarray | tuple | list) else pose
     return SimpleNamespace(k=k, t=k * dt, dt=dt, last_u=np.array(u, float), measurement=measurement)
 
 
-def filtered(estimate_state, z, u=None, **options):
-    """Poses, covariances and velocities that a filter gives; a row of NaN in z = not seen."""
+def filtered(estimate_state, z, u=None, *, R=None, **options):
+    """Poses, covariances and velocities that a filter gives; a row of NaN in z = not seen.
+
+    R are the covariances of the measurements, if they say them.
+    """
     u = np.zeros((len(z), 2)) if u is None else u
-    estimates = [
-        estimate_state(step_of(k, None if np.isnan(z[k, 0]) else z[k], u[k], **options))
-        for k in range(len(z))
-    ]
+
+    def measurement(k):
+        if np.isnan(z[k, 0]):
+            return None
+        return z[k] if R is None else robsim.Measurement(z[k], covariance=R[k])
+
+    estimates = [estimate_state(step_of(k, measurement(k), u[k], **options)) for k in range(len(z))]
     return tuple(
         np.array([getattr(estimate, name) for estimate in estimates])
         for name in ("pose", "covariance", "state")
@@ -559,11 +565,35 @@ def inputs_before(trace):
 )
 def test_it_is_better_than_the_measurement(tracked, headings, kind, options):
     trace = tracked[headings]
-    poses, *_ = filtered(kind(**options), trace.pose_measured, inputs_before(trace))
+    z, R = trace.pose_measured, trace.covariance_measured
+    poses, *_ = filtered(kind(**options), z, inputs_before(trace), R=R)
     seen = trace.seen & (trace.k >= 10)
     assert 60 < np.sum(seen) < 110
     raw = rms(error_of(trace.pose_measured[seen], trace.pose_true[seen]))
     assert (rms(error_of(poses[seen], trace.pose_true[seen])) < 0.95 * raw).all()
+
+
+@pytest.mark.parametrize("kind", ALL)
+def test_it_uses_the_covariance_of_each_measurement(kind):
+    z = np.array([[1.0, 2, 0.1], [1.5, 2.5, 0.2], [2.0, 2.2, 0.1]])
+    sigmas = [(0.1, 0.2, 0.03), (0.4, 0.1, 0.01), (0.2, 0.2, 0.02)]
+    R = np.array([np.diag(np.square(sigma)) for sigma in sigmas])
+    estimate_state = kind(prior=PRIOR)
+    given = filtered(estimate_state, z, R=R)
+    np.testing.assert_array_equal(estimate_state.R, R[-1])
+    # as if it had been set before each step
+    estimate_state = kind(prior=PRIOR)
+    for k in range(len(z)):
+        estimate_state.R = R[k]
+        estimate = estimate_state(step_of(k, z[k], (0, 0)))
+        np.testing.assert_array_equal(estimate.pose, given[0][k])
+        np.testing.assert_array_equal(estimate.covariance, given[1][k])
+    # a sigma of its own, and an R that was set, hold for all
+    own = filtered(kind(prior=PRIOR, measurement_sigma=sigmas[0]), z, R=R)
+    fixed = filtered(kind(prior=PRIOR, measurement_sigma=sigmas[0]), z)
+    for one, other in zip(own, fixed, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert not np.array_equal(own[0], given[0])
 
 
 @pytest.mark.long
@@ -572,7 +602,10 @@ def test_in_the_loop_it_gives_the_same(tracked, headings):
     trace = tracked[headings]
     options = {} if headings else CONTINUOUS
     poses, covariances, velocities = filtered(
-        ExtendedKalmanFilter(**options), trace.pose_measured, inputs_before(trace)
+        ExtendedKalmanFilter(**options),
+        trace.pose_measured,
+        inputs_before(trace),
+        R=trace.covariance_measured,
     )
     np.testing.assert_array_equal(trace.pose_estimated, poses)
     np.testing.assert_array_equal(trace.covariance, covariances)

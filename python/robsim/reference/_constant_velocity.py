@@ -9,7 +9,7 @@ import numpy as np
 from robsim._base.checks import Floats, check_float
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
-from robsim.reference._noise import MEASUREMENT_SIGMA, covariance
+from robsim.reference._noise import covariance
 
 
 class ConstantVelocityKalmanFilter(KalmanFilter):
@@ -21,10 +21,10 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
     ----------
     acceleration_sigma : sequence of 3 floats
         Standard deviations of the acceleration of x, y and the heading (px/s^2, px/s^2, rad/s^2).
-    measurement_sigma : sequence of 3 floats
-        Standard deviations of a measured pose (px, px, rad). The default is that of a simulation
-        with 36 drawn headings in a frame of 1200 px; with ``headings=None`` it is about
-        (0.04, 0.04, 0.0016), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
+    measurement_sigma : sequence of 3 floats, optional
+        Standard deviations of a measured pose (px, px, rad). Default: of each measurement, what
+        its covariance says; of one without, (0.3, 0.3, 0.05), those of a simulation with 36 drawn
+        headings in a frame of 1200 px.
     prior : Prior, optional
         What is known before the robot is first seen.
 
@@ -50,7 +50,7 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
         self,
         *,
         acceleration_sigma: Sequence[float] = (10.0, 10.0, 1.0),
-        measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
+        measurement_sigma: Sequence[float] | None = None,
         prior: Prior | None = None,
     ) -> None:
         self.Q = covariance("acceleration_sigma", acceleration_sigma, minimum=0)

@@ -11,7 +11,7 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim._base.text import quoted
 from robsim._core import Estimate, Step
-from robsim.reference._noise import check_vector3
+from robsim.reference._noise import MEASUREMENT_SIGMA, check_vector3, covariance
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +76,10 @@ class StateEstimator(ABC):
     mean: Floats
     P: Floats
 
-    def __init__(self, prior: Prior | None) -> None:
+    def __init__(self, measurement_sigma: Sequence[float] | None, prior: Prior | None) -> None:
+        known = MEASUREMENT_SIGMA if measurement_sigma is None else measurement_sigma
+        self._R = covariance("measurement_sigma", known, exclusive_minimum=0)
+        self._has_own_R = measurement_sigma is not None
         if prior is not None and not isinstance(prior, Prior):
             raise TypeError(f"prior must be a Prior, got {quoted(prior)}")
         self.prior = Prior() if prior is None else prior
@@ -89,6 +92,18 @@ class StateEstimator(ABC):
             f"<{type(self).__name__}: ({x:.1f}, {y:.1f}) px, {np.rad2deg(heading):.1f} deg, "
             f"standard deviations {sd_x:.3g}, {sd_y:.3g} px, {np.rad2deg(sd_heading):.3g} deg>"
         )
+
+    @property
+    def R(self) -> Floats:
+        """Covariance (3, 3) of the measurement: of the newest one, or from `measurement_sigma`.
+
+        Once it is set, it holds for all measurements.
+        """
+        return self._R
+
+    @R.setter
+    def R(self, value: Floats) -> None:
+        self._R, self._has_own_R = value, True
 
     def reset(self) -> None:
         """Return to the prior."""
@@ -109,6 +124,8 @@ class StateEstimator(ABC):
         if self._has_seen:
             self.predict(u, step.dt)
         if step.measurement is not None:
+            if not self._has_own_R and step.measurement.covariance is not None:
+                self._R = step.measurement.covariance
             self.update(step.measurement.pose)
             self._has_seen = True
         self._last_step = step.k
@@ -135,4 +152,4 @@ class StateEstimator(ABC):
 
     @abstractmethod
     def update(self, z: Floats) -> None:
-        """Update the state with a measured pose z, (3,)."""
+        """Update the state with a measured pose z, (3,), whose covariance is `R`."""

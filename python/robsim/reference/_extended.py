@@ -11,7 +11,7 @@ from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
 from robsim.reference._model_filter import ModelFilter
-from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, check_process_sigma
+from robsim.reference._noise import PROCESS_SIGMA, check_process_sigma
 
 
 class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
@@ -30,10 +30,10 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
         filter with 0 would not recover. The default suits a `PoseNoise` of these standard
         deviations, or parameters that are off by about 5 %; without disturbances `pose_consistency`
         rightly calls it conservative.
-    measurement_sigma : sequence of 3 floats
-        Standard deviations of a measured pose (px, px, rad). The default is that of a simulation
-        with 36 drawn headings in a frame of 1200 px; with ``headings=None`` it is about
-        (0.04, 0.04, 0.0016), with ``resolution=(480, 480)`` (0.7, 0.7, 0.05).
+    measurement_sigma : sequence of 3 floats, optional
+        Standard deviations of a measured pose (px, px, rad). Default: of each measurement, what
+        its covariance says; of one without, (0.3, 0.3, 0.05), those of a simulation with 36 drawn
+        headings in a frame of 1200 px.
     input_delay : float
         How late the inputs act, in steps of the model, 0..1000: the `motor_delay` of a simulated
         world, the ``trace.timing().input_delay`` of a live one. `ahead` then compensates it. It
@@ -75,7 +75,7 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
         model: RobotModel | None = None,
         *,
         process_sigma: Sequence[float] = PROCESS_SIGMA,
-        measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
+        measurement_sigma: Sequence[float] | None = None,
         input_delay: float = 0.0,
         prior: Prior | None = None,
     ) -> None:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from robsim._base.checks import Floats, as_float_array
 from robsim._core import wrap_angle
-from robsim.reference._estimator import Prior, StateEstimator
-from robsim.reference._noise import MEASUREMENT_SIGMA, covariance
+from robsim.reference._estimator import StateEstimator
 
 #: The measurement is the pose, the first half of the state: z = H x + noise.
 H = np.eye(3, 6)
@@ -60,12 +57,6 @@ class KalmanFilter(StateEstimator):
     innovation: Floats | None
     S: Floats | None
 
-    def __init__(
-        self, *, measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA, prior: Prior | None = None
-    ) -> None:
-        self.R = covariance("measurement_sigma", measurement_sigma, exclusive_minimum=0)
-        super().__init__(prior)
-
     def reset(self) -> None:
         """Return to the prior."""
         super().reset()
@@ -78,5 +69,5 @@ class KalmanFilter(StateEstimator):
         self.innovation = self.S = None
 
     def update(self, z: Floats) -> None:
-        """Update the state with a measured pose z, (3,)."""
+        """Update the state with a measured pose z, (3,), whose covariance is `R`."""
         self.mean, self.P, self.innovation, self.S = kalman_update(self.mean, self.P, z, self.R)

@@ -15,10 +15,8 @@ from robsim.reference._estimator import Prior
 from robsim.reference._kalman import innovation_of, kalman_update
 from robsim.reference._model_filter import ModelFilter
 from robsim.reference._noise import (
-    MEASUREMENT_SIGMA,
     PROCESS_SIGMA,
     check_process_sigma,
-    check_vector3,
     root,
 )
 
@@ -76,19 +74,18 @@ class ParticleFilter(ModelFilter):
         model: RobotModel | None = None,
         *,
         process_sigma: Sequence[float] = PROCESS_SIGMA,
-        measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
+        measurement_sigma: Sequence[float] | None = None,
         n_particles: int = 2000,
         seed: Seed = 0,
         input_delay: float = 0.0,
         prior: Prior | None = None,
     ) -> None:
         self.process_sigma = check_process_sigma(process_sigma)
-        self.measurement_sigma = check_vector3(
-            "measurement_sigma", measurement_sigma, exclusive_minimum=0
-        )
         self.n_particles = check_int("n_particles", n_particles, minimum=1000, maximum=10**7)
         self._seed = seed_sequence(seed)
-        super().__init__(model, input_delay=input_delay, prior=prior)
+        super().__init__(
+            model, input_delay=input_delay, measurement_sigma=measurement_sigma, prior=prior
+        )
 
     def reset(self) -> None:
         """Return to the prior."""
@@ -119,10 +116,10 @@ class ParticleFilter(ModelFilter):
         self._summarise()
 
     def update(self, z: Floats) -> None:
-        """Update the weights with a measured pose z, (3,)."""
-        # W_i = W_i p(z | x_i), normally distributed
-        distance = innovation_of(z, self.particles[:, :3]) / self.measurement_sigma
-        log_likelihood = -np.sum(distance**2, axis=1) / 2
+        """Update the weights with a measured pose z, (3,), whose covariance is `R`."""
+        # W_i = W_i p(z | x_i), normally distributed: p = exp(-|L^-1 (z - x_i)|^2 / 2), L L' = R
+        distance = np.linalg.solve(root(self.R), innovation_of(z, self.particles[:, :3]).T)
+        log_likelihood = -np.sum(distance**2, axis=0) / 2
         # minus the maximum: otherwise all exponentials may underflow
         weights = self.weights * np.exp(log_likelihood - log_likelihood.max())
         self.weights = weights / weights.sum()
@@ -132,8 +129,7 @@ class ParticleFilter(ModelFilter):
 
     def _redraw(self, z: Floats) -> None:
         """Draw the particles anew from the Kalman update of their mean and covariance with z."""
-        R = np.diag(self.measurement_sigma**2)
-        mean, P, *_ = kalman_update(self.mean, self.P, z, R)
+        mean, P, *_ = kalman_update(self.mean, self.P, z, self.R)
         self._draw(mean, P)
 
     def _draw(self, mean: Floats, P: Floats) -> None:

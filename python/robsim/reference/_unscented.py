@@ -11,7 +11,7 @@ from robsim._core import RobotModel
 from robsim.reference._estimator import Prior
 from robsim.reference._kalman import KalmanFilter
 from robsim.reference._model_filter import ModelFilter
-from robsim.reference._noise import MEASUREMENT_SIGMA, PROCESS_SIGMA, check_process_sigma, root
+from robsim.reference._noise import PROCESS_SIGMA, check_process_sigma, root
 
 
 class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
@@ -57,7 +57,7 @@ class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
         model: RobotModel | None = None,
         *,
         process_sigma: Sequence[float] = PROCESS_SIGMA,
-        measurement_sigma: Sequence[float] = MEASUREMENT_SIGMA,
+        measurement_sigma: Sequence[float] | None = None,
         kappa: float = 0.0,
         input_delay: float = 0.0,
         prior: Prior | None = None,

@@ -17,11 +17,6 @@ if TYPE_CHECKING:
 
 Sigma = tuple[float, float, float]
 
-# Standard deviations of the default measurement, measured over 400 steps of a robot that drives
-# around, per pixel of the frame: of an exact picture, and of each % of camera noise.
-_EXACT, _EXACT_HEADING = 0.05, 0.002  # px, rad
-_NOISE, _NOISE_HEADING = 0.006, 0.00028  # px, rad
-
 
 def why_no_default() -> str | None:
     """Return why the panel has no state estimator of its own."""
@@ -46,10 +41,9 @@ def default_estimator(runner: Simulation | Experiment) -> ExtendedKalmanFilter:
 
 
 def tune(estimator: ExtendedKalmanFilter, runner: Simulation | Experiment) -> None:
-    """Give a filter the noises of a simulated world; nobody knows those of an experiment."""
+    """Give a filter the process noise of a simulated world; nobody knows that of an experiment."""
     if isinstance(runner, Simulation):
         estimator.Q = np.diag(np.square(_process_sigma(runner)))
-        estimator.R = np.diag(np.square(_measurement_sigma(runner)))
 
 
 def _process_sigma(simulation: Simulation) -> Sigma:
@@ -71,18 +65,3 @@ def _of_wheels(noise: WheelNoise, model: RobotModel) -> tuple[float, float]:
     """Return the standard deviations of the position, along the heading, and of the heading."""
     along, _, heading = np.sqrt(np.diag(noise.Q(model, 0.0)))
     return float(along), float(heading)
-
-
-def _measurement_sigma(simulation: Simulation) -> Sigma:
-    """Return standard deviations of a pose that is measured in a world (px, px, rad)."""
-    scenario = simulation.scenario
-    scale = simulation.area[0] / simulation.resolution[0]  # px of the area in a pixel
-    percent = simulation.noise.percent if simulation.noise else 0.0
-    # Drawn at whole pixels and in a number of headings: the rounding error is uniform.
-    pixel = 1.0 if scenario.headings else 0.0
-    sector = 2 * math.pi / scenario.headings if scenario.headings else 0.0
-    position = scale * math.hypot(_EXACT, _NOISE * percent, pixel / math.sqrt(12))
-    heading = math.hypot(
-        scale * _EXACT_HEADING, scale * _NOISE_HEADING * percent, sector / math.sqrt(12)
-    )
-    return position, position, heading
