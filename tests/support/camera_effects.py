@@ -1,0 +1,91 @@
+"""What a camera makes of the light: blur, mosaic, noise, rounding, compression; in numpy.
+
+Images are arrays (height, width, 3) of levels, not rounded before `photographed` does it.
+"""
+
+import numpy as np
+
+
+def _convolved(image, kernel):
+    """An image convolved with a kernel (odd, odd), its border repeated."""
+    reach = kernel.shape[0] // 2
+    padded = np.pad(image, ((reach, reach), (reach, reach), (0, 0)), mode="edge")
+    size = padded.shape[:2]
+    spectrum = np.fft.rfft2(kernel, size)[..., None] * np.fft.rfft2(padded, axes=(0, 1))
+    return np.fft.irfft2(spectrum, size, axes=(0, 1))[2 * reach :, 2 * reach :]
+
+
+def _blurred(image, sigma):
+    place = np.arange(-int(np.ceil(4 * sigma)), int(np.ceil(4 * sigma)) + 1)
+    bell = np.exp(-(place**2) / (2 * sigma**2))
+    return _convolved(image, np.outer(bell, bell) / bell.sum() ** 2)
+
+
+def _moved(image, length, rng):
+    """Blurred by a motion in a random direction, half of it before and half after the pose."""
+    reach = int(np.ceil(length / 2)) + 1
+    angle = rng.uniform(0, np.pi)
+    along = length * np.linspace(-0.5, 0.5, 20 * reach)
+    places = reach + along[:, None] * (np.sin(angle), np.cos(angle))
+    whole = np.floor(places).astype(int)
+    part = places - whole
+    kernel = np.zeros((2 * reach + 1, 2 * reach + 1))
+    for down in (0, 1):
+        for right in (0, 1):
+            share = np.abs(1 - down - part[:, 0]) * np.abs(1 - right - part[:, 1])
+            np.add.at(kernel, (whole[:, 0] + down, whole[:, 1] + right), share)
+    return _convolved(image, kernel / kernel.sum())
+
+
+def _bayer_masks(height, width):
+    """Where an RGGB sensor has R, G and B: array (3, height, width)."""
+    row, column = np.mgrid[:height, :width] % 2
+    return np.stack(((row == 0) & (column == 0), row != column, (row == 1) & (column == 1)))
+
+
+def _demosaiced(raw):
+    """RGB of a mosaic by bilinear interpolation: the mean of the neighbours that have a colour."""
+    height, width = raw.shape
+    result = []
+    for mask in _bayer_masks(height, width):
+        values, known = (np.pad(one, 1, mode="reflect") for one in (raw * mask, 1.0 * mask))
+        sums, weights = np.zeros_like(raw), np.zeros_like(raw)
+        for down in range(3):
+            for right in range(3):
+                weight = (2 - abs(down - 1)) * (2 - abs(right - 1))
+                window = np.s_[down : down + height, right : right + width]
+                sums += weight * values[window]
+                weights += weight * known[window]
+        result.append(np.where(mask, raw, sums / weights))
+    return np.stack(result, axis=-1)
+
+
+def _noisy(levels, case, rng):
+    if case.gaussian:
+        levels = levels + 2.55 * case.gaussian * rng.standard_normal(levels.shape)
+    if case.uniform:
+        levels = levels + 2.55 * case.uniform * rng.uniform(-1, 1, levels.shape)
+    return np.clip(np.rint(levels), 0, 255)
+
+
+def _compressed(image, quality):
+    import cv2
+
+    _, data = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
+    return np.ascontiguousarray(cv2.imdecode(data, cv2.IMREAD_COLOR)[..., ::-1])
+
+
+def photographed(levels, case, rng):
+    """What the camera makes of the light: array (height, width, 3) of uint8."""
+    if case.blur:
+        levels = _blurred(levels, case.blur)
+    if case.motion:
+        levels = _moved(levels, case.motion, rng)
+    if case.bayer:
+        masks = _bayer_masks(*levels.shape[:2])
+        raw = _noisy((levels * masks.transpose(1, 2, 0)).sum(axis=-1), case, rng)
+        levels = np.rint(_demosaiced(raw))
+    else:
+        levels = _noisy(levels, case, rng)
+    image = levels.astype(np.uint8)
+    return image if case.jpeg is None else _compressed(image, case.jpeg)

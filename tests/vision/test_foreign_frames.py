@@ -1,0 +1,203 @@
+"""The frames drawn by other code, by which the measurement is judged."""
+
+import numpy as np
+import pytest
+
+import camera_effects
+import foreign_frames
+import robsim
+from camera_effects import photographed
+from foreign_frames import (
+    BODY,
+    RED,
+    VIEWS,
+    Case,
+    View,
+    before,
+    coverage,
+    frames,
+    layout_of,
+    marker_polygons,
+    middle_of,
+    paint_robot,
+    placed,
+)
+
+SMALL = VIEWS["10.5 px"]
+
+
+def area(corners):
+    x, y = corners.T if len(corners) else np.zeros((2, 1))
+    return abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+def clipped(corners, column, row):
+    """The area of a polygon in one pixel, from its corners cut off at the four sides."""
+    for normal, limit in (
+        ((-1, 0), -column),
+        ((1, 0), column + 1),
+        ((0, -1), -row),
+        ((0, 1), row + 1),
+    ):
+        if len(corners):
+            corners = before(corners, np.array(normal, float), limit)
+    return area(corners)
+
+
+def polygon(rng, corners):
+    """Corners around the middle of 10 x 10 px, star-shaped."""
+    angle = 2 * np.pi * (np.arange(corners) + rng.uniform(0, 0.9, corners)) / corners
+    reach = rng.uniform(2, 4.9, corners)
+    return 5 + reach[:, None] * np.column_stack((np.cos(angle), np.sin(angle)))
+
+
+@pytest.mark.parametrize("corners", [3, 4, 5, 24])
+def test_a_pixel_takes_the_share_of_a_polygon_that_it_covers(rng, corners):
+    drawn = polygon(rng, corners)
+    exact = [[clipped(drawn, column, row) for column in range(10)] for row in range(10)]
+    np.testing.assert_allclose(coverage(drawn, 10, 10), exact, atol=1e-12)
+    np.testing.assert_allclose(coverage(drawn[::-1], 10, 10), exact, atol=1e-12)
+
+
+def test_a_polygon_whose_corners_are_pixel_corners():
+    expected = np.zeros((6, 7))
+    expected[1:4, 2:5] = 1
+    square = np.array([(2, 1), (5, 1), (5, 4), (2, 4)], float)
+    np.testing.assert_array_equal(coverage(square, 7, 6), expected)
+
+
+def sampled(polygon, first, size, fold=32):
+    """The share of fold x fold points of each pixel that lie in a convex polygon."""
+    place = (np.arange(size * fold) + 0.5) / fold
+    x, y = first[0] + place[None, :], first[1] + place[:, None]
+    middle = polygon.mean(axis=0)
+    inside = np.ones((size * fold, size * fold), bool)
+    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        side = (x - x0) * (y1 - y0) - (y - y0) * (x1 - x0)
+        inside &= side * ((middle[0] - x0) * (y1 - y0) - (middle[1] - y0) * (x1 - x0)) >= 0
+    return inside.reshape(size, fold, size, fold).mean(axis=(1, 3))
+
+
+def painted(colors, view, pose, tilted):
+    """The levels of a robot with markers of these colours on a plain floor."""
+    levels = np.full((*view.resolution[::-1], 3), 150.0)
+    paint_robot(levels, Case(tilted=tilted, colors=colors), view, pose)
+    return levels
+
+
+@pytest.mark.parametrize("tilted", [False, True])
+def test_a_marker_stands_within_a_thousandth_of_a_pixel_of_where_it_should(tilted):
+    view = View((160, 160), 0.9)
+    # one pose: the points themselves are off by .0002 px (rms), and by .001 px at the worst of many
+    pose = view.pose_in_view(np.random.default_rng(5), tilted=tilted)
+    for marker, corners in enumerate(marker_polygons("lab")):
+        colors = [BODY, BODY]
+        without = painted(colors, view, pose, tilted)
+        colors[marker] = RED
+        way = np.subtract(RED, BODY)
+        share = (painted(colors, view, pose, tilted) - without) @ way / (way @ way)
+        seen = view.pixels(placed(corners, pose), tilted)
+        first = np.floor(seen.min(axis=0)).astype(int) - 1
+        size = int(np.ceil(seen.max(axis=0) - first).max()) + 2
+        share = share[first[1] : first[1] + size, first[0] : first[0] + size]
+        expected = sampled(seen + 0.5, first, size)
+        assert np.abs(share - expected).max() < 0.02  # what 32 x 32 points leave open
+        for axis in (0, 1):
+            places = [one.sum(axis=axis) @ np.arange(size) / one.sum() for one in (share, expected)]
+            assert abs(places[0] - places[1]) < 0.001
+
+
+def test_the_plane_map_is_that_of_the_drawing(rng):
+    positions = rng.uniform(0, 400, (20, 2))
+    for view in VIEWS.values():
+        for tilted in (False, True):
+            plane_map = view.plane_map(tilted)
+            np.testing.assert_allclose(
+                plane_map.to_pixel(positions), view.pixels(positions, tilted), atol=1e-9
+            )
+            middle = (np.array(view.resolution) - 1) / 2
+            assert plane_map.to_world(middle) == pytest.approx(np.array(view.area) / 2 - 0.5)
+    straight = robsim.imaging.PlaneMap.scaled(SMALL.resolution, SMALL.area)
+    np.testing.assert_allclose(straight.matrix, SMALL.plane_map().matrix, atol=1e-12)
+
+
+def test_the_definition_is_wrong_where_the_case_says_so():
+    lab = robsim.load_robot("lab").marker_layout()
+    right = layout_of(Case())
+    assert right.red_area == pytest.approx(lab.red_area)
+    assert right.distance == pytest.approx(lab.distance)
+    assert layout_of(Case(defined_size=1.05)).blue_area == pytest.approx(1.05**2 * lab.blue_area)
+    assert layout_of(Case(defined_size=1.05)).distance == pytest.approx(lab.distance)
+    assert layout_of(Case(defined_distance=1.05)).distance == pytest.approx(1.05 * lab.distance)
+
+
+def test_a_hidden_marker_lacks_the_part_at_its_front():
+    red, _ = marker_polygons("lab")
+    shown, cover, _ = (
+        corners for _, corners in foreign_frames._markers(Case(hidden=0.25), (red, red))
+    )
+    assert np.ptp(shown[:, 0]) == pytest.approx(0.75 * np.ptp(red[:, 0]))
+    assert cover[:, 0].min() == pytest.approx(shown[:, 0].max())
+    assert middle_of(shown)[0] < middle_of(red)[0] - 1
+
+
+# --- what the camera adds
+
+
+def spot():
+    levels = np.zeros((61, 61, 3))
+    levels[30, 30] = 255
+    return levels
+
+
+@pytest.mark.parametrize(("function", "variance"), [("blur", 3.0**2), ("motion", 9.0**2 / 12)])
+def test_blur_spreads_and_does_not_shift(rng, function, variance):
+    blurred = {
+        "blur": lambda: camera_effects._blurred(spot(), 3.0),
+        "motion": lambda: camera_effects._moved(spot(), 9.0, rng),
+    }[function]()[..., 0]
+    assert blurred.sum() == pytest.approx(255)
+    place = np.arange(61) - 30
+    shift = [blurred.sum(axis=axis) @ place / 255 for axis in (0, 1)]
+    np.testing.assert_allclose(shift, 0, atol=1e-9)
+    spread = sum(blurred.sum(axis=axis) @ place**2 for axis in (0, 1)) / 255
+    # bilinear weights add up to 1/4 px^2 for each axis
+    assert spread == pytest.approx(variance * (2 if function == "blur" else 1), rel=0.07)
+
+
+def test_a_mosaic_keeps_what_is_even_or_slanted():
+    row, column = np.mgrid[:20, :30]
+    levels = np.stack((50.0 + row, 100.0 + column, 150.0 + row + column), axis=-1)
+    seen = photographed(levels, Case(bayer=True), None)
+    np.testing.assert_allclose(seen[1:-1, 1:-1], levels[1:-1, 1:-1], atol=0.5)
+
+
+@pytest.mark.parametrize(
+    ("case", "spread"),
+    [(Case(gaussian=5), 12.75), (Case(uniform=5), 12.75 / np.sqrt(3))],
+)
+def test_noise_is_as_strong_as_that_of_the_simulation(rng, case, spread):
+    levels = np.full((300, 300, 3), 128.0)
+    assert photographed(levels, case, rng).std() == pytest.approx(spread, rel=0.01)
+    own = robsim.GaussianNoise(5) if case.gaussian else robsim.UniformNoise(5)
+    assert own.add(levels.astype(np.uint8), 1, 0).std() == pytest.approx(spread, rel=0.01)
+
+
+def test_compression_keeps_the_colours():
+    pytest.importorskip("cv2")
+    levels = np.broadcast_to((200.0, 40.0, 60.0), (64, 64, 3))
+    seen = photographed(levels, Case(jpeg=75), None)
+    np.testing.assert_allclose(seen.astype(float), levels, atol=5)
+
+
+def test_a_case_gives_the_same_frames_whatever_else_is_drawn():
+    first = [
+        (frame.image.copy(), pose) for frame, pose in frames("tilted, Gaussian 10 %", SMALL, 2)
+    ]
+    list(frames("uniform 10 %", SMALL, 1))
+    for (image, pose), (again, same) in zip(
+        first, frames("tilted, Gaussian 10 %", SMALL, 2), strict=True
+    ):
+        np.testing.assert_array_equal(image, again.image)
+        np.testing.assert_array_equal(pose, same)
+    assert not np.array_equal(first[0][1], first[1][1])
