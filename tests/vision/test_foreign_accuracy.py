@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import foreign_accuracy
+import foreign_false_poses
 from foreign_accuracy import Errors, compared, counted, worse
-from foreign_frames import CASES, NARROW, VIEWS
+from foreign_frames import CASES, NARROW, VIEWS, Case
 
 
 def errors_of(spread, count=80, *, missed=(), false=()):
@@ -47,6 +48,14 @@ class WithCovariance:
 
     pose: np.ndarray
     covariance: np.ndarray
+
+
+@dataclass
+class WithSignal:
+    """A measurement that says how far it stands out of the noise."""
+
+    pose: np.ndarray
+    signal_to_noise: float
 
 
 @pytest.mark.long
@@ -95,3 +104,15 @@ def test_the_blobs_are_where_the_robot_is(name):
         found = compared(name, view, 6, {"counted": counted})["counted"]
         assert found.good.all()
         assert found.rms()[0] < limit
+
+
+def test_poses_on_an_empty_floor_are_false():
+    def always(frame, markers):
+        return WithSignal(np.array((100.0, 90.0, 0.0)), 2.5)
+
+    view, case = NARROW["10.5 px"], Case()
+    errors, signals = foreign_false_poses.reported(case, view, 2, always, empty=True)
+    assert np.isinf(errors).all()
+    assert (signals == 2.5).all()
+    assert foreign_false_poses.row(case, view, 2, always).split()[:2] == ["2", "0"]
+    assert foreign_false_poses.row(case, view, 2, counted).split()[:3] == ["0", "0", "0"]
