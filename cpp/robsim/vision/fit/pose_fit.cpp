@@ -29,6 +29,8 @@ constexpr double growth_spread = 0.5;  // frame px
 
 constexpr int most_steps = 4;
 constexpr int most_robust_steps = 8;
+constexpr int most_blur_steps = 10;
+constexpr double blur_found = 0.1;  // change of the logarithm of the blur in a step
 constexpr double longest_step = 1.5;     // frame px
 constexpr double still = 0.005;          // a step that is the last one
 constexpr double converged = 0.1;        // a step that may be the last one
@@ -152,7 +154,8 @@ class Fit {
   }
 
   bool iterate(int steps) {
-    for (int i = 0; i < steps; ++i) {
+    bool is_blur_found = false;
+    for (int i = 0; i < steps || (!is_blur_found && i < most_blur_steps); ++i) {
       if (is_robust_) {
         for (EdgeFit& marker : markers_) marker.weigh_by_residual();
       }
@@ -165,8 +168,9 @@ class Fit {
       if (!std::isfinite(last_step_)) return false;
       if (last_step_ > longest_step) step *= longest_step / last_step_;
       take(step);
-      if (last_step_ < still) break;
-      if (i + 1 < steps && is_out_of_date() && !gather_edges()) return false;
+      is_blur_found = std::fabs(step[3]) < blur_found;
+      if (last_step_ < still && is_blur_found) break;
+      if (is_out_of_date() && !gather_edges()) return false;
     }
     return true;
   }
