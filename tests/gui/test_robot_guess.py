@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim._base.geometry.polygons import mask
 from robsim.gui._tools.robots.guess import guess_marker, guess_outline
-from robsim.robots._polygons import mask
 from robsim.vision import load_colors
 
 

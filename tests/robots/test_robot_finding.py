@@ -6,7 +6,7 @@ from PIL import Image, ImageFilter
 
 from drawn_robots import COLORS, box, painted, star
 from robsim import ColorClass, load_robot
-from robsim.robots import _polygons as polygons
+from robsim._base.geometry import polygons
 from robsim.robots import check_colors, robot_from_image
 
 pytestmark = pytest.mark.kernels

@@ -10,6 +10,7 @@ import numpy as np
 import typer
 
 from robsim._base.checks import check_float
+from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._base.text import quoted
 from robsim._core import ColorClass, classify, color_histograms, find_blobs
 from robsim.cli import errors
@@ -17,7 +18,6 @@ from robsim.cli.command import Command
 from robsim.cli.shared import SWITCH, Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import about, number, parse_noise, parse_point, parse_region, whole_number
 from robsim.imaging._images import Pixels, load_image, save_image
-from robsim.robots._polygons import area_and_centroid, mask
 from robsim.simulation._simulation import Simulation
 from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, load_colors, save_colors
 from robsim.vision._color_masks import paint_classes

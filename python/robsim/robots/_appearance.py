@@ -8,10 +8,10 @@ from functools import lru_cache
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._core import Detection, Frame, PlaneMap
 from robsim.imaging._images import Pixels, resized
 from robsim.robots._definition import RobotDefinition
-from robsim.robots._polygons import area_and_centroid, mask
 
 _LIKE = 0.5  # correlation from which the robot is there
 _LEAD = 0.25  # of the correlation with exchanged channels

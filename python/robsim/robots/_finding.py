@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats
+from robsim._base.geometry.polygons import area_and_centroid, fitted
 from robsim._base.warn import warn_user
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
 from robsim.imaging._images import Pixels, check_pixels, resized
 from robsim.robots._definition import RobotDefinition
 from robsim.robots._marker_check import MINIMUM_AREA, over_grey, ranges
 from robsim.robots._polygon_checks import finite_array
-from robsim.robots._polygons import area_and_centroid, fitted
 from robsim.vision._color_files import as_colors
 
 MAXIMUM_SIDE = 1000  # px, larger images are scaled down

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim.robots._polygons import area_and_centroid, crossing, depths, samples
+from robsim._base.geometry.polygons import area_and_centroid, crossing, depths, samples
 
 _TOLERANCE = 1.0  # image px
 _MAXIMUM_LISTED = 3  # points in a sentence

@@ -10,12 +10,12 @@ import numpy as np
 
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.checks import Floats
+from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._base.text import quoted
 from robsim._core import Blob, ColorClass, PlaneMap, detect, find_blobs, rgb_to_yuv
 from robsim.imaging._images import Pixels, resized
 from robsim.imaging._shading import darkened
 from robsim.robots._definition import RobotDefinition
-from robsim.robots._polygons import area_and_centroid, mask
 from robsim.vision._color_files import as_colors
 
 #: Grey level of the floor assumed behind an image.

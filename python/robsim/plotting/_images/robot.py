@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from robsim._base.checks import Floats
+from robsim._base.geometry.polygons import area_and_centroid
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_kind
 from robsim.robots import RobotDefinition
-from robsim.robots._polygons import area_and_centroid
 
 _FLOOR = (0.86, 0.86, 0.86)  # behind the transparent parts
 _OUTLINE = "#ffd400"

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from robsim._base.checks import Floats, check_float, check_int
+from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._base.text import quoted
 from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition
 from robsim.robots._geometry_check import geometry_problems
 from robsim.robots._polygon_checks import finite_array, polygon
-from robsim.robots._polygons import area_and_centroid, mask
 
 #: The polygons, in the order in which they are drawn.
 PARTS = ("outline", "red", "blue")

@@ -7,10 +7,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim._base.geometry.polygons import mask
 from robsim._core import ColorClass, find_blobs, rgb_to_yuv
 from robsim.imaging._images import Pixels
 from robsim.robots._finding import marker_in, opaque_outline, pixels_of_blob
-from robsim.robots._polygons import mask
 
 _RIM = 0.06  # of the shorter side: what is floor
 _SIGMA = 1.4826  # of a normal distribution, by its median absolute deviation

@@ -1,4 +1,4 @@
-"""Geometry of polygons, for the checks and the search of robot outlines and markers.
+"""Geometry of polygons, such as robot outlines and markers.
 
 A polygon is an array (N, 2) of corners; the last corner is joined to the first.
 """
