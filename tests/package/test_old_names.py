@@ -36,7 +36,7 @@ OLD = {
     r"claimed(_median)?": "reported_sd",
     r"world\.(last|before|u)": "world.pose_1, world.pose_2, world.last_u",
     r"trace\.(measured|held|estimated|valid|false)": "trace.pose_measured, ..., seen, is_false",
-    r"rms_xy|rms_heading_deg": "rmse_xy, rmse_heading_deg",
+    r"(?<=\.)rms_(xy|heading_deg)": "rmse_xy, rmse_heading_deg",
     r"noise_percent|dropout_steps": "noise=GaussianNoise(40), dropout=Dropout(0.2, steps=5)",
     r"rotation=|(?<![._])phases=(?!phases)": "headings=",
     r"\bcamera=": "resolution=",

@@ -1,4 +1,4 @@
-"""The quality of estimates: errors, consistency (NEES, NIS), whiteness and Cramér-Rao bounds.
+"""The quality of estimates: errors, consistency (NEES, NIS), whiteness; bounds of what is possible.
 
 A result is a `Report`; a metric of one's own is a subclass of it.
 """
@@ -21,12 +21,14 @@ from robsim.evaluation._cramer_rao import (
     posterior_cramer_rao_bound,
 )
 from robsim.evaluation._errors import ErrorReport, estimation_errors, pose_errors, wrapped_error
+from robsim.evaluation._measurement_bound import MeasurementBound, measurement_bound
 from robsim.evaluation._whiteness import WhitenessReport, whiteness
 
 __all__ = [
     "Column",
     "ConsistencyReport",
     "ErrorReport",
+    "MeasurementBound",
     "Quantity",
     "Report",
     "Row",
@@ -35,6 +37,7 @@ __all__ = [
     "chi_square_band",
     "cramer_rao_bound",
     "estimation_errors",
+    "measurement_bound",
     "nees",
     "nees_consistency",
     "nis",

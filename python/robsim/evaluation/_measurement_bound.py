@@ -1,0 +1,238 @@
+"""The least error of a measured pose that the pixels of the markers allow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim._base.checks import Floats, as_float_array
+from robsim._base.report import Quantity, Report
+from robsim._base.text import quoted
+from robsim._core import Frame
+from robsim.evaluation._marker_view import MarkerView, density
+from robsim.evaluation._pixel_information import pixel_information
+from robsim.imaging._noise import GaussianNoise, Noise, as_native_noise
+
+_EDGE_WIDTHS = (0.15, 4.0)  # px of the frame, among which that of the frame is
+_NOTHING = 1e-6  # of a signal
+
+
+class _Robot(Protocol):
+    """A robot definition, as far as the bound needs it."""
+
+    @property
+    def red(self) -> Floats: ...
+
+    @property
+    def blue(self) -> Floats: ...
+
+    def to_robot_frame(self, points: ArrayLike) -> Floats: ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasurementBound(Report):
+    """The least error that a measured pose can have: what `measurement_bound` returns.
+
+    Attributes
+    ----------
+    covariance : array (3, 3)
+        Least covariance of x, y (work-area px) and heading (rad).
+    signal_to_noise : float
+        How far the markers' edges stand out of the noise: poses can be trusted from 4 on.
+    edge_width : float
+        Standard deviation of the blur across the edges (px of the frame).
+    is_bound : bool
+        False for uniform noise and for none, where only estimates that are linear in the pixels
+        are bounded.
+    """
+
+    covariance: Floats
+    signal_to_noise: float
+    edge_width: float
+    is_bound: bool
+
+    @property
+    def rmse_xy(self) -> float:
+        """Least root mean square error in place, x and y together (work-area px)."""
+        return math.sqrt(self.covariance[0, 0] + self.covariance[1, 1])
+
+    @property
+    def rmse_heading_deg(self) -> float:
+        """Least root mean square error of the heading (degrees)."""
+        return math.degrees(math.sqrt(self.covariance[2, 2]))
+
+    @property
+    def title(self) -> str:
+        """What is bounded."""
+        return "Least error of a measured pose" if self.is_bound else "Best linear measurement"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The errors, and what they follow from."""
+        width = "blur of the edges, px of the frame"
+        return (
+            Quantity("rmse_xy", "rmse of the position", self.rmse_xy, "px", ".4f"),
+            Quantity(
+                "rmse_heading_deg", "rmse of the heading", self.rmse_heading_deg, "deg", ".4f"
+            ),
+            Quantity("signal_to_noise", "signal to noise", self.signal_to_noise, "", ".3g"),
+            Quantity("edge_width", width, self.edge_width, "", ".2f"),
+        )
+
+
+def measurement_bound(
+    frame: Frame,
+    pose: ArrayLike,
+    robot: _Robot | Sequence[ArrayLike],
+    *,
+    noise: Noise | None = None,
+) -> MeasurementBound:
+    """Return the least error of a pose that is measured by the robot's markers.
+
+    It is what the pixels of the markers and around them tell if nothing else is known: neither
+    how bright the markers and the floor beside each are, nor how blurred the picture is; the rest
+    of the robot does not count.
+
+    Parameters
+    ----------
+    frame : Frame
+        A frame without noise: it tells brightness, contrast and blur; its plane map, the scale.
+    pose : array (3,)
+        Where the robot is in it: x, y (work-area px), heading (rad).
+    robot : RobotDefinition or sequence of array (N, 2)
+        The robot; or the polygons of its markers in the robot's frame: forward, right
+        (work-area px from its centre).
+    noise : GaussianNoise, UniformNoise or None
+        The camera's noise, rounded and clipped to 0..255 as by its method `add`. None: rounding
+        alone.
+
+    Returns
+    -------
+    MeasurementBound
+        Covariance, root mean square errors, signal to noise.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape, or no pixel of a marker is in the frame.
+
+    Notes
+    -----
+    A pixel i of the channel c, d px within the edge of the marker k, has the mean
+
+        mu = level_kc + contrast_kc Phi(d / w)
+
+    w, the standard deviation of the blur across the edge, and all levels and contrasts are unknown
+    as the pose is. With the information J(mu) of a pixel the pose has the information
+
+        N = sum_ic J(mu_ic) g_ic g_ic',   g_ic = d mu_ic / d(pose, ln w, levels, contrasts)
+
+    and the bound is the part of N^-1 that belongs to the pose. For Gaussian noise J is the Fisher
+    information of the rounded, clipped value and this is the Cramér-Rao bound [1]_. The limits of
+    uniform noise and of rounding move with the pose, so that it has no such bound: J is
+    (d mean / d mu)^2 / variance, and no estimate that is linear in the pixels is better.
+    signal_to_noise^2 = sum_ic J(mu_ic) (contrast_kc phi(d_i / w))^2: the rms in place is about
+    2 w / signal_to_noise for two round markers.
+
+    References
+    ----------
+    .. [1] S. M. Kay, Fundamentals of Statistical Signal Processing: Estimation Theory, 3.9, 1993.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(robot="lab", headings=None, start=(500, 600, 0.3))
+    >>> step = sim.step()
+    >>> noise = robsim.GaussianNoise(10)
+    >>> measurement_bound(sim.frame, (500, 600, 0.3), sim.robot, noise=noise).rmse_xy
+    """
+    if not isinstance(frame, Frame):
+        raise TypeError(f"frame must be a Frame, got {quoted(frame)}")
+    place = as_float_array("pose", pose)
+    if place.shape != (3,) or not np.isfinite(place).all():
+        raise ValueError(f"pose must be 3 finite numbers (px, px, rad), got {quoted(pose)}")
+    as_native_noise(noise)  # raises if it is none
+    return SeenMarkers(frame, place, marker_polygons(robot)).bound(noise)
+
+
+class SeenMarkers:
+    """The markers of a robot in a frame, from which its pose is measured.
+
+    Parameters
+    ----------
+    frame : Frame
+        The frame.
+    pose : array (3,)
+        The robot's pose.
+    polygons : list of array (N, 2)
+        Those of the markers, in the robot's frame (work-area px).
+    """
+
+    def __init__(self, frame: Frame, pose: Floats, polygons: Sequence[Floats]) -> None:
+        self._views = [MarkerView(frame, pose, polygon) for polygon in polygons]
+        self._width = _edge_width(self._views)
+
+    def bound(self, noise: Noise | None) -> MeasurementBound:
+        """Return the least error of a measured pose for a noise; see `measurement_bound`."""
+        information_at, width = pixel_information(noise), self._width
+        information, strength = np.zeros((4, 4)), 0.0
+        for view in self._views:
+            for mean, change, contrast in view.channels(width):
+                weight = information_at(mean)
+                information += _without_levels(change, view.coverage(width), weight)
+                # SNR^2 = sum J (contrast phi(q))^2
+                strength += float(weight @ (contrast * density(view.depth / width)) ** 2)
+        if strength < _NOTHING:
+            raise ValueError("robot must have markers that differ from what is around them")
+        return MeasurementBound(
+            covariance=np.asarray(np.linalg.inv(information), np.float64)[:3, :3],
+            signal_to_noise=math.sqrt(strength),
+            edge_width=width,
+            is_bound=isinstance(noise, GaussianNoise),
+        )
+
+
+def marker_polygons(robot: Any) -> list[Floats]:
+    """Return the polygons of the markers in the robot's frame."""
+    if hasattr(robot, "to_robot_frame"):
+        return [robot.to_robot_frame(robot.red), robot.to_robot_frame(robot.blue)]
+    if not isinstance(robot, (list, tuple)) or not robot:
+        raise TypeError(
+            "robot must be a RobotDefinition or a sequence of the markers' polygons, "
+            f"got {quoted(robot)}"
+        )
+    polygons = [as_float_array("robot", polygon) for polygon in robot]
+    for polygon in polygons:
+        if polygon.shape != (len(polygon), 2) or len(polygon) < 3 or not np.isfinite(polygon).all():
+            raise ValueError(
+                f"robot must have polygons of shape (N, 2), N >= 3, got {quoted(polygon.tolist())}"
+            )
+    return polygons
+
+
+def _edge_width(views: Sequence[MarkerView]) -> float:
+    """Return the width of the edges (px of the frame) that fits the frame best."""
+    from scipy.optimize import minimize_scalar
+
+    found = minimize_scalar(
+        lambda width: sum(view.misfit(width) for view in views),
+        bounds=_EDGE_WIDTHS,
+        method="bounded",
+        options={"xatol": 1e-3},
+    )
+    return float(found.x)
+
+
+def _without_levels(change: Floats, basis: Floats, weight: Floats) -> Floats:
+    """Return the information that is left if level and contrast must be found, too (4, 4)."""
+    weighted = weight[:, np.newaxis] * basis
+    cross = change.T @ weighted
+    # N - C B^-1 C'
+    information: Floats = (change.T * weight) @ change - cross @ np.linalg.solve(
+        basis.T @ weighted, cross.T
+    )
+    return information

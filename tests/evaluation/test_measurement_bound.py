@@ -1,0 +1,212 @@
+"""The least error of a measured pose: tables of an independent computation, and cases by hand."""
+
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+import robsim
+from robsim.evaluation import measurement_bound
+from robsim.evaluation._pixel_information import pixel_information
+from robsim.imaging import Frame, PlaneMap
+
+# In the light, away from the edge of the shadow.
+POSES = ((310.3, 420.7, 0.4), (560.6, 880.2, -2.1), (205.5, 640.9, 1.9))
+NOISES = {"gaussian": robsim.GaussianNoise, "uniform": robsim.UniformNoise}
+MIDDLE = np.array([127.5])
+
+
+def shown(size, pose):
+    """The lab robot at a pose, seen by a camera of so many px."""
+    sim = robsim.Simulation(robot="lab", headings=None, resolution=(size, size), start=pose)
+    sim.step()
+    return sim.frame, sim.robot
+
+
+def coverage(size, centre, radius, width):
+    """How much of each pixel of a frame a blurred disc covers (h, w)."""
+    v, u = np.mgrid[: size[1], : size[0]]
+    return ndtr((radius - np.hypot(u - centre[0], v - centre[1])) / width)
+
+
+def disc(radius, right=0.0):
+    """The polygon of a disc, so far to the right of the robot's centre."""
+    turns = np.linspace(0, 2 * np.pi, 360, endpoint=False)
+    return radius * np.column_stack((np.cos(turns), np.sin(turns))) + np.array((0, right))
+
+
+def grey_frame(values):
+    return Frame(np.repeat(np.rint(values).astype(np.uint8)[..., np.newaxis], 3, axis=2))
+
+
+@pytest.mark.parametrize(
+    ("size", "kind", "percent", "rmse_xy", "rmse_heading_deg"),
+    [
+        (1200, "gaussian", 10, 0.039, 0.064),
+        (1200, "uniform", 40, 0.094, 0.156),
+        (480, "gaussian", 2, 0.033, 0.055),
+        (480, "gaussian", 40, 0.670, 1.12),
+        (480, "uniform", 10, 0.095, 0.159),
+    ],
+)
+def test_the_bound_is_that_of_an_independent_drawing(
+    size, kind, percent, rmse_xy, rmse_heading_deg
+):
+    noise = NOISES[kind](percent)
+    bounds = [measurement_bound(*_at(size, pose), noise=noise) for pose in POSES]
+    xy, heading = (
+        np.sqrt(np.mean([getattr(bound, name) ** 2 for bound in bounds]))
+        for name in ("rmse_xy", "rmse_heading_deg")
+    )
+    assert xy == pytest.approx(rmse_xy, rel=0.05)
+    assert heading == pytest.approx(rmse_heading_deg, rel=0.07)
+
+
+def _at(size, pose):
+    frame, robot = shown(size, pose)
+    return frame, pose, robot
+
+
+def test_the_bound_without_noise_is_that_of_rounding():
+    bound = measurement_bound(*_at(480, POSES[0]))
+    assert bound.rmse_xy == pytest.approx(0.0018, rel=0.08)
+    assert bound.title == "Best linear measurement"
+    zero = measurement_bound(*_at(480, POSES[0]), noise=robsim.GaussianNoise(0))
+    np.testing.assert_array_equal(bound.covariance, zero.covariance)
+
+
+def test_two_discs_by_hand():
+    width, contrast, radius, apart, sigma = 0.8, 100.0, 15.0, 60.0, 5.1
+    covered = sum(coverage((160, 100), (u, 49.5), radius, width) for u in (50.0, 110.0))
+    # Headed up: the right of the robot is the right of the picture.
+    bound = measurement_bound(
+        grey_frame(70 + contrast * covered),
+        (80, 49.5, -np.pi / 2),
+        [disc(radius, side) for side in (-apart / 2, apart / 2)],
+        noise=robsim.GaussianNoise(2),
+    )
+    # SNR^2 = channels contrast^2/sigma^2 perimeter w/(2 sqrt(pi)), of both
+    of_one = 3 * contrast**2 / sigma**2 * 2 * np.pi * radius * width / (2 * np.sqrt(np.pi))
+    snr = np.sqrt(2 * of_one)
+    assert bound.edge_width == pytest.approx(width, rel=0.02)
+    assert bound.signal_to_noise == pytest.approx(snr, rel=0.03)
+    # Each tells SNR_1^2/(2 w^2) of x, and as much of y.
+    assert bound.rmse_xy == pytest.approx(2 * width / snr, rel=0.03)
+    heading = np.sqrt(2) * 2 * width / snr / apart
+    assert bound.rmse_heading_deg == pytest.approx(np.rad2deg(heading), rel=0.03)
+    np.testing.assert_allclose(bound.covariance[0, 1], 0, atol=1e-3 * bound.covariance[0, 0])
+
+
+def test_the_best_fit_of_many_noisy_frames_reaches_the_bound(rng):
+    """Least squares for place, blur, level and contrast, on noise without clipping."""
+    width, radius, sigma, centre = 0.8, 12.0, 10.2, np.array((30.3, 29.6))
+
+    def drawn(place, blur):
+        return coverage((60, 60), place, radius, blur).ravel()
+
+    clean = 80 + 90 * drawn(centre, width)
+    bound = measurement_bound(
+        grey_frame(clean.reshape(60, 60)),
+        (*centre, 0),
+        [disc(radius), disc(radius, 1e-6)],
+        noise=robsim.GaussianNoise(4),
+    )
+    step = 1e-3
+    moves = [(drawn(centre + d, width) - drawn(centre - d, width)) for d in step * np.eye(2)]
+    blur = drawn(centre, width + step) - drawn(centre, width - step)
+    slopes = np.column_stack((*moves, blur)) * 90 / (2 * step)
+    basis = np.column_stack((slopes, np.ones(clean.size), drawn(centre, width)))
+    noisy = np.rint(clean + rng.normal(0, sigma, (600, clean.size)))
+    errors = (noisy - clean) @ np.linalg.pinv(basis)[:2].T
+    rms_of_one_channel = np.sqrt(np.square(errors).sum(axis=1).mean())
+    # Two markers of three channels each are six measurements of the same place.
+    assert bound.rmse_xy * np.sqrt(6) == pytest.approx(rms_of_one_channel, rel=0.08)
+
+
+@pytest.mark.parametrize("kind", NOISES)
+@pytest.mark.parametrize("mean", [20, 128, 250])
+def test_the_information_of_a_pixel_is_that_of_noise_that_was_added(kind, mean):
+    noise = NOISES[kind](20)
+    around = [noise.add(np.full((400, 500, 3), mean + d, np.uint8), 7) for d in (-2, 2)]
+    slope = (around[1].mean() - around[0].mean()) / 4
+    found = slope**2 / np.mean([values.var() for values in around])
+    (information,) = pixel_information(noise)(np.array([float(mean)]))
+    if kind == "uniform":
+        assert information == pytest.approx(found, rel=0.03)
+    else:  # the mean is not all that a clipped value tells
+        assert found * 0.97 < information < found * 1.3
+
+
+def test_the_information_of_a_pixel_by_hand():
+    assert pixel_information(None)(MIDDLE) == pytest.approx(12)
+    for percent in (2, 10):
+        scale = 2.55 * percent
+        gaussian, uniform = (pixel_information(kind(percent))(MIDDLE) for kind in NOISES.values())
+        assert gaussian == pytest.approx(1 / (scale**2 + 1 / 12), rel=1e-3)
+        assert uniform == pytest.approx(3 / (scale**2 + 1 / 4), rel=5e-3)
+    # Nothing is known better than what is rounded without noise.
+    for kind in NOISES.values():
+        assert pixel_information(kind(1e-3))(MIDDLE) == pytest.approx(12, rel=0.01)
+        levels = np.linspace(0, 255, 500)
+        finer, coarser = (pixel_information(kind(percent))(levels) for percent in (0.3, 0.6))
+        assert (coarser < finer).all()
+
+
+def test_the_bound_is_in_px_of_the_work_area():
+    frame, robot = shown(480, POSES[0])
+    noise = robsim.GaussianNoise(10)
+    bound = measurement_bound(frame, POSES[0], robot, noise=noise)
+    polygons = [2 * robot.to_robot_frame(polygon) for polygon in (robot.red, robot.blue)]
+    large = Frame(frame.image, plane_map=PlaneMap.scaled((480, 480), (2400, 2400)))
+    # The origin of both areas is the centre of a px of the area.
+    x, y, heading = POSES[0]
+    pose = (2 * x + 0.5, 2 * y + 0.5, heading)
+    twice = measurement_bound(large, pose, polygons, noise=noise)
+    assert twice.rmse_xy == pytest.approx(2 * bound.rmse_xy, rel=2e-3)
+    assert twice.rmse_heading_deg == pytest.approx(bound.rmse_heading_deg, rel=2e-3)
+    assert twice.signal_to_noise == pytest.approx(bound.signal_to_noise, rel=2e-3)
+
+
+def test_a_camera_with_fewer_rows_tells_less_of_y():
+    frame, robot = shown(480, POSES[0])
+    noise = robsim.GaussianNoise(10)
+    straight = measurement_bound(frame, POSES[0], robot, noise=noise).covariance
+    rows = frame.image.reshape(240, 2, 480, 3).mean(axis=1)
+    flat = Frame(
+        np.rint(rows).astype(np.uint8), plane_map=PlaneMap.scaled((480, 240), (1200, 1200))
+    )
+    fewer = measurement_bound(flat, POSES[0], robot, noise=noise).covariance
+    assert fewer[0, 0] > 1.2 * straight[0, 0]
+    assert fewer[1, 1] > 1.5 * fewer[0, 0]
+
+
+def test_the_report():
+    bound = measurement_bound(*_at(480, POSES[0]), noise=robsim.GaussianNoise(10))
+    assert bound.title == "Least error of a measured pose"
+    values = bound.to_dict()
+    assert values["rmse_xy"] == pytest.approx(np.sqrt(np.trace(bound.covariance[:2, :2])))
+    assert values["units"] == {"rmse_xy": "px", "rmse_heading_deg": "deg"}
+    np.testing.assert_allclose(bound.covariance, bound.covariance.T)
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "message"),
+    [
+        ({"frame": np.zeros((9, 9, 3), np.uint8)}, TypeError, "frame must be a Frame, got"),
+        ({"pose": (1, 2)}, ValueError, r"pose must be 3 finite numbers \(px, px, rad\), got"),
+        ({"pose": (5000, 600, 0)}, ValueError, "pose must show the markers in the frame, got"),
+        ({"robot": "lab"}, TypeError, "robot must be a RobotDefinition or a sequence of the"),
+        ({"robot": [np.zeros((2, 2))]}, ValueError, r"robot must have polygons of shape \(N, 2\)"),
+        ({"noise": 10}, TypeError, "noise must be a GaussianNoise, a UniformNoise or None"),
+    ],
+)
+def test_wrong_arguments(change, error, message):
+    frame, robot = shown(480, POSES[0])
+    arguments = {"frame": frame, "pose": POSES[0], "robot": robot, "noise": None} | change
+    with pytest.raises(error, match=message):
+        measurement_bound(**arguments)
+
+
+def test_markers_that_nobody_sees_have_no_bound():
+    grey = Frame(np.full((120, 120, 3), 90, np.uint8))
+    with pytest.raises(ValueError, match="robot must have markers that differ from what is around"):
+        measurement_bound(grey, (60, 60, 0), [disc(20)], noise=robsim.GaussianNoise(10))
