@@ -51,7 +51,7 @@ def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
     error = trace.error[trace.seen]
     tracking = numbers["tracking"]
     numbers = ("steps", "seen", "false_poses", "rmse_xy", "rmse_heading_deg")
-    numbers += ("median_xy", "median_heading_deg")
+    numbers += ("median_xy", "median_heading_deg", "largest_xy", "largest_heading_deg")
     assert set(tracking) == {"title", "units", *numbers}
     assert tracking["units"]["rmse_xy"] == "px"
     assert (tracking["steps"], tracking["seen"], tracking["false_poses"]) == (

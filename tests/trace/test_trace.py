@@ -273,17 +273,22 @@ def test_tracking_statistics_by_hand():
     assert statistics.rmse_heading_deg == pytest.approx(np.rad2deg(np.sqrt(0.01 / 2)))
     assert statistics.median_xy == pytest.approx(5)
     assert statistics.median_heading_deg == pytest.approx(np.rad2deg(0.1))
+    assert statistics.largest_xy == pytest.approx(5)
+    assert statistics.largest_heading_deg == pytest.approx(np.rad2deg(0.1))
     assert str(statistics).splitlines() == [
         "Tracking",
-        "  steps                               4",
-        "  seen                                3 (75.0 %)",
-        "  false poses                         1",
-        "  rmse of the position (px)           3.606",
-        "  rmse of the heading (deg)           4.051",
-        "  median error of the position (px)   5.000",
-        "  median error of the heading (deg)   5.730",
-        "  - the rmse is that of the poses that are not false, the median that of all",
+        "  steps                                4",
+        "  seen                                 3 (75.0 %)",
+        "  false poses                          1",
+        "  rmse of the position (px)            3.606",
+        "  rmse of the heading (deg)            4.051",
+        "  median error of the position (px)    5.000",
+        "  median error of the heading (deg)    5.730",
+        "  largest error of the position (px)   5.000",
+        "  largest error of the heading (deg)   5.730",
+        "  - rmse and largest error are those of the poses that are not false, the median of all",
     ]
+    assert "largest error of the heading (deg)" in statistics._repr_html_()
 
 
 def test_false_poses_do_not_hide_how_good_the_others_are():
@@ -293,8 +298,10 @@ def test_false_poses_do_not_hide_how_good_the_others_are():
     trace = trace_of(171, ("pose_measured",), pose_true=poses, pose_measured=measured)
     assert trace.tracking().rmse_xy == pytest.approx(1)
     assert trace.tracking().median_xy == pytest.approx(1)
+    assert trace.tracking().largest_xy == pytest.approx(1)
     every = trace[:4].tracking()
     assert np.isnan(every.rmse_xy)
+    assert np.isnan(every.largest_xy)
     assert every.median_xy == pytest.approx(1000)
     assert every.false_poses == 4
     assert "not known" not in str(every)

@@ -307,7 +307,14 @@ class Trace:
         return np.asarray((distance > position) | (np.abs(error[:, 2]) > heading))
 
     def tracking(self) -> TrackingStatistics:
-        """Return how well the measurement followed the truth."""
+        """Return how well the measurement followed the truth.
+
+        Returns
+        -------
+        TrackingStatistics
+            Steps seen and false poses; root mean square and largest error of the poses that are not
+            false; median error of all.
+        """
         return tracking_statistics(self.error, self.seen, self.is_false, info=self.info)
 
     def timing(self) -> TimingReport:

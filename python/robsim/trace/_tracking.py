@@ -39,6 +39,10 @@ class TrackingStatistics(Report):
         the truth is not known.
     median_heading_deg : float
         Median of the absolute heading error over all steps seen (degrees).
+    largest_xy : float
+        Largest sqrt(dx^2 + dy^2) of the poses that are not false (in `unit`).
+    largest_heading_deg : float
+        Largest absolute heading error of the poses that are not false (degrees).
     unit : str
         The unit of lengths: ``"px"`` of the work area, or that of `Trace.in_unit`.
     position_limit : float
@@ -52,6 +56,8 @@ class TrackingStatistics(Report):
     rmse_heading_deg: float
     median_xy: float
     median_heading_deg: float
+    largest_xy: float
+    largest_heading_deg: float
     unit: str = "px"
     position_limit: float = FALSE_POSE_LIMITS[0]
 
@@ -64,22 +70,25 @@ class TrackingStatistics(Report):
     def quantities(self) -> tuple[Quantity, ...]:
         """Steps seen, false poses, errors."""
         false_poses = None if self._is_truth_unknown else self.false_poses
-        heading = "rmse of the heading"
-        unit, length = self.unit, length_format(self.unit, 3)
-        return (
+        steps = (
             Quantity("steps", "steps", self.steps),
             Quantity("seen", "seen", self.seen, format=lambda n: count(n, self.steps)),
             Quantity("false_poses", "false poses", false_poses),
-            Quantity("rmse_xy", "rmse of the position", self.rmse_xy, unit, length),
-            Quantity("rmse_heading_deg", heading, self.rmse_heading_deg, "deg", ".3f"),
-            Quantity("median_xy", "median error of the position", self.median_xy, unit, length),
-            Quantity(
-                "median_heading_deg",
-                "median error of the heading",
-                self.median_heading_deg,
-                "deg",
-                ".3f",
-            ),
+        )
+        return (
+            *steps,
+            *self._pair("rmse", "rmse"),
+            *self._pair("median", "median error"),
+            *self._pair("largest", "largest error"),
+        )
+
+    def _pair(self, key: str, title: str) -> tuple[Quantity, Quantity]:
+        """Return an error of the position and that of the heading."""
+        xy, heading = f"{key}_xy", f"{key}_heading_deg"
+        length = length_format(self.unit, 3)
+        return (
+            Quantity(xy, f"{title} of the position", getattr(self, xy), self.unit, length),
+            Quantity(heading, f"{title} of the heading", getattr(self, heading), "deg", ".3f"),
         )
 
     @property
@@ -98,7 +107,9 @@ class TrackingStatistics(Report):
             )
         if not self.false_poses:
             return ()
-        remarks = ["the rmse is that of the poses that are not false, the median that of all"]
+        remarks = [
+            "rmse and largest error are those of the poses that are not false, the median of all"
+        ]
         # The positions are right: it is the headings that make the poses false.
         if 2 * self.false_poses > self.seen and self.median_xy < self.position_limit:
             remarks.append(
@@ -133,6 +144,8 @@ def tracking_statistics(
         rmse_heading_deg=math.degrees(_rms(error[good, 2:])),
         median_xy=_median(distance[seen]),
         median_heading_deg=_median(turn[seen]),
+        largest_xy=_largest(distance[good]),
+        largest_heading_deg=_largest(turn[good]),
         unit=info.unit,
         position_limit=FALSE_POSE_LIMITS[0] * info.px_length,
     )
@@ -144,3 +157,7 @@ def _rms(rows: Floats) -> float:
 
 def _median(values: Floats) -> float:
     return float(np.median(values)) if len(values) else math.nan
+
+
+def _largest(values: Floats) -> float:
+    return float(values.max()) if len(values) else math.nan
