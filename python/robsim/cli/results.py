@@ -68,6 +68,16 @@ def check_folder(out: Path) -> None:
         raise PermissionError(f"{out}: the folder {there} cannot be written to")
 
 
+def check_figure_name(file: Path) -> None:
+    """Raise ValueError unless the suffix of a file names a format of figures."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    if file.suffix[1:].lower() not in FigureCanvasBase.get_supported_filetypes():
+        raise ValueError(
+            f"{one_line(file)}: the name of a figure must end in .png, .pdf, .svg or the like"
+        )
+
+
 def save_figure(file: Path, figure: Any) -> None:
     """Write a figure to a file in the format that its suffix names.
 
@@ -78,11 +88,7 @@ def save_figure(file: Path, figure: Any) -> None:
     ValueError
         If the suffix names no known format.
     """
-    known = figure.canvas.get_supported_filetypes()
-    if file.suffix[1:].lower() not in known:
-        raise ValueError(
-            f"{one_line(file)}: the name of a figure must end in .png, .pdf, .svg or the like"
-        )
+    check_figure_name(file)
     # Noise does not compress: a camera's image is a fifth as large as JPEG.
     quality = {"pil_kwargs": {"quality": 90}} if file.suffix == ".jpg" else {}
     file.parent.mkdir(parents=True, exist_ok=True)
