@@ -117,7 +117,7 @@ def test_the_figure():
     assert [label.get_text() for label in others[1].get_xticklabels()] == ["clean", "5"]
     hollow = [line for line in first.lines if line.get_markerfacecolor() == "white"]
     assert sum(len(line.get_xdata()) for line in hollow) == 2 * 4  # all but robsim's
-    assert "more than 10 % missed or false" in [t.get_text() for t in figure.legends[0].texts]
+    assert "over 10 % missed or false" in [t.get_text() for t in figure.legends[0].texts]
 
 
 def test_the_figure_of_clean_frames_alone():

@@ -24,7 +24,7 @@ _LOOKS = {
     "weighted": ("weighted centroids", style.BATCH, "^", 6),
     "robsim": ("robsim", style.MEASURED, "o", 7),
 }
-_MANY_LOST = 0.1  # of the frames
+_MANY_LOST, _NEARLY_ALL = 0.1, 0.9  # of the frames
 _SIZE = 5.5  # of a mark (points)
 _HOLLOW: dict[str, Any] = {
     "linestyle": "none",
@@ -40,7 +40,7 @@ def plot_accuracy(result: AccuracyResult) -> Figure:
     """Draw the errors in place of an accuracy benchmark against the noise, and the bound.
 
     A row of panels for each size of the frames, a column for each kind of noise. Hollow marks: more
-    than a tenth of the frames was missed, or gave a false pose.
+    than a tenth of the frames was missed, or gave a false pose; no mark: more than nine tenths.
 
     Parameters
     ----------
@@ -68,8 +68,8 @@ def plot_accuracy(result: AccuracyResult) -> Figure:
             panel.set_xlabel("noise (%)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     handles.append(Line2D([], [], color=style.FITTED, **_HOLLOW))
-    labels.append(f"more than {100 * _MANY_LOST:.0f} % missed or false")
-    style.enlarge_marks(figure.legend(handles, labels, loc="outside lower center", ncols=4))
+    labels.append(f"over {100 * _MANY_LOST:.0f} % missed or false")
+    style.enlarge_marks(figure.legend(handles, labels, loc="outside lower center", ncols=3))
     figure.suptitle(f"How exact a measured position is, {result.frames} frames a mark")
     return figure
 
@@ -88,7 +88,7 @@ def _draw(panel: Axes, cases: Sequence[AccuracyCase], frames: int) -> None:
         errors = [case.errors[name] for case in cases]
         line: dict[str, Any] = {"color": color, "zorder": order, "label": label}
         line["linewidth"] = 2.0 if name == "robsim" else 1.2
-        values = [error.xy for error in errors]
+        values = [e.xy if e.lost <= _NEARLY_ALL * frames else np.nan for e in errors]
         panel.plot(at, values, marker=mark, markersize=_SIZE, **line)
         lossy = [i for i, error in enumerate(errors) if error.lost > _MANY_LOST * frames]
         look = _HOLLOW | {"marker": mark, "color": color, "zorder": order}

@@ -1,0 +1,95 @@
+"""The pages of the documentation: their programs run, and print the tables beside them."""
+
+import contextlib
+import io
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robsim
+
+SITE = Path(__file__).parents[2] / "notebooks/site"
+PAGES = sorted(SITE.glob("*.md"))
+
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(not SITE.is_dir(), reason="needs the sources"),
+]
+each = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+
+
+def programs(page):
+    return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_there_are_pages():
+    assert [page.name for page in PAGES] == ["measurement.md"]
+
+
+@each
+def test_the_programs_of_a_page_print_its_tables(page):
+    text = page.read_text(encoding="utf-8")
+    for program in programs(page):
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(program, {})
+        rows = [line for line in printed.getvalue().splitlines() if line.startswith("|")]
+        assert "\n".join(rows) in text
+
+
+@each
+def test_a_page_shows_pictures_and_pages_that_are_there(page):
+    links = re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))
+    assert [link for link in links if not (SITE / link).is_file()] == []
+    readme = (SITE.parents[1] / "README.md").read_text(encoding="utf-8")
+    assert f"(notebooks/site/{page.name})" in readme
+
+
+@pytest.fixture(scope="module")
+def bounds():
+    """The bounds of the lab robot for both cameras and some noise, at one pose in the light."""
+    pose = (500.3, 600.6, 0.3)
+    found = {}
+    for size in (1200, 480):
+        sim = robsim.Simulation(robot="lab", headings=None, resolution=(size, size), start=pose)
+        sim.step()
+        for noise in (robsim.GaussianNoise(2), robsim.GaussianNoise(10), robsim.UniformNoise(40)):
+            found[size, noise] = robsim.evaluation.measurement_bound(
+                sim.frame, pose, sim.robot, noise=noise
+            )
+    return found
+
+
+def test_the_table_of_bounds_is_that_of_the_function(bounds):
+    text = (SITE / "measurement.md").read_text(encoding="utf-8")
+    columns = {
+        robsim.GaussianNoise(2): 1,
+        robsim.GaussianNoise(10): 3,
+        robsim.UniformNoise(40): 10,
+    }
+    for (size, noise), bound in bounds.items():
+        (row,) = re.findall(rf"^\| {size} px \| (.*) \|$", text, re.MULTILINE)
+        xy, heading = map(float, row.split(" | ")[columns[noise]].split(", "))
+        assert bound.rmse_xy == pytest.approx(xy, rel=0.06)
+        assert bound.rmse_heading_deg == pytest.approx(heading, rel=0.06)
+
+
+def test_the_formula_for_round_markers_is_near_the_bound(bounds):
+    best = {}
+    exec(programs(SITE / "measurement.md")[1], best)
+    layout = robsim.load_robot("lab").marker_layout()
+    diameter = 2 * np.sqrt(layout.red_area / np.pi)
+    for (size, noise), bound in bounds.items():
+        if noise != robsim.GaussianNoise(10):
+            continue
+        snr, least = best["best"](
+            diameter * size / 1200, 10, marker=diameter, contrast=148, w=bound.edge_width
+        )
+        assert bound.signal_to_noise == pytest.approx(snr, rel=0.05)
+        heading = np.deg2rad(bound.rmse_heading_deg)
+        # Midway between the markers, from where the centre is `offset` px ahead.
+        middle = np.sqrt(bound.rmse_xy**2 - (layout.offset * heading) ** 2)
+        assert middle == pytest.approx(least, rel=0.08)
+        assert heading == pytest.approx(np.sqrt(2) * least / layout.distance, rel=0.08)
