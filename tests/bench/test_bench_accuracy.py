@@ -3,6 +3,7 @@
 import json
 import re
 import sys
+from types import SimpleNamespace
 
 import matplotlib.figure
 import numpy as np
@@ -71,6 +72,22 @@ def test_every_case_has_numbers(result):
 def test_the_same_frames_have_the_same_errors(result):
     again = run.run_accuracy_bench(frames=4, sizes=(480,), noises=(robsim.GaussianNoise(10),))
     assert again.cases[0].errors["counted"] == result.cases[1].errors["counted"]
+
+
+def test_what_measurements_say_of_their_errors_is_judged(monkeypatch):
+    class Saying(run.Experiment):
+        """Its measurements have a covariance."""
+
+        def step(self):
+            step = super().step()
+            said = SimpleNamespace(pose=step.measurement.pose, covariance=np.diag((1, 1, 1e9)))
+            return SimpleNamespace(frame=step.frame, blobs=step.blobs, measurement=said)
+
+    monkeypatch.setattr(run, "Experiment", Saying)
+    (case,) = run.run_accuracy_bench(frames=3, sizes=(480,), noises=(None,)).cases
+    ours = case.errors["robsim"]
+    assert ours.nees == pytest.approx(ours.xy**2, rel=1e-6)
+    assert case.errors["weighted"].nees is None
 
 
 def made(nees=None):

@@ -179,6 +179,29 @@ def test_a_camera_with_fewer_rows_tells_less_of_y():
     assert fewer[1, 1] > 1.5 * fewer[0, 0]
 
 
+def test_a_camera_that_is_turned_tells_the_same():
+    frame, robot = shown(480, POSES[0])
+    # Row v, column u of the turned frame is row u, column 479 - v of the other.
+    turn = np.array(((0, -1, 479), (1, 0, 0), (0, 0, 1)))
+    turned = Frame(
+        np.ascontiguousarray(np.rot90(frame.image)),
+        plane_map=PlaneMap(frame.plane_map.matrix @ turn),
+    )
+    bounds = [
+        measurement_bound(one, POSES[0], robot, noise=robsim.UniformNoise(10)).covariance
+        for one in (frame, turned)
+    ]
+    np.testing.assert_allclose(bounds[0], bounds[1], rtol=1e-3)
+
+
+def test_a_frame_with_noise_tells_nearly_the_same():
+    frame, robot = shown(480, POSES[0])
+    noise = robsim.GaussianNoise(10)
+    noisy = Frame(noise.add(frame.image, 1), plane_map=frame.plane_map)
+    bounds = [measurement_bound(one, POSES[0], robot, noise=noise) for one in (frame, noisy)]
+    assert bounds[1].rmse_xy == pytest.approx(bounds[0].rmse_xy, rel=0.06)
+
+
 def test_the_report():
     bound = measurement_bound(*_at(480, POSES[0]), noise=robsim.GaussianNoise(10))
     assert bound.title == "Least error of a measured pose"

@@ -101,7 +101,8 @@ def measurement_bound(
     Parameters
     ----------
     frame : Frame
-        A frame without noise: it tells brightness, contrast and blur; its plane map, the scale.
+        It tells brightness, contrast and blur, one with noise nearly as well as one without; its
+        plane map, the scale.
     pose : array (3,)
         Where the robot is in it: x, y (work-area px), heading (rad).
     robot : RobotDefinition or sequence of array (N, 2)
