@@ -45,7 +45,7 @@ class Errors:
     false_poses : int
         Poses more than 10 px or 20 degrees off.
     nees : float or None
-        Mean NEES of the poses that are not false, 3 if the covariance that comes with them is
+        Mean NEES / 3 of the poses that are not false, 1 if the covariance that comes with them is
         right; None if they come without.
     """
 
@@ -109,7 +109,7 @@ def _mean_nees(
         for row, right, P in zip(error, is_right, covariances, strict=False)
         if right and P is not None
     ]
-    return float(np.mean([nees(row, P) for row, P in known])) if known else None
+    return float(np.mean([nees(row, P) for row, P in known])) / 3 if known else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,7 +197,7 @@ class AccuracyResult(Report):
             [case.errors[name].lost for name in METHODS] for case in self.cases
         ]
         if self._has_covariances:
-            columns.append(Column("nees", "NEES of robsim", "", ".2f"))
+            columns.append(Column("nees", "NEES / 3 of robsim", "", ".2f"))
             rows = [
                 [*row, case.errors["robsim"].nees]
                 for case, row in zip(self.cases, rows, strict=True)
@@ -232,7 +232,7 @@ class AccuracyResult(Report):
             "together, by cv2.aruco, searched around its place, enlarged twice; it has sharper "
             "contrasts and more edges than the markers, so their bound is not its own",
         )
-        nees = "NEES: its mean is 3 where the covariances of the measurements are right"
+        nees = "NEES / 3: its mean is 1 where the covariances of the measurements are right"
         return (*remarks, nees) if self._has_covariances else remarks
 
     def to_dict(self) -> dict[str, Any]:

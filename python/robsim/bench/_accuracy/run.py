@@ -142,7 +142,7 @@ class _Places:
                 ("apriltag", self._tag.pose(tag, near=pose)),
             ):
                 found.setdefault(name, []).append(value)
-            covariances.append(getattr(measurement, "covariance", None))
+            covariances.append(None if measurement is None else measurement.covariance)
             bar.update()
         return {
             name: errors_of(poses, self._poses, covariances if name == "robsim" else ())
