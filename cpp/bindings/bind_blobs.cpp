@@ -8,6 +8,7 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/frame.hpp"
+#include "robsim/vision/light/relative_classifier.hpp"
 #include "robsim/vision/marker_blobs.hpp"
 
 namespace py = pybind11;
@@ -74,15 +75,12 @@ BlobsByColor find(const ImageLike& image, const std::vector<ColorClass>& colors,
   return finder.find(view, part);
 }
 
-std::map<std::string, py::array_t<bool>> masks_of(const ImageLike& image,
-                                                  const std::vector<ColorClass>& colors,
-                                                  const std::optional<MarkerLayout>& markers,
-                                                  std::optional<int> smoothing) {
-  const ImageView view = view_from(image, "image");
-  BlobOptions options;
-  if (markers) options = marker_blobs(*markers, plane_map_of(image), view);
-  pixels::RowClassifier classifier(colors, smoothing.value_or(options.smoothing));
-  std::map<std::string, py::array_t<bool>> masks;
+using Masks = std::map<std::string, py::array_t<bool>>;
+
+template <typename Classifier>
+Masks masks_from(Classifier& classifier, const ImageView& view,
+                 const std::vector<ColorClass>& colors) {
+  Masks masks;
   std::vector<bool*> next;
   for (const ColorClass& color : colors) {
     py::array_t<bool>& mask =
@@ -90,7 +88,6 @@ std::map<std::string, py::array_t<bool>> masks_of(const ImageLike& image,
     next.push_back(mask.mutable_data());
   }
   const WithoutInterpreter native;
-  classifier.begin(view);
   for (int v = 0; v < view.height; ++v) {
     const std::vector<pixels::BitRow>& bits = classifier.next_row();
     for (std::size_t i = 0; i < colors.size(); ++i) {
@@ -98,6 +95,28 @@ std::map<std::string, py::array_t<bool>> masks_of(const ImageLike& image,
     }
   }
   return masks;
+}
+
+Masks masks_of(const ImageLike& image, const std::vector<ColorClass>& colors,
+               const std::optional<MarkerLayout>& markers, std::optional<int> smoothing) {
+  const ImageView view = view_from(image, "image");
+  BlobOptions options;
+  if (markers) options = marker_blobs(*markers, plane_map_of(image), view);
+  pixels::RowClassifier classifier(colors, smoothing.value_or(options.smoothing));
+  classifier.begin(view);
+  return masks_from(classifier, view, colors);
+}
+
+// The masks of the second chance, for tests.
+Masks relative_masks_of(const ImageLike& image, const std::vector<ColorClass>& colors,
+                        int smoothing, const light::Gains& gains, float least_chroma) {
+  const ImageView view = view_from(image, "image");
+  std::vector<std::optional<light::RelativeClass>> classes;
+  for (const ColorClass& color : colors) {
+    classes.push_back(light::relative_to_brightness(color, least_chroma));
+  }
+  light::RelativeClassifier classifier(view, std::move(classes), smoothing, gains);
+  return masks_from(classifier, view, colors);
 }
 
 MarkerLayout with_options(MarkerLayout markers, double distance_tolerance, double area_tolerance,
@@ -404,6 +423,12 @@ Raises
 TypeError, ValueError
     For an image of the wrong type or shape, duplicate colour names, and options out of range.
 )");
+
+  public_in(module, "robsim._core")
+      .def("relative_masks", &relative_masks_of, py::arg("image"), py::arg("colors"),
+           py::arg("smoothing"), py::arg("gains"), py::arg("least_chroma"),
+           "Which pixels belong to which colour relative to brightness: the masks of the second "
+           "chance.");
 
   public_in(module, "robsim.vision")
       .def("classify", &masks_of, py::arg("image"), py::arg("colors"), py::kw_only(),

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
@@ -13,6 +14,7 @@
 #include "robsim/vision/explain_detection.hpp"
 #include "robsim/vision/frame_faults.hpp"
 #include "robsim/vision/refine.hpp"
+#include "robsim/vision/second_chance.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -143,7 +145,8 @@ ValueError
 
 Detection detection_from(std::optional<Measurement> measurement, int result,
                          const std::optional<Blob>& red, const std::optional<Blob>& blue,
-                         const std::array<double, 8>& numbers, const MarkerLayout& markers) {
+                         const std::array<double, 8>& numbers, bool by_second_chance,
+                         const MarkerLayout& markers) {
   if (result < 0 || result > static_cast<int>(DetectionResult::small_markers)) {
     throw py::value_error("a Detection cannot be made of the result " + std::to_string(result));
   }
@@ -160,6 +163,7 @@ Detection detection_from(std::optional<Measurement> measurement, int result,
   detection.blue_area = numbers[5];
   detection.false_alarms = numbers[6];
   detection.cause = numbers[7];
+  detection.by_second_chance = by_second_chance;
   detection.markers = markers;
   return detection;
 }
@@ -175,6 +179,7 @@ auto detection_fields() {
                                            self.distance,     self.red_area,  self.blue_area,
                                            self.false_alarms, self.cause};
             }),
+      Field("by_second_chance", &Detection::by_second_chance),
       Field("markers", &Detection::markers));
 }
 
@@ -213,6 +218,12 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
       .def_readonly("false_alarms", &Detection::false_alarms,
                     "float: how many pairs of the other blobs would fit as well by chance, if they "
                     "lay\nanywhere; a pair is accepted up to 0.005.")
+      .def_readonly("by_second_chance", &Detection::by_second_chance,
+                    "bool: no pair was found with the colours as they are, but this one relative "
+                    "to brightness:\nthe limits of a colour hold for U - 128 and V - 128 as "
+                    "fractions of the largest of R, G and B,\nwith 26 levels for a saturation of "
+                    "29 %; under light that colours the floor, as if that were\ngrey. Dim light, "
+                    "its gradients and faded markers change the levels, but not the fractions.")
       .def_property_readonly(
           "distance",
           [](const Detection& self) {
@@ -261,22 +272,28 @@ PlaneMap plane_map_for(const std::optional<PlaneMap>& given,
 }
 
 Detection detect_in(const BlobsByColor& blobs, const MarkerLayout& markers,
-                    const std::optional<PlaneMap>& plane_map,
-                    const std::optional<ImageLike>& image) {
+                    const std::optional<PlaneMap>& plane_map, const std::optional<ImageLike>& image,
+                    const std::optional<std::vector<ColorClass>>& colors) {
+  if (colors && !image) throw py::value_error("colors must come with an image, got no image");
   const PlaneMap map = plane_map_for(plane_map, image);
   Detection detection = detect(blobs, markers, map);
   if (!image) return detection;
   const ImageView view = view_from(*image, "image");
-  const bool is_frame = py::isinstance<Frame>(*image);
-  refine(detection, view, map, is_frame ? image->cast<const Frame&>().headings : 0);
+  const int headings = py::isinstance<Frame>(*image) ? image->cast<const Frame&>().headings : 0;
+  if (colors) {
+    const WithoutInterpreter native;
+    look_again(detection, view, *colors, map);
+  }
+  refine(detection, view, map, headings);
   examine_frame(detection, view, map);
   return detection;
 }
 
 std::optional<Measurement> locate_in(const BlobsByColor& blobs, const MarkerLayout& markers,
                                      const std::optional<PlaneMap>& plane_map,
-                                     const std::optional<ImageLike>& image) {
-  return detect_in(blobs, markers, plane_map, image).measurement;
+                                     const std::optional<ImageLike>& image,
+                                     const std::optional<std::vector<ColorClass>>& colors) {
+  return detect_in(blobs, markers, plane_map, image, colors).measurement;
 }
 
 std::vector<std::string> reasons() {
@@ -294,7 +311,8 @@ std::optional<std::string> remark_on_size(const MarkerLayout& markers, const Fra
 void bind_functions(py::module_& module) {
   public_in(module, "robsim.vision")
       .def("detect", &detect_in, py::arg("blobs"), py::arg("markers"), py::kw_only(),
-           py::arg("plane_map") = py::none(), py::arg("image") = py::none(), R"(
+           py::arg("plane_map") = py::none(), py::arg("image") = py::none(),
+           py::arg("colors") = py::none(), R"(
 Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
 
 The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
@@ -315,11 +333,20 @@ plane_map : PlaneMap, optional
 image : Frame or array (H, W, 3) of uint8, optional
     Where the blobs were found. With it the pose is fitted to the edges of the markers, as `locate`
     does it; without a measurement it is examined for the cause, such as a dark picture.
+colors : list of ColorClass, optional
+    Those that the blobs were found with. With them and the image, a frame without a pair gets the
+    second chance that the default measurement has: the same colours relative to brightness, see
+    `Detection.by_second_chance`.
 
 Returns
 -------
 Detection
     Its measurement, misfit and reason.
+
+Raises
+------
+TypeError, ValueError
+    For an image of the wrong type or shape, and for `colors` without an image.
 
 References
 ----------
@@ -341,7 +368,8 @@ Examples
 
   public_in(module, "robsim")
       .def("locate", &locate_in, py::arg("blobs"), py::arg("markers"),
-           py::arg("plane_map") = py::none(), py::kw_only(), py::arg("image") = py::none(), R"(
+           py::arg("plane_map") = py::none(), py::kw_only(), py::arg("image") = py::none(),
+           py::arg("colors") = py::none(), R"(
 Return the pose of the robot whose markers are among the blobs.
 
 The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
@@ -361,6 +389,9 @@ plane_map : PlaneMap, optional
     otherwise the identity.
 image : Frame or array (H, W, 3) of uint8, optional
     Where the blobs were found. Default: the pose is that of the blobs' centroids.
+colors : list of ColorClass, optional
+    Those that the blobs were found with: a frame without a pair then gets a second chance, as in
+    `detect`.
 
 Returns
 -------

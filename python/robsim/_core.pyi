@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
 class Intrinsics:
     """
     A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
@@ -1083,6 +1083,14 @@ class Detection:
         Blob or None: the blue blob of the pair.
         """
     @property
+    def by_second_chance(self) -> bool:
+        """
+        bool: no pair was found with the colours as they are, but this one relative to brightness:
+        the limits of a colour hold for U - 128 and V - 128 as fractions of the largest of R, G and B,
+        with 26 levels for a saturation of 29 %; under light that colours the floor, as if that were
+        grey. Dim light, its gradients and faded markers change the levels, but not the fractions.
+        """
+    @property
     def distance(self) -> float:
         """
         float: distance between the two blobs (work-area px); NaN without a pair.
@@ -1563,6 +1571,11 @@ class Step:
     def blobs(self) -> dict[str, list[Blob]]:
         """
         dict of str to list of Blob: per colour the blobs in the frame, the largest first.
+        """
+    @property
+    def colors(self) -> list[ColorClass]:
+        """
+        list of ColorClass: the colours that blobs are found with.
         """
     @property
     def detection(self) -> Detection | None:
@@ -2534,7 +2547,7 @@ def cpu_paths() -> list[str]:
     """
     Return the paths available on this processor, the fastest last.
     """
-def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, *, plane_map: PlaneMap | None = None, image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None) -> Detection:
+def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, *, plane_map: PlaneMap | None = None, image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None, colors: collections.abc.Sequence[ColorClass] | None = None) -> Detection:
     """
     Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
     
@@ -2556,11 +2569,20 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     image : Frame or array (H, W, 3) of uint8, optional
         Where the blobs were found. With it the pose is fitted to the edges of the markers, as `locate`
         does it; without a measurement it is examined for the cause, such as a dark picture.
+    colors : list of ColorClass, optional
+        Those that the blobs were found with. With them and the image, a frame without a pair gets the
+        second chance that the default measurement has: the same colours relative to brightness, see
+        `Detection.by_second_chance`.
     
     Returns
     -------
     Detection
         Its measurement, misfit and reason.
+    
+    Raises
+    ------
+    TypeError, ValueError
+        For an image of the wrong type or shape, and for `colors` without an image.
     
     References
     ----------
@@ -2681,7 +2703,7 @@ def least_squares(phi: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike) -> Lea
     Householder QR of blocks of rows, then QR with column pivoting of the triangle (Golub and Van Loan,
     Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise in y.
     """
-def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, plane_map: PlaneMap | None = None, *, image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None) -> Measurement | None:
+def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, plane_map: PlaneMap | None = None, *, image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None, colors: collections.abc.Sequence[ColorClass] | None = None) -> Measurement | None:
     """
     Return the pose of the robot whose markers are among the blobs.
     
@@ -2702,6 +2724,9 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
         otherwise the identity.
     image : Frame or array (H, W, 3) of uint8, optional
         Where the blobs were found. Default: the pose is that of the blobs' centroids.
+    colors : list of ColorClass, optional
+        Those that the blobs were found with: a frame without a pair then gets a second chance, as in
+        `detect`.
     
     Returns
     -------
@@ -2780,6 +2805,10 @@ def regression(poses: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> tupl
         Regressors of steps 2..N-1 for the axes X, Y and P (heading).
     y : array (N - 2, 3)
         Outputs; y = sum(phi * theta, axis=2) for the true theta.
+    """
+def relative_masks(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], smoothing: int, gains: typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"], least_chroma: float) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
+    """
+    Which pixels belong to which colour relative to brightness: the masks of the second chance.
     """
 def rgb_to_yuv(image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.uint8]:
     """

@@ -35,6 +35,10 @@ def kinds(report):
     return {problem.kind for problem in report.problems} - {*of_time}
 
 
+def one_line(report):
+    return " ".join(str(report).split())
+
+
 def lit(image, factor):
     return np.minimum(np.rint(factor * image.astype(float)), 255).astype(np.uint8)
 
@@ -49,10 +53,15 @@ def test_a_good_picture_has_no_fault():
 
 
 def test_a_dark_picture_is_named():
-    report = check(lit(picture(), 0.12))
+    report = check(lit(picture(), 0.01))
     assert {"robot detected", "mean level"} <= kinds(report)
     assert not report.ok
     assert "more light, or a longer exposure" in str(report)
+    very_dim = check(lit(picture(), 0.12))
+    assert {"mean level", "markers' level", "margin of red", "margin of blue"} <= kinds(very_dim)
+    assert not very_dim.ok
+    assert very_dim["robot detected"].verdict == "good"
+    assert "it is found at the second chance only: train red in this light" in one_line(very_dim)
     dim = check(lit(picture(), 0.45))
     assert "margin of red" in kinds(dim)
     assert dim["margin of red"].verdict == "poor"

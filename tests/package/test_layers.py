@@ -29,9 +29,10 @@ CPP = {
     "vision/color": {"text", "imaging"},
     "vision/pixels": {"simd", "imaging", "vision/color"},
     "vision/fit": {"simd", "elementary", "geometry", "imaging", "vision/color"},
+    "vision/light": {"simd", "imaging", "vision/color", "vision/pixels"},
     "vision": {
         *("text", "elementary", "geometry", "imaging"),
-        *("vision/color", "vision/pixels", "vision/fit"),
+        *("vision/color", "vision/pixels", "vision/light", "vision/fit"),
     },
     "capture": {"text", "timing", "threads", "imaging"},
     "capture/firewire": {"timing", "imaging", "imaging/raw", "capture"},

@@ -51,7 +51,7 @@ def test_a_callback_that_does_not_return_its_result():
     ("control", "note"),
     [
         (lambda step: (step.pose_true[0], 0), "the truth is not for the robot's software"),
-        (lambda step: (step.images[0], 0), "a Step has blobs, detection, dt, estimate"),
+        (lambda step: (step.images[0], 0), "a Step has blobs, colors, detection, dt, estimate"),
         (
             lambda step: (step.detection.measurement.x, 0),
             "a Measurement has covariance, misfit, pair, pose",

@@ -119,7 +119,7 @@ def measured(camera, disturb, noise, poses, *, seed=1, smoothing=None):
         image = image if noise is None else noise.add(image, seed, i)
         frame = robsim.Frame(image, plane_map=plane_map)
         blobs = robsim.find_blobs(frame, colors, markers=markers, smoothing=smoothing)
-        found = detect(blobs, markers, plane_map=plane_map).measurement
+        found = detect(blobs, markers, plane_map=plane_map, image=frame, colors=colors).measurement
         if found is not None:
             errors[i] = found.pose - np.nan_to_num(pose)
             errors[i, 2] = robsim.wrap_angle(errors[i, 2])

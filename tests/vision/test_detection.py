@@ -181,7 +181,7 @@ def test_what_was_missed_in_a_run():
     image = robsim.Simulation(seed=1).frame.image
     small = np.full_like(image, 100)
     small[:600, :600] = image[::2, ::2]
-    experiment = missed([image, image // 10, small, image // 10])
+    experiment = missed([image, image // 100, small, image // 100])
     dark, half = experiment.missed_detections
     assert (dark.reason, dark.steps, dark.first_k) == ("dark", 2, 1)
     assert (half.reason, half.steps, half.first_k) == ("distance", 1, 2)

@@ -234,6 +234,9 @@ Examples
       .def_property_readonly(
           "markers", [](const Step& self) { return self.markers(); },
           "MarkerLayout: where the robot carries its markers.")
+      .def_property_readonly(
+          "colors", [](const Step& self) { return self.colors(); },
+          "list of ColorClass: the colours that blobs are found with.")
       .def("__repr__", [](const Step& self) {
         return py::str("<Step {}: t = {:g} s>").format(self.k, self.t).cast<std::string>();
       });

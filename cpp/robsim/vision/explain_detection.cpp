@@ -118,8 +118,14 @@ std::string explain_result(const Detection& d) {
     case DetectionResult::detected:
       break;
   }
-  return "red and blue blobs " + px(d.distance) +
-         " of the work area apart fit the markers (misfit " + number(d.misfit, 2) + ")";
+  const std::string pair = "red and blue blobs " + px(d.distance) +
+                           " of the work area apart fit the markers (misfit " +
+                           number(d.misfit, 2) + ")";
+  if (!d.by_second_chance) return pair;
+  return pair +
+         ", found at the second chance, by colours relative to brightness: the light is not that "
+         "of the colour ranges, or the markers are faded; colours trained in this light find them "
+         "at once";
 }
 
 }  // namespace

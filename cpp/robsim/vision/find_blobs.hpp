@@ -35,8 +35,34 @@ struct BlobOptions {
   }
 };
 
+/// Makes blobs of rows of bits, which say which pixel has which colour: bits become runs, runs are
+/// joined to components. Its buffers are reused from part to part.
+class BlobCollector {
+ public:
+  /// The largest blobs of each of these colours. Throws std::invalid_argument for invalid options.
+  BlobCollector(std::vector<std::string> names, const BlobOptions& options);
+
+  /// Starts a part of an image.
+  void begin(const PixelBox& part);
+
+  /// Adds the next row of the part, its bits per colour, from top to bottom.
+  void add_row(const std::vector<pixels::BitRow>& bits);
+
+  /// Returns the blobs, in pixels of the whole image. Call it after the last row.
+  BlobsByColor finish();
+
+ private:
+  std::vector<Blob> blobs(std::size_t color);
+
+  std::vector<std::string> names_;
+  std::int64_t minimum_area_;
+  std::size_t maximum_count_;
+  PixelBox part_;
+  std::vector<pixels::ComponentFinder> components_;  // per colour
+};
+
 /// Finds the blobs of every colour class in one pass over the image: rows of pixels become bits,
-/// bits become runs, runs are joined to components.
+/// bits become blobs.
 /// Its buffers are reused from frame to frame.
 class BlobFinder {
  public:
@@ -55,12 +81,10 @@ class BlobFinder {
   BlobsByColor find(const ImageView& image, const PixelBox& part);
 
  private:
-  std::vector<Blob> blobs(std::size_t color, const PixelBox& part);
-
   std::vector<ColorClass> colors_;
   BlobOptions options_;
   pixels::RowClassifier classifier_;
-  std::vector<pixels::ComponentFinder> components_;  // per colour
+  BlobCollector collector_;
 };
 
 }  // namespace robsim

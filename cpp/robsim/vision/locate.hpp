@@ -90,6 +90,8 @@ struct Detection {
   double red_area = 0;      // work-area px^2
   double blue_area = 0;     // work-area px^2
 
+  bool by_second_chance = false;  // the pair was found relative to brightness: see look_again
+
   // The number that tells a cause in the frame: signal to noise, mean level, share, width.
   double cause = 0;
 

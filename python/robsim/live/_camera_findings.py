@@ -228,6 +228,7 @@ def _markers(look: CameraLook) -> Iterator[CameraFinding]:
     yield _judged(
         "marker width", look.markers.width_in(frame), "px", _WIDTH, _REMEDIES["small markers"]
     )
+    lost, second = "a little less light, and it is lost", "it is found at the second chance only"
     for name, lights in look.marker_light.items():
         of = {key: _median_of(lights, key) for key in ("contrast", "margin", "found")}
         train = f"train {name} in this light (robsim colors train), or change the light"
@@ -243,7 +244,7 @@ def _markers(look: CameraLook) -> Iterator[CameraFinding]:
             of["margin"],
             "levels",
             _MARGIN,
-            f"a little less light, and it is lost: {train}",
+            f"{lost if of['margin'] >= 0 else second}: {train}",
         )
         yield _judged(f"{name} found", 100 * of["found"], "%", _percent_limits(_FOUND), train)
 

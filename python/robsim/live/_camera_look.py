@@ -56,10 +56,11 @@ class CameraLook:
 
     def at(self, frame: Frame) -> None:
         """Look at a frame."""
-        blobs = find_blobs(
-            frame, [*self._colors.values()], markers=self.markers, smoothing=self._smoothing
+        colors = [*self._colors.values()]
+        blobs = find_blobs(frame, colors, markers=self.markers, smoothing=self._smoothing)
+        detection = detect(
+            blobs, self.markers, plane_map=frame.plane_map, image=frame, colors=colors
         )
-        detection = detect(blobs, self.markers, plane_map=frame.plane_map, image=frame)
         self.detections.append(detection)
         self.last.append(frame)
         self.times.append((frame.index, frame.t or 0.0, frame.t_arrival or frame.t or 0.0))

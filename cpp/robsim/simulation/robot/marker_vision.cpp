@@ -5,6 +5,7 @@
 #include "robsim/simulation/seam/native_work.hpp"
 #include "robsim/vision/frame_faults.hpp"
 #include "robsim/vision/refine.hpp"
+#include "robsim/vision/second_chance.hpp"
 
 namespace robsim {
 
@@ -33,6 +34,10 @@ BlobsByColor MarkerVision::find(const Frame& frame) {
 
 Detection MarkerVision::detect(const BlobsByColor& blobs, const Frame& frame) const {
   Detection detection = robsim::detect(blobs, markers_, frame.plane_map);
+  if (!detection.measurement) {
+    const NativeWork native(std::int64_t{frame.image.width()} * frame.image.height());
+    look_again(detection, frame.image.view(), colors(), frame.plane_map, smoothing_);
+  }
   refine(detection, frame.image.view(), frame.plane_map, frame.headings);
   examine_frame(detection, frame.image.view(), frame.plane_map);
   return detection;

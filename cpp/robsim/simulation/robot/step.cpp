@@ -46,6 +46,8 @@ MarkerVision& Step::open_vision() const {
 
 const MarkerLayout& Step::markers() const { return open_vision().markers(); }
 
+const std::vector<ColorClass>& Step::colors() const { return open_vision().colors(); }
+
 void Step::check_thread() const {
   if (!is_over) guard->check_thread();
 }

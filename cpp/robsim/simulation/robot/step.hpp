@@ -57,8 +57,9 @@ struct Step {
   /// Whether `look` still finds a frame, or knows that none has come.
   bool can_look() const { return frame || camera || !has_frame; }
 
-  /// Throws std::runtime_error for a step made without markers.
+  /// Throw std::runtime_error for a step made without markers.
   const MarkerLayout& markers() const;
+  const std::vector<ColorClass>& colors() const;
 
   const MarkerVision* marker_vision() const { return vision.get(); }
 

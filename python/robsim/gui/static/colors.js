@@ -93,7 +93,8 @@ function showVerdict(element, { found, missed }) {
   element.hidden = !found && !missed;
   element.classList.toggle("robsim-good", Boolean(found));
   element.classList.toggle("robsim-warning", !found);
-  const words = found ? text("found_robot") : text("not_seen", { why: missed ?? "" });
+  const seen = missed ? text("found_robot_why", { why: missed }) : text("found_robot");
+  const words = found ? seen : text("not_seen", { why: missed ?? "" });
   if (element.textContent != words) element.textContent = words;
 }
 

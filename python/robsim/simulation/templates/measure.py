@@ -6,6 +6,7 @@ Called at every step that has a frame. Gets `step`, of which you need:
     step.blobs             the blobs of each colour, the largest first: step.blobs["red"] and
                            step.blobs["blue"] are lists; a blob has .centroid (u, v) and .area,
                            in pixels of the frame
+    step.colors            the colours that the blobs were found with
     step.markers           geometry of the markers: .distance from red to blue, .offset from their
                            midpoint forward to the robot's centre (px)
 Returns a Measurement of x, y (px), heading (rad). None: the robot was not seen.
@@ -31,4 +32,4 @@ def measure(step):
     #             x, y = (red + blue) / 2 + step.markers.offset * forward
     #             return robsim.Measurement((x, y, np.arctan2(-right_x, right_y)))
     # return None
-    return robsim.locate(step.blobs, step.markers, image=step.frame)
+    return robsim.locate(step.blobs, step.markers, image=step.frame, colors=step.colors)

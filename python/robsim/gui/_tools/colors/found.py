@@ -16,11 +16,11 @@ _LARGEST = 1600  # px along a side of a mask
 
 
 def found_in(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) -> dict[str, Any]:
-    """Return the boxes of the blobs, the pose of the robot, or why it was not found."""
+    """Return the boxes of the blobs, the pose of the robot, or why it was not found at once."""
     blobs = find_blobs(frame, list(colors), markers=markers)
-    found = detect(blobs, markers, plane_map=frame.plane_map, image=frame)
+    found = detect(blobs, markers, plane_map=frame.plane_map, image=frame, colors=list(colors))
     pose = None if found.measurement is None else numbers(found.measurement.pose)
-    missed = None if pose else found.explanation
+    missed = found.explanation if found.by_second_chance or pose is None else None
     return {"boxes": boxes_of(blobs), "found": pose, "missed": missed}
 
 

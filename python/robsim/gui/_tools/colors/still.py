@@ -91,9 +91,11 @@ def _draw_test(
     found = found_in(frame, colors, markers)
     for name, *sides in found["boxes"]:
         shown.rectangle(sides, inks[name], 1)
-    if found["found"]:
-        return words("found_robot"), True
-    return words("not_seen", why=found["missed"]), False
+    if not found["found"]:
+        return words("not_seen", why=found["missed"]), False
+    if found["missed"]:
+        return words("found_robot_why", why=found["missed"]), True
+    return words("found_robot"), True
 
 
 def _write_verdict(sheet: Sheet, text: str, is_good: bool) -> None:
