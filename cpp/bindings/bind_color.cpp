@@ -80,6 +80,32 @@ py::array_t<std::int64_t> histograms_of(const ImageLike& image, const Region& re
   return result;
 }
 
+// None if the region is most of the image.
+std::optional<SurroundingChroma> chroma_around(const ImageView& image, const PixelBox& region) {
+  const double inside = static_cast<double>(region.right - region.left) *
+                        static_cast<double>(region.bottom - region.top);
+  const double all = static_cast<double>(image.width) * image.height;
+  return inside < all / 4 ? std::optional(surrounding_chroma(image)) : std::nullopt;
+}
+
+// From medians and spreads of U and V.
+std::optional<SurroundingChroma> around_from(const std::optional<ArrayLike>& around) {
+  if (!around) return std::nullopt;
+  const std::string expected =
+      "medians and spreads of U and V, within 0..255, as from surrounding_chroma";
+  const Doubles numbers = doubles_from(*around, "around", Shape{2, 2}, expected);
+  SurroundingChroma result{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    result.median[i] = numbers.at(0, i);
+    result.spread[i] = numbers.at(1, i);
+    for (const double value : {result.median[i], result.spread[i]}) {
+      if (value >= 0 && value <= 255) continue;
+      throw py::value_error("around must be " + expected + ", got " + std::to_string(value));
+    }
+  }
+  return result;
+}
+
 void bind_training(py::module_& module, Class<ColorClass>& color_class) {
   const TrainingOptions defaults;
   color_class
@@ -87,10 +113,11 @@ void bind_training(py::module_& module, Class<ColorClass>& color_class) {
           "from_region",
           [](const ImageLike& image, const Region& region, const py::str& name, double percentile,
              int margin, bool limit_y) {
-            return color_from_histograms(
-                name_from(name),
-                color_histograms(view_from(image, "image"), region_from(region, "region")),
-                {percentile, margin, limit_y});
+            const ImageView view = view_from(image, "image");
+            const PixelBox box = region_from(region, "region");
+            const ColorHistograms histograms = color_histograms(view, box);
+            return color_from_histograms(name_from(name), histograms, {percentile, margin, limit_y},
+                                         chroma_around(view, box));
           },
           py::arg("image"), py::arg("region"), py::kw_only(), py::arg("name"),
           py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
@@ -124,18 +151,20 @@ Notes
 Shadow, and noise clipped at black and white, move U and V towards neutral (128), never away from
 it. So a range on one side of neutral is open at its far end. The channel farthest from neutral
 stays 26 levels away from it, or half of its own distance if that is less: greys do not belong to
-the class, however large the margin.
+the class, however large the margin. A weak colour counts if the median of the region is farther
+from grey than the rest of the image, by 4 standard deviations of the mean of 7 x 7 pixels and at
+least 3 levels, and as far from grey itself, and at least 1/8 of its luma or 16 levels.
 )")
       .def_static(
           "from_histograms",
           [](const ArrayLike& histograms, const py::str& name, double percentile, int margin,
-             bool limit_y) {
+             bool limit_y, const std::optional<ArrayLike>& around) {
             return color_from_histograms(name_from(name), histograms_from(histograms),
-                                         {percentile, margin, limit_y});
+                                         {percentile, margin, limit_y}, around_from(around));
           },
           py::arg("histograms"), py::kw_only(), py::arg("name"),
           py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
-          py::arg("limit_y").noconvert() = defaults.limit_y, R"(
+          py::arg("limit_y").noconvert() = defaults.limit_y, py::arg("around") = py::none(), R"(
 Return the colour class of regions with these histograms, which add up over images.
 
 Parameters
@@ -144,6 +173,9 @@ histograms : array (3, 256)
     As from `color_histograms`, or a sum of several.
 name, percentile, margin, limit_y
     As for `from_region`.
+around : array (2, 2), optional
+    Medians and spreads of U and V around the regions, as from `surrounding_chroma`. Default: not
+    known; then a colour counts from 16 levels from grey on, or 1/4 of its luma if that is less.
 )")
       .def("widened", &widened, py::arg("margin"), R"(
 Return the class with wider ranges.
@@ -161,6 +193,34 @@ ValueError
 )");
 
   public_in(module, "robsim.vision")
+      .def(
+          "surrounding_chroma",
+          [](const ImageLike& image) {
+            const SurroundingChroma found = surrounding_chroma(view_from(image, "image"));
+            py::array_t<double> result({2, 2});
+            std::copy_n(found.median.begin(), 2, result.mutable_data(0));
+            std::copy_n(found.spread.begin(), 2, result.mutable_data(1));
+            return result;
+          },
+          py::arg("image"), R"(
+Return U and V of what most of an image shows, which is the floor around the markers.
+
+Parameters
+----------
+image : Frame or array (H, W, 3) of uint8
+    RGB.
+
+Returns
+-------
+array (2, 2)
+    Of the means over blocks of 7 x 7 pixels: the medians of U and V; their spreads, half of what
+    lies between the 16th and the 84th percentile (levels).
+
+Raises
+------
+TypeError, ValueError
+    For an image of the wrong type or shape.
+)")
       .def("color_histograms", &histograms_of, py::arg("image"), py::arg("region"), R"(
 Return how many pixels of a region have each value of Y, U and V.
 

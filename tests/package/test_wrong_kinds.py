@@ -109,6 +109,12 @@ def report():
 #: An example of an argument that has to be given, by name; by callable and name where they differ.
 
 
+def red_square():
+    picture = np.full((40, 40, 3), 150, np.uint8)
+    picture[8:20, 8:20] = (200, 30, 30)
+    return picture
+
+
 def calibration(size=(64, 48)):
     return robsim.imaging.Calibration(size=size, floor=robsim.imaging.PlaneMap(), area=size)
 
@@ -148,6 +154,8 @@ EXAMPLES = {
     "check_estimator.make": lambda: lambda: run().estimate_state,
     "check_parameter_estimator.make": lambda: lambda: robsim.RecursiveLeastSquares(5, n_filters=3),
     "ColorClass.from_histograms.histograms": lambda: np.eye(3, 256, 200, int),
+    "train_color.images": lambda: [red_square()],
+    "train_color.regions": lambda: [(9, 9, 19, 19)],
     "Column.title": lambda: "time",
     "convergence_time.estimate": lambda: np.ones((9, 2)),
     "convergence_time.truth": lambda: np.ones(2),

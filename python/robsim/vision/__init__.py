@@ -14,11 +14,14 @@ from robsim._core import (
     find_blobs,
     locate,
     rgb_to_yuv,
+    surrounding_chroma,
 )
 from robsim.vision._color_files import colors_to_toml, load_colors, save_colors
 from robsim.vision._color_masks import paint_classes
 from robsim.vision._color_score import ColorScore, score_color
 from robsim.vision._small_markers import SmallMarkersWarning
+from robsim.vision._trained_color import TrainedColor
+from robsim.vision._training import train_color, train_markers
 
 __all__ = [
     "Blob",
@@ -29,6 +32,7 @@ __all__ = [
     "Measurement",
     "MissedDetections",
     "SmallMarkersWarning",
+    "TrainedColor",
     "classify",
     "color_histograms",
     "colors_to_toml",
@@ -40,6 +44,9 @@ __all__ = [
     "rgb_to_yuv",
     "save_colors",
     "score_color",
+    "surrounding_chroma",
+    "train_color",
+    "train_markers",
 ]
 
 _present(globals())

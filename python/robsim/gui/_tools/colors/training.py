@@ -13,6 +13,7 @@ from robsim._base.checks import Floats
 from robsim._base.text import quoted
 from robsim._core import ColorClass, color_histograms
 from robsim.imaging._images import Pixels
+from robsim.vision._training import chroma_around
 
 Region = tuple[int, int, int, int]
 Counts = NDArray[np.int64]
@@ -36,11 +37,14 @@ class Sample:
         (left, top, right, bottom), all included (px).
     histograms : array (3, 256)
         How many of its pixels have each value of Y, U and V.
+    around : array (2, 2) or None
+        Chroma of the picture around it, as from `surrounding_chroma`.
     """
 
     picture: str
     region: Region
     histograms: Counts
+    around: Floats | None = None
 
     @property
     def medians(self) -> Floats:
@@ -84,6 +88,15 @@ class TrainedClass:
         zero = np.zeros((3, 256), np.int64)
         return sum((sample.histograms for sample in self.samples), zero)
 
+    @property
+    def around(self) -> Floats | None:
+        """Chroma around them: median of all pictures, the largest spread; None = unknown."""
+        known = [sample.around for sample in self.samples if sample.around is not None]
+        if not known or len(known) < len(self.samples):
+            return None
+        medians, spreads = np.swapaxes(known, 0, 1)
+        return np.array([np.median(medians, axis=0), np.max(spreads, axis=0)])
+
     def remade(self) -> ColorClass:
         """Return the class that its samples give; ValueError if they are grey."""
         return ColorClass.from_histograms(
@@ -92,6 +105,7 @@ class TrainedClass:
             percentile=self.percentile,
             margin=self.margin,
             limit_y=self.limit_y,
+            around=self.around,
         )
 
 
@@ -129,7 +143,8 @@ class ColorTraining:
             If the region lies outside the picture or is grey, or there are too many; nothing is
             changed.
         """
-        sample = Sample(picture, region, color_histograms(image, region))
+        histograms = color_histograms(image, region)
+        sample = Sample(picture, region, histograms, chroma_around(image, histograms))
         before = self.classes.get(name)
         samples = [*(before.samples[:keep] if before else ()), sample]
         if len(samples) > _MOST_SAMPLES:

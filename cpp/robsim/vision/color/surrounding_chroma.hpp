@@ -1,0 +1,20 @@
+#pragma once
+
+#include <array>
+
+#include "robsim/imaging/image.hpp"
+
+namespace robsim {
+
+/// U and V of what most of an image shows, which is the floor around the markers.
+struct SurroundingChroma {
+  std::array<double, 2> median;  // levels
+  std::array<double, 2> spread;  // standard deviation of the mean of 7 x 7 pixels (levels)
+};
+
+/// Of the image in blocks of 7 x 7 pixels, which is the window that finds markers in noise: median
+/// of their means, and half of what lies between their 16th and 84th percentile, so that the
+/// markers themselves hardly count.
+SurroundingChroma surrounding_chroma(const ImageView& image);
+
+}  // namespace robsim
