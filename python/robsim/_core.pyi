@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
 class Intrinsics:
     """
     A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
@@ -709,7 +709,7 @@ class ColorClass:
         Lower and upper end of the range, both included, within 0..255.
     """
     @staticmethod
-    def from_histograms(histograms: numpy.typing.ArrayLike, *, name: str, percentile: float = 33.0, margin: int = 52, limit_y: bool = False) -> ColorClass:
+    def from_histograms(histograms: numpy.typing.ArrayLike, *, name: str, percentile: float = 33.0, margin: int = 52, limit_y: bool = False, around: numpy.typing.ArrayLike | None = None) -> ColorClass:
         """
         Return the colour class of regions with these histograms, which add up over images.
         
@@ -719,6 +719,9 @@ class ColorClass:
             As from `color_histograms`, or a sum of several.
         name, percentile, margin, limit_y
             As for `from_region`.
+        around : array (2, 2), optional
+            Medians and spreads of U and V around the regions, as from `surrounding_chroma`. Default: not
+            known; then a colour counts from 16 levels from grey on, or 1/4 of its luma if that is less.
         """
     @staticmethod
     def from_region(image: Frame | numpy.typing.NDArray[numpy.uint8], region: collections.abc.Sequence[int], *, name: str, percentile: float = 33.0, margin: int = 52, limit_y: bool = False) -> ColorClass:
@@ -752,7 +755,9 @@ class ColorClass:
         Shadow, and noise clipped at black and white, move U and V towards neutral (128), never away from
         it. So a range on one side of neutral is open at its far end. The channel farthest from neutral
         stays 26 levels away from it, or half of its own distance if that is less: greys do not belong to
-        the class, however large the margin.
+        the class, however large the margin. A weak colour counts if the median of the region is farther
+        from grey than the rest of the image, by 4 standard deviations of the mean of 7 x 7 pixels and at
+        least 3 levels, and as far from grey itself, and at least 1/8 of its luma or 16 levels.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -2868,6 +2873,26 @@ def sin(x: numpy.typing.ArrayLike) -> typing.Any:
 def small_markers_remark(markers: MarkerLayout, frame: Frame) -> str | None:
     """
     What is to be said of markers too small in the frame; None of others.
+    """
+def surrounding_chroma(image: Frame | numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Return U and V of what most of an image shows, which is the floor around the markers.
+    
+    Parameters
+    ----------
+    image : Frame or array (H, W, 3) of uint8
+        RGB.
+    
+    Returns
+    -------
+    array (2, 2)
+        Of the means over blocks of 7 x 7 pixels: the medians of U and V; their spreads, half of what
+        lies between the 16th and the 84th percentile (levels).
+    
+    Raises
+    ------
+    TypeError, ValueError
+        For an image of the wrong type or shape.
     """
 def to_line(kind: str, number: int, u: numpy.typing.ArrayLike, time_to_live: int) -> bytes:
     """

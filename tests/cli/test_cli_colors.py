@@ -13,7 +13,12 @@ import robsim
 from robsim import ColorClass, load_colors
 from robsim.cli import app
 from robsim.imaging import load_image
-from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, save_colors
+from robsim.vision._color_files import (
+    SHIPPED_COLORS,
+    colors_of_text,
+    colors_to_toml,
+    save_colors,
+)
 from robsim.vision._color_score import score_color
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("user_folder", "_here")]
@@ -307,3 +312,79 @@ def test_the_examples_of_the_help_work_one_after_the_other():
 def test_help_names_all_commands():
     text = done("--help")
     assert all(f" {command} " in text for command in ("frame", "list", "train", "test"))
+
+
+# --- train on a recording
+
+
+def recording(folder, exposures=(1, 0.6, 0.3)):
+    """A folder of images of the lab robot on its way, in light that fades."""
+    for k, exposure in enumerate(exposures):
+        sim = robsim.Simulation(robot="lab", start=(300 + 200 * k, 500, 0.4 * k), seed=1)
+        save_picture(f"{folder}/{k}.png", (sim.frame.image * exposure).astype(np.uint8))
+
+
+def save_picture(file, pixels):
+    Path(file).parent.mkdir(exist_ok=True)
+    Image.fromarray(pixels).save(file)
+
+
+def test_train_on_a_recording():
+    recording("run")
+    text = done("train", "run", "--robot", "lab", "--to", "c.toml")
+    red, blue = load_colors("c.toml")
+    assert (red.name, blue.name) == ("red", "blue")
+    printed = text[: text.index("written to")]
+    assert colors_of_text(printed) == (red, blue)  # the drift is in comments
+    assert text.count("# Training of a colour: the drift eats the margin") == 2
+    assert len(re.findall(r"#\s+frame 2 ", text)) == 2
+    for k in range(3):
+        blobs = robsim.find_blobs(load_image(f"run/{k}.png"), [red, blue], minimum_area=60)
+        assert blobs["red"]
+        assert blobs["blue"]
+
+
+def test_train_on_a_recording_from_regions_in_its_first_frame():
+    recording("run", (1, 0.8))
+    boxes = [str(_box_of("run/0.png", name)) for name in ("red", "blue")]
+    regions = [f"--region={name}={box}" for name, box in zip(("red", "blue"), boxes, strict=True)]
+    assert "[blue]" in done("train", "run", "--robot", "lab", *regions)
+    assert "red and for blue" in refused("train", "run", "--robot", "lab", regions[0])
+    assert "such as red=578" in refused("train", "run", "--robot", "lab", "--region", boxes[0])
+
+
+def _box_of(file, name):
+    blob = robsim.find_blobs(load_image(file), load_colors(), minimum_area=200)[name][0]
+    u, v = blob.centroid.astype(int)
+    return f"{u - 5},{v - 5},{u + 5},{v + 5}"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("a.png",), "--name must be given with images, and a --region for each"),
+        (("run", "run"), "--name must be given with images"),
+        (("run", "--limit-y"), "--limit-y goes with images and their --name"),
+        (("run", "--figure", "h.png"), "--figure goes with images"),
+        (("none",), "there is no file or folder none"),
+        (("a.png", "--name", "red"), "--region must be given once for each of the 1 images"),
+        (("a.png", "--name", "red", "--robot", "lab"), "--robot goes with a recording"),
+        (("run", "--robot", "none"), "no robot 'none'"),
+        (("floor", "--robot", "lab"), "must show red, got none that does: in frame 0"),
+    ],
+)
+def test_train_on_a_recording_refuses(arguments, sentence):
+    picture("a.png")
+    save_picture("run/0.png", np.full((100, 100, 3), 150, np.uint8))
+    save_picture("floor/0.png", np.full((100, 100, 3), 150, np.uint8))
+    assert sentence in refused("train", *arguments, "--to", "c.toml")
+    assert not Path("c.toml").exists()
+
+
+def test_train_on_a_session():
+    sims = [robsim.Simulation(robot="lab", start=(300 + 200 * k, 500, k), seed=1) for k in range(2)]
+    frames = [robsim.Frame(sim.frame.image, t=0.2 * k) for k, sim in enumerate(sims)]
+    robsim.Experiment(frames, robot="lab", record="monday").run()
+    assert "[blue]" in done("train", "monday", "--robot", "lab")
+    sentence = "--area is known of a session"
+    assert sentence in refused("train", "monday", "--robot", "lab", "--area", "600x600")

@@ -12,14 +12,14 @@ import typer
 from robsim._base.checks import check_float
 from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._base.text import quoted
-from robsim._core import ColorClass, classify, color_histograms, find_blobs
-from robsim.cli import errors
+from robsim._core import ColorClass, classify, find_blobs
+from robsim.cli import color_training, errors
 from robsim.cli.command import Command
-from robsim.cli.shared import SWITCH, Colors, Json, Noise, Robot, Seed
+from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import about, number, parse_noise, parse_point, parse_region, whole_number
 from robsim.imaging._images import Pixels, load_image, save_image
 from robsim.simulation._simulation import Simulation
-from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, load_colors, save_colors
+from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, load_colors
 from robsim.vision._color_masks import paint_classes
 from robsim.vision._color_score import ColorScore, Region, score_color
 
@@ -105,67 +105,9 @@ def list_colors(
     errors.say(f"from {file or SHIPPED_COLORS}")
 
 
-@app.command(
-    cls=Command,
-    help="Find the ranges of a colour in images of it.\n\n"
-    "Prints them in the format of a colour file; --to writes them to one and keeps its other "
-    "colours. With several images, each needs a region. Image viewers show pixel positions.",
-    epilog="Example: robsim colors train frame.png --region 578,613,594,630 --name red "
-    "--to colors.toml",
+app.command("train", cls=Command, help=color_training.HELP, epilog=color_training.EXAMPLE)(
+    color_training.train
 )
-def train(
-    images: Images,
-    regions: Annotated[
-        list[str],
-        typer.Option(
-            "--region",
-            metavar="L,T,R,B",
-            help="Box in px around pixels of the colour: left,top,right,bottom. Can be repeated.",
-        ),
-    ],
-    name: Annotated[
-        str, typer.Option("--name", metavar="NAME", help="Name of the colour: red, blue, ...")
-    ],
-    to: Annotated[
-        Path | None,
-        typer.Option("--to", metavar="FILE", help="Colour file to write to; created if needed."),
-    ] = None,
-    margin: Annotated[
-        int,
-        typer.Option(
-            "--margin",
-            parser=whole_number,
-            metavar="LEVELS",
-            help="Widening of the ranges found, in levels of 0..255.",
-        ),
-    ] = 52,
-    limit_y: Annotated[
-        bool,
-        typer.Option(
-            "--limit-y",
-            metavar=SWITCH,
-            help="Limit the brightness Y, too; needed for black and white.",
-        ),
-    ] = False,
-    figure: Annotated[
-        Path | None,
-        typer.Option("--figure", metavar="FILE", help="File for the histograms, such as red.png."),
-    ] = None,
-) -> None:
-    """Find the ranges of a colour in images of it."""
-    with errors.report_errors():
-        boxes = [parse_region("--region", text) for text in regions]
-        histograms, others = _histograms(images, boxes)
-        color = ColorClass.from_histograms(histograms, name=name, margin=margin, limit_y=limit_y)
-        if figure:
-            picture = ", ".join(image.name for image in images)
-            _write_histograms(figure, histograms, color, others, picture)
-        if to:
-            save_colors(to, color)
-    errors.show(colors_to_toml(color))
-    for file, what in ((to, "written to"), (figure, "histograms in")):
-        if file:
-            errors.say(f"{what} {file}")
 
 
 @app.command(
@@ -233,30 +175,6 @@ def _marker_region(simulation: Simulation, name: str, start: tuple[float, float,
     if not is_inside.size or is_inside.mean() < _MINIMUM_INSIDE:
         return "see the image"
     return f"--region {left},{top},{right},{bottom}"
-
-
-def _histograms(images: list[Path], regions: list[Region]) -> tuple[Any, Any]:
-    """Return the summed histograms of the regions, and those of the whole images."""
-    if len(images) > 1 and len(images) != len(regions):
-        raise ValueError(
-            f"--region must be given once for each of the {len(images)} images, in their "
-            f"order, got {len(regions)}"
-        )
-    loaded = [load_image(image) for image in images]
-    shown = loaded if len(loaded) > 1 else loaded * len(regions)
-    inside = sum(color_histograms(p, r) for p, r in zip(shown, regions, strict=True))
-    whole = sum(color_histograms(p, (0, 0, p.shape[1] - 1, p.shape[0] - 1)) for p in loaded)
-    return inside, whole
-
-
-def _write_histograms(
-    file: Path, histograms: Any, color: ColorClass, others: Any, picture: str
-) -> None:
-    from robsim.cli.results import save_figure
-    from robsim.plotting import plot_color_histograms
-
-    figure = plot_color_histograms(histograms, color, others=others, picture=picture)
-    save_figure(file, figure)
 
 
 def _marked_regions(

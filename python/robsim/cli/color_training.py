@@ -1,0 +1,205 @@
+"""The command ``robsim colors train``: colours from regions of images, or from a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+
+from robsim._base.text import quoted
+from robsim._core import Frame, Observation, color_histograms
+from robsim.cli import errors
+from robsim.cli.shared import SWITCH, Area, CalibrationFile, Colors, Robot
+from robsim.cli.text import parse_region, parse_size, whole_number
+from robsim.imaging._images import Pixels, image_suffixes, load_image
+from robsim.robots import load_robot
+from robsim.vision._color_files import colors_to_toml, save_colors
+from robsim.vision._trained_color import TrainedColor
+from robsim.vision._training import Region, train_color, train_markers
+
+if TYPE_CHECKING:
+    from robsim.imaging._recordings import Recording
+    from robsim.sessions import Session
+
+HELP = (
+    "Find the ranges of a colour in images of it, or those of a robot's markers in a recording.\n\n"
+    "Of images: give a --region for each, and the --name of the colour; image viewers show pixel "
+    "positions. Of a recording - a video, a folder of images, a session - in which the robot "
+    "drives: its markers are trained wherever it was, in the light of the whole floor. Prints the "
+    "ranges in the format of a colour file, and how level and chroma drift from frame to frame; "
+    "--to writes the ranges to a file and keeps its other colours."
+)
+EXAMPLE = (
+    "Example: robsim colors train frame.png --region 578,613,594,630 --name red --to colors.toml, "
+    "or: robsim colors train run.mkv --area 1200x1200 --robot lab --to colors.toml"
+)
+
+
+def train(
+    frames: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FRAMES",
+            help="Images, or one recording: a video, a folder of images, a session.",
+            show_default=False,
+        ),
+    ],
+    regions: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--region",
+            metavar="[NAME=]L,T,R,B",
+            help="Box in px around pixels of the colour: left,top,right,bottom; one for each "
+            "image. In the first frame of a recording, red=L,T,R,B and blue=L,T,R,B, if --colors "
+            "do not find the robot. Can be repeated.",
+        ),
+    ] = None,
+    name: Annotated[
+        str | None,
+        typer.Option("--name", metavar="NAME", help="Of images: name of the colour: red, ..."),
+    ] = None,
+    robot: Robot = None,
+    colors: Colors = None,
+    area: Area = None,
+    calibration: CalibrationFile = None,
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="FILE", help="Colour file to write to; created if needed."),
+    ] = None,
+    margin: Annotated[
+        int | None,
+        typer.Option(
+            "--margin",
+            parser=whole_number,
+            metavar="LEVELS",
+            help="Widening of the ranges found, in levels of 0..255. Default: 52.",
+        ),
+    ] = None,
+    limit_y: Annotated[
+        bool,
+        typer.Option(
+            "--limit-y",
+            metavar=SWITCH,
+            help="Of images: limit the brightness Y, too; needed for black and white.",
+        ),
+    ] = False,
+    figure: Annotated[
+        Path | None,
+        typer.Option(
+            "--figure", metavar="FILE", help="Of images: file for the histograms, such as red.png."
+        ),
+    ] = None,
+) -> None:
+    """Find the ranges of a colour in images of it, or those of markers in a recording."""
+    with errors.report_errors():
+        if name is None:
+            _check_for_a_recording(frames, limit_y, figure)
+            source = _recording(frames[0], area, calibration)
+            trained = _markers(source, robot, colors, regions or [], margin)
+        else:
+            _check_for_images({"--robot": robot, "--colors": colors, "--area": area})
+            images = [load_image(image) for image in frames]
+            boxes = _regions_of_images(images, regions or [])
+            trained = (train_color(images, boxes, name=name, margin=margin, limit_y=limit_y),)
+            if figure:
+                _write_histograms(figure, trained[0], images, frames)
+        if to:
+            save_colors(to, [one.color for one in trained])
+    errors.show(colors_to_toml([one.color for one in trained]))
+    if len(frames) > 1 or name is None:
+        for one in trained:
+            errors.show("\n".join(f"# {line}".rstrip() for line in str(one).splitlines()) + "\n")
+    for file, what in ((to, "written to"), (figure, "histograms in")):
+        if file:
+            errors.say(f"{what} {file}")
+
+
+def _check_for_images(others: dict[str, Any]) -> None:
+    for option, value in others.items():
+        if value is not None:
+            raise ValueError(f"{option} goes with a recording, --name with images: leave one out")
+
+
+def _check_for_a_recording(frames: Sequence[Path], limit_y: bool, figure: Path | None) -> None:
+    """Raise ValueError unless the arguments are those of a recording."""
+    are_images = all(frame.suffix.lower() in image_suffixes() for frame in frames)
+    if are_images or len(frames) > 1:
+        raise ValueError(
+            "--name must be given with images, and a --region for each; a recording, which needs "
+            f"neither, is one video, folder or session, got {quoted(str(frames[0]))}"
+        )
+    for option, value in (("--limit-y", limit_y), ("--figure", figure)):
+        if value:
+            raise ValueError(f"{option} goes with images and their --name, not with a recording")
+
+
+def _recording(
+    source: Path, area: str | None, calibration: Path | None
+) -> Recording | Session | Iterable[Frame | Observation]:
+    from robsim.imaging._recordings import Recording
+    from robsim.sessions import Session
+    from robsim.sessions._writer import SETUP
+
+    if not (source / SETUP).is_file():
+        return Recording(source, area=parse_size("--area", area), calibration=calibration)
+    for option, value in (("--area", area), ("--calibration", calibration)):
+        if value is not None:
+            raise ValueError(f"{option} is known of a session: leave it out")
+    return Session(source)
+
+
+def _markers(
+    source: Iterable[Frame | Observation],
+    robot: str | None,
+    colors: Path | None,
+    texts: Sequence[str],
+    margin: int | None,
+) -> tuple[TrainedColor, ...]:
+    markers = load_robot(robot).marker_layout()
+    if texts and colors is not None:
+        raise ValueError("--colors and --region of a recording must not both be given")
+    regions = _regions_of_markers(texts) if texts else None
+    return train_markers(source, markers, colors=colors, regions=regions, margin=margin)
+
+
+def _regions_of_markers(texts: Sequence[str]) -> dict[str, Region]:
+    """Return the regions of both markers from texts such as red=578,613,594,630."""
+    regions = {}
+    for text in texts:
+        name, _, box = text.rpartition("=")
+        if name not in ("red", "blue") or name in regions:
+            raise ValueError(
+                "--region of a recording must be one of red and one of blue in its first frame, "
+                f"such as red=578,613,594,630, got {quoted(text)}"
+            )
+        regions[name] = parse_region("--region", box)
+    if len(regions) == 1:
+        raise ValueError(f"--region must be given for red and for blue, got {quoted(texts[0])}")
+    return regions
+
+
+def _regions_of_images(images: Sequence[Pixels], texts: Sequence[str]) -> list[Region]:
+    regions = [parse_region("--region", text) for text in texts]
+    if not regions or (len(images) > 1 and len(images) != len(regions)):
+        raise ValueError(
+            f"--region must be given once for each of the {len(images)} images, in their "
+            f"order, got {len(regions)}"
+        )
+    return regions
+
+
+def _write_histograms(
+    file: Path, trained: TrainedColor, images: Sequence[Pixels], names: Sequence[Path]
+) -> None:
+    from robsim.cli.results import save_figure
+    from robsim.plotting import plot_color_histograms
+
+    whole = np.sum(
+        [color_histograms(p, (0, 0, p.shape[1] - 1, p.shape[0] - 1)) for p in images], axis=0
+    )
+    picture = ", ".join(name.name for name in names)
+    figure = plot_color_histograms(trained.histograms, trained.color, others=whole, picture=picture)
+    save_figure(file, figure)
