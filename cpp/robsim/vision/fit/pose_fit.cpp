@@ -195,12 +195,12 @@ class Fit {
     fit.pose = at_.pose;
     fit.misfit = factor;
     fit.has_converged = last_step_ < converged;
-    // Of the sum of T'^2, so much is that of a normal edge of the blur of the optics alone.
-    constexpr double normal_share = 0.576;
+    // The integral of phi(q)^2 of a normal edge, 1/(2 sqrt(pi)), over that of T'^2.
+    constexpr double normal_share = 0.731;
     fit.signal_to_noise = std::sqrt(normal_share * signal_);
     const Information all = information_.inverse();
     // The estimate of weak edges is not linear in the noise: measured on simulated pictures.
-    const double second_order = 1.05 + 12 / (fit.signal_to_noise * fit.signal_to_noise);
+    const double second_order = 1.05 + 15 / (fit.signal_to_noise * fit.signal_to_noise);
     fit.covariance = factor * second_order * all.topLeftCorner<3, 3>() + picture_covariance(factor);
     if (!fit.covariance.allFinite()) return std::nullopt;
     return fit;
