@@ -175,3 +175,38 @@ def test_a_measure_that_says_only_the_pose_records_no_more():
     assert (trace.missed_reasons == "").all()
     with pytest.raises(robsim.trace.NotRecordedError, match=r"robsim\.locate"):
         trace.require("covariance_measured")
+
+
+def test_reports_and_figures_show_what_measurements_say():
+    trace = simulation(headings=None, noise=robsim.GaussianNoise(10), seed=2).run(30)
+    report = robsim.pose_errors(trace, of="measurement")
+    expected = np.sqrt(np.diagonal(trace.covariance_measured, axis1=1, axis2=2))
+    np.testing.assert_allclose(report.reported_sd[0], expected)
+    panels = robsim.plot_traces(trace).axes
+    (band,) = next(
+        panel for panel in panels if panel.get_ylabel().startswith("x error")
+    ).collections
+    heights = band.get_paths()[0].vertices[:, 1]
+    assert heights.max() == pytest.approx(2 * expected[:, 0].max())
+    # a measure of one's own says nothing, and no band is drawn
+    plain = simulation(measure=lambda step: step.detection or (600, 600, 0)).run(3)
+    assert robsim.pose_errors(plain, of="measurement").reported_sd is None
+    assert not robsim.plot_traces(plain).axes[4].collections
+
+
+def test_the_report_says_what_drawn_headings_do_to_the_nees():
+    def remarks(**options):
+        sim = simulation(**options)
+        sim.estimate_state = robsim.reference.ExtendedKalmanFilter(sim.model)
+        return " ".join(robsim.pose_consistency(sim.run(10)).remarks)
+
+    assert "drawn in 36 headings, at whole pixels" in remarks()
+    assert "drawn in" not in remarks(headings=None)
+
+
+def test_the_batch_table_says_what_its_standard_errors_do_not_cover():
+    trace = simulation(headings=None, identify_from="measurement").run(100)
+    tracked = robsim.batch_estimate(trace, method="output_error")
+    assert any("alike from step to step" in remark for remark in tracked.remarks)
+    true = robsim.batch_estimate(trace, identify_from="truth", method="output_error")
+    assert not any("alike from step to step" in remark for remark in true.remarks)

@@ -275,11 +275,13 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
     for values, name in ((truth, "pose_true"), (poses, POSES[of])):
         if np.isnan(values).all():
             runs[0].require(name)
-    covariances = np.array([trace.covariance for trace in runs])
+    name = "covariance" if of == "estimate" else "covariance_measured"
+    covariances = np.array([getattr(trace, name) for trace in runs])
+    is_reported = of == "estimate" or bool(np.isfinite(covariances).any())
     return ErrorReport(
         source=of,
         error=wrapped_error(poses, truth),
-        reported_sd=_standard_deviations(covariances) if of == "estimate" else None,
+        reported_sd=_standard_deviations(covariances) if is_reported else None,
         names=("x", "y", "heading"),
         units=(runs[0].info.unit,) * 2 + ("rad",),
         k=runs[0].k,

@@ -61,6 +61,24 @@ def _draw_ranges(panel: Axes, k: NDArray[np.int64], errors: Floats, color: str) 
     panel.fill_between(starts, inner_low, inner_high, alpha=0.6, label="68 % of them", **look)
 
 
+def draw_reported(panel: Axes, k: NDArray[np.int64], half_width: Floats) -> float:
+    """Draw the band of the reported standard deviations; return half its usual width.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+        Errors over the steps.
+    k, half_width : array (N,)
+        Steps, and two standard deviations; NaN = not known.
+    """
+    look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0}
+    # The value of a step holds from half a step before it to half a step after it.
+    steps = np.append(k - 0.5, k[-1] + 0.5)
+    edges = np.append(half_width, half_width[-1])
+    panel.fill_between(steps, -edges, edges, step="post", label="reported (2 sd)", **look)
+    return float(np.nanmedian(half_width))
+
+
 def limit_panel(
     panel: Axes, k: NDArray[np.int64], errors: Floats, *, unit: str, band: float = 0.0
 ) -> None:

@@ -15,7 +15,12 @@ from robsim._base.text import no_formula
 from robsim.evaluation._errors import ErrorReport, mean_of_known
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import Panels, check_axes, check_kind
-from robsim.plotting._charts.error_panels import draw_errors, draw_histogram, limit_panel
+from robsim.plotting._charts.error_panels import (
+    draw_errors,
+    draw_histogram,
+    draw_reported,
+    limit_panel,
+)
 
 
 @style.applied
@@ -90,13 +95,7 @@ def _draw_reported_sd(panel: Axes, report: ErrorReport, i: int, factor: float) -
     if report.reported_sd is None or np.isnan(report.reported_sd[:, :, i]).all():
         return 0.0
     variance = mean_of_known(np.square(report.reported_sd[:, :, i]), axis=0)
-    half_width = 2.0 * factor * np.sqrt(variance)
-    look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0}
-    # The value of a step holds from half a step before it to half a step after it.
-    k = np.append(report.k - 0.5, report.k[-1] + 0.5)
-    edges = np.append(half_width, half_width[-1])
-    panel.fill_between(k, -edges, edges, step="post", label="reported (2 sd)", **look)
-    return float(np.nanmedian(half_width))
+    return draw_reported(panel, report.k, 2.0 * factor * np.sqrt(variance))
 
 
 def _minimum_sd(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | None:

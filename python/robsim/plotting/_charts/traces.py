@@ -14,7 +14,12 @@ from robsim._base.checks import Floats, check_bool
 from robsim._base.text import no_formula
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_panels, check_steps
-from robsim.plotting._charts.error_panels import draw_errors, draw_histogram, limit_panel
+from robsim.plotting._charts.error_panels import (
+    draw_errors,
+    draw_histogram,
+    draw_reported,
+    limit_panel,
+)
 from robsim.trace import Trace
 from robsim.trace._units import length_format
 
@@ -90,9 +95,10 @@ def _add_legend(left: Sequence[Axes], trace: Trace, *, is_new: bool) -> None:
         look: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
         style.enlarge_marks(left[0].legend(handles, labels, ncols=4, **look))
         return
-    if len(trace) > style.MANY_STEPS and len(left) > 3:
-        bands = left[3].get_legend_handles_labels()
-        handles, labels = [*handles, *bands[0]], [*labels, *bands[1]]
+    if len(left) > 3:
+        for handle, label in zip(*left[3].get_legend_handles_labels(), strict=True):
+            if label != "error":  # dots of the measurement, which are there already
+                handles, labels = [*handles, handle], [*labels, label]
     figure = left[0].figure.figure
     figure.align_ylabels(list(left))
     figure.suptitle(_title(trace))
@@ -213,12 +219,16 @@ def _draw_plan(axes: Axes, trace: Trace) -> None:
 def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trace) -> None:
     errors = trace.error
     errors[:, 2] = np.rad2deg(errors[:, 2])
+    reported = 2.0 * np.sqrt(np.diagonal(trace.covariance_measured, axis1=1, axis2=2))
+    reported[:, 2] = np.rad2deg(reported[:, 2])
     length = trace.info.unit
     for axis, (name, unit) in enumerate((("x", length), ("y", length), ("heading", "deg"))):
         panel, known = panels[axis], errors[trace.seen, axis]
         panel.axhline(0.0, color=style.GUIDE, linewidth=0.8)
+        is_reported = bool(np.isfinite(reported[:, axis]).any())
+        band = draw_reported(panel, trace.k, reported[:, axis]) if is_reported else 0.0
         draw_errors(panel, trace.k, errors[:, axis], color=style.MEASURED)
-        limit_panel(panel, trace.k, errors[:, axis], unit=unit)
+        limit_panel(panel, trace.k, errors[:, axis], unit=unit, band=band)
         panel.set_ylabel(f"{name} error\n({unit})")
         histograms[axis].sharey(panel)
         draw_histogram(histograms[axis], known[np.isfinite(known)], unit)
