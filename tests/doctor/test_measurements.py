@@ -183,7 +183,7 @@ def writes(step):
     [
         (lambda step: (1, 2), "it returns (1, 2), not a pose"),
         (lambda step: step.frame.image.mean(), "not a pose"),
-        (lambda step: step.blob, "a Step has blobs, detection"),
+        (lambda step: step.blob, "a Step has blobs, colors, detection"),
         (writes, "read-only"),
     ],
 )

@@ -22,7 +22,7 @@ DT = 0.2
 KALMAN = [ConstantVelocityKalmanFilter, ExtendedKalmanFilter, UnscentedKalmanFilter]
 ON_THE_MODEL = [ExtendedKalmanFilter, UnscentedKalmanFilter, ParticleFilter]
 ALL = [*KALMAN, ParticleFilter]
-CONTINUOUS = {"measurement_sigma": (0.05, 0.05, 0.002), "process_sigma": (0.02, 0.02, 0.001)}
+CONTINUOUS = {"process_sigma": (0.02, 0.02, 0.001)}
 PRIOR = Prior(pose=(3, -2, 0.4), pose_sigma=(5, 4, 0.5), velocity_sigma=(2, 3, 0.2))
 
 # A robot that an input only turns: its model is linear in the state.
@@ -541,6 +541,7 @@ def tracked():
             boundary="unlimited",
             control=robsim.DriveAround(),
             dropout=robsim.Dropout(0.1, steps=3),
+            noise=None if headings else robsim.GaussianNoise(10),
             seed=4,
         )
         sim.estimate_state = ExtendedKalmanFilter(sim.model, **options)

@@ -66,18 +66,20 @@ class Situation:
     def displaced(self, offset: Floats, start: int) -> Situation:
         """Return the situation with an offset of the measurements (px, px, rad) from a step on."""
         shifted = (
-            Measurement(m.pose + offset) if m and k >= start else m
+            Measurement(m.pose + offset, covariance=m.covariance) if m and k >= start else m
             for k, m in enumerate(self.measurements)
         )
         return replace(self, measurements=tuple(shifted))
 
     def with_noise(self, factor: float) -> Situation:
         """Return the situation with its measurement noise multiplied by a factor."""
-        scaled = (
-            m and Measurement(pose + factor * pose_difference(m.pose, pose))
-            for m, pose in zip(self.measurements, self.poses, strict=True)
-        )
-        return replace(self, measurements=tuple(scaled))
+
+        def scaled(m: Measurement, pose: Floats) -> Measurement:
+            P = None if m.covariance is None else factor**2 * m.covariance
+            return Measurement(pose + factor * pose_difference(m.pose, pose), covariance=P)
+
+        pairs = zip(self.measurements, self.poses, strict=True)
+        return replace(self, measurements=tuple(m and scaled(m, pose) for m, pose in pairs))
 
 
 def pose_difference(poses: Floats, others: Floats) -> Floats:
@@ -122,7 +124,8 @@ def _measured(name: str, heading: Floats, dt: float) -> Situation:
     u = np.column_stack((forward + turn, forward - turn))
     poses = _driven(model, u, heading[:2], np.zeros((len(u), 3)))
     noise = np.random.default_rng(_SEED).normal(0.0, MEASUREMENT_SIGMA, poses.shape)
-    seen = tuple(Measurement(pose) for pose in poses + noise)
+    covariance = np.diag(np.square(MEASUREMENT_SIGMA))
+    seen = tuple(Measurement(pose, covariance=covariance) for pose in poses + noise)
     return Situation(name=name, dt=dt, poses=poses, u=u, measurements=seen)
 
 

@@ -21,7 +21,7 @@ from robsim.reference._noise import (
 )
 
 #: With a smaller effective sample size after a measurement, the particles are drawn anew.
-MINIMUM_SAMPLE_SIZE = 200
+MINIMUM_SAMPLE_SIZE = 600
 
 
 class ParticleFilter(ModelFilter):
