@@ -64,6 +64,14 @@ def test_the_image_makes_the_measurement_no_worse(name):
         assert found["fitted"].rms()[0] <= SPREAD * limit
 
 
+@pytest.mark.parametrize("name", ["JPEG 75", "JPEG 50", "Bayer, raw Gaussian 2 %"])
+def test_what_is_no_noise_is_in_the_covariance(name):
+    if CASES[name].jpeg is not None:
+        pytest.importorskip("cv2")
+    for view in NARROW.values():
+        assert compared(name, view, 12, {"fitted": fitted})["fitted"].nees < 2
+
+
 def test_the_covariance_is_that_of_the_errors():
     found = [
         compared(name, view, 12, {"fitted": fitted})["fitted"]

@@ -24,7 +24,7 @@ class MarkerShape {
    public:
     explicit Table(const Polygon& polygon);
 
-    static constexpr int cells = 192;  // in each direction
+    static constexpr int cells = 128;  // in each direction
 
     /// The distance in the middle of a cell (work-area px), and its gradient.
     struct Cell {

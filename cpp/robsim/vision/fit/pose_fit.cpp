@@ -30,12 +30,13 @@ constexpr double growth_spread = 0.5;  // frame px
 constexpr int most_steps = 4;
 constexpr int most_robust_steps = 8;
 constexpr int most_blur_steps = 10;
-constexpr double blur_found = 0.1;  // change of the logarithm of the blur in a step
+constexpr double blur_found = 0.1;       // change of the logarithm of the blur in a step
 constexpr double longest_step = 1.5;     // frame px
 constexpr double still = 0.005;          // a step that is the last one
 constexpr double converged = 0.1;        // a step that may be the last one
 constexpr double gather_again = 0.3;     // moves of which the distances are out of date
 constexpr double correlated = 2;         // misfit above which pixels are weighed
+constexpr double visible = 0.05;         // residuals above which it pays: share of the contrast
 constexpr double clearly_better = 0.8;   // ratio of residuals with weights to those without
 constexpr double picture_error = 0.008;  // frame px a marker: pictures are not drawn more exactly
 
@@ -63,7 +64,7 @@ class Fit {
   std::optional<PoseFit> run() {
     if (!gather_edges() || !iterate(most_steps)) return std::nullopt;
     double factor = misfit();
-    if (factor > correlated) {
+    if (factor > correlated && largest_residual() > visible) {
       const Fit plain = *this;
       is_robust_ = true;
       // Of a marker that is partly hidden, the rest fits much better without that part.
@@ -77,6 +78,11 @@ class Fit {
   double scale() const { return (markers_[0].pixels.scale + markers_[1].pixels.scale) / 2; }
 
   double misfit() const { return variance_factor(markers_[0], markers_[1]); }
+
+  // The standard deviation of the residuals, as a share of the contrast.
+  double largest_residual() const {
+    return 1 / std::sqrt(std::min(markers_[0].precision(), markers_[1].precision()));
+  }
 
   bool fits_better_than(const Fit& other) const {
     const auto falls = [&](std::size_t k) {
@@ -156,9 +162,8 @@ class Fit {
   bool iterate(int steps) {
     bool is_blur_found = false;
     for (int i = 0; i < steps || (!is_blur_found && i < most_blur_steps); ++i) {
-      if (is_robust_) {
-        for (EdgeFit& marker : markers_) marker.weigh_by_residual();
-      }
+      if (i > 0 && is_out_of_date() && !gather_edges()) return false;
+      if (is_robust_ && !weigh_pixels()) return false;
       Step gradient;
       if (!linearize(gradient)) return false;
       const Eigen::LLT<Information> decomposition(information_);
@@ -170,7 +175,14 @@ class Fit {
       take(step);
       is_blur_found = std::fabs(step[3]) < blur_found;
       if (last_step_ < still && is_blur_found) break;
-      if (is_out_of_date() && !gather_edges()) return false;
+    }
+    return true;
+  }
+
+  bool weigh_pixels() {
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (!markers_[k].update(shift_of(k))) return false;
+      markers_[k].weigh_by_residual();
     }
     return true;
   }

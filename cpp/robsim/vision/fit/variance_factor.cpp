@@ -98,21 +98,20 @@ Grid residuals_of(const EdgeFit& marker) {
   });
 }
 
-Grid slopes_of(const EdgePixels& pixels, bool along_y) {
-  return grid_of(pixels, [&](const EdgeBlock& block, int k, std::size_t) {
-    return whole(block.slope[k] * (along_y ? block.normal_y : block.normal_x)[k], 480);
+Grid slopes_of(const EdgePixels& pixels) {
+  return grid_of(pixels, [](const EdgeBlock& block, int k, std::size_t) {
+    return whole(block.slope[k], 480);
   });
 }
 
-// How alike the slopes of pixels and their neighbours are, over both directions.
+// How alike the slopes of pixels and their neighbours are. Their directions are taken to be the
+// same: an edge hardly turns in 2 px.
 class SlopeCorrelation {
  public:
   explicit SlopeCorrelation(const EdgeFit* const (&markers)[2]) {
     for (const EdgeFit* marker : markers) {
-      for (const bool along_y : {false, true}) {
-        grids_.push_back(slopes_of(marker->pixels, along_y));
-        all_ += product_with(grids_.back(), {0, 0});
-      }
+      grids_.push_back(slopes_of(marker->pixels));
+      all_ += product_with(grids_.back(), {0, 0});
     }
   }
   double at(const Lag& lag) const {
