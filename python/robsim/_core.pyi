@@ -1010,10 +1010,11 @@ class Measurement:
         Of x, y (work-area px) and heading (rad). Default: not known.
     misfit : float, optional
         Factor on the variance, because what the fit of the markers leaves is not noise alone: 1 = it
-        is; above 2, a marker is partly hidden, say.
+        is. In clean frames up to 4, from how the picture is drawn; with noise, above 2, a marker is
+        partly hidden, say. Not the `misfit` of a `Detection`, which is that of the pair.
     signal_to_noise : float, optional
         How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
-        3 it is none.
+        3 there is none.
     pair : tuple of 2 Blob, optional
         The red and the blue blob that were taken for the markers.
     
@@ -1125,7 +1126,8 @@ class Detection:
     @property
     def misfit(self) -> float:
         """
-        float: misfit of the pair, from 0 = perfect; inf without a pair.
+        float: misfit of the pair, from 0 = perfect; inf without a pair. That of the fit
+        has the measurement.
         """
     @property
     def reason(self) -> str | None:
@@ -2714,8 +2716,8 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     
     The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
     used: they may be cut off. With the image, the pose is then fitted to the pixels around the edges of
-    the markers, by weighted least squares [1]_: in noise the error is half of that of the blobs'
-    centroids, without noise a fifth. Of markers whose outlines are not known, pixels at the edge are
+    the markers, by weighted least squares [1]_: in noise the error is half to two thirds of
+    that of the blobs' centroids, without noise a fifth. Of markers whose outlines are not known, pixels at the edge are
     weighted by their colour.
     
     Parameters
@@ -2728,7 +2730,9 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
         From pixels of the blobs' frame to the work area. Default: that of `image`, if it is a Frame;
         otherwise the identity.
     image : Frame or array (H, W, 3) of uint8, optional
-        Where the blobs were found. Default: the pose is that of the blobs' centroids.
+        Where the blobs were found. Default: the pose is that of the blobs' centroids. Give the Frame,
+        ``step.frame``, not its pixels: an array has no plane map, and does not say in how many headings
+        the robot is drawn, so that the covariance would leave out what that costs.
     colors : list of ColorClass, optional
         Those that the blobs were found with: a frame without a pair then gets a second chance, as in
         `detect`.

@@ -238,12 +238,12 @@ def test_why_some_frames_are_without_a_detection(tmp_path):
     frames.mkdir()
     image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
     for k in range(6):
-        robsim.imaging.save_image(frames / f"{k}.png", image // 10 if k in (1, 2, 4) else image)
+        robsim.imaging.save_image(frames / f"{k}.png", image // 100 if k in (1, 2, 4) else image)
     robsim.imaging.save_image(frames / "5.png", np.where(image[..., 2:] > 150, 90, image))
     run = command("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
     assert "2 (33.3 %)" in run.stdout
     assert (
-        "no detection in 4 of 6 steps: in 3, first in step 1, the picture is dark: mean level 15 "
+        "no detection in 4 of 6 steps: in 3, first in step 1, the picture is dark: mean level 1 "
         "of 255. No robot was detected: more light, a longer exposure, or colours trained in this "
         "light; in 1: no blue blob"
     ) in run.stderr

@@ -192,7 +192,8 @@ def test_the_robot_half_cannot_reach_the_truth():
     step = robsim.Simulation(measure=True, estimate_parameters=True, **SMALL).step()
     names = {name for name in dir(step) if not name.startswith("_")}
     assert names == {"k", "t", "dt", "u", "last_u", "frame", "blobs", "measurement", "detection",
-                     "estimate", "parameters", "sample", "estimator", "markers"}  # fmt: skip
+                     "estimate", "parameters", "sample", "estimator", "markers",
+                     "colors"}  # fmt: skip
     for name in names:
         with pytest.raises(AttributeError):
             setattr(step, name, None)

@@ -207,6 +207,6 @@ def test_the_report_says_what_drawn_headings_do_to_the_nees():
 def test_the_batch_table_says_what_its_standard_errors_do_not_cover():
     trace = simulation(headings=None, identify_from="measurement").run(100)
     tracked = robsim.batch_estimate(trace, method="output_error")
-    assert any("alike from step to step" in remark for remark in tracked.remarks)
+    assert any("resemble their neighbours" in remark for remark in tracked.remarks)
     true = robsim.batch_estimate(trace, identify_from="truth", method="output_error")
-    assert not any("alike from step to step" in remark for remark in true.remarks)
+    assert not any("resemble their neighbours" in remark for remark in true.remarks)

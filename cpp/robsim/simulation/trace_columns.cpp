@@ -110,7 +110,8 @@ std::vector<TraceGroup> make_schema() {
             "Signal-to-noise figure of the markers' edges (N,): from 4 on a pose can be trusted."),
       zero_where_missing(group("missed", {}, {{"missed", ""}},
                                "Why the default measurement did not see the robot (N,): number of "
-                               "the reason, see `missed_reasons`; 0 = it did.")),
+                               "the reason, in words `missed_reasons`; 0 = it was seen, or not "
+                               "looked for.")),
       group("covariance", {3, 3}, covariances("cov_"),
             "Covariance of the estimated pose (N, 3, 3)."),
       group("parameters", {3, 5}, parameters(),

@@ -343,8 +343,13 @@ class ConsistencyReport(Report):
         if self.kind == "NEES" and self.headings is not None:
             remarks.append(
                 f"the robot was drawn in {self.headings} headings, at whole pixels: its measured "
-                "poses have errors that are limited, and alike from step to step, so that the mean "
-                "is often 2 to 3"
+                "poses have errors that are limited, and alike from step to step, so that a mean "
+                "of 2 to 3 is usual"
+            )
+        if self.kind == "NEES" and self.verdict == "conservative":
+            remarks.append(
+                "in frames without noise the errors of measured poses are no noise, and their "
+                "covariance is stated with reserve: a mean of 1 to 3 is usual there"
             )
         if self.whiteness is not None:
             remarks += self.whiteness.edge_remarks

@@ -101,8 +101,8 @@ def measurement_bound(
     Parameters
     ----------
     frame : Frame
-        It tells brightness, contrast and blur, one with noise nearly as well as one without; its
-        plane map, the scale.
+        It tells brightness, contrast and blur, and its plane map the scale: one without noise, or
+        with little. Of 40 % and markers of 10 px the bound comes out twice as large.
     pose : array (3,)
         Where the robot is in it: x, y (work-area px), heading (rad).
     robot : RobotDefinition or sequence of array (N, 2)

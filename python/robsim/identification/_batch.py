@@ -222,11 +222,6 @@ class BatchEstimate(Report):
                 f"{equation_noise(self.model_error, self.unit, '.2g')} per step): the model's "
                 "values need not be true"
             )
-        if self.identify_from == "measurement" and self.method != "least_squares":
-            remarks.append(
-                "standard errors take the errors of measured poses for independent; those of a "
-                "camera are alike from step to step: the estimates can be 1 to 5 times as far off"
-            )
         if not self._has_online:
             remarks.append("no online estimate: run with estimate_parameters=True")
         elif self.online_from != self.identify_from:

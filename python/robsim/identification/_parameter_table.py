@@ -36,13 +36,14 @@ def noise_remarks(identify_from: str) -> tuple[str, ...]:
     identify_from : str
         The data of the estimates: truth, measurement or estimate.
     """
-    # Measured from 12 runs of 800 steps: true errors over standard errors of output error, 1.3 to
-    # 1.5 with 36 drawn headings, 3.4 to 3.8 with continuous ones; of instrumental variables 0.9 to
-    # 1.7. Noise of the camera brings them nearer to 1 (tests/statistics/RESULTS.md).
+    # Measured from 12 runs of 800 steps: true errors over standard errors of output error, 1.0 to
+    # 1.2 with 36 drawn headings, 4.5 to 5.5 with exact ones; of instrumental variables 0.9 to 2.4.
+    # Noise of the camera brings them nearer to 1 (tests/statistics/RESULTS.md).
     sentences = {
         "measurement": "the standard errors take the errors of measured poses for independent from "
-        "step to step; those of a camera resemble their neighbours, so the estimates are up to 4 "
-        "times as far off, and those of least squares are biased besides",
+        "step to step; those of a camera resemble their neighbours, so the estimates are up to 1.3 "
+        "times as far off with 36 drawn headings, up to 5.5 times with exact ones, and those of "
+        "least squares are biased besides",
         "estimate": "the standard errors take the errors of estimated poses for independent from "
         "step to step; those of a filter resemble their neighbours, so the estimates are farther "
         "off",

@@ -8,6 +8,7 @@ from robsim._core import MissedDetections
 
 # The reasons that are not words yet; the others, such as "no blue blob", are.
 _WORDS = {
+    "noise": "the markers do not stand out of the noise",
     "at the border": "blobs at the border of the frame only",
     "distance": "no pair of blobs at the markers' distance",
     "areas": "no pair of blobs with the markers' areas",
