@@ -111,6 +111,9 @@ Masks masks_of(const ImageLike& image, const std::vector<ColorClass>& colors,
 Masks relative_masks_of(const ImageLike& image, const std::vector<ColorClass>& colors,
                         int smoothing, const light::Gains& gains, float least_chroma) {
   const ImageView view = view_from(image, "image");
+  if (smoothing < 1 || smoothing > 15 || smoothing % 2 == 0) {
+    throw py::value_error("smoothing must be 1, 3, ... 15 px, got " + std::to_string(smoothing));
+  }
   std::vector<std::optional<light::RelativeClass>> classes;
   for (const ColorClass& color : colors) {
     classes.push_back(light::relative_to_brightness(color, least_chroma));
@@ -195,6 +198,7 @@ void bind_layout_value(Class<MarkerLayout>& layout) {
                                            distance_tolerance, area_tolerance, maximum_blobs);
         markers.red_shape = outline_from(red_polygon, "red_polygon");
         markers.blue_shape = outline_from(blue_polygon, "blue_polygon");
+        check_marker_layout(markers);
         return markers;
       },
       py::arg("red"), py::arg("blue"), py::kw_only(), py::arg("red_area") = py::none(),
@@ -239,6 +243,7 @@ red_polygon, blue_polygon : array (N, 2), optional
         };
         markers.red_shape = of(red_outline, "red_polygon");
         markers.blue_shape = of(blue_outline, "blue_polygon");
+        check_marker_layout(markers);
         return markers;
       };
   const Fields fields(make, Field("red", place(&MarkerLayout::red)),

@@ -51,19 +51,42 @@ std::optional<double> known(double value) {
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
 
+// Symmetric, and no correlation beyond 1.
+PoseCovariance checked_covariance(const ArrayLike& value) {
+  const PoseCovariance P = covariance_from(value, "covariance");
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < i; ++j) {
+      const double limit = std::sqrt(P(i, i) * P(j, j));
+      const bool is_symmetric = std::fabs(P(i, j) - P(j, i)) <= 1e-6 * limit;
+      if (is_symmetric && std::fabs(P(i, j)) <= limit * (1 + 1e-9)) continue;
+      throw py::value_error(
+          "covariance must be symmetric, with correlations between -1 and 1, got " +
+          describe(value));
+    }
+  }
+  return P;
+}
+
+double at_least_0(double value, const char* name) {
+  if (value >= 0) return value;
+  throw py::value_error(std::string(name) + " must be at least 0, got " +
+                        describe(py::float_(value)));
+}
+
 Measurement make_measurement(const ArrayLike& pose, const std::optional<ArrayLike>& covariance,
                              std::optional<double> misfit, std::optional<double> signal_to_noise,
                              const std::optional<BlobPair>& pair) {
   Measurement measurement;
   measurement.pose = pose_from(pose, "pose");
-  if (covariance) measurement.covariance = covariance_from(*covariance, "covariance");
-  if (misfit) measurement.misfit = *misfit;
-  if (signal_to_noise) measurement.signal_to_noise = *signal_to_noise;
+  if (covariance) measurement.covariance = checked_covariance(*covariance);
+  if (misfit) measurement.misfit = at_least_0(*misfit, "misfit");
+  if (signal_to_noise)
+    measurement.signal_to_noise = at_least_0(*signal_to_noise, "signal_to_noise");
   if (pair) measurement.pair = MarkerPair{pair->first, pair->second};
   return measurement;
 }
 
-// What makes it anew of what is written by hand, and what is worth reading of the rest.
+// The pose, and how exact it is.
 std::string repr_of_measurement(const Measurement& self) {
   const std::string pose = py::repr(py::cast(numbers_of(self))).cast<std::string>();
   if (!self.covariance) return "Measurement(" + pose + ")";
@@ -98,7 +121,7 @@ pair : tuple of 2 Blob, optional
 Raises
 ------
 ValueError
-    If the pose is not finite, or the covariance has variances below 0.
+    If the pose is not finite, if the covariance is none, or if a figure is below 0.
 )");
   measurement
       .def(py::init(&make_measurement), py::arg("pose"), py::kw_only(),

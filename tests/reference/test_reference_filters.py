@@ -725,3 +725,26 @@ def test_a_filter_says_where_it_is(kind):
     assert text.startswith(f"<{kind.__name__}: (")
     assert "standard deviations" in text
     assert len(text) < 120
+
+
+@pytest.mark.parametrize("kind", ALL)
+def test_a_measurement_without_a_covariance_has_the_usual_one(kind):
+    estimate_state = kind(prior=PRIOR)
+    usual = estimate_state.R
+    estimate_state(step_of(0, robsim.Measurement((1, 2, 0.1), covariance=1e-4 * np.eye(3))))
+    assert not np.array_equal(estimate_state.R, usual)
+    estimate_state(step_of(1, (1.0, 2.0, 0.1)))
+    np.testing.assert_array_equal(estimate_state.R, usual)
+    estimate_state(step_of(2, robsim.Measurement((1, 2, 0.1), covariance=1e-4 * np.eye(3))))
+    estimate_state.reset()
+    np.testing.assert_array_equal(estimate_state.R, usual)
+    with pytest.raises(ValueError, match="R must be 3 x 3 finite numbers"):
+        estimate_state.R = np.eye(2)
+
+
+@pytest.mark.parametrize("kind", ALL)
+def test_a_measurement_may_be_said_to_be_exact(kind):
+    estimate_state = kind(prior=PRIOR)
+    exact = robsim.Measurement((1, 2, 0.1), covariance=np.zeros((3, 3)))
+    estimate = estimate_state(step_of(0, exact))
+    np.testing.assert_allclose(estimate.pose, exact.pose, atol=1e-3)

@@ -210,3 +210,29 @@ def test_the_batch_table_says_what_its_standard_errors_do_not_cover():
     assert any("resemble their neighbours" in remark for remark in tracked.remarks)
     true = robsim.batch_estimate(trace, identify_from="truth", method="output_error")
     assert not any("resemble their neighbours" in remark for remark in true.remarks)
+
+
+@pytest.mark.parametrize(
+    ("polygons", "says"),
+    [
+        ({"red_polygon": MARKERS.red_polygon}, "blue_polygon must be given if that of the other"),
+        (
+            {
+                "red_polygon": MARKERS.red_polygon + 3,
+                "blue_polygon": MARKERS.blue_polygon,
+            },
+            "red_polygon must have its centroid at the marker, got one 4.24",
+        ),
+    ],
+)
+def test_outlines_must_be_those_of_the_markers(polygons, says):
+    with pytest.raises(ValueError, match=says):
+        MarkerLayout.from_positions(MARKERS.red, MARKERS.blue, **polygons)
+
+
+@pytest.mark.parametrize(
+    "covariance", [[[1, 2, 0], [0, 1, 0], [0, 0, 1]], [[1, 5, 0], [5, 1, 0], [0, 0, 1]]]
+)
+def test_a_covariance_is_symmetric_with_correlations_up_to_1(covariance):
+    with pytest.raises(ValueError, match="covariance must be symmetric"):
+        robsim.Measurement((1, 2, 3), covariance=covariance)

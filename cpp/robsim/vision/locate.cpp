@@ -328,6 +328,26 @@ double MarkerLayout::distance() const { return elementary::hypot(red.x - blue.x,
 
 double MarkerLayout::offset() const { return -(red.x + blue.x) / 2; }
 
+namespace {
+
+// An outline must be that of the marker, and come with that of the other one.
+void check_outline(const MarkerShape* shape, const Point& place, const char* name,
+                   const MarkerLayout& markers) {
+  if (!markers.red_shape && !markers.blue_shape) return;
+  const std::string polygon = std::string(name) + "_polygon";
+  if (!shape) {
+    throw std::invalid_argument(polygon + " must be given if that of the other marker is");
+  }
+  const Point& centroid = shape->centroid();
+  const double beside = elementary::hypot(centroid.x - place.x, centroid.y - place.y);
+  if (!(beside <= std::max(0.5, 0.05 * markers.distance()))) {
+    throw std::invalid_argument(polygon + " must have its centroid at the marker, got one " +
+                                to_text(beside) + " px away");
+  }
+}
+
+}  // namespace
+
 void check_marker_layout(const MarkerLayout& markers) {
   if (!std::isfinite(markers.offset()) || !std::isfinite(markers.distance())) {
     throw std::invalid_argument("distance and offset must be finite (work-area px)");
@@ -342,6 +362,8 @@ void check_marker_layout(const MarkerLayout& markers) {
                                   to_text(area));
     }
   }
+  check_outline(markers.red_shape.get(), markers.red, "red", markers);
+  check_outline(markers.blue_shape.get(), markers.blue, "blue", markers);
   if (markers.maximum_blobs < 1) {
     throw std::invalid_argument("maximum_blobs must be at least 1, got " +
                                 std::to_string(markers.maximum_blobs));

@@ -1,9 +1,9 @@
 #include "robsim/vision/refine.hpp"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
-#include "robsim/elementary/polar.hpp"
 #include "robsim/elementary/sine.hpp"
 #include "robsim/vision/fit/weighted_centroid.hpp"
 
@@ -11,7 +11,7 @@ namespace robsim {
 
 namespace {
 
-// A fit that ends further from the blobs than this (frame px) has left the markers.
+// A fit whose markers end further from the blobs than this (frame px) has left them.
 constexpr double farthest = 3;
 
 double frame_scale(const Pose& pose, const PlaneMap& map) {
@@ -62,10 +62,7 @@ void weigh(Measurement& measurement, const MarkerLayout& markers, const ImageVie
   measurement.covariance = covariance;
 }
 
-bool is_good(const PoseFit& fit, const Pose& start, const PlaneMap& map) {
-  const double moved = elementary::hypot(fit.pose.x - start.x, fit.pose.y - start.y);
-  return fit.has_converged && moved * frame_scale(start, map) <= farthest;
-}
+bool is_good(const PoseFit& fit) { return fit.has_converged && fit.moved <= farthest; }
 
 // A robot that is drawn at so many headings, and in whole pixels, is elsewhere than its picture by
 // up to half of such a step: variance step^2/12.
@@ -93,11 +90,13 @@ void refine(Detection& detection, const ImageView& image, const PlaneMap& map, i
     measurement.misfit = fit->misfit;
     measurement.signal_to_noise = fit->signal_to_noise;
   }
-  if (fit && is_good(*fit, measurement.pose, map)) {
+  if (fit && is_good(*fit)) {
     measurement.pose = fit->pose;
     measurement.covariance = fit->covariance;
   } else {
     weigh(measurement, markers, image, map);
+    // What the outlines do not explain, the centroids feel, too.
+    if (fit && measurement.covariance) *measurement.covariance *= std::max(1.0, fit->misfit);
   }
   add_drawing(measurement, map, headings);
   if (measurement.signal_to_noise < least_signal_to_noise) {

@@ -100,7 +100,14 @@ def train(
             source = _recording(frames[0], area, calibration)
             trained = _markers(source, robot, colors, regions or [], margin)
         else:
-            _check_for_images({"--robot": robot, "--colors": colors, "--area": area})
+            _check_for_images(
+                {
+                    "--robot": robot,
+                    "--colors": colors,
+                    "--area": area,
+                    "--calibration": calibration,
+                }
+            )
             images = [load_image(image) for image in frames]
             boxes = _regions_of_images(images, regions or [])
             trained = (train_color(images, boxes, name=name, margin=margin, limit_y=limit_y),)

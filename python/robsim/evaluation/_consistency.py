@@ -346,7 +346,7 @@ class ConsistencyReport(Report):
                 "poses have errors that are limited, and alike from step to step, so that a mean "
                 "of 2 to 3 is usual"
             )
-        if self.kind == "NEES" and self.verdict == "conservative":
+        if self.kind == "NEES" and self.verdict == "conservative" and self.headings is None:
             remarks.append(
                 "in frames without noise the errors of measured poses are no noise, and their "
                 "covariance is stated with reserve: a mean of 1 to 3 is usual there"

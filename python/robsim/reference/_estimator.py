@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, as_float_array
 from robsim._base.text import quoted
 from robsim._core import Estimate, Step
 from robsim.reference._noise import MEASUREMENT_SIGMA, check_vector3, covariance
@@ -78,7 +78,7 @@ class StateEstimator(ABC):
 
     def __init__(self, measurement_sigma: Sequence[float] | None, prior: Prior | None) -> None:
         known = MEASUREMENT_SIGMA if measurement_sigma is None else measurement_sigma
-        self._R = covariance("measurement_sigma", known, exclusive_minimum=0)
+        self._R = self._usual_R = covariance("measurement_sigma", known, exclusive_minimum=0)
         self._has_own_R = measurement_sigma is not None
         if prior is not None and not isinstance(prior, Prior):
             raise TypeError(f"prior must be a Prior, got {quoted(prior)}")
@@ -103,11 +103,16 @@ class StateEstimator(ABC):
 
     @R.setter
     def R(self, value: Floats) -> None:
-        self._R, self._has_own_R = value, True
+        matrix = as_float_array("R", value)
+        if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+            raise ValueError(f"R must be 3 x 3 finite numbers, got {quoted(value)}")
+        self._R, self._has_own_R = matrix, True
 
     def reset(self) -> None:
         """Return to the prior."""
         self.mean, self.P = self.prior.mean, self.prior.P
+        if not self._has_own_R:
+            self._R = self._usual_R
         self._has_seen = False
         self._last_step = -1
 
@@ -124,8 +129,9 @@ class StateEstimator(ABC):
         if self._has_seen:
             self.predict(u, step.dt)
         if step.measurement is not None:
-            if not self._has_own_R and step.measurement.covariance is not None:
-                self._R = step.measurement.covariance
+            if not self._has_own_R:
+                reported = step.measurement.covariance
+                self._R = self._usual_R if reported is None else reported
             self.update(step.measurement.pose)
             self._has_seen = True
         self._last_step = step.k

@@ -118,7 +118,9 @@ class ParticleFilter(ModelFilter):
     def update(self, z: Floats) -> None:
         """Update the weights with a measured pose z, (3,), whose covariance is `R`."""
         # W_i = W_i p(z | x_i), normally distributed: p = exp(-|L^-1 (z - x_i)|^2 / 2), L L' = R
-        distance = np.linalg.solve(root(self.R), innovation_of(z, self.particles[:, :3]).T)
+        # A measurement that is said to be exact has a standard deviation of 1e-6 all the same.
+        L = root(self.R + 1e-12 * np.eye(3))
+        distance = np.linalg.solve(L, innovation_of(z, self.particles[:, :3]).T)
         log_likelihood = -np.sum(distance**2, axis=0) / 2
         # minus the maximum: otherwise all exponentials may underflow
         weights = self.weights * np.exp(log_likelihood - log_likelihood.max())

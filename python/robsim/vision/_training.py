@@ -235,8 +235,12 @@ def _class_in(
     frame: Frame | Pixels, box: Region, name: str, percentile: float | None, margin: int | None
 ) -> ColorClass:
     samples = _Samples(name, percentile, margin, limit_y=False)
-    samples.add(0, frame, box)
-    return samples.trained().color
+    try:
+        samples.add(0, frame, box)
+        return samples.trained().color
+    except ValueError as error:
+        error.add_note(f"in the region of {name}, in the first frame")
+        raise
 
 
 def _detected(

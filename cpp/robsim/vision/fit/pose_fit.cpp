@@ -54,7 +54,7 @@ class Fit {
   Fit(const ImageView& image, const PlaneMap& map, const MarkerShape& red, const MarkerShape& blue,
       const Pose& start)
       : image_(image), map_(map), shapes_{&red, &blue} {
-    at_.pose = start;
+    at_.pose = start_ = start;
     const Point a = red.centroid(), b = blue.centroid();
     const Point middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
     from_middle_[0] = {a.x - middle.x, a.y - middle.y};
@@ -169,7 +169,7 @@ class Fit {
       const Eigen::LLT<Information> decomposition(information_);
       if (decomposition.info() != Eigen::Success) return false;
       Step step = decomposition.solve(gradient);
-      last_step_ = scale() * elementary::hypot(step[0], step[1]);
+      last_step_ = scale() * displacement(step[0], step[1], step[2]);
       if (!std::isfinite(last_step_)) return false;
       if (last_step_ > longest_step) step *= longest_step / last_step_;
       take(step);
@@ -187,6 +187,24 @@ class Fit {
     return true;
   }
 
+  // How far the marker that moves further does so (work-area px).
+  double displacement(double x, double y, double turn) const {
+    const auto [sin, cos] = elementary::sin_cos(at_.pose.heading);
+    double largest = 0;
+    for (const MarkerShape* shape : shapes_) {
+      const Point& at = shape->centroid();
+      const double dx = x - turn * (at.x * sin + at.y * cos);
+      const double dy = y + turn * (at.x * cos - at.y * sin);
+      largest = std::max(largest, elementary::hypot(dx, dy));
+    }
+    return largest;
+  }
+
+  double moved_from(const Pose& pose) const {  // frame px
+    return scale() * displacement(at_.pose.x - pose.x, at_.pose.y - pose.y,
+                                  wrap_angle(at_.pose.heading - pose.heading));
+  }
+
   void take(const Step& step) {
     at_.pose.x += step[0];
     at_.pose.y += step[1];
@@ -198,8 +216,7 @@ class Fit {
 
   bool is_out_of_date() {
     const bool is_wide = at_.blur() > sharp;
-    const double moved = elementary::hypot(at_.pose.x - gathered_.x, at_.pose.y - gathered_.y);
-    return is_wide || scale() * moved > gather_again;
+    return is_wide || moved_from(gathered_) > gather_again;
   }
 
   std::optional<PoseFit> result(double factor) const {
@@ -207,6 +224,7 @@ class Fit {
     fit.pose = at_.pose;
     fit.misfit = factor;
     fit.has_converged = last_step_ < converged;
+    fit.moved = moved_from(start_);
     // The integral of phi(q)^2 of a normal edge, 1/(2 sqrt(pi)), over that of T'^2.
     constexpr double normal_share = 0.731;
     fit.signal_to_noise = std::sqrt(normal_share * signal_);
@@ -241,6 +259,7 @@ class Fit {
   const MarkerShape* shapes_[2];
   Point from_middle_[2];  // work-area px, in the robot's frame
   EdgeFit markers_[2];
+  Pose start_;
   Pose gathered_;
   Unknowns at_;
   bool is_robust_ = false;

@@ -18,6 +18,7 @@ struct PoseFit {
   double misfit = 1;           // factor on the variance, for what the fit leaves is no noise alone
   double signal_to_noise = 0;  // of the edges of both markers together
   bool has_converged = false;
+  double moved = 0;  // frame px from the start: the marker that moved further
 };
 
 /// Fits the pose of a robot to the edges of its two markers: weighted least squares over the RGB
