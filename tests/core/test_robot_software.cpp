@@ -58,11 +58,12 @@ class RobotSoftwareTest : public ::testing::Test {
     stages.init_parameter_estimator = [](const RobotModel&) {
       return std::make_shared<RecursiveEstimator>(std::make_shared<GuardedLeastSquares>(5, 3));
     };
-    stages.measure = {[this](const StepPointer& step) {
-                        ++measured;
-                        return locate(*step->blobs, step->markers(), step->frame->plane_map);
-                      },
-                      false};
+    stages.measure = {
+        [this](const StepPointer& step) {
+          ++measured;
+          return detect(*step->blobs, step->markers(), step->frame->plane_map).measurement;
+        },
+        false};
     stages.estimate_state = {[](const StepPointer& step) {
                                Estimate estimate;
                                if (step->measurement) estimate.pose = step->measurement->pose;
