@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "python/interpreter.hpp"
+#include "python/names.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
@@ -122,8 +123,13 @@ Masks relative_masks_of(const ImageLike& image, const std::vector<ColorClass>& c
   return masks_from(classifier, view, colors);
 }
 
+using MarkerColors = std::array<std::string, 2>;
+
 MarkerLayout with_options(MarkerLayout markers, double distance_tolerance, double area_tolerance,
-                          int maximum_blobs) {
+                          int maximum_blobs, const MarkerColors& colors) {
+  for (const std::string& color : colors) name_from(py::str(color), "a name in colors");
+  markers.first.color = colors[0];
+  markers.second.color = colors[1];
   markers.distance_tolerance = distance_tolerance;
   markers.area_tolerance = area_tolerance;
   markers.maximum_blobs = maximum_blobs;
@@ -138,13 +144,17 @@ using OutlinePointer = std::shared_ptr<const MarkerShape>;
 
 MarkerLayout layout_from(Place red, Place blue, std::optional<double> red_area,
                          std::optional<double> blue_area, double distance_tolerance,
-                         double area_tolerance, int maximum_blobs) {
+                         double area_tolerance, int maximum_blobs, const MarkerColors& colors) {
   MarkerLayout markers;
-  markers.red = {red.first, red.second};
-  markers.blue = {blue.first, blue.second};
-  if (red_area) markers.red_area = *red_area;
-  if (blue_area) markers.blue_area = *blue_area;
-  return with_options(markers, distance_tolerance, area_tolerance, maximum_blobs);
+  markers.first.position = {red.first, red.second};
+  markers.second.position = {blue.first, blue.second};
+  if (red_area) markers.first.area = *red_area;
+  if (blue_area) markers.second.area = *blue_area;
+  return with_options(markers, distance_tolerance, area_tolerance, maximum_blobs, colors);
+}
+
+std::pair<std::string, std::string> colors_of(const MarkerLayout& self) {
+  return {self.first.color, self.second.color};
 }
 
 std::optional<Places> places_of(const OutlinePointer& shape) {
@@ -166,16 +176,17 @@ std::string repr_of_layout(const MarkerLayout& self) {
   const auto place = [&](const Point& point) {
     return "(" + number(point.x) + ", " + number(point.y) + ")";
   };
-  const std::string start = "red=" + place(self.red) + ", blue=" + place(self.blue) +
-                            ", red_area=" + number(self.red_area) +
-                            ", blue_area=" + number(self.blue_area);
-  if (self.red_shape && self.blue_shape) {
-    return "<MarkerLayout of polygons: " + start + ">";
+  const std::string start =
+      "red=" + place(self.first.position) + ", blue=" + place(self.second.position) +
+      ", red_area=" + number(self.first.area) + ", blue_area=" + number(self.second.area);
+  const std::string colors = py::repr(py::cast(colors_of(self))).cast<std::string>();
+  if (self.first.shape && self.second.shape) {
+    return "<MarkerLayout of polygons: " + start + ", colors=" + colors + ">";
   }
   return "MarkerLayout.from_positions(" + start +
          ", distance_tolerance=" + number(self.distance_tolerance) +
          ", area_tolerance=" + number(self.area_tolerance) +
-         ", maximum_blobs=" + std::to_string(self.maximum_blobs) + ")";
+         ", maximum_blobs=" + std::to_string(self.maximum_blobs) + ", colors=" + colors + ")";
 }
 
 std::optional<py::array_t<double>> array_of(const OutlinePointer& shape) {
@@ -191,13 +202,14 @@ void bind_layout_value(Class<MarkerLayout>& layout) {
       [](const ArrayLike& red, const ArrayLike& blue, std::optional<double> red_area,
          std::optional<double> blue_area, double distance_tolerance, double area_tolerance,
          int maximum_blobs, const std::optional<ArrayLike>& red_polygon,
-         const std::optional<ArrayLike>& blue_polygon) {
+         const std::optional<ArrayLike>& blue_polygon, const MarkerColors& colors) {
         const Point r = point_from(red, "red");
         const Point b = point_from(blue, "blue");
-        MarkerLayout markers = layout_from({r.x, r.y}, {b.x, b.y}, red_area, blue_area,
-                                           distance_tolerance, area_tolerance, maximum_blobs);
-        markers.red_shape = outline_from(red_polygon, "red_polygon");
-        markers.blue_shape = outline_from(blue_polygon, "blue_polygon");
+        MarkerLayout markers =
+            layout_from({r.x, r.y}, {b.x, b.y}, red_area, blue_area, distance_tolerance,
+                        area_tolerance, maximum_blobs, colors);
+        markers.first.shape = outline_from(red_polygon, "red_polygon");
+        markers.second.shape = outline_from(blue_polygon, "blue_polygon");
         check_marker_layout(markers);
         return markers;
       },
@@ -206,55 +218,64 @@ void bind_layout_value(Class<MarkerLayout>& layout) {
       py::arg("distance_tolerance") = defaults.distance_tolerance,
       py::arg("area_tolerance") = defaults.area_tolerance,
       py::arg("maximum_blobs") = defaults.maximum_blobs, py::arg("red_polygon") = py::none(),
-      py::arg("blue_polygon") = py::none(), R"(
+      py::arg("blue_polygon") = py::none(), py::arg("colors") = default_marker_colors, R"(
 Return the layout of markers at these positions.
 
 Parameters
 ----------
 red, blue : array (2,)
-    Centroids of the markers in the robot's frame: forward, right (work-area px from its centre).
+    Centroids of the first and the second marker in the robot's frame: forward, right (work-area px from its centre).
 red_area, blue_area : float, optional
     Their areas (px^2). Default: not known.
 distance_tolerance, area_tolerance, maximum_blobs
     As for `MarkerLayout`.
 red_polygon, blue_polygon : array (N, 2), optional
     Their corners, in the same frame. Default: not known; measurements are then less exact.
+colors : sequence of 2 str
+    As for `MarkerLayout`.
 )");
-  const auto place = [](Point MarkerLayout::* member) {
-    return [member](const MarkerLayout& self) { return Place((self.*member).x, (self.*member).y); };
-  };
-  const auto area = [](double MarkerLayout::* member) {
-    return [member](const MarkerLayout& self) {
-      return std::isnan(self.*member) ? std::nullopt : std::optional(self.*member);
+  using Member = Marker MarkerLayout::*;
+  const auto place = [](Member which) {
+    return [which](const MarkerLayout& self) {
+      const Point& position = (self.*which).position;
+      return Place(position.x, position.y);
     };
   };
-  const auto outline = [](OutlinePointer MarkerLayout::* member) {
-    return [member](const MarkerLayout& self) { return places_of(self.*member); };
+  const auto area = [](Member which) {
+    return [which](const MarkerLayout& self) {
+      const double value = (self.*which).area;
+      return std::isnan(value) ? std::nullopt : std::optional(value);
+    };
+  };
+  const auto outline = [](Member which) {
+    return [which](const MarkerLayout& self) { return places_of((self.*which).shape); };
   };
   const auto make =
       [](Place red, Place blue, std::optional<double> red_area, std::optional<double> blue_area,
          double distance_tolerance, double area_tolerance, int maximum_blobs,
-         const std::optional<Places>& red_outline, const std::optional<Places>& blue_outline) {
-        MarkerLayout markers = layout_from(red, blue, red_area, blue_area, distance_tolerance,
-                                           area_tolerance, maximum_blobs);
+         const std::optional<Places>& red_outline, const std::optional<Places>& blue_outline,
+         const std::pair<std::string, std::string>& colors) {
+        MarkerLayout markers =
+            layout_from(red, blue, red_area, blue_area, distance_tolerance, area_tolerance,
+                        maximum_blobs, {colors.first, colors.second});
         const auto of = [](const std::optional<Places>& places, const char* name) {
           return outline_from(places ? std::optional(ArrayLike(py::cast(*places))) : std::nullopt,
                               name);
         };
-        markers.red_shape = of(red_outline, "red_polygon");
-        markers.blue_shape = of(blue_outline, "blue_polygon");
+        markers.first.shape = of(red_outline, "red_polygon");
+        markers.second.shape = of(blue_outline, "blue_polygon");
         check_marker_layout(markers);
         return markers;
       };
-  const Fields fields(make, Field("red", place(&MarkerLayout::red)),
-                      Field("blue", place(&MarkerLayout::blue)),
-                      Field("red_area", area(&MarkerLayout::red_area)),
-                      Field("blue_area", area(&MarkerLayout::blue_area)),
-                      Field("distance_tolerance", &MarkerLayout::distance_tolerance),
-                      Field("area_tolerance", &MarkerLayout::area_tolerance),
-                      Field("maximum_blobs", &MarkerLayout::maximum_blobs),
-                      Field("red_polygon", outline(&MarkerLayout::red_shape)),
-                      Field("blue_polygon", outline(&MarkerLayout::blue_shape)));
+  const Fields fields(
+      make, Field("red", place(&MarkerLayout::first)), Field("blue", place(&MarkerLayout::second)),
+      Field("red_area", area(&MarkerLayout::first)),
+      Field("blue_area", area(&MarkerLayout::second)),
+      Field("distance_tolerance", &MarkerLayout::distance_tolerance),
+      Field("area_tolerance", &MarkerLayout::area_tolerance),
+      Field("maximum_blobs", &MarkerLayout::maximum_blobs),
+      Field("red_polygon", outline(&MarkerLayout::first)),
+      Field("blue_polygon", outline(&MarkerLayout::second)), Field("colors", &colors_of));
   define_equality(layout, fields);
   define_hash(layout, fields);
   define_pickle(layout, fields);
@@ -268,10 +289,12 @@ double width_in(const MarkerLayout& self, const Frame& frame) {
 void bind_marker_layout(py::module_& module) {
   const MarkerLayout defaults;
   Class<MarkerLayout> layout(public_in(module, "robsim.vision"), "MarkerLayout", R"(
-The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
+The two markers of a robot, their colours and positions: what turns a pair of blobs into a pose.
 
-The line from blue to red is perpendicular to the heading, red on the robot's right. For other
-arrangements see `from_markers` and `from_positions`.
+The first marker is called ``red`` and the second one ``blue`` here, as in the lab robot, whatever
+the `colors` are by which they are found. The line from the second to the first is perpendicular to
+the heading, the first on the robot's right. For other arrangements see `from_markers` and
+`from_positions`.
 
 Parameters
 ----------
@@ -286,36 +309,41 @@ area_tolerance : float
     between the areas of a pair.
 maximum_blobs : int
     How many blobs of a colour are considered, the largest first.
+colors : sequence of 2 str
+    Names of the colour classes of the first and of the second marker: those of a colour file, such
+    as ``("green", "orange")``.
 )");
   layout
       .def(py::init([](double distance, double offset, double distance_tolerance,
-                       double area_tolerance, int maximum_blobs) {
+                       double area_tolerance, int maximum_blobs, const MarkerColors& colors) {
              return with_options(MarkerLayout::across(distance, offset), distance_tolerance,
-                                 area_tolerance, maximum_blobs);
+                                 area_tolerance, maximum_blobs, colors);
            }),
            py::arg("distance"), py::arg("offset"), py::kw_only(),
            py::arg("distance_tolerance") = defaults.distance_tolerance,
            py::arg("area_tolerance") = defaults.area_tolerance,
-           py::arg("maximum_blobs") = defaults.maximum_blobs)
+           py::arg("maximum_blobs") = defaults.maximum_blobs,
+           py::arg("colors") = default_marker_colors)
       .def_static(
           "from_markers",
           [](const ArrayLike& red, const ArrayLike& blue, double distance_tolerance,
-             double area_tolerance, int maximum_blobs) {
+             double area_tolerance, int maximum_blobs, const MarkerColors& colors) {
             return with_options(
                 MarkerLayout::from_markers(polygon_from(red, "red"), polygon_from(blue, "blue")),
-                distance_tolerance, area_tolerance, maximum_blobs);
+                distance_tolerance, area_tolerance, maximum_blobs, colors);
           },
           py::arg("red"), py::arg("blue"), py::kw_only(),
           py::arg("distance_tolerance") = defaults.distance_tolerance,
           py::arg("area_tolerance") = defaults.area_tolerance,
-          py::arg("maximum_blobs") = defaults.maximum_blobs, R"(
+          py::arg("maximum_blobs") = defaults.maximum_blobs,
+          py::arg("colors") = default_marker_colors, R"(
 Return the layout of these markers, with their areas.
 
 Parameters
 ----------
 red, blue : array (N, 2)
-    Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
-distance_tolerance, area_tolerance, maximum_blobs
+    Corners of the first and the second marker in the robot's frame: forward, right (work-area px from its centre).
+distance_tolerance, area_tolerance, maximum_blobs, colors
     As for `MarkerLayout`.
 )")
       .def("width_in", &width_in, py::arg("frame"), R"(
@@ -337,20 +365,26 @@ float
       .def_property_readonly("offset", &MarkerLayout::offset,
                              "float: from the markers' midpoint forward to the centre (px).")
       .def_property_readonly(
-          "red", [](const MarkerLayout& self) { return to_array(self.red); },
-          "array (2,): position of the red marker, forward and right of the centre (px).")
+          "red", [](const MarkerLayout& self) { return to_array(self.first.position); },
+          "array (2,): position of the first marker, forward and right of the centre (px).")
       .def_property_readonly(
-          "blue", [](const MarkerLayout& self) { return to_array(self.blue); },
-          "array (2,): position of the blue marker, forward and right of the centre (px).")
+          "blue", [](const MarkerLayout& self) { return to_array(self.second.position); },
+          "array (2,): position of the second marker, forward and right of the centre (px).")
       .def_property_readonly(
-          "red_polygon", [](const MarkerLayout& self) { return array_of(self.red_shape); },
-          "array (N, 2) or None: corners of the red marker, forward and right of the centre (px);\n"
+          "red_polygon", [](const MarkerLayout& self) { return array_of(self.first.shape); },
+          "array (N, 2) or None: corners of the first marker, forward and right of the centre "
+          "(px);\n"
           "None = unknown, as of `from_positions`.")
       .def_property_readonly(
-          "blue_polygon", [](const MarkerLayout& self) { return array_of(self.blue_shape); },
-          "array (N, 2) or None: corners of the blue marker.")
-      .def_readonly("red_area", &MarkerLayout::red_area, "float: px^2, NaN = unknown.")
-      .def_readonly("blue_area", &MarkerLayout::blue_area, "float: px^2, NaN = unknown.")
+          "blue_polygon", [](const MarkerLayout& self) { return array_of(self.second.shape); },
+          "array (N, 2) or None: corners of the second marker.")
+      .def_property_readonly(
+          "red_area", [](const MarkerLayout& self) { return self.first.area; },
+          "float: of the first marker, px^2, NaN = unknown.")
+      .def_property_readonly(
+          "blue_area", [](const MarkerLayout& self) { return self.second.area; },
+          "float: of the second marker, px^2, NaN = unknown.")
+      .def_property_readonly("colors", &colors_of, "tuple of 2 str: names of the markers' colours.")
       .def_readonly("distance_tolerance", &MarkerLayout::distance_tolerance, "float: fraction.")
       .def_readonly("area_tolerance", &MarkerLayout::area_tolerance, "float: ratio.")
       .def_readonly("maximum_blobs", &MarkerLayout::maximum_blobs,

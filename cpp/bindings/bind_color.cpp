@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "python/names.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
@@ -17,16 +18,6 @@ namespace {
 using Range = std::pair<int, int>;
 
 constexpr double maximum_count = 1e15;  // of histograms: their sums are exact
-
-constexpr std::size_t longest_name = 40;  // characters, as in _base/checks.py
-
-/// Returns a name that can be shown anywhere: in a table, in a terminal, as the head of a column.
-std::string name_from(const py::str& name) {
-  if (py::len(name) - 1 < longest_name && name.attr("isprintable")().cast<bool>()) return name;
-  const py::str start = name[py::slice(0, longest_name, 1)];
-  throw py::value_error("name must be 1 to 40 printable characters, got " +
-                        std::string(py::repr(start)) + (py::len(name) > longest_name ? "..." : ""));
-}
 
 ColorClass color_from(const py::str& name, Range y, Range u, Range v) {
   const ColorClass color{

@@ -43,7 +43,7 @@ std::optional<Matrix> matrix_of(const std::optional<PoseCovariance>& covariance)
 }
 
 std::optional<BlobPair> blobs_of(const std::optional<MarkerPair>& pair) {
-  return pair ? std::optional(BlobPair(pair->red, pair->blue)) : std::nullopt;
+  return pair ? std::optional(BlobPair(pair->first, pair->second)) : std::nullopt;
 }
 
 // A figure that may be unknown: None in Python, NaN here.
@@ -116,7 +116,7 @@ signal_to_noise : float, optional
     How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
     3 there is none.
 pair : tuple of 2 Blob, optional
-    The red and the blue blob that were taken for the markers.
+    The blobs that were taken for the first and the second marker.
 
 Raises
 ------
@@ -146,7 +146,7 @@ ValueError
           "float or None: of the markers' edges; from 4 on a pose can be trusted.")
       .def_property_readonly(
           "pair", [](const Measurement& self) { return blobs_of(self.pair); },
-          "tuple of 2 Blob or None: the red and the blue blob taken for the markers.");
+          "tuple of 2 Blob or None: the blobs taken for the first and the second marker.");
   const auto make = [](const Numbers& pose, const std::optional<Matrix>& covariance,
                        std::optional<double> misfit, std::optional<double> signal_to_noise,
                        const std::optional<BlobPair>& pair) {
@@ -177,14 +177,14 @@ Detection detection_from(std::optional<Measurement> measurement, int result,
   Detection detection;
   detection.measurement = measurement;
   detection.result = static_cast<DetectionResult>(result);
-  detection.red = red;
-  detection.blue = blue;
+  detection.first = red;
+  detection.second = blue;
   detection.misfit = numbers[0];
   detection.runner_up = numbers[1];
   detection.exchanged = numbers[2];
   detection.distance = numbers[3];
-  detection.red_area = numbers[4];
-  detection.blue_area = numbers[5];
+  detection.first_area = numbers[4];
+  detection.second_area = numbers[5];
   detection.false_alarms = numbers[6];
   detection.cause = numbers[7];
   detection.by_second_chance = by_second_chance;
@@ -196,11 +196,11 @@ auto detection_fields() {
   return Fields(
       &detection_from, Field("measurement", &Detection::measurement),
       Field("result", [](const Detection& self) { return static_cast<int>(self.result); }),
-      Field("red", &Detection::red), Field("blue", &Detection::blue),
+      Field("red", &Detection::first), Field("blue", &Detection::second),
       Field("numbers",
             [](const Detection& self) {
-              return std::array<double, 8>{self.misfit,       self.runner_up, self.exchanged,
-                                           self.distance,     self.red_area,  self.blue_area,
+              return std::array<double, 8>{self.misfit,       self.runner_up,  self.exchanged,
+                                           self.distance,     self.first_area, self.second_area,
                                            self.false_alarms, self.cause};
             }),
       Field("by_second_chance", &Detection::by_second_chance),
@@ -210,7 +210,7 @@ auto detection_fields() {
 std::string repr(const Detection& self) {
   const std::string found = self.measurement
                                 ? py::repr(py::cast(*self.measurement)).cast<std::string>()
-                                : "none, " + name_of(self.result);
+                                : "none, " + name_of(self);
   return "<Detection: " + found + ", misfit of the pair " +
          py::str("{:.3g}").format(self.misfit).cast<std::string>() + ">";
 }
@@ -226,20 +226,23 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
   detection
       .def_readonly("measurement", &Detection::measurement,
                     "Measurement or None: None = not detected, see `reason`.")
-      .def_readonly("red", &Detection::red,
-                    "Blob or None: the red blob of the pair; if no pair is accepted, of the one "
+      .def_readonly("red", &Detection::first,
+                    "Blob or None: the blob of the first marker, ``red`` whatever its colour; if "
+                    "no pair is accepted, of the one "
                     "most\nlike the markers.")
-      .def_readonly("blue", &Detection::blue, "Blob or None: the blue blob of the pair.")
+      .def_readonly("blue", &Detection::second,
+                    "Blob or None: the blob of the second marker, whatever its colour.")
       .def_readonly("misfit", &Detection::misfit,
                     "float: misfit of the pair, from 0 = perfect; inf without a pair. That of the "
                     "fit\nhas the measurement.")
       .def_readonly("runner_up", &Detection::runner_up,
                     "float: misfit of the second best pair that is accepted; inf if there is none. "
                     "Near the\nmisfit, the choice is ambiguous.")
-      .def_readonly("exchanged_misfit", &Detection::exchanged,
-                    "float: misfit of the pair if the red blob were the blue marker, and the blue "
-                    "blob the red\none: smaller in mirrored frames, if the areas of the markers "
-                    "differ.")
+      .def_readonly(
+          "exchanged_misfit", &Detection::exchanged,
+          "float: misfit of the pair if the blob of the first marker were that of the second, "
+          "and the\nother way round: smaller in mirrored frames, if the areas of the markers "
+          "differ.")
       .def_readonly("false_alarms", &Detection::false_alarms,
                     "float: how many pairs of the other blobs would fit as well by chance, if they "
                     "lay\nanywhere; a pair is accepted up to 0.005.")
@@ -252,16 +255,17 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
       .def_property_readonly(
           "distance",
           [](const Detection& self) {
-            return self.red ? self.distance : std::numeric_limits<double>::quiet_NaN();
+            return self.first ? self.distance : std::numeric_limits<double>::quiet_NaN();
           },
           "float: distance between the two blobs (work-area px); NaN without a pair.")
       .def_property_readonly(
           "reason",
           [](const Detection& self) {
-            return self.measurement ? std::nullopt : std::optional(name_of(self.result));
+            return self.measurement ? std::nullopt : std::optional(name_of(self));
           },
           "str or None: why there is no measurement: ``\"no blobs\"``, ``\"no red blob\"``,\n"
-          "``\"no blue blob\"``, ``\"at the border\"``, ``\"distance\"``, ``\"areas\"``,\n"
+          "``\"no blue blob\"`` or what the colours are called, ``\"at the border\"``, "
+          "``\"distance\"``, ``\"areas\"``,\n"
           "``\"ambiguous\"``, ``\"by chance\"`` or ``\"noise\"``; and, where the frame tells the "
           "cause,\n``\"dark\"``, ``\"overexposed\"`` or ``\"small markers\"``.")
       .def_property_readonly("explanation", &explain,
@@ -276,15 +280,14 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
 The steps of a run in which the default measurement detected no robot, for the same reason.
 )")
       .def_property_readonly(
-          "reason", [](const MissedDetections& self) { return name_of(self.first.result); },
+          "reason", [](const MissedDetections& self) { return name_of(self.first); },
           "str: the reason, as in `Detection`.")
       .def_readonly("steps", &MissedDetections::steps, "int: number of these steps.")
       .def_readonly("first_k", &MissedDetections::first_k, "int: the first of these steps.")
       .def_readonly("first", &MissedDetections::first, "Detection: that of the first step.")
       .def("__repr__", [](const MissedDetections& self) {
-        return "<MissedDetections: " + name_of(self.first.result) + " in " +
-               std::to_string(self.steps) + " steps, first in step " +
-               std::to_string(self.first_k) + ">";
+        return "<MissedDetections: " + name_of(self.first) + " in " + std::to_string(self.steps) +
+               " steps, first in step " + std::to_string(self.first_k) + ">";
       });
 }
 
@@ -321,10 +324,13 @@ std::optional<Measurement> locate_in(const BlobsByColor& blobs, const MarkerLayo
   return detect_in(blobs, markers, plane_map, image, colors).measurement;
 }
 
-std::vector<std::string> reasons() {
+std::vector<std::string> reasons(const std::array<std::string, 2>& colors) {
+  MarkerLayout markers;
+  markers.first.color = colors[0];
+  markers.second.color = colors[1];
   std::vector<std::string> names;
   for (int i = 1; i <= static_cast<int>(DetectionResult::small_markers); ++i) {
-    names.push_back(name_of(static_cast<DetectionResult>(i)));
+    names.push_back(name_of(static_cast<DetectionResult>(i), markers));
   }
   return names;
 }
@@ -340,7 +346,7 @@ void bind_functions(py::module_& module) {
            py::arg("colors") = py::none(), R"(
 Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
 
-The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
+The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not
 used: they may be cut off. Where noise or other things give many blobs like the markers, a pair is
 accepted only if hardly any pair of the others would fit as well by chance [1]_: on a floor of
 noise, a pose is reported in one or two of 100 frames at most.
@@ -348,8 +354,7 @@ noise, a pose is reported in one or two of 100 frames at most.
 Parameters
 ----------
 blobs : dict of str to list of Blob
-    As from `find_blobs`; "red" and "blue" are used: names of the two markers, whatever their
-    colours are.
+    As from `find_blobs`; those of the two `MarkerLayout.colors` are used.
 markers : MarkerLayout
     The positions of the markers on the robot.
 plane_map : PlaneMap, optional
@@ -386,7 +391,7 @@ Examples
 )");
 
   public_in(module, "robsim._core")
-      .def("detection_reasons", &reasons,
+      .def("detection_reasons", &reasons, py::arg("colors") = default_marker_colors,
            "The reasons of a Detection, in the order of their numbers from 1.")
       .def("small_markers_remark", &remark_on_size, py::arg("markers"), py::arg("frame"),
            "What is to be said of markers too small in the frame; None of others.");
@@ -397,7 +402,7 @@ Examples
            py::arg("colors") = py::none(), R"(
 Return the pose of the robot whose markers are among the blobs.
 
-The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
+The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not
 used: they may be cut off. With the image, the pose is then fitted to the pixels around the edges of
 the markers, by weighted least squares [1]_: in noise the error is half to two thirds of
 that of the blobs' centroids, without noise a fifth. Of markers whose outlines are not known, pixels at the edge are
@@ -406,7 +411,7 @@ weighted by their colour.
 Parameters
 ----------
 blobs : dict of str to list of Blob
-    As from `find_blobs`; "red" and "blue" are used.
+    As from `find_blobs`; those of the two `MarkerLayout.colors` are used.
 markers : MarkerLayout
     The positions of the markers on the robot; of `MarkerLayout.from_markers`, the outlines, too.
 plane_map : PlaneMap, optional

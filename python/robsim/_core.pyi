@@ -810,10 +810,12 @@ class ColorClass:
         """
 class MarkerLayout:
     """
-    The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
+    The two markers of a robot, their colours and positions: what turns a pair of blobs into a pose.
     
-    The line from blue to red is perpendicular to the heading, red on the robot's right. For other
-    arrangements see `from_markers` and `from_positions`.
+    The first marker is called ``red`` and the second one ``blue`` here, as in the lab robot, whatever
+    the `colors` are by which they are found. The line from the second to the first is perpendicular to
+    the heading, the first on the robot's right. For other arrangements see `from_markers` and
+    `from_positions`.
     
     Parameters
     ----------
@@ -828,34 +830,39 @@ class MarkerLayout:
         between the areas of a pair.
     maximum_blobs : int
         How many blobs of a colour are considered, the largest first.
+    colors : sequence of 2 str
+        Names of the colour classes of the first and of the second marker: those of a colour file, such
+        as ``("green", "orange")``.
     """
     @staticmethod
-    def from_markers(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64) -> MarkerLayout:
+    def from_markers(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, colors: typing.Annotated[collections.abc.Sequence[str], "FixedSize(2)"] = ['red', 'blue']) -> MarkerLayout:
         """
         Return the layout of these markers, with their areas.
         
         Parameters
         ----------
         red, blue : array (N, 2)
-            Corners of the markers in the robot's frame: forward, right (work-area px from its centre).
-        distance_tolerance, area_tolerance, maximum_blobs
+            Corners of the first and the second marker in the robot's frame: forward, right (work-area px from its centre).
+        distance_tolerance, area_tolerance, maximum_blobs, colors
             As for `MarkerLayout`.
         """
     @staticmethod
-    def from_positions(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, red_area: float | None = None, blue_area: float | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, red_polygon: numpy.typing.ArrayLike | None = None, blue_polygon: numpy.typing.ArrayLike | None = None) -> MarkerLayout:
+    def from_positions(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, red_area: float | None = None, blue_area: float | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, red_polygon: numpy.typing.ArrayLike | None = None, blue_polygon: numpy.typing.ArrayLike | None = None, colors: typing.Annotated[collections.abc.Sequence[str], "FixedSize(2)"] = ['red', 'blue']) -> MarkerLayout:
         """
         Return the layout of markers at these positions.
         
         Parameters
         ----------
         red, blue : array (2,)
-            Centroids of the markers in the robot's frame: forward, right (work-area px from its centre).
+            Centroids of the first and the second marker in the robot's frame: forward, right (work-area px from its centre).
         red_area, blue_area : float, optional
             Their areas (px^2). Default: not known.
         distance_tolerance, area_tolerance, maximum_blobs
             As for `MarkerLayout`.
         red_polygon, blue_polygon : array (N, 2), optional
             Their corners, in the same frame. Default: not known; measurements are then less exact.
+        colors : sequence of 2 str
+            As for `MarkerLayout`.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -863,7 +870,7 @@ class MarkerLayout:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, distance: float, offset: float, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64) -> None:
+    def __init__(self, distance: float, offset: float, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, colors: typing.Annotated[collections.abc.Sequence[str], "FixedSize(2)"] = ['red', 'blue']) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -894,17 +901,22 @@ class MarkerLayout:
     @property
     def blue(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): position of the blue marker, forward and right of the centre (px).
+        array (2,): position of the second marker, forward and right of the centre (px).
         """
     @property
     def blue_area(self) -> float:
         """
-        float: px^2, NaN = unknown.
+        float: of the second marker, px^2, NaN = unknown.
         """
     @property
     def blue_polygon(self) -> numpy.typing.NDArray[numpy.float64] | None:
         """
-        array (N, 2) or None: corners of the blue marker.
+        array (N, 2) or None: corners of the second marker.
+        """
+    @property
+    def colors(self) -> tuple[str, str]:
+        """
+        tuple of 2 str: names of the markers' colours.
         """
     @property
     def distance(self) -> float:
@@ -929,17 +941,17 @@ class MarkerLayout:
     @property
     def red(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): position of the red marker, forward and right of the centre (px).
+        array (2,): position of the first marker, forward and right of the centre (px).
         """
     @property
     def red_area(self) -> float:
         """
-        float: px^2, NaN = unknown.
+        float: of the first marker, px^2, NaN = unknown.
         """
     @property
     def red_polygon(self) -> numpy.typing.NDArray[numpy.float64] | None:
         """
-        array (N, 2) or None: corners of the red marker, forward and right of the centre (px);
+        array (N, 2) or None: corners of the first marker, forward and right of the centre (px);
         None = unknown, as of `from_positions`.
         """
 class Blob:
@@ -1016,7 +1028,7 @@ class Measurement:
         How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
         3 there is none.
     pair : tuple of 2 Blob, optional
-        The red and the blue blob that were taken for the markers.
+        The blobs that were taken for the first and the second marker.
     
     Raises
     ------
@@ -1051,7 +1063,7 @@ class Measurement:
     @property
     def pair(self) -> tuple[Blob, Blob] | None:
         """
-        tuple of 2 Blob or None: the red and the blue blob taken for the markers.
+        tuple of 2 Blob or None: the blobs taken for the first and the second marker.
         """
     @property
     def pose(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1086,7 +1098,7 @@ class Detection:
     @property
     def blue(self) -> Blob | None:
         """
-        Blob or None: the blue blob of the pair.
+        Blob or None: the blob of the second marker, whatever its colour.
         """
     @property
     def by_second_chance(self) -> bool:
@@ -1104,8 +1116,8 @@ class Detection:
     @property
     def exchanged_misfit(self) -> float:
         """
-        float: misfit of the pair if the red blob were the blue marker, and the blue blob the red
-        one: smaller in mirrored frames, if the areas of the markers differ.
+        float: misfit of the pair if the blob of the first marker were that of the second, and the
+        other way round: smaller in mirrored frames, if the areas of the markers differ.
         """
     @property
     def explanation(self) -> str:
@@ -1133,14 +1145,14 @@ class Detection:
     def reason(self) -> str | None:
         """
         str or None: why there is no measurement: ``"no blobs"``, ``"no red blob"``,
-        ``"no blue blob"``, ``"at the border"``, ``"distance"``, ``"areas"``,
+        ``"no blue blob"`` or what the colours are called, ``"at the border"``, ``"distance"``, ``"areas"``,
         ``"ambiguous"``, ``"by chance"`` or ``"noise"``; and, where the frame tells the cause,
         ``"dark"``, ``"overexposed"`` or ``"small markers"``.
         """
     @property
     def red(self) -> Blob | None:
         """
-        Blob or None: the red blob of the pair; if no pair is accepted, of the one most
+        Blob or None: the blob of the first marker, ``red`` whatever its colour; if no pair is accepted, of the one most
         like the markers.
         """
     @property
@@ -2558,7 +2570,7 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     """
     Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
     
-    The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
+    The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not
     used: they may be cut off. Where noise or other things give many blobs like the markers, a pair is
     accepted only if hardly any pair of the others would fit as well by chance [1]_: on a floor of
     noise, a pose is reported in one or two of 100 frames at most.
@@ -2566,8 +2578,7 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     Parameters
     ----------
     blobs : dict of str to list of Blob
-        As from `find_blobs`; "red" and "blue" are used: names of the two markers, whatever their
-        colours are.
+        As from `find_blobs`; those of the two `MarkerLayout.colors` are used.
     markers : MarkerLayout
         The positions of the markers on the robot.
     plane_map : PlaneMap, optional
@@ -2602,7 +2613,7 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     >>> detection = robsim.vision.detect(blobs, robsim.load_robot("lab").marker_layout())
     >>> detection.reason, detection.explanation
     """
-def detection_reasons() -> list[str]:
+def detection_reasons(colors: typing.Annotated[collections.abc.Sequence[str], "FixedSize(2)"] = ['red', 'blue']) -> list[str]:
     """
     The reasons of a Detection, in the order of their numbers from 1.
     """
@@ -2714,7 +2725,7 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     """
     Return the pose of the robot whose markers are among the blobs.
     
-    The red-blue pair is chosen by its distance and areas. Blobs at the border of the frame are not
+    The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not
     used: they may be cut off. With the image, the pose is then fitted to the pixels around the edges of
     the markers, by weighted least squares [1]_: in noise the error is half to two thirds of
     that of the blobs' centroids, without noise a fifth. Of markers whose outlines are not known, pixels at the edge are
@@ -2723,7 +2734,7 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     Parameters
     ----------
     blobs : dict of str to list of Blob
-        As from `find_blobs`; "red" and "blue" are used.
+        As from `find_blobs`; those of the two `MarkerLayout.colors` are used.
     markers : MarkerLayout
         The positions of the markers on the robot; of `MarkerLayout.from_markers`, the outlines, too.
     plane_map : PlaneMap, optional

@@ -408,3 +408,22 @@ def test_a_drawn_robot_on_the_whole_way(rng):
     assert failed.returncode == 2
     assert failed.stderr.startswith("error: the robot 'lab' ships with robsim")
     assert done("remove", "drawn") == "removed: drawn; in use: lab\n"
+
+
+# --- other colours
+
+
+def test_a_robot_of_other_colours_is_added_and_shown():
+    paints = (30, 150, 60, 255), (245, 130, 20, 255)
+    Image.fromarray(painted(RED, BLUE, paints=paints)).save("photo.png")
+    Path("colors.toml").write_text(
+        "[green]\nu = [0, 116]\nv = [0, 104]\n[orange]\nu = [0, 92]\nv = [154, 255]\n"
+    )
+    said = refused("add", "fruit", "photo.png", "--colors", "colors.toml")
+    assert "there is no colour red" in " ".join(said.split())
+    options = "--colors", "colors.toml", "--marker-colors", "green,orange"
+    assert "areas      green 576, orange 576 px" in done("add", "fruit", "photo.png", *options)
+    assert load_robot("fruit").marker_colors == ("green", "orange")
+    assert "areas      green 576" in done("show", "fruit", "--colors", "colors.toml")
+    said = refused("add", "other", "photo.png", *options[:2], "--marker-colors", "green")
+    assert "names of two different colours" in " ".join(said.split())

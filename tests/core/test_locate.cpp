@@ -16,7 +16,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 MarkerLayout layout() {
   MarkerLayout markers = MarkerLayout::across(40, 14);
-  markers.red_area = markers.blue_area = 400;
+  markers.first.area = markers.second.area = 400;
   return markers;
 }
 
@@ -40,15 +40,15 @@ TEST(Detect, FindsTheRobotThatFacesRight) {
 TEST(Detect, TakesTheBetterOfTwoPairs) {
   const Detection d =
       found({blob("red", 100, 32, 400), blob("red", 100, 110, 400)}, {blob("blue", 100, 70, 400)});
-  EXPECT_EQ(d.red->centroid.y, 110);
+  EXPECT_EQ(d.first->centroid.y, 110);
   EXPECT_NEAR(d.runner_up, std::pow(2 / (0.12 * 40), 2), 1e-12);
 }
 
 TEST(Detect, SaysWhyThereIsNone) {
   const Blob red = blob("red", 100, 110, 400), blue = blob("blue", 100, 70, 400);
   EXPECT_EQ(found({}, {}).result, DetectionResult::no_blobs);
-  EXPECT_EQ(found({}, {blue}).result, DetectionResult::no_red_blob);
-  EXPECT_EQ(found({red}, {}).result, DetectionResult::no_blue_blob);
+  EXPECT_EQ(found({}, {blue}).result, DetectionResult::no_first_blob);
+  EXPECT_EQ(found({red}, {}).result, DetectionResult::no_second_blob);
   EXPECT_EQ(found({red}, {blob("blue", 100, 70, 400, true)}).result, DetectionResult::at_border);
   EXPECT_EQ(found({red}, {blob("blue", 100, 50, 400)}).result, DetectionResult::distance);
   EXPECT_EQ(found({red}, {blob("blue", 100, 70, 100)}).result, DetectionResult::areas);

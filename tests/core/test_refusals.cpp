@@ -54,7 +54,7 @@ TEST(Refusals, PolygonsThatAreNotFinite) {
 TEST(Refusals, MarkersThatNoRobotHas) {
   const auto refused = [](double area, int blobs) {
     MarkerLayout markers = MarkerLayout::across(40, 12);
-    markers.blue_area = area;
+    markers.second.area = area;
     markers.maximum_blobs = blobs;
     return refusal([&] { check_marker_layout(markers); });
   };
@@ -62,6 +62,10 @@ TEST(Refusals, MarkersThatNoRobotHas) {
   EXPECT_EQ(refused(0, 1), "marker area must be positive and finite, or NaN, got 0");
   EXPECT_EQ(refused(infinity, 1), "marker area must be positive and finite, or NaN, got inf");
   EXPECT_EQ(refused(100, 0), "maximum_blobs must be at least 1, got 0");
+  EXPECT_EQ(refusal([] { MarkerLayout::across(40, 12, {"green", "green"}); }),
+            "colors must be the names of two different colours, got 'green' and 'green'");
+  EXPECT_EQ(refusal([] { MarkerLayout::across(40, 12, {"green", ""}); }),
+            "colors must be the names of two different colours, got 'green' and ''");
 }
 
 TEST(Refusals, RobotsAndColorsThatThereAreNot) {

@@ -316,7 +316,7 @@ def test_a_saved_robot_can_be_read_by_people(tmp_path):
     assert "\n    [239.50, 26.47], [308.40, 32.50], [312.53, 33.61], [314.37, 34.47],\n" in text
     assert max(map(len, text.splitlines())) <= 100
     assert set(tomllib.loads(text)) == {"name", "image", "size", "alignment", "centre"} | {
-        *("outline", "red", "blue", "maximum_blobs")
+        *("outline", "red", "blue", "maximum_blobs", "marker_colors")
     }
 
 

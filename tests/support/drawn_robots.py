@@ -17,13 +17,13 @@ def star(rng, place, radius):
     return place + reach[:, None] * np.column_stack((np.cos(angle), np.sin(angle)))
 
 
-def painted(red, blue, *, size=(400, 400), body=BODY):
+def painted(red, blue, *, size=(400, 400), body=BODY, paints=None):
     """A picture (h, w, 4): a round body with two markers, the surroundings transparent."""
     image = Image.new("RGBA", size, (0, 0, 0, 0))
     draw = ImageDraw.Draw(image)
     draw.ellipse((4, 4, size[0] - 5, size[1] - 5), fill=body)
-    for name, polygon in (("red", red), ("blue", blue)):
-        draw.polygon([tuple(point) for point in polygon], fill=COLORS[name])
+    for polygon, paint in zip((red, blue), paints or COLORS.values(), strict=True):
+        draw.polygon([tuple(point) for point in polygon], fill=paint)
     return np.array(image)
 
 

@@ -26,6 +26,11 @@ std::string number(double value, int decimals) {
 
 std::string px(double value) { return number(value, 1) + " px"; }
 
+// Such as "red and blue".
+std::string both(const Detection& d, const char* link = " and ") {
+  return d.markers.first.color + link + d.markers.second.color;
+}
+
 // The factor by which all of it is larger than the markers; 0 if that is not one factor.
 double scale_of(const Detection& d) {
   const double scale = d.distance / d.markers.distance();
@@ -34,12 +39,12 @@ double scale_of(const Detection& d) {
     return ratio < same_scale && ratio > 1 / same_scale;  // NaN does not
   };
   const bool is_same =
-      fits(d.red_area, d.markers.red_area) && fits(d.blue_area, d.markers.blue_area);
+      fits(d.first_area, d.markers.first.area) && fits(d.second_area, d.markers.second.area);
   return is_same ? scale : 0;
 }
 
 std::string explain_distance(const Detection& d) {
-  const std::string seen = "the red and blue blobs seen are " + px(d.distance) +
+  const std::string seen = "the " + both(d) + " blobs seen are " + px(d.distance) +
                            " of the work area apart, the markers " + px(d.markers.distance());
   const double scale = scale_of(d);
   if (scale == 0) return seen + ": is it another robot?";
@@ -47,20 +52,23 @@ std::string explain_distance(const Detection& d) {
          " times as large: is it another size of the work area, or another robot?";
 }
 
-std::string explain_area(const char* color, double seen, double expected) {
-  return std::string(color) + " " + number(seen, 0) + " of " + number(expected, 0) + " px^2";
+std::string explain_area(const std::string& color, double seen, double expected) {
+  return color + " " + number(seen, 0) + " of " + number(expected, 0) + " px^2";
 }
 
 std::string explain_areas(const Detection& d) {
-  const std::string pair = "red and blue blobs " + px(d.distance) + " apart, as the markers are, ";
-  const double red = std::isnan(d.markers.red_area) ? d.blue_area : d.markers.red_area;
-  const double blue = std::isnan(d.markers.blue_area) ? d.red_area : d.markers.blue_area;
+  const std::string pair = both(d) + " blobs " + px(d.distance) + " apart, as the markers are, ";
+  const Marker &first = d.markers.first, &second = d.markers.second;
+  const double first_expected = std::isnan(first.area) ? d.second_area : first.area;
+  const double second_expected = std::isnan(second.area) ? d.first_area : second.area;
   const double tolerance = d.markers.area_tolerance;
-  const bool is_small = d.red_area * tolerance < red || d.blue_area * tolerance < blue;
-  const bool is_large = d.red_area > tolerance * red || d.blue_area > tolerance * blue;
-  const std::string areas = pair +
-                            "have other areas than these: " + explain_area("red", d.red_area, red) +
-                            ", " + explain_area("blue", d.blue_area, blue);
+  const bool is_small =
+      d.first_area * tolerance < first_expected || d.second_area * tolerance < second_expected;
+  const bool is_large =
+      d.first_area > tolerance * first_expected || d.second_area > tolerance * second_expected;
+  const std::string areas = pair + "have other areas than these: " +
+                            explain_area(first.color, d.first_area, first_expected) + ", " +
+                            explain_area(second.color, d.second_area, second_expected);
   if (is_small && is_large) return areas + ": is it another robot?";
   if (is_small) return areas + ": are the frames darker than the colour ranges allow?";
   return areas + ": has something beside the markers their colour?";
@@ -80,29 +88,31 @@ std::string small_markers(double width) {
 std::string explain_result(const Detection& d) {
   switch (d.result) {
     case DetectionResult::no_blobs:
-      return explain_missing("red and no blue");
-    case DetectionResult::no_red_blob:
-      return explain_missing("red");
-    case DetectionResult::no_blue_blob:
-      return explain_missing("blue");
+      return explain_missing(both(d, " and no "));
+    case DetectionResult::no_first_blob:
+      return explain_missing(d.markers.first.color);
+    case DetectionResult::no_second_blob:
+      return explain_missing(d.markers.second.color);
     case DetectionResult::at_border:
-      return "all red or all blue blobs touch the border of the frame, where a marker may be cut "
-             "off";
+      return "all " + both(d, " or all ") +
+             " blobs touch the border of the frame, where a marker may be cut off";
     case DetectionResult::distance:
       return explain_distance(d);
     case DetectionResult::areas:
       return explain_areas(d);
     case DetectionResult::ambiguous:
-      return "two pairs of red and blue blobs fit the markers equally well (misfits " +
-             number(d.misfit, 2) + " and " + number(d.runner_up, 2) +
-             "): is something else as red or blue?";
+      return "two pairs of " + both(d) + " blobs fit the markers equally well (misfits " +
+             number(d.misfit, 2) + " and " + number(d.runner_up, 2) + "): is something else as " +
+             both(d, " or ") + "?";
     case DetectionResult::by_chance:
-      return "red and blue blobs fit the markers (misfit " + number(d.misfit, 2) +
+      return both(d) + " blobs fit the markers (misfit " + number(d.misfit, 2) +
              "), but so many others are about that " + number(d.false_alarms, 3) +
              " pairs of them fit as well by chance: is there more noise than markers of this size "
-             "can bear, or much else as red and blue?";
+             "can bear, or much else as " +
+             both(d) + "?";
     case DetectionResult::noise:
-      return "red and blue blobs fit the markers, but hardly stand out of the noise: signal to "
+      return both(d) +
+             " blobs fit the markers, but hardly stand out of the noise: signal to "
              "noise " +
              number(d.cause, 1) + ", at least " + number(least_signal_to_noise, 0) +
              " is needed. More light, less noise, or markers that are larger in the frame";
@@ -118,7 +128,7 @@ std::string explain_result(const Detection& d) {
     case DetectionResult::detected:
       break;
   }
-  const std::string pair = "red and blue blobs " + px(d.distance) +
+  const std::string pair = both(d) + " blobs " + px(d.distance) +
                            " of the work area apart fit the markers (misfit " +
                            number(d.misfit, 2) + ")";
   if (!d.by_second_chance) return pair;
@@ -130,14 +140,14 @@ std::string explain_result(const Detection& d) {
 
 }  // namespace
 
-std::string name_of(DetectionResult result) {
+std::string name_of(DetectionResult result, const MarkerLayout& markers) {
   switch (result) {
     case DetectionResult::no_blobs:
       return "no blobs";
-    case DetectionResult::no_red_blob:
-      return "no red blob";
-    case DetectionResult::no_blue_blob:
-      return "no blue blob";
+    case DetectionResult::no_first_blob:
+      return "no " + markers.first.color + " blob";
+    case DetectionResult::no_second_blob:
+      return "no " + markers.second.color + " blob";
     case DetectionResult::at_border:
       return "at the border";
     case DetectionResult::distance:
@@ -175,9 +185,10 @@ bool fits_exchanged(const Detection& d) {
 std::string explain(const Detection& detection) {
   const std::string text = explain_result(detection);
   if (!fits_exchanged(detection)) return text;
-  return text + "; with red and blue exchanged they would fit much better (misfit " +
+  return text + "; with " + both(detection) + " exchanged they would fit much better (misfit " +
          number(detection.exchanged, 2) +
-         "): are the frames in OpenCV's order, BGR? Frame.from_bgr converts them";
+         "): are the frames in OpenCV's order, BGR (Frame.from_bgr converts them), or the names "
+         "of the colours exchanged?";
 }
 
 }  // namespace robsim

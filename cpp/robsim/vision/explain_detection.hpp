@@ -8,7 +8,10 @@
 namespace robsim {
 
 /// The reason in a few words, such as "no red blob"; "detected" if there is none.
-std::string name_of(DetectionResult result);
+std::string name_of(DetectionResult result, const MarkerLayout& markers);
+inline std::string name_of(const Detection& detection) {
+  return name_of(detection.result, detection.markers);
+}
 
 /// A sentence for people, with the numbers that decided.
 std::string explain(const Detection& detection);
@@ -18,8 +21,9 @@ std::string explain(const Detection& detection);
 std::optional<std::string> small_markers_remark(const MarkerLayout& markers,
                                                 const PlaneMap& plane_map, int width, int height);
 
-/// True if the pair fits much better with the roles of red and blue exchanged: as in a frame whose
-/// channels are in OpenCV's order, BGR. Markers of about the same area never tell.
+/// True if the pair fits much better with the roles of the two colours exchanged: as in a frame
+/// whose channels are in OpenCV's order, BGR, of a red and a blue marker. Markers of about the same
+/// area never tell.
 bool fits_exchanged(const Detection& detection);
 
 }  // namespace robsim

@@ -35,8 +35,8 @@ Light light_of(const ImageView& image) {
 
 // Light and shadow take the markers their colour, or part of their area.
 bool may_be_light(DetectionResult result) {
-  return result == DetectionResult::no_blobs || result == DetectionResult::no_red_blob ||
-         result == DetectionResult::no_blue_blob || result == DetectionResult::areas;
+  return result == DetectionResult::no_blobs || result == DetectionResult::no_first_blob ||
+         result == DetectionResult::no_second_blob || result == DetectionResult::areas;
 }
 
 }  // namespace

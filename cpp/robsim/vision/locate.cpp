@@ -25,30 +25,31 @@ constexpr double most_false_alarms = 0.005;
 constexpr std::size_t most_alike = 8;
 
 // A blob on the work area.
-struct Marker {
+struct Candidate {
   const Blob* blob;
   Point position;  // work-area px
   double area;     // work-area px^2
 };
 
 struct Pair {
-  Marker red;
-  Marker blue;
+  Candidate first;
+  Candidate second;
 };
 
-Marker marker_of(const Blob& blob, const PlaneMap& map) {
+Candidate candidate_of(const Blob& blob, const PlaneMap& map) {
   const double area = static_cast<double>(blob.area) * map.area_scale(blob.centroid);
   return {&blob, map.to_world(blob.centroid), area};
 }
 
 // The blobs of a colour that are not cut off by the border.
-std::vector<Marker> markers_of(const BlobsByColor& blobs, const char* color, const PlaneMap& map) {
-  std::vector<Marker> result;
+std::vector<Candidate> candidates_of(const BlobsByColor& blobs, const std::string& color,
+                                     const PlaneMap& map) {
+  std::vector<Candidate> result;
   const auto found = blobs.find(color);
   if (found == blobs.end()) return result;
   for (const Blob& blob : found->second) {
     if (blob.at_border) continue;
-    const Marker marker = marker_of(blob, map);
+    const Candidate marker = candidate_of(blob, map);
     if (std::isnan(marker.position.x)) continue;  // where the lens shows nothing
     result.push_back(marker);
   }
@@ -63,24 +64,24 @@ double area_misfit(double area, double expected, const MarkerLayout& markers) {
 }
 
 // Those with the area of the marker, or all if it is not known.
-std::vector<Marker> of_area(const std::vector<Marker>& all, double expected,
-                            const MarkerLayout& markers) {
+std::vector<Candidate> of_area(const std::vector<Candidate>& all, double expected,
+                               const MarkerLayout& markers) {
   if (std::isnan(expected)) return all;
-  std::vector<Marker> result;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(result), [&](const Marker& marker) {
+  std::vector<Candidate> result;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(result), [&](const Candidate& marker) {
     return area_misfit(marker.area, expected, markers) <= 1;
   });
   return result;
 }
 
-bool has_blobs(const BlobsByColor& blobs, const char* color) {
+bool has_blobs(const BlobsByColor& blobs, const std::string& color) {
   const auto found = blobs.find(color);
   return found != blobs.end() && !found->second.empty();
 }
 
 double distance_of(const Pair& pair) {
-  const Point &red = pair.red.position, &blue = pair.blue.position;
-  return elementary::hypot(red.x - blue.x, red.y - blue.y);
+  const Point &first = pair.first.position, &second = pair.second.position;
+  return elementary::hypot(first.x - second.x, first.y - second.y);
 }
 
 // ((distance - expected)/tolerance)^2, 1 at the limit
@@ -91,24 +92,25 @@ double distance_misfit(const Pair& pair, const MarkerLayout& markers) {
 }
 
 // Without a known area a marker is to be as large as the other one.
-double red_misfit(const Pair& pair, const MarkerLayout& markers) {
-  const bool is_known = !std::isnan(markers.red_area);
-  return area_misfit(pair.red.area, is_known ? markers.red_area : pair.blue.area, markers);
+double first_misfit(const Pair& pair, const MarkerLayout& markers) {
+  const bool is_known = !std::isnan(markers.first.area);
+  return area_misfit(pair.first.area, is_known ? markers.first.area : pair.second.area, markers);
 }
 
-double blue_misfit(const Pair& pair, const MarkerLayout& markers) {
-  const bool is_known = !std::isnan(markers.blue_area);
-  return area_misfit(pair.blue.area, is_known ? markers.blue_area : pair.red.area, markers);
+double second_misfit(const Pair& pair, const MarkerLayout& markers) {
+  const bool is_known = !std::isnan(markers.second.area);
+  return area_misfit(pair.second.area, is_known ? markers.second.area : pair.first.area, markers);
 }
 
 double misfit(const Pair& pair, const MarkerLayout& markers) {
-  return distance_misfit(pair, markers) + red_misfit(pair, markers) + blue_misfit(pair, markers);
+  return distance_misfit(pair, markers) + first_misfit(pair, markers) +
+         second_misfit(pair, markers);
 }
 
 // The misfit of a pair within all limits.
 std::optional<double> accepted_misfit(const Pair& pair, const MarkerLayout& markers) {
   double sum = 0;
-  for (const auto deviation : {distance_misfit, red_misfit, blue_misfit}) {
+  for (const auto deviation : {distance_misfit, first_misfit, second_misfit}) {
     const double value = deviation(pair, markers);
     if (!(value <= 1)) return std::nullopt;
     sum += value;
@@ -122,29 +124,29 @@ double unlikeness(const Pair& pair, const MarkerLayout& markers) {
   // log(area/expected) = 2 log(length/expected)
   const double log_distance = 2 * elementary::log(distance_of(pair) / markers.distance()) /
                               elementary::log(markers.area_tolerance);
-  return log_distance * log_distance + red_misfit(pair, markers) + blue_misfit(pair, markers);
+  return log_distance * log_distance + first_misfit(pair, markers) + second_misfit(pair, markers);
 }
 
 // The markers' line gives the heading, their midpoint and the heading give the centre.
 Pose pose_from(const Pair& pair, const MarkerLayout& markers) {
-  const auto& [red, blue] = pair;
+  const auto& [first, second] = pair;
   const auto direction = [](const Point& from, const Point& to) {
     return elementary::atan2(to.y - from.y, to.x - from.x);
   };
-  const double heading =
-      wrap_angle(direction(blue.position, red.position) - direction(markers.blue, markers.red));
+  const double heading = wrap_angle(direction(second.position, first.position) -
+                                    direction(markers.second.position, markers.first.position));
   // centre = midpoint seen - R(heading) midpoint in the robot's frame
-  const double x = (markers.red.x + markers.blue.x) / 2;
-  const double y = (markers.red.y + markers.blue.y) / 2;
+  const double x = (markers.first.position.x + markers.second.position.x) / 2;
+  const double y = (markers.first.position.y + markers.second.position.y) / 2;
   const auto [sin, cos] = elementary::sin_cos(heading);
-  return {(red.position.x + blue.position.x) / 2 - (x * cos - y * sin),
-          (red.position.y + blue.position.y) / 2 - (x * sin + y * cos), heading};
+  return {(first.position.x + second.position.x) / 2 - (x * cos - y * sin),
+          (first.position.y + second.position.y) / 2 - (x * sin + y * cos), heading};
 }
 
 // Where the centroid of a marker is on the work area. The centroid of what a camera sees of it lies
 // nearer to where the scale is larger, by second-order terms, which four points with the second
 // moments of a disc of its area give.
-Point centroid_of(const Marker& marker, const PlaneMap& map) {
+Point centroid_of(const Candidate& marker, const PlaneMap& map) {
   const auto& [x, y] = marker.position;
   // E[dx^2] = E[dy^2] = area / (4 pi)
   const double away = std::sqrt(marker.area / (2 * pi));
@@ -163,37 +165,38 @@ Point centroid_of(const Marker& marker, const PlaneMap& map) {
 
 Pose pose_from(Pair pair, const MarkerLayout& markers, const PlaneMap& map) {
   if (map.intrinsics()) {
-    for (Marker* marker : {&pair.red, &pair.blue}) marker->position = centroid_of(*marker, map);
+    for (Candidate* marker : {&pair.first, &pair.second})
+      marker->position = centroid_of(*marker, map);
   }
   return pose_from(pair, markers);
 }
 
 MarkerLayout exchanged(MarkerLayout markers) {
-  std::swap(markers.red_area, markers.blue_area);
+  std::swap(markers.first.area, markers.second.area);
   return markers;
 }
 
 Detection detection_of(const Pair& pair, DetectionResult result, const MarkerLayout& markers) {
   Detection detection;
   detection.result = result;
-  detection.red = *pair.red.blob;
-  detection.blue = *pair.blue.blob;
+  detection.first = *pair.first.blob;
+  detection.second = *pair.second.blob;
   detection.misfit = misfit(pair, markers);
   detection.exchanged = misfit(pair, exchanged(markers));
   detection.distance = distance_of(pair);
-  detection.red_area = pair.red.area;
-  detection.blue_area = pair.blue.area;
+  detection.first_area = pair.first.area;
+  detection.second_area = pair.second.area;
   return detection;
 }
 
 // Why no pair is accepted, by the pair most like the markers.
-Detection refused(const std::vector<Marker>& reds, const std::vector<Marker>& blues,
+Detection refused(const std::vector<Candidate>& firsts, const std::vector<Candidate>& seconds,
                   const MarkerLayout& markers) {
-  Pair nearest{reds.front(), blues.front()};
+  Pair nearest{firsts.front(), seconds.front()};
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < std::min(reds.size(), most_alike); ++i) {
-    for (std::size_t j = 0; j < std::min(blues.size(), most_alike); ++j) {
-      const Pair pair{reds[i], blues[j]};
+  for (std::size_t i = 0; i < std::min(firsts.size(), most_alike); ++i) {
+    for (std::size_t j = 0; j < std::min(seconds.size(), most_alike); ++j) {
+      const Pair pair{firsts[i], seconds[j]};
       const double value = unlikeness(pair, markers);
       if (value < least) {
         least = value;
@@ -207,29 +210,30 @@ Detection refused(const std::vector<Marker>& reds, const std::vector<Marker>& bl
 }
 
 // Why there is no pair at all.
-DetectionResult without_pair(const BlobsByColor& blobs) {
-  const bool has_red = has_blobs(blobs, "red");
-  const bool has_blue = has_blobs(blobs, "blue");
-  if (has_red && has_blue) return DetectionResult::at_border;
-  if (has_red) return DetectionResult::no_blue_blob;
-  return has_blue ? DetectionResult::no_red_blob : DetectionResult::no_blobs;
+DetectionResult without_pair(const BlobsByColor& blobs, const MarkerLayout& markers) {
+  const bool has_first = has_blobs(blobs, markers.first.color);
+  const bool has_second = has_blobs(blobs, markers.second.color);
+  if (has_first && has_second) return DetectionResult::at_border;
+  if (has_first) return DetectionResult::no_second_blob;
+  return has_second ? DetectionResult::no_first_blob : DetectionResult::no_blobs;
 }
 
 // The area that the blobs are spread over (px^2): their extent, which falls short of that of the
 // floor by a factor of (n - 1)/(n + 1) in each direction if n blobs lie anywhere, and which is no
 // less than that of a robot.
-double spread(const std::vector<Marker>& reds, const std::vector<Marker>& blues, double robot) {
-  const Point& first = reds.front().position;
-  Point least = first;
-  Point most = first;
-  for (const std::vector<Marker>* markers : {&reds, &blues}) {
-    for (const Marker& marker : *markers) {
+double spread(const std::vector<Candidate>& firsts, const std::vector<Candidate>& seconds,
+              double robot) {
+  const Point& start = firsts.front().position;
+  Point least = start;
+  Point most = start;
+  for (const std::vector<Candidate>* markers : {&firsts, &seconds}) {
+    for (const Candidate& marker : *markers) {
       const Point& place = marker.position;
       least = {std::min(least.x, place.x), std::min(least.y, place.y)};
       most = {std::max(most.x, place.x), std::max(most.y, place.y)};
     }
   }
-  const auto count = static_cast<double>(reds.size() + blues.size());
+  const auto count = static_cast<double>(firsts.size() + seconds.size());
   const double factor = (count + 1) / (count - 1);
   return std::max(factor * (most.x - least.x), robot) *
          std::max(factor * (most.y - least.y), robot);
@@ -237,109 +241,116 @@ double spread(const std::vector<Marker>& reds, const std::vector<Marker>& blues,
 
 // How many pairs of blobs that are not in the best pair would fit as well as that one, if they lay
 // anywhere: the sum of the probabilities that their distance does.
-double false_alarms(const Pair& best, double best_misfit, const std::vector<Marker>& reds,
-                    const std::vector<Marker>& blues, const MarkerLayout& markers) {
+double false_alarms(const Pair& best, double best_misfit, const std::vector<Candidate>& firsts,
+                    const std::vector<Candidate>& seconds, const MarkerLayout& markers) {
   double sum = 0;
-  for (const Marker& red : reds) {
-    if (red.blob == best.red.blob) continue;
-    for (const Marker& blue : blues) {
-      if (blue.blob == best.blue.blob) continue;
-      const Pair pair{red, blue};
-      const double rest = best_misfit - red_misfit(pair, markers) - blue_misfit(pair, markers);
+  for (const Candidate& first : firsts) {
+    if (first.blob == best.first.blob) continue;
+    for (const Candidate& second : seconds) {
+      if (second.blob == best.second.blob) continue;
+      const Pair pair{first, second};
+      const double rest = best_misfit - first_misfit(pair, markers) - second_misfit(pair, markers);
       if (rest > 0) sum += std::sqrt(std::min(rest, 1.0));
     }
   }
   // area of the ring: 2 pi distance x 2 tolerance distance sqrt(rest)
   const double distance = markers.distance();
   const double ring = 4 * pi * markers.distance_tolerance * distance * distance;
-  return sum == 0 ? 0 : sum * ring / spread(reds, blues, markers.distance());
+  return sum == 0 ? 0 : sum * ring / spread(firsts, seconds, markers.distance());
 }
 
 Detection choose(const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& map) {
-  const std::vector<Marker> reds = markers_of(blobs, "red", map);
-  const std::vector<Marker> blues = markers_of(blobs, "blue", map);
+  const std::vector<Candidate> firsts = candidates_of(blobs, markers.first.color, map);
+  const std::vector<Candidate> seconds = candidates_of(blobs, markers.second.color, map);
   Detection none;
-  none.result = without_pair(blobs);
-  if (reds.empty() || blues.empty()) return none;
-  const std::vector<Marker> red_candidates = of_area(reds, markers.red_area, markers);
-  const std::vector<Marker> blue_candidates = of_area(blues, markers.blue_area, markers);
+  none.result = without_pair(blobs, markers);
+  if (firsts.empty() || seconds.empty()) return none;
+  const std::vector<Candidate> first_candidates = of_area(firsts, markers.first.area, markers);
+  const std::vector<Candidate> second_candidates = of_area(seconds, markers.second.area, markers);
   std::optional<Pair> best;
   double best_misfit = 0;
-  double second = std::numeric_limits<double>::infinity();
-  for (const Marker& red : red_candidates) {
-    for (const Marker& blue : blue_candidates) {
-      const std::optional<double> value = accepted_misfit({red, blue}, markers);
+  double runner_up = std::numeric_limits<double>::infinity();
+  for (const Candidate& first : first_candidates) {
+    for (const Candidate& second : second_candidates) {
+      const std::optional<double> value = accepted_misfit({first, second}, markers);
       if (!value) continue;
       if (best && *value >= best_misfit) {
-        second = std::min(second, *value);
+        runner_up = std::min(runner_up, *value);
         continue;
       }
-      if (best) second = best_misfit;
-      best = Pair{red, blue};
+      if (best) runner_up = best_misfit;
+      best = Pair{first, second};
       best_misfit = *value;
     }
   }
-  if (!best) return refused(reds, blues, markers);
+  if (!best) return refused(firsts, seconds, markers);
   Detection detection = detection_of(*best, DetectionResult::detected, markers);
-  detection.runner_up = second;
+  detection.runner_up = runner_up;
   detection.false_alarms =
-      false_alarms(*best, best_misfit, red_candidates, blue_candidates, markers);
-  if (second - best_misfit < clear_lead) {
+      false_alarms(*best, best_misfit, first_candidates, second_candidates, markers);
+  if (runner_up - best_misfit < clear_lead) {
     detection.result = DetectionResult::ambiguous;
   } else if (detection.false_alarms > most_false_alarms) {
     detection.result = DetectionResult::by_chance;
   } else {
     detection.measurement = Measurement{};
     detection.measurement->pose = pose_from(*best, markers, map);
-    detection.measurement->pair = MarkerPair{*detection.red, *detection.blue};
+    detection.measurement->pair = MarkerPair{*detection.first, *detection.second};
   }
   return detection;
 }
 
+Marker marker_from(const Polygon& polygon, const std::string& color) {
+  check_polygon(polygon, color.c_str());
+  return {color, polygon_centroid(polygon), polygon_area(polygon),
+          std::make_shared<MarkerShape>(polygon, color)};
+}
+
 }  // namespace
 
-MarkerLayout MarkerLayout::across(double distance, double offset) {
+MarkerLayout MarkerLayout::across(double distance, double offset,
+                                  const std::array<std::string, 2>& colors) {
   if (!(distance > 0)) {
     throw std::invalid_argument("distance between the markers must be above 0 px, got " +
                                 to_text(distance));
   }
   MarkerLayout markers;
-  markers.red = {-offset, distance / 2};
-  markers.blue = {-offset, -distance / 2};
+  markers.first.color = colors[0];
+  markers.second.color = colors[1];
+  markers.first.position = {-offset, distance / 2};
+  markers.second.position = {-offset, -distance / 2};
   check_marker_layout(markers);
   return markers;
 }
 
-MarkerLayout MarkerLayout::from_markers(const Polygon& red, const Polygon& blue) {
-  check_polygon(red, "red");
-  check_polygon(blue, "blue");
+MarkerLayout MarkerLayout::from_markers(const Polygon& first, const Polygon& second,
+                                        const std::array<std::string, 2>& colors) {
   MarkerLayout markers;
-  markers.red = polygon_centroid(red);
-  markers.blue = polygon_centroid(blue);
-  markers.red_area = polygon_area(red);
-  markers.blue_area = polygon_area(blue);
-  markers.red_shape = std::make_shared<MarkerShape>(red, "red");
-  markers.blue_shape = std::make_shared<MarkerShape>(blue, "blue");
+  markers.first = marker_from(first, colors[0]);
+  markers.second = marker_from(second, colors[1]);
   check_marker_layout(markers);
   return markers;
 }
 
-double MarkerLayout::distance() const { return elementary::hypot(red.x - blue.x, red.y - blue.y); }
+double MarkerLayout::distance() const {
+  const Point &to = first.position, &from = second.position;
+  return elementary::hypot(to.x - from.x, to.y - from.y);
+}
 
-double MarkerLayout::offset() const { return -(red.x + blue.x) / 2; }
+double MarkerLayout::offset() const { return -(first.position.x + second.position.x) / 2; }
 
 namespace {
 
 // An outline must be that of the marker, and come with that of the other one.
-void check_outline(const MarkerShape* shape, const Point& place, const char* name,
-                   const MarkerLayout& markers) {
-  if (!markers.red_shape && !markers.blue_shape) return;
-  const std::string polygon = std::string(name) + "_polygon";
-  if (!shape) {
+void check_outline(const Marker& marker, const char* polygon_name, const MarkerLayout& markers) {
+  if (!markers.first.shape && !markers.second.shape) return;
+  const std::string polygon = polygon_name;
+  if (!marker.shape) {
     throw std::invalid_argument(polygon + " must be given if that of the other marker is");
   }
-  const Point& centroid = shape->centroid();
-  const double beside = elementary::hypot(centroid.x - place.x, centroid.y - place.y);
+  const Point centroid = marker.shape->centroid();
+  const double beside =
+      elementary::hypot(centroid.x - marker.position.x, centroid.y - marker.position.y);
   if (!(beside <= std::max(0.5, 0.05 * markers.distance()))) {
     throw std::invalid_argument(polygon + " must have its centroid at the marker, got one " +
                                 to_text(beside) + " px away");
@@ -349,6 +360,11 @@ void check_outline(const MarkerShape* shape, const Point& place, const char* nam
 }  // namespace
 
 void check_marker_layout(const MarkerLayout& markers) {
+  if (markers.first.color.empty() || markers.first.color == markers.second.color ||
+      markers.second.color.empty()) {
+    throw std::invalid_argument("colors must be the names of two different colours, got '" +
+                                markers.first.color + "' and '" + markers.second.color + "'");
+  }
   if (!std::isfinite(markers.offset()) || !std::isfinite(markers.distance())) {
     throw std::invalid_argument("distance and offset must be finite (work-area px)");
   }
@@ -356,14 +372,14 @@ void check_marker_layout(const MarkerLayout& markers) {
     throw std::invalid_argument("distance between the markers must be at least 0.001 px, got " +
                                 to_text(markers.distance()));
   }
-  for (const double area : {markers.red_area, markers.blue_area}) {
+  for (const double area : {markers.first.area, markers.second.area}) {
     if (!std::isnan(area) && !(std::isfinite(area) && area > 0)) {
       throw std::invalid_argument("marker area must be positive and finite, or NaN, got " +
                                   to_text(area));
     }
   }
-  check_outline(markers.red_shape.get(), markers.red, "red", markers);
-  check_outline(markers.blue_shape.get(), markers.blue, "blue", markers);
+  check_outline(markers.first, "red_polygon", markers);
+  check_outline(markers.second, "blue_polygon", markers);
   if (markers.maximum_blobs < 1) {
     throw std::invalid_argument("maximum_blobs must be at least 1, got " +
                                 std::to_string(markers.maximum_blobs));
@@ -386,8 +402,8 @@ Detection detect(const BlobsByColor& blobs, const MarkerLayout& markers,
 }
 
 Pose pose_of(const MarkerPair& pair, const MarkerLayout& markers, const PlaneMap& plane_map) {
-  return pose_from({marker_of(pair.red, plane_map), marker_of(pair.blue, plane_map)}, markers,
-                   plane_map);
+  return pose_from({candidate_of(pair.first, plane_map), candidate_of(pair.second, plane_map)},
+                   markers, plane_map);
 }
 
 }  // namespace robsim

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "robsim/geometry/polygon.hpp"
 #include "robsim/imaging/plane_map.hpp"
@@ -13,8 +15,8 @@ namespace robsim {
 
 /// The two blobs that were taken for the markers.
 struct MarkerPair {
-  Blob red;
-  Blob blue;
+  Blob first;
+  Blob second;
 };
 
 /// The pose of a detected robot, and how good it is, as far as that is known.
@@ -26,41 +28,50 @@ struct Measurement {
   std::optional<MarkerPair> pair;
 };
 
-/// The positions of a robot's red and blue marker: what turns a pair of blobs into a pose.
-/// Positions are in the robot's frame: x forward, y to its right, from its centre (work-area px).
+/// A marker in the robot's frame: x forward, y to its right, from its centre (work-area px).
+struct Marker {
+  std::string color;    // name of the colour class that its blobs are of
+  Point position = {};  // its centroid
+  double area = std::numeric_limits<double>::quiet_NaN();  // work-area px^2, NaN = unknown
+  // Its outline, if known; copies of a layout share it.
+  std::shared_ptr<const MarkerShape> shape = nullptr;
+};
+
+/// The names of a robot's two colours, if no others are given.
+inline const std::array<std::string, 2> default_marker_colors = {"red", "blue"};
+
+/// The two markers of a robot: what turns a pair of blobs into a pose.
 struct MarkerLayout {
-  Point red;
-  Point blue;
-  double red_area = std::numeric_limits<double>::quiet_NaN();   // work-area px^2, NaN = unknown
-  double blue_area = std::numeric_limits<double>::quiet_NaN();  // work-area px^2, NaN = unknown
+  Marker first{default_marker_colors[0]};
+  Marker second{default_marker_colors[1]};
   double distance_tolerance = 0.12;  // fraction of the distance between the markers
   double area_tolerance = 2.5;       // maximum ratio between an area and its expected value
   int maximum_blobs = 64;            // blobs considered per colour, the largest first
-  // Their outlines, if they are known; copies of a layout share them.
-  std::shared_ptr<const MarkerShape> red_shape;
-  std::shared_ptr<const MarkerShape> blue_shape;
 
-  /// The layout of the manual: the line from blue to red is perpendicular to the heading, red on
-  /// the robot's right; the centre lies `offset` px ahead of its midpoint.
-  static MarkerLayout across(double distance, double offset);
+  /// The layout of the manual: the line from the second to the first is perpendicular to the
+  /// heading, the first on the robot's right; the centre lies `offset` px ahead of its midpoint.
+  static MarkerLayout across(double distance, double offset,
+                             const std::array<std::string, 2>& colors = default_marker_colors);
 
   /// From marker polygons in the robot's frame.
-  static MarkerLayout from_markers(const Polygon& red, const Polygon& blue);
+  static MarkerLayout from_markers(
+      const Polygon& first, const Polygon& second,
+      const std::array<std::string, 2>& colors = default_marker_colors);
 
   double distance() const;  // between the two markers
   double offset() const;    // from the midpoint of the markers forward to the centre
 };
 
-/// Throws std::invalid_argument for values that are not finite, coincident markers and tolerances
-/// that no pair can meet.
+/// Throws std::invalid_argument for colours without a name or of the same one, values that are not
+/// finite, coincident markers and tolerances that no pair can meet.
 void check_marker_layout(const MarkerLayout& markers);
 
 /// What the choice of a pair of blobs came to.
 enum class DetectionResult {
   detected,
-  no_blobs,  // neither red nor blue
-  no_red_blob,
-  no_blue_blob,
+  no_blobs,  // of either colour
+  no_first_blob,
+  no_second_blob,
   at_border,  // all blobs of a colour may be cut off
   distance,   // no pair is as far apart as the markers
   areas,      // the blobs of a pair are too large or too small
@@ -74,21 +85,23 @@ enum class DetectionResult {
   small_markers
 };
 
-/// The red-blue pair that fits the markers best, how well it fits, and what follows from it.
+/// The pair of blobs, one of each colour, that fits the markers best, how well it fits, and what
+/// follows from it.
 struct Detection {
   std::optional<Measurement> measurement;
   DetectionResult result = DetectionResult::no_blobs;
 
   // The pair: if none is accepted, the one most like the markers.
-  std::optional<Blob> red;
-  std::optional<Blob> blue;
+  std::optional<Blob> first;
+  std::optional<Blob> second;
   double misfit = std::numeric_limits<double>::infinity();     // 0 = perfect; no pair: infinite
   double runner_up = std::numeric_limits<double>::infinity();  // of the next pair that fits, too
-  double exchanged = std::numeric_limits<double>::infinity();  // if red were blue, and blue red
+  double exchanged = std::numeric_limits<double>::infinity();  // if the first were the second, and
+                                                               // the second the first
   double false_alarms = 0;  // pairs of the other blobs that fit as well, to be expected by chance
   double distance = 0;      // between the two blobs, work-area px
-  double red_area = 0;      // work-area px^2
-  double blue_area = 0;     // work-area px^2
+  double first_area = 0;    // work-area px^2
+  double second_area = 0;   // work-area px^2
 
   bool by_second_chance = false;  // the pair was found relative to brightness: see look_again
 
@@ -98,7 +111,7 @@ struct Detection {
   MarkerLayout markers;  // that were looked for
 };
 
-/// Looks for the red-blue pair whose distance and areas fit the markers best. The misfit is the sum
+/// Looks for the pair of blobs whose distance and areas fit the markers best. The misfit is the sum
 /// of three squared deviations, each at most 1 (the limit) in a pair that is accepted. Blobs at the
 /// border of the frame may be cut off and are not used. Without known marker areas, those of a pair
 /// must be similar. There is no measurement if no pair is accepted, or two fit equally well, or the

@@ -24,7 +24,7 @@ constexpr double noise_limit = 18;
 constexpr double least_far_width = 0.5;  // of the width in the middle
 
 double width_at(const MarkerLayout& markers, const PlaneMap& plane_map, const Point& pixel) {
-  const double marker = std::fmin(markers.red_area, markers.blue_area);
+  const double marker = std::fmin(markers.first.area, markers.second.area);
   return std::sqrt(marker / plane_map.area_scale(pixel));
 }
 

@@ -19,15 +19,15 @@ double frame_scale(const Pose& pose, const PlaneMap& map) {
 }
 
 // By error propagation from the two centroids, whose variances (work-area px^2) are independent:
-// heading = direction from blue to red, place = their middle - R(heading) that of the layout.
+// heading = direction from second to first, place = their middle - R(heading) that of the layout.
 PoseCovariance covariance_of(const MarkerPair& pair, const double (&variances)[2],
                              const MarkerLayout& markers, const PlaneMap& map, double heading) {
-  const Point red = map.to_world(pair.red.centroid);
-  const Point blue = map.to_world(pair.blue.centroid);
-  const Point apart{red.x - blue.x, red.y - blue.y};
+  const Point first = map.to_world(pair.first.centroid);
+  const Point second = map.to_world(pair.second.centroid);
+  const Point apart{first.x - second.x, first.y - second.y};
   const double squared = apart.x * apart.x + apart.y * apart.y;
-  const double x = (markers.red.x + markers.blue.x) / 2;
-  const double y = (markers.red.y + markers.blue.y) / 2;
+  const double x = (markers.first.position.x + markers.second.position.x) / 2;
+  const double y = (markers.first.position.y + markers.second.position.y) / 2;
   const auto [sin, cos] = elementary::sin_cos(heading);
   PoseCovariance covariance = PoseCovariance::Zero();
   for (int k = 0; k < 2; ++k) {
@@ -48,7 +48,7 @@ void weigh(Measurement& measurement, const MarkerLayout& markers, const ImageVie
            const PlaneMap& map) {
   MarkerPair pair = *measurement.pair;
   double variances[2];
-  Blob* const blobs[2] = {&pair.red, &pair.blue};
+  Blob* const blobs[2] = {&pair.first, &pair.second};
   for (int k = 0; k < 2; ++k) {
     const auto found = weighted_centroid(image, blobs[k]->box, blobs[k]->centroid);
     if (!found) return;
@@ -83,8 +83,8 @@ void refine(Detection& detection, const ImageView& image, const PlaneMap& map, i
   Measurement& measurement = *detection.measurement;
   const MarkerLayout& markers = detection.markers;
   std::optional<PoseFit> fit;
-  if (markers.red_shape && markers.blue_shape) {
-    fit = fit_pose(image, map, *markers.red_shape, *markers.blue_shape, measurement.pose);
+  if (markers.first.shape && markers.second.shape) {
+    fit = fit_pose(image, map, *markers.first.shape, *markers.second.shape, measurement.pose);
   }
   if (fit) {
     measurement.misfit = fit->misfit;

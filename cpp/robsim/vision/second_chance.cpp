@@ -29,8 +29,8 @@ constexpr double colored_floor = 0.07;
 bool deserves_another_look(const Detection& detection) {
   switch (detection.result) {
     case DetectionResult::no_blobs:
-    case DetectionResult::no_red_blob:
-    case DetectionResult::no_blue_blob:
+    case DetectionResult::no_first_blob:
+    case DetectionResult::no_second_blob:
     case DetectionResult::at_border:  // such as a floor that has the colour of a marker
     case DetectionResult::distance:
     case DetectionResult::areas:

@@ -53,8 +53,8 @@ def train(
             "--region",
             metavar="[NAME=]L,T,R,B",
             help="Box in px around pixels of the colour: left,top,right,bottom; one for each "
-            "image. In the first frame of a recording, red=L,T,R,B and blue=L,T,R,B, if --colors "
-            "do not find the robot. Can be repeated.",
+            "image. In the first frame of a recording, one for each of the robot's colours, "
+            "red=L,T,R,B and blue=L,T,R,B, if --colors do not find it. Can be repeated.",
         ),
     ] = None,
     name: Annotated[
@@ -168,23 +168,26 @@ def _markers(
     markers = load_robot(robot).marker_layout()
     if texts and colors is not None:
         raise ValueError("--colors and --region of a recording must not both be given")
-    regions = _regions_of_markers(texts) if texts else None
+    regions = _regions_of_markers(texts, markers.colors) if texts else None
     return train_markers(source, markers, colors=colors, regions=regions, margin=margin)
 
 
-def _regions_of_markers(texts: Sequence[str]) -> dict[str, Region]:
+def _regions_of_markers(texts: Sequence[str], names: tuple[str, str]) -> dict[str, Region]:
     """Return the regions of both markers from texts such as red=578,613,594,630."""
     regions = {}
+    first, second = names
     for text in texts:
         name, _, box = text.rpartition("=")
-        if name not in ("red", "blue") or name in regions:
+        if name not in names or name in regions:
             raise ValueError(
-                "--region of a recording must be one of red and one of blue in its first frame, "
-                f"such as red=578,613,594,630, got {quoted(text)}"
+                f"--region of a recording must be one of {first} and one of {second} in its first "
+                f"frame, such as {first}=578,613,594,630, got {quoted(text)}"
             )
         regions[name] = parse_region("--region", box)
     if len(regions) == 1:
-        raise ValueError(f"--region must be given for red and for blue, got {quoted(texts[0])}")
+        raise ValueError(
+            f"--region must be given for {first} and for {second}, got {quoted(texts[0])}"
+        )
     return regions
 
 

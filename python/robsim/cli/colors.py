@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from robsim._base.checks import check_float
+from robsim._base.checks import Floats, check_float
 from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._base.text import quoted
 from robsim._core import ColorClass, classify, find_blobs
@@ -84,8 +84,9 @@ def frame(
         )
         _write_image(file, simulation.frame.image)
     errors.say(f"frame of the robot {simulation.robot.name} written to {file}")
-    for name in ("red", "blue"):
-        errors.say(f"  {name:<4} marker: {_marker_region(simulation, name, start)}")
+    seen = simulation.robot
+    for name, polygon in zip(seen.marker_colors, (seen.red, seen.blue), strict=True):
+        errors.say(f"  {name:<4} marker: {_marker_region(simulation, polygon, start)}")
 
 
 @app.command("list", cls=Command, epilog="Example: robsim colors list")
@@ -158,13 +159,15 @@ def try_colors(
         errors.say(f"colours painted, written to {out}")
 
 
-def _marker_region(simulation: Simulation, name: str, start: tuple[float, float, float]) -> str:
+def _marker_region(
+    simulation: Simulation, marker: Floats, start: tuple[float, float, float]
+) -> str:
     """Return the region of a marker in the frame as a command-line option, or a hint."""
     robot, (x, y, heading) = simulation.robot, start
     sine, cosine = np.sin(heading), np.cos(heading)
     # In the frame, forward is (cos, sin) and right is (-sin, cos).
     turn = np.array(((cosine, sine), (-sine, cosine)))
-    polygon = robot.to_robot_frame(getattr(robot, name)) @ turn + (x, y)
+    polygon = robot.to_robot_frame(marker) @ turn + (x, y)
     area, centroid = area_and_centroid(polygon)
     # 70 % of the width of a square marker, so that the region lies inside a round one, too.
     half_width = 0.35 * np.sqrt(area)

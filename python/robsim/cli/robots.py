@@ -23,8 +23,9 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
     help=HELP
-    + "\n\nA robot is an image from above with an outline, a red and a blue marker, a size and an "
-    "alignment. Some ship with robsim; yours are stored in your user folder, or in $ROBSIM_DATA.",
+    + "\n\nA robot is an image from above with an outline, two markers of different colours, a "
+    "size and an alignment. Some ship with robsim; yours are stored in your user folder, or in "
+    "$ROBSIM_DATA.",
     epilog="Start with: robsim robots list",
 )
 
@@ -114,8 +115,8 @@ def show(
     cls=Command,
     help="Add a robot to your user folder.\n\n"
     "Options that are not given are derived from an image, or copied from another robot. The "
-    "surroundings of the robot in the image must be transparent, or --outline be given. Red and "
-    "blue name the two markers, whatever their colours are: a colour file says these. Check the "
+    "surroundings of the robot in the image must be transparent, or --outline be given. Options "
+    "call the first marker red and the second blue, whatever --marker-colors are. Check the "
     "result with [bold]robsim robots show[/], rotate it with [bold]robsim robots rotate[/].",
     epilog="Example: robsim robots add mine photo.png --size 120",
 )
@@ -166,18 +167,29 @@ def add(
     red: Annotated[
         str | None,
         typer.Option(
-            metavar="POINTS", help="Polygon of the red marker.", show_default="the largest red blob"
+            metavar="POINTS",
+            help="Polygon of the first marker.",
+            show_default="the largest blob of its colour",
         ),
     ] = None,
     blue: Annotated[
         str | None,
         typer.Option(
             metavar="POINTS",
-            help="Polygon of the blue marker.",
-            show_default="the largest blue blob",
+            help="Polygon of the second marker.",
+            show_default="the largest blob of its colour",
         ),
     ] = None,
     colors: Colors = None,
+    marker_colors: Annotated[
+        str | None,
+        typer.Option(
+            "--marker-colors",
+            metavar="NAME,NAME",
+            help="Colours of the first and the second marker, as the colour file names them.",
+            show_default="red,blue",
+        ),
+    ] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", metavar=SWITCH, help="Replace your robot of this name.")
     ] = False,
@@ -202,6 +214,7 @@ def add(
             red=parse_points("--red", red),
             blue=parse_points("--blue", blue),
             colors=colors,
+            marker_colors=marker_colors.split(",") if marker_colors else None,
             overwrite=overwrite,
             ignore_colors=ignore_colors,
         )
@@ -286,6 +299,7 @@ def _described(robot: RobotDefinition) -> str:
     markers = robot.marker_layout()
     assert robot.centre is not None
     right, down = robot.centre
+    first, second = robot.marker_colors
     side = "behind" if markers.offset >= 0 else "ahead of"
     offset = f"{abs(markers.offset):.1f} px {side} the centre"
     return (
@@ -294,5 +308,6 @@ def _described(robot: RobotDefinition) -> str:
         f"  centre     at ({right:.1f}, {down:.1f}) of the image\n"
         f"  outline    up to {robot.radius:.1f} px from the centre\n"
         f"  markers    {markers.distance:.1f} px apart, {offset}\n"
-        f"  areas      red {markers.red_area:.0f}, blue {markers.blue_area:.0f} px of the work area"
+        f"  areas      {first} {markers.red_area:.0f}, {second} {markers.blue_area:.0f} px of the "
+        "work area"
     )

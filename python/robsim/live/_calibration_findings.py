@@ -49,17 +49,14 @@ def marker_pair(
 ) -> MarkerPair | None:
     """Return where the markers are, even if they are too far apart to be the robot's.
 
-    Then they are the largest red and the largest blue blob.
+    Then they are the largest blob of each colour.
     """
     found = []
-    for name in ("red", "blue"):
-        one = getattr(detection, name)
-        others = blobs.get(name, ())
-        if one is None and others:
-            one = max(others, key=lambda blob: blob.area)
-        if one is None:
+    for name, one in zip(markers.colors, (detection.red, detection.blue), strict=True):
+        blob = one or max(blobs.get(name, ()), key=lambda blob: blob.area, default=None)
+        if blob is None:
             return None
-        found.append(np.array(one.centroid, float))
+        found.append(np.array(blob.centroid, float))
     red, blue = found
     placed = frame.plane_map.to_world(np.array(found))
     distance = float(np.linalg.norm(placed[0] - placed[1]))

@@ -177,7 +177,7 @@ def check_camera(
         blobs=blobs,
         measurement=detection.measurement,
         robot=definition,
-        remarks=tuple(_remarks(findings, motors)),
+        remarks=tuple(_remarks(findings, motors, look.markers.colors)),
     )
 
 
@@ -193,13 +193,15 @@ def _frames_of(camera: Camera, seconds: float) -> Iterator[Frame]:
             continue
 
 
-def _remarks(findings: Iterable[CameraFinding], motors: Any) -> Iterator[str]:
+def _remarks(
+    findings: Iterable[CameraFinding], motors: Any, colors: tuple[str, str]
+) -> Iterator[str]:
     names = [finding.name for finding in findings if finding.verdict == NOT_KNOWN]
     if "exposure to arrival" in names:
         yield "when the camera exposes is not known: its latency cannot be told"
     if "round trip to the robot" in names:
         yield "the robot answered nothing: is it on? Firmware need not answer, see PROTOCOL.md"
-    if "margin of red" in names and "margin of blue" in names:
+    if all(f"margin of {color}" in names for color in colors):
         yield "the markers cannot be judged where the robot is not detected"
     yield from _remarks_on_calibration({finding.name for finding in findings}, names)
     if motors is not None:

@@ -52,8 +52,6 @@ _VISIBLE = (0.9, 0.5)  # of the work area
 
 _REMEDIES = {
     "no blobs": "train the colours in this light (robsim colors train), or is it another robot?",
-    "no red blob": "train the red marker's colour in this light: robsim colors train",
-    "no blue blob": "train the blue marker's colour in this light: robsim colors train",
     "at the border": "move the robot away from the border of the picture",
     "ambiguous": "leave only one robot, and nothing of its colours, in the picture",
     "by chance": "take what has the markers' colours off the floor, or train narrower colours",
@@ -61,6 +59,13 @@ _REMEDIES = {
     "overexposed": "give a shorter exposure, or less light",
     "small markers": "bring the camera closer, take more pixels, or print larger markers",
 }
+
+
+def _remedy(reason: str | None, colors: tuple[str, str]) -> str | None:
+    for color in colors:
+        if reason == f"no {color} blob":
+            return f"train the {color} marker's colour in this light: robsim colors train"
+    return _REMEDIES.get(reason or "")
 
 
 @dataclass(frozen=True)
@@ -261,8 +266,8 @@ def _detection(look: CameraLook) -> Iterator[CameraFinding]:
         reason, times = missed.most_common(1)[0]
         example = next(one for one in look.detections if one.reason == reason)
         remedy = f"in {times} of {total} frames, {example.explanation}"
-        if reason in _REMEDIES:
-            remedy += f"; {_REMEDIES[reason]}"
+        if known := _remedy(reason, look.markers.colors):
+            remedy += f"; {known}"
     yield _judged("robot detected", 100 * look.seen / total, "%", _percent_limits(_SEEN), remedy)
     others = float(np.mean(look.others)) if look.seen else math.nan
     yield _judged(

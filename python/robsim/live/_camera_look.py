@@ -15,7 +15,6 @@ from robsim.live._marker_light import MarkerLight, marker_light
 from robsim.robots import RobotDefinition
 
 _KEPT = 3  # frames, to look for floor sheets in when all have come
-_MARKERS = ("red", "blue")
 _WHITE_LEVEL, _BLACK_LEVEL = 250, 3
 _GRID = 96  # pixels that are looked at for the light of the whole frame, in each direction
 
@@ -37,7 +36,8 @@ class CameraLook:
         self, robot: RobotDefinition, colors: Sequence[ColorClass], smoothing: int | None
     ) -> None:
         self.markers: MarkerLayout = robot.marker_layout()
-        self._corners = {name: robot.to_robot_frame(getattr(robot, name)) for name in _MARKERS}
+        polygons = zip(self.markers.colors, (robot.red, robot.blue), strict=True)
+        self._corners = {name: robot.to_robot_frame(polygon) for name, polygon in polygons}
         self._colors = {color.name: color for color in colors}
         self._smoothing = smoothing
         self.detections: list[Detection] = []
@@ -47,7 +47,7 @@ class CameraLook:
         self.others: list[int] = []
         self.light: list[tuple[float, float, float]] = []  # mean, shares of white and of black
         self.pairs: list[MarkerPair] = []
-        self.marker_light: dict[str, list[MarkerLight]] = {name: [] for name in _MARKERS}
+        self.marker_light: dict[str, list[MarkerLight]] = {name: [] for name in self._corners}
 
     @property
     def seen(self) -> int:
@@ -74,20 +74,26 @@ class CameraLook:
             return
         pose = detection.measurement.pose
         self.poses.append(pose)
-        for name in _MARKERS:
+        for name, blob in self._found(detection).items():
             corners = frame.plane_map.to_pixel(_placed(self._corners[name], pose))
-            if light := marker_light(frame, corners, getattr(detection, name), self._colors[name]):
+            if light := marker_light(frame, corners, blob, self._colors[name]):
                 self.marker_light[name].append(light)
+
+    def _found(self, detection: Detection) -> dict[str, Blob]:
+        """Return the blobs of a robot that was detected."""
+        assert detection.red is not None
+        assert detection.blue is not None
+        return dict(zip(self.markers.colors, (detection.red, detection.blue), strict=True))
 
     def _others(self, blobs: Mapping[str, Sequence[Blob]], detection: Detection) -> int:
         """Return how many blobs there are as large as markers, besides the two."""
         if detection.measurement is None:
             return 0
-        found = {name: getattr(detection, name) for name in _MARKERS}
+        found = self._found(detection)
         tolerance = self.markers.area_tolerance
         return sum(
             1 / tolerance < blob.area / found[name].area < tolerance
-            for name in _MARKERS
+            for name in found
             for blob in blobs.get(name, ())
             if blob != found[name]
         )

@@ -10,11 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, check_float, check_int, check_name
+from robsim._base.text import quoted
 from robsim._base.values import digest, frozen
 from robsim._core import MarkerLayout, cos, sin
 from robsim.imaging._images import Pixels, check_pixels
 from robsim.robots._geometry_check import geometry_problems
 from robsim.robots._polygon_checks import finite_array, polygon
+
+#: The colours of a robot that names no others.
+DEFAULT_COLORS = MarkerLayout(distance=1, offset=0).colors
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,12 +40,15 @@ class RobotDefinition:
         Clockwise rotation of the image (degrees) after which the robot faces right.
     outline, red, blue : array (N, 2)
         Polygons around the robot and its markers (image px): right, down from the centre of the
-        top left pixel. ``red`` and ``blue`` name the two markers and the colour classes that find
-        them, whatever their colours are.
+        top left pixel. The first marker is called ``red`` and the second one ``blue``, whatever
+        the `marker_colors` are.
     centre : array (2,), optional
         The robot's centre (image px). Default: the centre of the image.
     maximum_blobs : int
         Number of the largest blobs of each colour among which the markers are searched.
+    marker_colors : tuple of 2 str
+        Names of the colour classes of the first and of the second marker: those of a colour file,
+        such as ``("green", "orange")``.
 
     Raises
     ------
@@ -60,6 +67,7 @@ class RobotDefinition:
     blue: Floats = field(repr=False)
     centre: Floats | None = None
     maximum_blobs: int = 64
+    marker_colors: tuple[str, str] = DEFAULT_COLORS
 
     def __post_init__(self) -> None:
         image = check_pixels("image", self.image, 4)
@@ -67,6 +75,7 @@ class RobotDefinition:
         check_float("size", self.size, "work-area px", minimum=1, maximum=10_000)
         check_float("alignment", self.alignment, "degrees")
         check_int("maximum_blobs", self.maximum_blobs, minimum=1, maximum=100_000)
+        object.__setattr__(self, "marker_colors", check_marker_colors(self.marker_colors))
         height, width = image.shape[:2]
         centre = ((width - 1) / 2, (height - 1) / 2) if self.centre is None else self.centre
         object.__setattr__(self, "image", frozen(image))
@@ -85,6 +94,7 @@ class RobotDefinition:
             outline=self.outline,
             red=self.red,
             blue=self.blue,
+            colors=self.marker_colors,
         )
         if problems:
             raise ValueError("; ".join(problems))
@@ -164,4 +174,18 @@ class RobotDefinition:
             self.to_robot_frame(self.red),
             self.to_robot_frame(self.blue),
             maximum_blobs=self.maximum_blobs,
+            colors=self.marker_colors,
         )
+
+
+def check_marker_colors(names: Any) -> tuple[str, str]:
+    """Return the names of the colours of two markers, checked."""
+    expected = "marker_colors must be the names of two different colours"
+    if not isinstance(names, (tuple, list)):
+        raise TypeError(f"{expected}, got {quoted(names)}")
+    if len(names) != len(DEFAULT_COLORS):
+        raise ValueError(f"{expected}, got {quoted(names)}")
+    first, second = (check_name("a name in marker_colors", name) for name in names)
+    if first == second:
+        raise ValueError(f"{expected}, got {quoted(names)}")
+    return first, second

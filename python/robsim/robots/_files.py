@@ -26,7 +26,7 @@ IMAGE = "robot.png"
 _OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is replaced
 
 _KEYS = {"name", "image", "size", "alignment", "outline", "red", "blue"}
-_OPTIONAL = {"centre", "maximum_blobs"}
+_OPTIONAL = {"centre", "maximum_blobs", "marker_colors"}
 
 _TEXT = """\
 # The appearance of a robot from above. Written by robsim; it may be edited by hand.
@@ -44,10 +44,13 @@ centre = {centre}
 # Polygons. Around the robot:
 outline = {outline}
 
-# Around the red marker; its area and centroid are those that the camera is to measure:
+# The colour classes of the two markers, as a colour file names them:
+marker_colors = {marker_colors}
+
+# Around the first marker; its area and centroid are those that the camera is to measure:
 red = {red}
 
-# Around the blue marker:
+# Around the second marker:
 blue = {blue}
 
 # Number of the largest blobs of each colour among which the markers are searched:
@@ -166,6 +169,7 @@ def _as_text(robot: RobotDefinition, image: str) -> str:
         red=_points(robot.red),
         blue=_points(robot.blue),
         maximum_blobs=robot.maximum_blobs,
+        marker_colors=tomlkit.item(list(robot.marker_colors)).as_string(),
     )
 
 

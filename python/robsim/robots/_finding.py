@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from os import PathLike
 from typing import Any
@@ -15,7 +15,7 @@ from robsim._base.geometry.polygons import area_and_centroid, fitted
 from robsim._base.warn import warn_user
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
 from robsim.imaging._images import Pixels, check_pixels, resized
-from robsim.robots._definition import RobotDefinition
+from robsim.robots._definition import DEFAULT_COLORS, RobotDefinition, check_marker_colors
 from robsim.robots._marker_check import MINIMUM_AREA, over_grey, ranges
 from robsim.robots._polygon_checks import finite_array
 from robsim.vision._color_files import as_colors
@@ -38,6 +38,7 @@ def robot_from_image(
     red: ArrayLike | None = None,
     blue: ArrayLike | None = None,
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+    marker_colors: Sequence[str] | None = None,
 ) -> RobotDefinition:
     """Make a robot definition from an image; arguments that are not given are derived from it.
 
@@ -61,6 +62,8 @@ def robot_from_image(
         with the area and the centroid of the blob.
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to find the markers with. Default: those that ship with robsim.
+    marker_colors : sequence of 2 str, optional
+        Which of them the first and the second marker have. Default: red and blue.
 
     Returns
     -------
@@ -83,9 +86,10 @@ def robot_from_image(
     points = {key: _scaled(key, value, scale) for key, value in given.items() if value is not None}
     if outline is None:
         points["outline"] = opaque_outline(small)
-    for color in ("red", "blue"):
-        if color not in points:
-            points[color] = marker_in(small, color, as_colors(colors))
+    names = DEFAULT_COLORS if marker_colors is None else check_marker_colors(marker_colors)
+    for key, color in zip(("red", "blue"), names, strict=True):
+        if key not in points:
+            points[key] = marker_in(small, color, as_colors(colors))
     if centre is None:
         scaled_centre = area_and_centroid(points["outline"])[1]
     else:
@@ -99,6 +103,7 @@ def robot_from_image(
         outline=points["outline"],
         red=points["red"],
         blue=points["blue"],
+        marker_colors=names,
     )
     if outline is None and (small[..., 3] > OPAQUE).all():
         warn_user(
@@ -167,15 +172,15 @@ def marker_in(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Float
     found = [color for color in colors if color.name == name]
     if not found:
         raise ValueError(
-            f"{name} marker: there is no colour {name}: give its polygon, {name}, or call the "
-            f"marker's colour {name}, whatever it is"
+            f"{name} marker: there is no colour {name}: give the marker's polygon, call the colour "
+            f"{name}, or give other marker_colors"
         )
     pixels = over_grey(image)
     blobs = find_blobs(pixels, found, minimum_area=MINIMUM_AREA, maximum_count=1)[name]
     if not blobs:
         raise ValueError(
             f"{name} marker: nothing in the image has the colour {name} ({ranges(found[0])}): "
-            f"give its polygon ({name}) or other colours"
+            "give the marker's polygon or other colours"
         )
     return _polygon_around(pixels_of_blob(blobs[0], pixels, found[0]), blobs[0])
 

@@ -12,7 +12,14 @@ _MAXIMUM_LISTED = 3  # points in a sentence
 
 
 def geometry_problems(
-    *, width: int, height: int, centre: Floats, outline: Floats, red: Floats, blue: Floats
+    *,
+    width: int,
+    height: int,
+    centre: Floats,
+    outline: Floats,
+    red: Floats,
+    blue: Floats,
+    colors: tuple[str, str],
 ) -> list[str]:
     """Return what is wrong with a robot's geometry, a sentence each; empty if it is valid.
 
@@ -24,6 +31,8 @@ def geometry_problems(
         The robot's centre (image px).
     outline, red, blue : array (N, 2)
         Polygons (image px).
+    colors : tuple of 2 str
+        Names of the markers' colours.
     """
     polygons = {"outline": outline, "red": red, "blue": blue}
     crossings = [_crossing(name, polygon) for name, polygon in polygons.items()]
@@ -33,7 +42,7 @@ def geometry_problems(
         return problems
     for name, points in {"centre": centre[np.newaxis], "red": red, "blue": blue}.items():
         problems += _outside_outline(name, points, outline)
-    return problems + _overlap(red, blue)
+    return problems + _overlap(red, blue, " and ".join(colors))
 
 
 def _crossing(name: str, polygon: Floats) -> str | None:
@@ -69,7 +78,7 @@ def _outside_outline(name: str, points: Floats, outline: Floats) -> list[str]:
     ]
 
 
-def _overlap(red: Floats, blue: Floats) -> list[str]:
+def _overlap(red: Floats, blue: Floats, names: str) -> list[str]:
     """Return the sentence for markers that overlap; a common edge is not an overlap."""
     maximum_depth, position = _TOLERANCE, None
     for inner, outer in ((red, blue), (blue, red)):
@@ -82,7 +91,7 @@ def _overlap(red: Floats, blue: Floats) -> list[str]:
             maximum_depth, position = float(depth.max()), points[[depth.argmax()]]
     if position is None:
         return []
-    return [f"red and blue markers must not overlap: they do around {_listed(position)}"]
+    return [f"{names} markers must not overlap: they do around {_listed(position)}"]
 
 
 def _listed(points: Floats, between: str = ", ") -> str:

@@ -72,15 +72,17 @@ def _in_shadow(image: Pixels) -> Pixels:
 
 def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:
     problems = []
-    for name in ("red", "blue"):
+    robot = view.robot
+    names = robot.marker_colors
+    for name, polygon in zip(names, (robot.red, robot.blue), strict=True):
         if name not in classes:
             problems.append(
                 f"{name} marker: there is no colour {name}, only {', '.join(classes)}: the colour "
-                f"class of this marker must be called {name}, whatever its colour is"
+                f"class of this marker must be called {name}, or marker_colors of the robot differ"
             )
-        elif problem := view.problem(name, classes[name]):
+        elif problem := view.problem(polygon, classes[name]):
             problems.append(f"{name} marker: {problem}")
-    return problems or view.location_problems([classes["red"], classes["blue"]])
+    return problems or view.location_problems([classes[name] for name in names])
 
 
 def over_grey(image: Pixels) -> Pixels:
@@ -116,9 +118,9 @@ class _View:
         positions: Floats = (polygon + 0.5) * self.scale - 0.5 + _MARGIN
         return positions
 
-    def problem(self, name: str, color: ColorClass) -> str | None:
+    def problem(self, marker: Floats, color: ColorClass) -> str | None:
         """Return why a marker is not detected; None if it is."""
-        polygon = self.to_view(getattr(self.robot, name))
+        polygon = self.to_view(marker)
         area, centroid = area_and_centroid(polygon)
         if area * self.unit**2 < MINIMUM_AREA:
             return (

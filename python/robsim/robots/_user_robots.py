@@ -6,7 +6,7 @@ import math
 import re
 import shutil
 import unicodedata
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
@@ -52,6 +52,7 @@ def add_robot(
     red: ArrayLike | None = None,
     blue: ArrayLike | None = None,
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+    marker_colors: Sequence[str] | None = None,
     overwrite: bool = False,
     ignore_colors: bool = False,
 ) -> RobotDefinition:
@@ -78,6 +79,8 @@ def add_robot(
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to find and check the markers with. Default: the colours that ship
         with robsim.
+    marker_colors : sequence of 2 str, optional
+        Which of them the first and the second marker have. Default for an image: red and blue.
     overwrite : bool
         Replace your robot of this name, if there is one.
     ignore_colors : bool
@@ -102,7 +105,7 @@ def add_robot(
     check_bool("ignore_colors", ignore_colors)
     name = unicodedata.normalize("NFC", name)  # an umlaut may be one character or two
     given: dict[str, Any] = {"size": size, "alignment": alignment, "centre": centre}
-    given |= {"outline": outline, "red": red, "blue": blue}
+    given |= {"outline": outline, "red": red, "blue": blue, "marker_colors": marker_colors}
     template = source if isinstance(source, RobotDefinition) else _read_source(source)
     if isinstance(template, RobotDefinition):
         changed = {key: value for key, value in given.items() if value is not None}

@@ -257,6 +257,7 @@ class Session:
                 area=self.area or self.size or (1200, 1200),
                 boundary="recorded",
                 robot=self._parsed.robot,
+                marker_colors=self.markers.colors if self.markers else (),
                 mm_per_px=self.mm_per_px,
             )
             first = self._rows[0].k if self._rows else 0

@@ -24,7 +24,7 @@ _PACKAGES = ("robsim", "numpy", "pillow", "opencv-python-headless", "opencv-pyth
 _LARGEST_INT = 2**63  # of TOML
 _MARKER_KEYS = (
     *("red_area", "blue_area", "distance_tolerance", "area_tolerance", "maximum_blobs"),
-    *("red_polygon", "blue_polygon"),
+    *("red_polygon", "blue_polygon", "colors"),
 )
 
 

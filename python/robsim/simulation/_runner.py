@@ -336,13 +336,14 @@ class Runner(Slotted):
         self._run_info = []
 
     def _check_colors(self, colors: tuple[ColorClass, ...]) -> None:
-        missing = {"red", "blue"} - {color.name for color in colors}
+        needed = self.markers.colors
+        missing = set(needed) - {color.name for color in colors}
         if missing and self._callbacks["measure"] is True:
             names = ", ".join(color.name for color in colors)
             raise ValueError(
-                "colors must have red and blue for the default measurement: the names of the two "
-                "markers, whatever their colours are (in the lab robot red is the right one); "
-                f"got {names}"
+                f"colors must have {' and '.join(needed)} for the default measurement: the names "
+                "of the two markers' colours, as marker_colors of the robot, or colors of its "
+                f"MarkerLayout, say them; got {names}"
             )
 
     def _check_stages(self) -> None:

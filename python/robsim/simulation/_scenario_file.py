@@ -80,6 +80,16 @@ def _count(name: str, value: Any) -> int:
 _COUNT = _Key(_count)
 
 
+def _names(name: str, value: Any) -> Any:
+    """Return the names of two colours."""
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"{name} must be the names of two colours, got {_as_toml(value)}")
+    return tuple(_text(f"a name in {name}", one) for one in value)
+
+
+_COLOR_NAMES = _Key(_names, write=list)
+
+
 def _list(name: str, value: Any) -> Any:
     if isinstance(value, list) and len(value) > _MOST_ROWS:
         raise ValueError(f"{name} must have at most {_MOST_ROWS} rows, got {len(value)}")
@@ -168,6 +178,7 @@ _TABLES: dict[type, dict[str, _Key]] = {
         "maximum_blobs": _COUNT,
         "red_polygon": _array("px, its corners"),
         "blue_polygon": _array("px"),
+        "colors": _COLOR_NAMES,
     },
     RobotModel: {
         "theta": _array("rows X, Y, P; columns a1, a2, b1, b2, d1", is_needed=True),
@@ -199,6 +210,7 @@ _TABLES: dict[type, dict[str, _Key]] = {
         "red": _array(),
         "blue": _array(),
         "maximum_blobs": _COUNT,
+        "marker_colors": _COLOR_NAMES,
         "image": _IMAGE,
     },
 }

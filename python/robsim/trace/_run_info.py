@@ -36,6 +36,8 @@ class RunInfo:
         ``"bounce"`` or ``"unlimited"``, or ``"recorded"``: the frames were not simulated.
     robot : str
         Name of the robot definition.
+    marker_colors : tuple of str
+        Names of the colours of its two markers. Default: not known, as in an old file.
     scenario : Scenario or str, optional
         What the run was made from, or that as a TOML text; see `robsim.Scenario.of`.
     callbacks : tuple of str
@@ -57,6 +59,7 @@ class RunInfo:
     area: tuple[int, int] = (1200, 1200)
     boundary: str = "bounce"
     robot: str = ""
+    marker_colors: tuple[str, ...] = ()
     scenario: Any = field(default=None, compare=False, repr=False)
     callbacks: tuple[str, ...] = field(default=(), compare=False, repr=False)
     changed: tuple[str, ...] = field(default=(), compare=False, repr=False)
@@ -84,7 +87,7 @@ class RunInfo:
         if self.mm_per_px is not None:
             object.__setattr__(self, "mm_per_px", check_mm_per_px(self.mm_per_px))
         px_length(self.unit, self.mm_per_px)
-        for name in ("callbacks", "changed"):
+        for name in ("callbacks", "changed", "marker_colors"):
             texts = getattr(self, name)
             if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
                 raise ValueError(f"{name} must be a tuple of texts, got {quoted(texts)}")

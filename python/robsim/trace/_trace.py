@@ -183,7 +183,9 @@ class Trace:
 
         An empty text where it did, or where nothing was measured.
         """
-        reasons = np.array(["", *detection_reasons()])
+        colors = self.info.marker_colors
+        names = detection_reasons(colors) if colors else detection_reasons()
+        reasons = np.array(["", *names])
         known = np.clip(self.missed, 0, len(reasons) - 1)
         return np.asarray(reasons[known.astype(np.intp)])
 

@@ -116,7 +116,7 @@ def _content_of(archive: zipfile.ZipFile, size: int) -> Content:
     _check_sizes(archive, names, size)
     groups = {name: _read_array(archive, name) for name in names}
     info["area"] = tuple(info["area"])
-    for name in ("callbacks", "changed"):
+    for name in ("callbacks", "changed", "marker_colors"):
         info[name] = tuple(info.get(name, ()))
     return groups, RunInfo(**info), first_step
 

@@ -33,7 +33,6 @@ _HALF_WIDTH = 0.35  # of a blob's: a square within a round marker, too
 _AROUND_LIMIT = 0.25  # of an image; a larger region leaves too little around it
 _AXES = 3  # of pixels (H, W, 3)
 _CHANNELS = ("y", "u", "v")
-_MARKERS = ("red", "blue")
 _ONE_PIXEL = np.eye(1, 256, 128, dtype=np.int64).repeat(3, axis=0)
 
 
@@ -117,17 +116,18 @@ def train_markers(
     markers : MarkerLayout
         The positions of the markers on the robot.
     colors : path, iterable of ColorClass, optional
-        The colours that it is found by, red and blue. Default: those that ship with robsim. Where
-        they find it by the second chance only, see `Detection`, that is enough.
+        The colours that it is found by, with those of the markers. Default: those that ship
+        with robsim. Where they find it by the second chance only, see `Detection`, that is enough.
     regions : dict of str to tuple of four ints, optional
-        In place of `colors`, the region of ``"red"`` and of ``"blue"`` in the first frame (px).
+        In place of `colors`, the region of each of the markers' colours, such as ``"red"`` and
+        ``"blue"``, in the first frame (px).
     percentile, margin
         As for `ColorClass.from_region`.
 
     Returns
     -------
     tuple of TrainedColor
-        Red and blue, with their drift from frame to frame.
+        Those of the first and of the second marker, with their drift from frame to frame.
 
     Raises
     ------
@@ -145,27 +145,30 @@ def train_markers(
         raise TypeError(f"markers must be a MarkerLayout, got {quoted(markers)}")
     if colors is not None and regions is not None:
         raise ValueError("colors and regions must not both be given")
-    boxes = None if regions is None else _marker_boxes(regions)
-    classes = None if regions is not None else _marker_classes(colors)
-    samples = {name: _Samples(name, percentile, margin, limit_y=False) for name in _MARKERS}
+    names = markers.colors
+    boxes = None if regions is None else _marker_boxes(regions, names)
+    classes = None if regions is not None else _marker_classes(colors, names)
+    samples = {name: _Samples(name, percentile, margin, limit_y=False) for name in names}
     missed: list[str] = []
     for k, frame in enumerate(_frames(frames)):
         if classes is None:
             assert boxes is not None
-            classes = [_class_in(frame, boxes[name], name, percentile, margin) for name in _MARKERS]
+            classes = [_class_in(frame, boxes[name], name, percentile, margin) for name in names]
         detection = _detected(frame, classes, markers)
         if detection.measurement is None:
             missed.append(f"in frame {k} {detection.explanation}")
             continue
-        for name in _MARKERS:
+        assert detection.red is not None
+        assert detection.blue is not None
+        for name, blob in zip(names, (detection.red, detection.blue), strict=True):
             try:
-                samples[name].add(k, frame, _inner_box(getattr(detection, name)))
+                samples[name].add(k, frame, _inner_box(blob))
             except ValueError as error:
                 samples[name].skip(f"in frame {k}, {name}: {error}")
     if not missed and not any(one.count for one in samples.values()):
         raise ValueError("frames must have at least one frame, got none")
-    red, blue = (samples[name].trained(missed) for name in _MARKERS)
-    return red, blue
+    first, second = (samples[name].trained(missed) for name in names)
+    return first, second
 
 
 class _Samples:
@@ -342,17 +345,19 @@ def _is_picture(value: Any) -> bool:
     return isinstance(value, np.ndarray) and value.dtype == np.uint8 and value.ndim == _AXES
 
 
-def _marker_boxes(regions: Any) -> dict[str, Region]:
+def _marker_boxes(regions: Any, names: tuple[str, str]) -> dict[str, Region]:
+    both = " and ".join(map(repr, names))
     if not isinstance(regions, Mapping):
-        raise TypeError(f"regions must be a dict with 'red' and 'blue', got {quoted(regions)}")
-    if set(regions) != set(_MARKERS):
-        raise ValueError(f"regions must be those of 'red' and 'blue', got {listed(regions)}")
+        raise TypeError(f"regions must be a dict with {both}, got {quoted(regions)}")
+    if set(regions) != set(names):
+        raise ValueError(f"regions must be those of {both}, got {listed(regions)}")
     return dict(regions)
 
 
-def _marker_classes(colors: Any) -> list[ColorClass]:
+def _marker_classes(colors: Any, names: tuple[str, str]) -> list[ColorClass]:
     by_name = {color.name: color for color in as_colors(colors)}
-    missing = [name for name in _MARKERS if name not in by_name]
+    missing = [name for name in names if name not in by_name]
     if missing:
-        raise ValueError(f"colors must have red and blue, got no {' and no '.join(missing)}")
-    return [by_name[name] for name in _MARKERS]
+        both = " and ".join(names)
+        raise ValueError(f"colors must have {both}, got no {' and no '.join(missing)}")
+    return [by_name[name] for name in names]

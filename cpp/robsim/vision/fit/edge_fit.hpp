@@ -36,6 +36,6 @@ struct EdgeFit {
 /// How much larger the variance of the pose is than residuals without correlation would make it, at
 /// least 1: by the correlation of residuals that are up to 2 px apart, where it is more than
 /// chance, and that of the slopes there.
-double variance_factor(const EdgeFit& red, const EdgeFit& blue);
+double variance_factor(const EdgeFit& first, const EdgeFit& second);
 
 }  // namespace robsim::fit

@@ -51,11 +51,11 @@ struct Unknowns {
 
 class Fit {
  public:
-  Fit(const ImageView& image, const PlaneMap& map, const MarkerShape& red, const MarkerShape& blue,
-      const Pose& start)
-      : image_(image), map_(map), shapes_{&red, &blue} {
+  Fit(const ImageView& image, const PlaneMap& map, const MarkerShape& first,
+      const MarkerShape& second, const Pose& start)
+      : image_(image), map_(map), shapes_{&first, &second} {
     at_.pose = start_ = start;
-    const Point a = red.centroid(), b = blue.centroid();
+    const Point a = first.centroid(), b = second.centroid();
     const Point middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
     from_middle_[0] = {a.x - middle.x, a.y - middle.y};
     from_middle_[1] = {b.x - middle.x, b.y - middle.y};
@@ -270,9 +270,10 @@ class Fit {
 
 }  // namespace
 
-std::optional<PoseFit> fit_pose(const ImageView& image, const PlaneMap& map, const MarkerShape& red,
-                                const MarkerShape& blue, const Pose& start) {
-  return Fit(image, map, red, blue, start).run();
+std::optional<PoseFit> fit_pose(const ImageView& image, const PlaneMap& map,
+                                const MarkerShape& first, const MarkerShape& second,
+                                const Pose& start) {
+  return Fit(image, map, first, second, start).run();
 }
 
 }  // namespace robsim

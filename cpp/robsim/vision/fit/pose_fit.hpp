@@ -28,7 +28,8 @@ struct PoseFit {
 /// noise, pixels that do not fit count less. Nothing if an edge is not in the picture.
 /// Error propagation: the inverse of the information of the pixels, times the misfit and a factor
 /// for the second order in the noise.
-std::optional<PoseFit> fit_pose(const ImageView& image, const PlaneMap& map, const MarkerShape& red,
-                                const MarkerShape& blue, const Pose& start);
+std::optional<PoseFit> fit_pose(const ImageView& image, const PlaneMap& map,
+                                const MarkerShape& first, const MarkerShape& second,
+                                const Pose& start);
 
 }  // namespace robsim

@@ -127,10 +127,10 @@ class SlopeCorrelation {
 
 }  // namespace
 
-double variance_factor(const EdgeFit& red, const EdgeFit& blue) {
-  const EdgeFit* const markers[2] = {&red, &blue};
-  const Grid residuals[2] = {residuals_of(red), residuals_of(blue)};
-  const auto count = static_cast<double>(red.pixels.count + blue.pixels.count);
+double variance_factor(const EdgeFit& first, const EdgeFit& second) {
+  const EdgeFit* const markers[2] = {&first, &second};
+  const Grid residuals[2] = {residuals_of(first), residuals_of(second)};
+  const auto count = static_cast<double>(first.pixels.count + second.pixels.count);
   const double variance =
       (product_with(residuals[0], {0, 0}) + product_with(residuals[1], {0, 0})) / count;
   if (!(variance > 0)) return 1;
@@ -141,7 +141,7 @@ double variance_factor(const EdgeFit& red, const EdgeFit& blue) {
     const double sum = product_with(residuals[0], lag) + product_with(residuals[1], lag);
     // In a ring of this width at least 6 in 10 pixels have a neighbour there.
     if (std::fabs(sum) < significant * variance * std::sqrt(0.6 * count)) continue;
-    if (ones.empty()) ones = {ones_of(red.pixels), ones_of(blue.pixels)};
+    if (ones.empty()) ones = {ones_of(first.pixels), ones_of(second.pixels)};
     const double pairs = product_with(ones[0], lag) + product_with(ones[1], lag);
     const double correlation = sum / (pairs * variance);
     if (!(std::fabs(correlation) * std::sqrt(pairs) > significant)) continue;

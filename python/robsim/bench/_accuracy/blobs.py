@@ -56,7 +56,7 @@ class BlobMethods:
         return _pose(
             self._detect(
                 frame,
-                {name: [self._weighted(frame, getattr(found, name))] for name in ("red", "blue")},
+                {blob.color: [self._weighted(frame, blob)] for blob in (found.red, found.blue)},
             )
         )
 

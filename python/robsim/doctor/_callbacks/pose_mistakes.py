@@ -72,6 +72,7 @@ def _is_close(measured: Floats, wrong: Floats) -> bool:
 def _positions(markers: MarkerLayout, area: tuple[int, int]) -> list[tuple[str, str, Formula]]:
     width, height = area
     offset = markers.offset
+    first, second = markers.colors
     return [
         (
             "position of midpoint",
@@ -82,12 +83,12 @@ def _positions(markers: MarkerLayout, area: tuple[int, int]) -> list[tuple[str, 
         ),
         (
             "position of a marker",
-            "its position is that of the red marker, not that of the robot's centre",
+            f"its position is that of the {first} marker, not that of the robot's centre",
             lambda true: _beside(true, *markers.red),
         ),
         (
             "position of a marker",
-            "its position is that of the blue marker, not that of the robot's centre",
+            f"its position is that of the {second} marker, not that of the robot's centre",
             lambda true: _beside(true, *markers.blue),
         ),
         (
@@ -125,7 +126,7 @@ _ARCTAN2 = "arctan2(dy, dx)"
 _HEADINGS: list[tuple[str, str, Formula]] = [
     (
         "heading reversed",
-        "its heading is off by 180 degrees: the red marker and the blue one are exchanged, or the "
+        "its heading is off by 180 degrees: the two markers are exchanged, or the "
         "vector between them is reversed",
         lambda h: h + math.pi,
     ),

@@ -8,6 +8,7 @@ from matplotlib.patches import Polygon
 
 from robsim._base.checks import Floats
 from robsim._base.geometry.polygons import area_and_centroid
+from robsim._base.text import no_formula
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_kind
 from robsim.robots import RobotDefinition
@@ -46,8 +47,9 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     ax = style.panel(ax, _figure_size(robot))
     _show_image(ax, robot)
     _draw_polygon(ax, robot.outline, _OUTLINE, "outline")
-    _draw_polygon(ax, robot.red, "red", "red marker")
-    _draw_polygon(ax, robot.blue, "blue", "blue marker")
+    first, second = (no_formula(f"{name} marker") for name in robot.marker_colors)
+    _draw_polygon(ax, robot.red, "red", first)
+    _draw_polygon(ax, robot.blue, "blue", second)
     _draw_distance(ax, robot)
     _draw_heading(ax, robot)
     _draw_scale(ax, robot)

@@ -40,6 +40,8 @@ class Sketch:
         The robot's centre (image px). None = that of the outline.
     maximum_blobs : int
         As of `RobotDefinition`.
+    marker_colors : tuple of 2 str
+        As of `RobotDefinition`.
     """
 
     image: Pixels = field(repr=False)
@@ -50,6 +52,7 @@ class Sketch:
     blue: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
     centre: Floats | None = None
     maximum_blobs: int = RobotDefinition.maximum_blobs
+    marker_colors: tuple[str, str] = RobotDefinition.marker_colors
 
 
 class RobotDrawing:
@@ -186,7 +189,13 @@ class RobotDrawing:
             polygons = {part: polygon(part, getattr(sketch, part)) for part in PARTS}
         except ValueError as error:
             return [str(error)]
-        return geometry_problems(width=width, height=height, centre=self.centre, **polygons)
+        return geometry_problems(
+            width=width,
+            height=height,
+            centre=self.centre,
+            colors=sketch.marker_colors,
+            **polygons,
+        )
 
     def definition(self, name: str) -> RobotDefinition:
         """Return the robot; ValueError if something is missing or wrong."""
@@ -203,6 +212,7 @@ class RobotDrawing:
             red=sketch.red,
             blue=sketch.blue,
             maximum_blobs=sketch.maximum_blobs,
+            marker_colors=sketch.marker_colors,
         )
 
     def _cut_out(self) -> Pixels:

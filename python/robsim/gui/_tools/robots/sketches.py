@@ -18,7 +18,7 @@ from robsim.robots._finding import MAXIMUM_SIDE, OPAQUE, opaque_outline
 
 def sketch_of(robot: RobotDefinition) -> Sketch:
     """Return what there is of a robot."""
-    names = ("image", "size", "alignment", "centre", "maximum_blobs", *PARTS)
+    names = ("image", "size", "alignment", "centre", "maximum_blobs", "marker_colors", *PARTS)
     return Sketch(**{name: getattr(robot, name) for name in names})
 
 
@@ -63,7 +63,8 @@ def guessed(sketch: Sketch, part: str, colors: Iterable[ColorClass]) -> Floats:
     image = over_floor(sketch.image).image
     if part == "outline":
         return guess_outline(image)
-    return guess_marker(image, sketch.outline, part, colors)
+    color = dict(zip(PARTS[1:], sketch.marker_colors, strict=True))[part]
+    return guess_marker(image, sketch.outline, color, colors)
 
 
 def cut_out(image: Pixels, square: tuple[float, float, float]) -> Pixels:
