@@ -119,10 +119,7 @@ std::unique_ptr<Loop> make_loop(int headings) {
   stages.init_parameter_estimator = [](const RobotModel&) {
     return std::make_shared<RecursiveEstimator>(std::make_shared<GuardedLeastSquares>(5, 3));
   };
-  stages.measure = {[](const StepPointer& step) {
-                      return locate(*step->blobs, step->markers(), step->frame->plane_map);
-                    },
-                    false};
+  stages.measure = {[](const StepPointer& step) { return step->detect(); }, false};
   stages.control = {[](const StepPointer& step) {
                       return Input{0.5 + 0.01 * static_cast<double>(step->k),
                                    0.4 + 1e-9 * sum_of_pixels(*step->look())};

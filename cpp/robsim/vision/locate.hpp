@@ -22,10 +22,11 @@ struct MarkerPair {
 /// The pose of a detected robot, and how good it is, as far as that is known.
 struct Measurement {
   Pose pose;
-  std::optional<PoseCovariance> covariance;  // of x, y (work-area px) and heading (rad)
+  std::optional<PoseCovariance> covariance =
+      std::nullopt;  // of x, y (work-area px) and heading (rad)
   double misfit = std::numeric_limits<double>::quiet_NaN();           // NaN = unknown: see PoseFit
   double signal_to_noise = std::numeric_limits<double>::quiet_NaN();  // NaN = unknown
-  std::optional<MarkerPair> pair;
+  std::optional<MarkerPair> pair = std::nullopt;
 };
 
 /// A marker in the robot's frame: x forward, y to its right, from its centre (work-area px).
