@@ -16,7 +16,7 @@ void bind_simd(py::module_& module) {
   public_in(module, "robsim._core")
       .def(
           "cpu_path", [] { return std::string(name_of(cpu_path())); },
-          "Return which instructions the hot loops use: \"baseline\" or \"avx2\".");
+          "Return which instructions the hot loops use: \"baseline\", \"avx2\" or \"avx512\".");
   public_in(module, "robsim._core")
       .def(
           "cpu_paths",

@@ -2560,7 +2560,7 @@ def cos(x: numpy.typing.ArrayLike) -> typing.Any:
     """
 def cpu_path() -> str:
     """
-    Return which instructions the hot loops use: "baseline" or "avx2".
+    Return which instructions the hot loops use: "baseline", "avx2" or "avx512".
     """
 def cpu_paths() -> list[str]:
     """

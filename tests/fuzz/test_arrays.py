@@ -47,6 +47,10 @@ REGIONS = st.one_of(st.none(), st.none(), st.tuples(*[st.integers(-3, 75)] * 4))
 PARTS = st.tuples(*[st.floats(0, 0.99)] * 4)
 
 
+# Rows of several blocks of 64 pixels, and of less than one
+ANY_WIDTH = st.one_of(images(), images(largest=200))
+
+
 def on_every_path(call):
     """The results of a call on each path of the processor."""
     before = _core.cpu_path()
@@ -59,7 +63,7 @@ def on_every_path(call):
 
 
 @fuzzed
-@given(images(), COLORS, st.integers(-1, 12))
+@given(ANY_WIDTH, COLORS, st.integers(-1, 16))
 def test_classify(image, colors, smoothing):
     first, *others = on_every_path(
         lambda: attempt(_core.classify, image, colors, smoothing=smoothing)
@@ -73,8 +77,8 @@ def test_classify(image, colors, smoothing):
 
 @fuzzed
 @given(
-    images(), COLORS, st.none() | LAYOUTS, st.none() | st.integers(-1, 9),
-    st.none() | st.integers(-1, 9), st.none() | st.integers(-1, 12), REGIONS,
+    ANY_WIDTH, COLORS, st.none() | LAYOUTS, st.none() | st.integers(-1, 9),
+    st.none() | st.integers(-1, 9), st.none() | st.integers(-1, 16), REGIONS,
 )  # fmt: skip
 def test_find_blobs_and_locate(image, colors, layout, area, count, smoothing, region):
     def find():
@@ -128,7 +132,7 @@ def test_training_from_any_histograms(histograms, margin):
 
 @fuzzed
 @given(
-    images(), st.sampled_from(("gaussian", "uniform", "other")),
+    ANY_WIDTH, st.sampled_from(("gaussian", "uniform", "other")),
     st.one_of(st.floats(0.01, 100), st.floats(0, 100), FLOATS),
     st.one_of(SEEDS, st.integers(-1, 2**65)), st.integers(-1, 2**63),
 )  # fmt: skip

@@ -1,5 +1,8 @@
 """All paths of the hot loops give the same, bit for bit."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -37,8 +40,16 @@ def blobs(image, classes):
 
 
 def test_the_fastest_path_is_the_default():
-    assert PATHS[0] == "baseline"
+    assert ["baseline", "avx2", "avx512"][: len(PATHS)] == PATHS
     assert _core.cpu_path() == PATHS[-1]
+
+
+@pytest.mark.skipif(not Path("/proc/cpuinfo").exists(), reason="the system does not list them")
+def test_the_paths_are_those_that_the_system_names():
+    flags = set(re.findall(r"\w+", Path("/proc/cpuinfo").read_text()))
+    wide = {"avx512f", "avx512bw", "avx512dq", "avx512vl", "avx512vbmi"}
+    assert ("avx2" in PATHS) == ("avx2" in flags)
+    assert ("avx512" in PATHS) == (wide | {"avx2"} <= flags)
 
 
 @pytest.mark.parametrize("path", ["sse9", "", "AVX2"])
@@ -164,6 +175,56 @@ def test_every_window(window, rng):
     for other in others:
         for name, mask in first.items():
             np.testing.assert_array_equal(other[name], mask)
+
+
+# Widths around those of the registers, in pixels and in bytes.
+ODD_WIDTHS = (1, 21, 22, 31, 33, 42, 63, 64, 65, 85, 127, 128, 129, 171, 191, 193, 255, 257, 321)
+
+
+@pytest.mark.parametrize("width", ODD_WIDTHS)
+def test_every_window_on_odd_widths(width, rng):
+    image = rng.integers(0, 256, (20, width, 3), dtype=np.uint8)
+    # Grey, but for a few pixels: means are computed in some blocks of a row only.
+    grey = np.repeat(image[:, :, :1], 3, axis=2)
+    grey[rng.integers(0, 20, 3), rng.integers(0, width, 3)] = (255, 0, 0)
+    colors = [
+        robsim.ColorClass("any", y=(90, 200)),
+        robsim.ColorClass("reddish", v=(133, 255)),
+        robsim.ColorClass("neither", y=(100, 255), u=(0, 127), v=(100, 127)),
+    ]
+    for pixels, classes in ((image, colors), (grey, colors[1:])):
+        for window in range(1, 17, 2):
+            first, *others = on_each_path(
+                lambda p=pixels, c=classes, w=window: robsim.vision.classify(p, c, smoothing=w)
+            )
+            for other in others:
+                for name, mask in first.items():
+                    np.testing.assert_array_equal(other[name], mask)
+
+
+def test_every_colour_that_there_is_smoothed():
+    # A window of equal pixels has the class of the pixel.
+    red, green = np.mgrid[0:256:3, 0:256:3].astype(np.uint8)
+    classes = [robsim.ColorClass("some", y=(60, 120), u=(90, 255), v=(0, 170))]
+    for blue in range(0, 256, 15):
+        colors = np.dstack((red, green, np.full_like(red, blue)))
+        image = np.ascontiguousarray(colors.repeat(3, 0).repeat(3, 1))
+        belongs = robsim.vision.classify(np.ascontiguousarray(colors), classes)["some"]
+        for masks in on_each_path(
+            lambda image=image: robsim.vision.classify(image, classes, smoothing=3)
+        ):
+            np.testing.assert_array_equal(masks["some"][1::3, 1::3], belongs)
+
+
+@pytest.mark.parametrize("kind", ["uniform", "gaussian"])
+@pytest.mark.parametrize("percent", [0.3, 4, 40, 90])
+def test_noise_of_wide_images(kind, percent, rng):
+    # More bytes in a row than are kept back at a time for the tails of the distribution.
+    clean = rng.integers(0, 256, (3, 2011, 3), dtype=np.uint8)
+    noise = _core.VisualNoise(kind, percent)
+    first, *others = on_each_path(lambda: noise.add(clean, 1, 2))
+    for other in others:
+        np.testing.assert_array_equal(other, first)
 
 
 def test_a_run_in_noise():

@@ -4,7 +4,8 @@
 
 #if ROBSIM_HAS_AVX2_CODE
 
-#include <immintrin.h>
+// The order of the two matters to gcc: see there.
+#include "robsim/simd/avx512.hpp"
 
 namespace robsim::simd {
 

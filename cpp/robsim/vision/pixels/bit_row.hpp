@@ -48,9 +48,17 @@ inline void clear_beyond(std::vector<BitRow>& rows, int width) {
   for (BitRow& row : rows) row.back() &= (std::uint64_t{1} << (width % 64)) - 1;
 }
 
+/// Is no bit set? Most rows of a frame without noise are empty.
+inline bool is_empty(const BitRow& row) {
+  std::uint64_t any = 0;
+  for (const std::uint64_t word : row) any |= word;
+  return any == 0;
+}
+
 /// Calls f(left, right) for each run left <= u < right of set bits.
 template <typename F>
 void for_each_run(const BitRow& row, int width, F&& f) {
+  if (is_empty(row)) return;
   std::uint64_t previous = 0;  // the last bit of the previous word
   int left = 0;
   for (std::size_t i = 0; i < row.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "robsim/simd/cpu_path.hpp"
 #include "robsim/vision/pixels/padded_row.hpp"
 #include "robsim/vision/pixels/yuv_avx2.hpp"
+#include "robsim/vision/pixels/yuv_avx512.hpp"
 
 namespace robsim::pixels {
 
@@ -88,6 +89,43 @@ ROBSIM_AVX2 void screen_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t
 
 #endif
 
+#if ROBSIM_HAS_AVX512_CODE
+
+// 1, 2, ... 64: where the successors of 64 bytes lie in their register and the next one
+constexpr auto successors = [] {
+  std::array<std::uint8_t, 64> result{};
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = static_cast<std::uint8_t>(i + 1);
+  return result;
+}();
+
+// |byte i - byte i+1|, 64 times. Shifting in registers costs less than loads of any alignment.
+ROBSIM_AVX512_INLINE __m512i differences(__m512i bytes, __m512i next) {
+  const __m512i b = _mm512_permutex2var_epi8(bytes, simd::load_wide(successors.data()), next);
+  return _mm512_or_si512(_mm512_subs_epu8(bytes, b), _mm512_subs_epu8(b, bytes));
+}
+
+ROBSIM_AVX512 void screen_avx512(PaddedRow& row, int limit,
+                                 std::vector<std::uint8_t>& may_contain) {
+  const __m512i limits = _mm512_set1_epi8(static_cast<char>(limit));
+  for (std::size_t word = 0; word < may_contain.size(); ++word) {
+    const std::uint8_t* pixels = row.block(word);
+    prefetch(pixels);
+    __m512i maximum = _mm512_setzero_si512();
+    __m512i bytes = simd::load_wide(pixels);
+    for (int i = 0; i < 3; ++i) {
+      // The last byte of all is a blue one, whose successor does not count.
+      const __m512i next = i < 2 ? simd::load_wide(pixels + 64 * (i + 1)) : bytes;
+      maximum = _mm512_max_epu8(
+          maximum,
+          _mm512_and_si512(differences(bytes, next), simd::load_wide(&is_red_or_green[64 * i])));
+      bytes = next;
+    }
+    may_contain[word] = _mm512_cmpgt_epu8_mask(maximum, limits) != 0;
+  }
+}
+
+#endif
+
 }  // namespace
 
 ChromaScreen::ChromaScreen(const std::vector<ColorClass>& classes) : safe_difference_(255) {
@@ -98,10 +136,13 @@ ChromaScreen::ChromaScreen(const std::vector<ColorClass>& classes) : safe_differ
 
 void ChromaScreen::screen(const std::uint8_t* rgb, int width,
                           std::vector<std::uint8_t>& may_contain) const {
-  may_contain.assign(words_of(width), 1);
-  if (safe_difference_ < 0) return;
+  may_contain.resize(words_of(width));
+  if (safe_difference_ < 0) {
+    std::fill(may_contain.begin(), may_contain.end(), std::uint8_t{1});
+    return;
+  }
   PaddedRow row(rgb, width);
-  ROBSIM_PICK(screen_baseline, screen_avx2)(row, safe_difference_, may_contain);
+  ROBSIM_PICK(screen_baseline, screen_avx2, screen_avx512)(row, safe_difference_, may_contain);
 }
 
 }  // namespace robsim::pixels

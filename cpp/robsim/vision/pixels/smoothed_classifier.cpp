@@ -85,7 +85,8 @@ void SmoothedClassifier::begin(const ImageView& image) {
   for (Channel& channel : channels_) {
     if (!channel.is_needed) continue;
     channel.rows.resize(64 * words_ * (window + 1));
-    channel.columns.resize(64 * words_ + 3 * margin);
+    channel.columns.resize(64 * words_ + 2 * margin + WindowSums::read_ahead);
+    channel.sums.resize(64 * words_);
   }
   may_contain_.resize(window + 1);
   for (Flags* flags : {&candidate_rows_, &active_, &is_summed_, &was_summed_}) {
@@ -196,15 +197,25 @@ void SmoothedClassifier::move_down(std::size_t first, std::size_t last) {
 void SmoothedClassifier::classify(std::size_t first, std::size_t last, std::vector<BitRow>& bits) {
   const auto half_width = static_cast<std::size_t>(window_ / 2);
   const auto width = static_cast<std::size_t>(image_.width);
-  WindowSums::Columns columns{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!channels_[i].is_needed) continue;
-    WindowSums::Sum* sums = column(channels_[i], 0);
-    if (first == 0) std::fill_n(sums - half_width, half_width, sums[0]);
-    if (last == words_) std::fill_n(sums + width, half_width, sums[width - 1]);
-    columns[i] = sums - half_width;
+  const std::size_t words = last - first;
+  const WindowSums loops = window_sums(window_);
+  for (Channel& channel : channels_) {
+    if (!channel.is_needed) continue;
+    WindowSums::Sum* columns = column(channel, 0);
+    if (first == 0) std::fill_n(columns - half_width, half_width, columns[0]);
+    // The windows at the end of a word before the last one may reach beyond the border, too.
+    if (64 * last + half_width > width) {
+      std::fill_n(columns + width, half_width, columns[width - 1]);
+    }
+    loops.sum(columns + 64 * first - half_width, words, channel.sums.data() + 64 * first);
   }
-  window_sums(window_).classify(columns, first, last, limits_, bits);
+  for (std::size_t i = 0; i < limits_.size(); ++i) {
+    std::uint64_t* const row = bits[i].data() + first;
+    std::fill_n(row, words, ~std::uint64_t{0});
+    for (const WindowSums::Limits& limits : limits_[i]) {
+      loops.limit(channels_[limits.channel].sums.data() + 64 * first, limits, words, row);
+    }
+  }
   if (last == words_) clear_beyond(bits, image_.width);
 }
 

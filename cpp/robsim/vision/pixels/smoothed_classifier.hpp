@@ -33,6 +33,7 @@ class SmoothedClassifier {
     bool is_needed = false;
     std::vector<std::uint8_t> rows;        // a ring of the newest ones
     std::vector<WindowSums::Sum> columns;  // sums over the rows of the window, with margins
+    std::vector<WindowSums::Sum> sums;     // over the windows around the pixels of the current row
   };
 
   // A flag or a count for each block of 64 pixels of a row

@@ -1,11 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
-
-#include "robsim/vision/pixels/bit_row.hpp"
 
 namespace robsim::pixels {
 
@@ -20,17 +16,18 @@ struct WindowSums {
     Sum upper;
   };
 
-  /// Per channel the column sums of the window, starting at the left end of the first window.
-  using Columns = std::array<const Sum*, 3>;
+  /// How far `sum` may read beyond the columns that the windows need.
+  static constexpr std::size_t read_ahead = 64;
 
   /// columns[i] += in[i] - out[i]: the window moves down by a row.
   void (*exchange)(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
                    Sum* columns);
 
-  /// Sets the bits of the words first <= i < last, per class: whether the sum over the window
-  /// around the pixel lies within all limits of the class.
-  void (*classify)(const Columns& columns, std::size_t first, std::size_t last,
-                   const std::vector<std::vector<Limits>>& classes, std::vector<BitRow>& bits);
+  /// sums[i] = columns[i] + columns[i + 1] + ... over the width of the window, for 64 i per word.
+  void (*sum)(const Sum* columns, std::size_t words, Sum* sums);
+
+  /// Clears bit i of the words unless sums[i] lies within the limits.
+  void (*limit)(const Sum* sums, const Limits& limits, std::size_t words, std::uint64_t* bits);
 };
 
 /// The loops for a window of 3, 5, ... 15 px on the CPU path in use.
