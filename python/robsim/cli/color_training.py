@@ -33,8 +33,7 @@ HELP = (
     "--to writes the ranges to a file and keeps its other colours."
 )
 EXAMPLE = (
-    "Example: robsim colors train frame.png --region 578,613,594,630 --name red --to colors.toml, "
-    "or: robsim colors train run.mkv --area 1200x1200 --robot lab --to colors.toml"
+    "Example: robsim colors train frame.png --region 578,613,594,630 --name red --to colors.toml"
 )
 
 
