@@ -22,7 +22,8 @@ EXTENSION = Extension(
     library="Aravis 0.8",
     debian="libaravis-0.8-0",
     fedora="aravis",
-    development="libaravis-dev",
+    # Debian's aravis-0.8.pc asks for libusb-1.0, which its package does not bring.
+    development="libaravis-dev libusb-1.0-0-dev",
 )
 
 #: Bytes: where a socket gets less, packets of large frames are lost.
