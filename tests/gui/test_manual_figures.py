@@ -285,7 +285,7 @@ def test_2_11_and_2_12_noise_of_40_percent(mouse, kind):
     n = stats[0][0]
     assert 20 < n < mouse.n_steps
     # The bell: wider with Gaussian noise of the same level, and wider than without noise.
-    low, high = {"Uniform": (0.1, 0.2), "Gaussian": (0.18, 0.32)}[kind]
+    low, high = {"Uniform": (0.05, 0.1), "Gaussian": (0.1, 0.15)}[kind]
     assert all(low < std < high for _, _, std in stats[:2])
     error = (trace.pose_measured - trace.pose_true)[trace.seen, :2]
     z = (error - error.mean(0)) / error.std(0)
