@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <utility>
 #include <vector>
@@ -75,6 +76,49 @@ TEST(BitRow, ClearsTheBitsBeyondTheRowAndNoOthers) {
   rows[0].back() = ~std::uint64_t{0};
   clear_beyond(rows, 128);
   EXPECT_EQ(rows[0].back(), ~std::uint64_t{0});
+}
+
+TEST(BitRow, SetsAllBitsOfARowAndKnowsThatItIsFull) {
+  for (const int width : {1, 63, 64, 65, 128, 130}) {
+    BitRow row;
+    set_all(row, width);
+    EXPECT_EQ(runs_of(row, width), (Runs{{0, width}})) << width;
+    EXPECT_TRUE(is_full(row, width)) << width;
+    for (const int u : {0, width / 2, width - 1}) {
+      BitRow other = row;
+      other[static_cast<std::size_t>(u) / 64] ^= std::uint64_t{1} << (u % 64);
+      EXPECT_FALSE(is_full(other, width)) << width << ", " << u;
+    }
+  }
+}
+
+TEST(BitRow, WidensEachBitByItsNeighboursWithinTheRow) {
+  for (const int width : {1, 2, 63, 64, 65, 130}) {
+    for (const int u : {0, 1, 62, 63, 64, 65, 127, 128, 129}) {
+      if (u >= width) continue;
+      BitRow row(words_of(width), 0);
+      row[static_cast<std::size_t>(u) / 64] = std::uint64_t{1} << (u % 64);
+      BitRow wide;
+      widen(row, width, wide);
+      EXPECT_EQ(runs_of(wide, width), (Runs{{std::max(0, u - 1), std::min(width, u + 2)}}))
+          << width << ", " << u;
+      EXPECT_EQ(wide.back() >> ((width - 1) % 64) >> 1, 0U) << width << ", " << u;
+    }
+  }
+}
+
+TEST(BitRow, IsWrittenBitByBit) {
+  std::mt19937_64 random(1);
+  for (const int width : {1, 64, 65, 200}) {
+    BitRow expected(words_of(width));
+    for (std::uint64_t& word : expected) word = random();
+    clear_beyond(expected, width);
+    BitRow row(words_of(width));
+    BitWriter writer(row);
+    for (int u = 0; u < width; ++u) writer.add(is_set(expected, u));
+    writer.finish();
+    EXPECT_EQ(row, expected) << width;
+  }
 }
 
 TEST(BitRow, PacksByteIIntoBitI) {

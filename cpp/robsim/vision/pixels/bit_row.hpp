@@ -43,10 +43,60 @@ inline std::uint64_t pack_bits(const std::uint8_t* bytes) {
 }
 
 /// Clears the bits beyond the row in its last word.
-inline void clear_beyond(std::vector<BitRow>& rows, int width) {
-  if (width % 64 == 0) return;
-  for (BitRow& row : rows) row.back() &= (std::uint64_t{1} << (width % 64)) - 1;
+inline void clear_beyond(BitRow& row, int width) {
+  if (width % 64 != 0) row.back() &= (std::uint64_t{1} << (width % 64)) - 1;
 }
+
+inline void clear_beyond(std::vector<BitRow>& rows, int width) {
+  for (BitRow& row : rows) clear_beyond(row, width);
+}
+
+/// Makes a row of so many bits, all of them set.
+inline void set_all(BitRow& row, int width) {
+  row.assign(words_of(width), ~std::uint64_t{0});
+  clear_beyond(row, width);
+}
+
+/// Are all bits of a row of this width set?
+inline bool is_full(const BitRow& row, int width) {
+  std::uint64_t all = ~std::uint64_t{0};
+  for (std::size_t i = 0; i + 1 < row.size(); ++i) all &= row[i];
+  return all == ~std::uint64_t{0} && row.back() == ~std::uint64_t{0} >> ((64 - width % 64) % 64);
+}
+
+/// result[i] = bits[i - 1] | bits[i] | bits[i + 1]
+inline void widen(const BitRow& bits, int width, BitRow& result) {
+  result.resize(bits.size());
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    const std::uint64_t before = i > 0 ? bits[i - 1] >> 63 : 0;
+    const std::uint64_t after = i + 1 < bits.size() ? bits[i + 1] << 63 : 0;
+    result[i] = bits[i] | (bits[i] << 1) | before | (bits[i] >> 1) | after;
+  }
+  clear_beyond(result, width);
+}
+
+/// Sets the bits of a row one after the other.
+class BitWriter {
+ public:
+  explicit BitWriter(BitRow& row) : next_(row.data()) {}
+
+  void add(bool bit) {
+    word_ |= std::uint64_t{bit} << count_;
+    if (++count_ == 64) finish();
+  }
+
+  /// Writes what is left, at the end of the row.
+  void finish() {
+    if (count_ > 0) *next_++ = word_;
+    word_ = 0;
+    count_ = 0;
+  }
+
+ private:
+  std::uint64_t* next_;
+  std::uint64_t word_ = 0;
+  int count_ = 0;
+};
 
 /// Is no bit set? Most rows of a frame without noise are empty.
 inline bool is_empty(const BitRow& row) {

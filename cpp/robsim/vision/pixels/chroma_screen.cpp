@@ -55,10 +55,12 @@ bool is_colorful(const std::uint8_t* bytes, int limit) {
   return maximum > limit;
 }
 
-void screen_baseline(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_contain) {
-  for (std::size_t word = 0; word < may_contain.size(); ++word) {
-    may_contain[word] = is_colorful(row.block(word), limit);
+void screen_baseline(PaddedRow& row, int limit, BitRow& may_contain) {
+  BitWriter bits(may_contain);
+  for (std::size_t block = 0; block < row.blocks(); ++block) {
+    bits.add(is_colorful(row.block(block), limit));
   }
+  bits.finish();
 }
 
 #if ROBSIM_HAS_AVX2_CODE
@@ -70,10 +72,11 @@ ROBSIM_AVX2_INLINE __m256i differences(const std::uint8_t* bytes) {
   return _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
 }
 
-ROBSIM_AVX2 void screen_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t>& may_contain) {
+ROBSIM_AVX2 void screen_avx2(PaddedRow& row, int limit, BitRow& may_contain) {
+  BitWriter bits(may_contain);
   const __m256i limits = _mm256_set1_epi8(static_cast<char>(limit));
-  for (std::size_t word = 0; word < may_contain.size(); ++word) {
-    const std::uint8_t* pixels = row.block(word);
+  for (std::size_t block = 0; block < row.blocks(); ++block) {
+    const std::uint8_t* pixels = row.block(block);
     prefetch(pixels);
     __m256i maximum = _mm256_setzero_si256();
     for (int i = 0; i < 3; ++i) {
@@ -83,8 +86,9 @@ ROBSIM_AVX2 void screen_avx2(PaddedRow& row, int limit, std::vector<std::uint8_t
           _mm256_max_epu8(maximum, _mm256_and_si256(larger, simd::load(&is_red_or_green[32 * i])));
     }
     const __m256i beyond = _mm256_subs_epu8(maximum, limits);
-    may_contain[word] = !_mm256_testz_si256(beyond, beyond);
+    bits.add(!_mm256_testz_si256(beyond, beyond));
   }
+  bits.finish();
 }
 
 #endif
@@ -104,11 +108,11 @@ ROBSIM_AVX512_INLINE __m512i differences(__m512i bytes, __m512i next) {
   return _mm512_or_si512(_mm512_subs_epu8(bytes, b), _mm512_subs_epu8(b, bytes));
 }
 
-ROBSIM_AVX512 void screen_avx512(PaddedRow& row, int limit,
-                                 std::vector<std::uint8_t>& may_contain) {
+ROBSIM_AVX512 void screen_avx512(PaddedRow& row, int limit, BitRow& may_contain) {
+  BitWriter bits(may_contain);
   const __m512i limits = _mm512_set1_epi8(static_cast<char>(limit));
-  for (std::size_t word = 0; word < may_contain.size(); ++word) {
-    const std::uint8_t* pixels = row.block(word);
+  for (std::size_t block = 0; block < row.blocks(); ++block) {
+    const std::uint8_t* pixels = row.block(block);
     prefetch(pixels);
     __m512i maximum = _mm512_setzero_si512();
     __m512i bytes = simd::load_wide(pixels);
@@ -120,8 +124,9 @@ ROBSIM_AVX512 void screen_avx512(PaddedRow& row, int limit,
           _mm512_and_si512(differences(bytes, next), simd::load_wide(&is_red_or_green[64 * i])));
       bytes = next;
     }
-    may_contain[word] = _mm512_cmpgt_epu8_mask(maximum, limits) != 0;
+    bits.add(_mm512_cmpgt_epu8_mask(maximum, limits) != 0);
   }
+  bits.finish();
 }
 
 #endif
@@ -134,14 +139,14 @@ ChromaScreen::ChromaScreen(const std::vector<ColorClass>& classes) : safe_differ
   }
 }
 
-void ChromaScreen::screen(const std::uint8_t* rgb, int width,
-                          std::vector<std::uint8_t>& may_contain) const {
-  may_contain.resize(words_of(width));
+void ChromaScreen::screen(const std::uint8_t* rgb, int width, BitRow& may_contain) const {
+  PaddedRow row(rgb, width);
+  const auto blocks = static_cast<int>(row.blocks());
   if (safe_difference_ < 0) {
-    std::fill(may_contain.begin(), may_contain.end(), std::uint8_t{1});
+    set_all(may_contain, blocks);
     return;
   }
-  PaddedRow row(rgb, width);
+  may_contain.resize(words_of(blocks));
   ROBSIM_PICK(screen_baseline, screen_avx2, screen_avx512)(row, safe_difference_, may_contain);
 }
 

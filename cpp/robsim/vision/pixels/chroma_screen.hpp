@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "robsim/vision/color/color_class.hpp"
+#include "robsim/vision/pixels/bit_row.hpp"
 
 namespace robsim::pixels {
 
@@ -15,9 +16,9 @@ class ChromaScreen {
  public:
   explicit ChromaScreen(const std::vector<ColorClass>& classes);
 
-  /// Sets may_contain[i] to 0 if neither any of the pixels 64 i .. 64 i + 63 of a row of RGB8 nor
-  /// any mean of them belongs to a class, and to 1 otherwise.
-  void screen(const std::uint8_t* rgb, int width, std::vector<std::uint8_t>& may_contain) const;
+  /// Sets bit i unless neither any of the pixels 64 i .. 64 i + 63 of a row of RGB8 nor any mean
+  /// of them belongs to a class.
+  void screen(const std::uint8_t* rgb, int width, BitRow& may_contain) const;
 
  private:
   int safe_difference_;  // |R - G| and |G - B| up to which no pixel belongs to a class; -1 = none

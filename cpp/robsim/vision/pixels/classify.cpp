@@ -51,10 +51,10 @@ std::uint64_t members_baseline(const Planes& planes, const std::vector<ChannelLi
 
 void classify_baseline(const std::uint8_t* rgb, int width,
                        const std::vector<std::vector<ChannelLimits>>& limits,
-                       const std::vector<std::uint8_t>& may_contain, std::vector<BitRow>& bits) {
+                       const BitRow& may_contain, std::vector<BitRow>& bits) {
   PaddedRow row(rgb, width);
-  for (std::size_t word = 0; word < may_contain.size(); ++word) {
-    if (!may_contain[word]) continue;
+  for (std::size_t word = 0; word < row.blocks(); ++word) {
+    if (!is_set(may_contain, static_cast<int>(word))) continue;
     Planes planes;
     convert_baseline(row.block(word), planes);
     for (std::size_t i = 0; i < limits.size(); ++i) {
@@ -89,8 +89,7 @@ ROBSIM_AVX2_INLINE std::uint32_t members(const __m256i* yuv, const RegisterLimit
 
 ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
                                const std::vector<std::vector<ChannelLimits>>& limits,
-                               const std::vector<std::uint8_t>& may_contain,
-                               std::vector<BitRow>& bits) {
+                               const BitRow& may_contain, std::vector<BitRow>& bits) {
   RegisterLimits registers[maximum_limits];
   std::size_t first[Classifier::maximum_classes + 1] = {0};
   std::uint64_t* rows[Classifier::maximum_classes];
@@ -106,8 +105,8 @@ ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
     }
   }
   PaddedRow row(rgb, width);
-  for (std::size_t word = 0; word < may_contain.size(); ++word) {
-    if (!may_contain[word]) continue;
+  for (std::size_t word = 0; word < row.blocks(); ++word) {
+    if (!is_set(may_contain, static_cast<int>(word))) continue;
     const std::uint8_t* pixels = row.block(word);
     __m256i low[3];
     __m256i high[3];
@@ -136,6 +135,7 @@ Classifier::Classifier(const std::vector<ColorClass>& classes) : screen_(classes
 void Classifier::classify(const std::uint8_t* rgb, int width, std::vector<BitRow>& bits) {
   for (BitRow& row : bits) row.assign(words_of(width), 0);
   screen_.screen(rgb, width, may_contain_);
+  if (is_empty(may_contain_)) return;
   ROBSIM_PICK(classify_baseline, classify_avx2)(rgb, width, limits_, may_contain_, bits);
   clear_beyond(bits, width);
 }

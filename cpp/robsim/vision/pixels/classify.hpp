@@ -31,7 +31,7 @@ class Classifier {
  private:
   std::vector<std::vector<ChannelLimits>> limits_;  // per class
   ChromaScreen screen_;
-  std::vector<std::uint8_t> may_contain_;  // a member, per block of 64 pixels
+  BitRow may_contain_;  // a member, a bit per block of 64 pixels
 };
 
 }  // namespace robsim::pixels

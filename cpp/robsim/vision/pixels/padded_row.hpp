@@ -17,6 +17,8 @@ class PaddedRow {
         last_(words_of(width) - 1),
         remainder_(3 * (static_cast<std::size_t>(width) - 64 * last_)) {}
 
+  std::size_t blocks() const { return last_ + 1; }
+
   /// The last block is copied on demand only: by then the pixels before it are in the cache.
   const std::uint8_t* block(std::size_t word) {
     if (word < last_) return rgb_ + 192 * word;

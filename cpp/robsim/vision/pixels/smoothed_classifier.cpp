@@ -13,25 +13,6 @@ namespace {
 // Column sums before and after those of a row: as many as fit in a cache line.
 constexpr std::size_t margin = 32;
 
-// Calls f(first, last) for each maximal segment first <= i < last of words that meet a condition.
-template <typename Condition, typename F>
-void for_each_segment(std::size_t words, Condition&& condition, F&& f) {
-  for (std::size_t first = 0; first < words;) {
-    std::size_t last = first;
-    while (last < words && condition(last)) ++last;
-    if (last > first) f(first, last);
-    first = last + 1;
-  }
-}
-
-// result[i] = flags[i - 1] | flags[i] | flags[i + 1]
-void widen(const std::vector<std::uint8_t>& flags, std::vector<std::uint8_t>& result) {
-  const std::size_t last = flags.size() - 1;
-  for (std::size_t i = 1; i < last; ++i) result[i] = flags[i - 1] | flags[i] | flags[i + 1];
-  result[0] = flags[0] | flags[std::min<std::size_t>(1, last)];
-  if (last > 0) result[last] = flags[last - 1] | flags[last];
-}
-
 }  // namespace
 
 SmoothedClassifier::SmoothedClassifier(const std::vector<ColorClass>& classes, int window)
@@ -60,7 +41,7 @@ SmoothedClassifier::SmoothedClassifier(const std::vector<ColorClass>& classes, i
   }
 }
 
-SmoothedClassifier::Flags& SmoothedClassifier::may_contain(int v) {
+SmoothedClassifier::Blocks& SmoothedClassifier::may_contain(int v) {
   return may_contain_[static_cast<std::size_t>(v % (window_ + 1))];
 }
 
@@ -80,6 +61,7 @@ void SmoothedClassifier::begin(const ImageView& image) {
   image_ = image;
   v_ = 0;
   unscreened_rows_ = 0;
+  grey_rows_ = 0;
   words_ = words_of(image.width);
   const auto window = static_cast<std::size_t>(window_);
   for (Channel& channel : channels_) {
@@ -89,17 +71,10 @@ void SmoothedClassifier::begin(const ImageView& image) {
     channel.sums.resize(64 * words_);
   }
   may_contain_.resize(window + 1);
-  for (Flags* flags : {&candidate_rows_, &active_, &is_summed_, &was_summed_}) {
-    flags->assign(words_, 0);
+  for (Blocks* some : {&is_summed_, &was_summed_, &continued_, &begun_}) {
+    some->assign(words_of(blocks()), 0);
   }
-  const int half_width = window_ / 2;
-  for (int v = 0; v <= clamped(half_width); ++v) screen_row(v);
-  for (int v = -half_width; v <= half_width; ++v) {
-    const Flags& row = may_contain(clamped(v));
-    for (std::size_t i = 0; i < words_; ++i) {
-      candidate_rows_[i] = static_cast<std::uint8_t>(candidate_rows_[i] + row[i]);
-    }
-  }
+  for (int v = 0; v <= clamped(window_ / 2); ++v) screen_row(v);
 }
 
 void SmoothedClassifier::next_row(std::vector<BitRow>& bits) {
@@ -111,9 +86,11 @@ void SmoothedClassifier::next_row(std::vector<BitRow>& bits) {
     move_down(0, words_);
     classify(0, words_, bits);
   } else {
-    if (v_ > 0) move_candidates_down();
-    find_active();
-    classify_active(bits);
+    for (BitRow& row : bits) std::fill(row.begin(), row.end(), 0);
+    if (grey_rows_ <= window_) {
+      find_active();
+      classify_active(bits);
+    }
   }
   ++v_;
 }
@@ -122,38 +99,37 @@ void SmoothedClassifier::screen_row(int v) {
   // In noise no pixel is grey: screening every eighth row is enough to notice the end of it.
   const bool is_assumed = v % 8 != 0 && unscreened_rows_ > 0;
   if (is_assumed) {
-    may_contain(v).assign(words_, 1);
+    set_all(may_contain(v), blocks());
   } else {
     screen_.screen(image_.row(v), image_.width, may_contain(v));
   }
-  const Flags& flags = may_contain(v);
-  const bool is_unscreened = is_assumed || std::find(flags.begin(), flags.end(), 0) == flags.end();
+  const bool is_unscreened = is_assumed || is_full(may_contain(v), blocks());
   unscreened_rows_ = is_unscreened ? unscreened_rows_ + 1 : 0;
-}
-
-void SmoothedClassifier::move_candidates_down() {
-  const int half_width = window_ / 2;
-  const Flags& in = may_contain(clamped(v_ + half_width));
-  const Flags& out = may_contain(clamped(v_ - 1 - half_width));
-  for (std::size_t i = 0; i < words_; ++i) {
-    candidate_rows_[i] = static_cast<std::uint8_t>(candidate_rows_[i] + in[i] - out[i]);
-  }
-}
-
-void SmoothedClassifier::classify_active(std::vector<BitRow>& bits) {
-  const auto continues = [&](std::size_t i) { return is_summed_[i] && was_summed_[i]; };
-  const auto begins = [&](std::size_t i) { return is_summed_[i] && !was_summed_[i]; };
-  for_each_segment(words_, continues, [&](auto first, auto last) { move_down(first, last); });
-  for_each_segment(words_, begins, [&](auto first, auto last) { fill(first, last); });
-  for (BitRow& row : bits) std::fill(row.begin(), row.end(), 0);
-  const auto is_active = [&](std::size_t i) { return active_[i] != 0; };
-  for_each_segment(words_, is_active, [&](auto first, auto last) { classify(first, last, bits); });
+  grey_rows_ = is_empty(may_contain(v)) ? grey_rows_ + 1 : 0;
 }
 
 void SmoothedClassifier::find_active() {
-  widen(candidate_rows_, active_);
+  candidates_.assign(words_of(blocks()), 0);
+  const int half_width = window_ / 2;
+  for (int v = clamped(v_ - half_width); v <= clamped(v_ + half_width); ++v) {
+    const Blocks& row = may_contain(v);
+    for (std::size_t i = 0; i < row.size(); ++i) candidates_[i] |= row[i];
+  }
   std::swap(is_summed_, was_summed_);
-  widen(active_, is_summed_);
+  widen(candidates_, blocks(), active_);
+  widen(active_, blocks(), is_summed_);
+}
+
+void SmoothedClassifier::classify_active(std::vector<BitRow>& bits) {
+  for (std::size_t i = 0; i < is_summed_.size(); ++i) {
+    continued_[i] = is_summed_[i] & was_summed_[i];
+    begun_[i] = is_summed_[i] & ~was_summed_[i];
+  }
+  for_each_run(continued_, blocks(),
+               [&](std::size_t first, std::size_t last) { move_down(first, last); });
+  for_each_run(begun_, blocks(), [&](std::size_t first, std::size_t last) { fill(first, last); });
+  for_each_run(active_, blocks(),
+               [&](std::size_t first, std::size_t last) { classify(first, last, bits); });
 }
 
 void SmoothedClassifier::convert(int v, std::size_t first, std::size_t last) {

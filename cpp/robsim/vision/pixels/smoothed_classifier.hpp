@@ -36,15 +36,15 @@ class SmoothedClassifier {
     std::vector<WindowSums::Sum> sums;     // over the windows around the pixels of the current row
   };
 
-  // A flag or a count for each block of 64 pixels of a row
-  using Flags = std::vector<std::uint8_t>;
+  // A bit for each block of 64 pixels of a row
+  using Blocks = BitRow;
 
-  Flags& may_contain(int v);
+  int blocks() const { return static_cast<int>(words_); }
+  Blocks& may_contain(int v);
   std::uint8_t* row(Channel& channel, int v);
   WindowSums::Sum* column(Channel& channel, std::size_t u);
   int clamped(int v) const;
   void screen_row(int v);
-  void move_candidates_down();
   void find_active();
   void classify_active(std::vector<BitRow>& bits);
   void convert(int v, std::size_t first, std::size_t last);
@@ -57,13 +57,15 @@ class SmoothedClassifier {
   ChromaScreen screen_;
   Channel channels_[3];
   ImageView image_;
-  std::size_t words_ = 0;           // blocks of 64 pixels per row
-  int v_ = 0;                       // the current row
-  int unscreened_rows_ = 0;         // how many of the newest rows may contain members everywhere
-  std::vector<Flags> may_contain_;  // a ring of the newest rows
-  Flags candidate_rows_;            // how many rows of the window may contain a member
-  Flags active_;                    // the means must be computed
-  Flags is_summed_, was_summed_;    // the column sums are valid for row v_, for the row above it
+  std::size_t words_ = 0;            // blocks of 64 pixels per row
+  int v_ = 0;                        // the current row
+  int unscreened_rows_ = 0;          // how many of the newest rows may contain members everywhere
+  int grey_rows_ = 0;                // how many of them contain none
+  std::vector<Blocks> may_contain_;  // a ring of the newest rows
+  Blocks candidates_;                // a row of the window may contain a member
+  Blocks active_;                    // the means must be computed
+  Blocks is_summed_, was_summed_;    // the column sums are valid for row v_, for the row above it
+  Blocks continued_, begun_;         // they are moved down from the row above, or summed anew
 };
 
 }  // namespace robsim::pixels
