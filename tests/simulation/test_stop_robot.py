@@ -138,7 +138,7 @@ def test_what_send_raises_is_raised_here_between_two_runs_and_by_the_run_otherwi
 def test_a_stop_in_the_midst_of_many_short_runs_disturbs_none_of_them():
     """Between two runs it has the loop for a moment, for which the next one waits."""
     send, said = Sender(), set()
-    sim = experiment(send, 300)
+    sim = experiment(send, 301)
 
     def steps():
         for _ in range(300):
@@ -151,11 +151,13 @@ def test_a_stop_in_the_midst_of_many_short_runs_disturbs_none_of_them():
         while thread.is_alive():
             sim.stop_robot()
             time.sleep(0)
-    assert sim.n_steps > 0
     assert said <= {
         "the robot was stopped: it takes no input before the next run",
         "stop() was called before a frame came",
     }
+    n_steps = sim.n_steps
+    sim.step()
+    assert sim.n_steps == n_steps + 1
 
 
 def test_without_motors_it_ends_the_run():
