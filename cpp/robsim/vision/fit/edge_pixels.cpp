@@ -120,37 +120,67 @@ struct RowMap {
 };
 
 // `start`: the first column, from the middle of the box.
-ROBSIM_INLINE void look_up(const RowMap& map, float start, Run& run) {
+ROBSIM_INLINE void look_up(const RowMap& map, float start, std::vector<Run>& runs) {
   constexpr int cells = MarkerShape::Table::cells;
   static_assert(Run::size == Floats::count);
-  const Floats a = Floats::all(start) + Floats(0, 1, 2, 3, 4, 5, 6, 7);
-  const Floats x = Floats::all(map.x[0]) + a * (Floats::all(map.x[1]) + a * Floats::all(map.x[2]));
-  const Floats y = Floats::all(map.y[0]) + a * (Floats::all(map.y[1]) + a * Floats::all(map.y[2]));
-  x.store(run.x);
-  y.store(run.y);
   const Floats last = Floats::all(cells - 0.001F);
-  // NaN becomes 0
-  within((x - Floats::all(map.left)) * Floats::all(map.per_px), Floats::all(0), last)
-      .store(run.across);
-  within((y - Floats::all(map.top)) * Floats::all(map.per_px), Floats::all(0), last)
-      .store(run.down);
   const float width = 1 / map.per_px;
-  for (int i = 0; i < Run::size; ++i) {
-    const auto column = static_cast<std::int32_t>(run.across[i]);
-    const auto row = static_cast<std::int32_t>(run.down[i]);
-    run.cell[i] = row * cells + column;
-    run.across[i] = (run.across[i] - static_cast<float>(column) - 0.5F) * width;
-    run.down[i] = (run.down[i] - static_cast<float>(row) - 0.5F) * width;
+  for (Run& run : runs) {
+    const Floats a = Floats::all(start) + Floats(0, 1, 2, 3, 4, 5, 6, 7);
+    const Floats x =
+        Floats::all(map.x[0]) + a * (Floats::all(map.x[1]) + a * Floats::all(map.x[2]));
+    const Floats y =
+        Floats::all(map.y[0]) + a * (Floats::all(map.y[1]) + a * Floats::all(map.y[2]));
+    x.store(run.x);
+    y.store(run.y);
+    // NaN becomes 0
+    within((x - Floats::all(map.left)) * Floats::all(map.per_px), Floats::all(0), last)
+        .store(run.across);
+    within((y - Floats::all(map.top)) * Floats::all(map.per_px), Floats::all(0), last)
+        .store(run.down);
+    for (int i = 0; i < Run::size; ++i) {
+      const auto column = static_cast<std::int32_t>(run.across[i]);
+      const auto row = static_cast<std::int32_t>(run.down[i]);
+      run.cell[i] = row * cells + column;
+      run.across[i] = (run.across[i] - static_cast<float>(column) - 0.5F) * width;
+      run.down[i] = (run.down[i] - static_cast<float>(row) - 0.5F) * width;
+    }
+    start += Run::size;
   }
 }
 
-void look_up_baseline(const RowMap& map, float start, Run& run) { look_up(map, start, run); }
+void look_up_baseline(const RowMap& map, float start, std::vector<Run>& runs) {
+  look_up(map, start, runs);
+}
 
 #if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 void look_up_avx2(const RowMap& map, float start, Run& run) {
-  look_up(map, start, run);
+ROBSIM_AVX2 void look_up_avx2(const RowMap& map, float start, std::vector<Run>& runs) {
+  look_up(map, start, runs);
 }
 #endif
+
+// A pixel of a row that lies in the ring.
+struct Place {
+  std::int32_t column;  // from the left of the box
+  float distance;       // from the edge (work-area px)
+};
+
+// Writes those of the first `count` pixels whose distance is in [outside, inside], and returns how
+// many. Without a branch, which no processor could foresee.
+int in_ring(const MarkerShape::Table& table, const std::vector<Run>& runs, int count, float outside,
+            float inside, std::vector<Place>& places) {
+  int found = 0;
+  for (int i = 0; i < count; ++i) {
+    const Run& run = runs[static_cast<std::size_t>(i / Run::size)];
+    const int k = i % Run::size;
+    const Cell& cell = table.data()[run.cell[k]];
+    const float distance =
+        cell.distance + cell.slope_x * run.across[k] + cell.slope_y * run.down[k];
+    places[static_cast<std::size_t>(found)] = {i, distance};
+    found += static_cast<int>(distance >= outside) & static_cast<int>(distance <= inside);
+  }
+  return found;
+}
 
 // The block for one pixel more, in which other places have no weight.
 EdgeBlock& block_for_next(EdgePixels& pixels) {
@@ -159,7 +189,7 @@ EdgeBlock& block_for_next(EdgePixels& pixels) {
 }
 
 void add(EdgePixels& pixels, float distance, const Cell& cell, float x, float y,
-         const std::uint8_t* rgb, int u, int v) {
+         const std::uint8_t* rgb, int place) {
   EdgeBlock& block = block_for_next(pixels);
   const int k = pixels.count++ % EdgeBlock::size;
   block.distance[k] = distance;
@@ -169,8 +199,7 @@ void add(EdgePixels& pixels, float distance, const Cell& cell, float x, float y,
   block.turn[k] = cell.slope_x * y - cell.slope_y * x;
   for (int c = 0; c < 3; ++c) block.color[c][k] = static_cast<float>(rgb[c]) - EdgePixels::grey;
   block.weight[k] = 1;
-  block.u[k] = static_cast<std::int16_t>(u - pixels.box.left);
-  block.v[k] = static_cast<std::int16_t>(v - pixels.box.top);
+  block.place[k] = place;
 }
 
 }  // namespace
@@ -180,11 +209,14 @@ void gather(const ImageView& image, const PlaneMap& map, const MarkerShape& shap
   pixels.blocks.clear();
   pixels.count = 0;
   const Placed robot(pose);
-  pixels.box = box_around(image, map, shape, robot, ring.outside + 1);
+  const PixelBox box = box_around(image, map, shape, robot, ring.outside + 1);
+  const int width = box.right - box.left;
+  pixels.stride = width + EdgePixels::gap;
+  pixels.height = box.bottom - box.top;
   const Point centre = map.to_pixel(robot.to_world(shape.centroid()));
   pixels.scale = 1 / std::sqrt(map.area_scale(centre));
-  if (pixels.box.empty() || !std::isfinite(pixels.scale)) return;
-  const LocalMap to_robot(map, robot, pixels.box);
+  if (box.empty() || !std::isfinite(pixels.scale)) return;
+  const LocalMap to_robot(map, robot, box);
   const MarkerShape::Table& table = shape.table();
   RowMap row_map;
   row_map.left = static_cast<float>(table.left());
@@ -194,22 +226,21 @@ void gather(const ImageView& image, const PlaneMap& map, const MarkerShape& shap
   // two.
   const auto outside = static_cast<float>(-ring.outside / pixels.scale);
   const auto inside = static_cast<float>(ring.inside / pixels.scale);
-  Run run;
-  for (int v = pixels.box.top; v < pixels.box.bottom; ++v) {
+  std::vector<Run> runs(static_cast<std::size_t>((width + Run::size - 1) / Run::size));
+  std::vector<Place> places(static_cast<std::size_t>(width));
+  for (int j = 0; j < pixels.height; ++j) {
+    const int v = box.top + j;
     to_robot.row(v, row_map.x, row_map.y);
-    const std::uint8_t* row = image.row(v);
-    for (int u = pixels.box.left; u < pixels.box.right; u += Run::size) {
-      ROBSIM_PICK(look_up_baseline, look_up_avx2)
-      (row_map, static_cast<float>(u - to_robot.middle()), run);
-      const int count = std::min(Run::size, pixels.box.right - u);
-      for (int i = 0; i < count; ++i) {
-        const Cell& cell = table.data()[run.cell[i]];
-        const float distance =
-            cell.distance + cell.slope_x * run.across[i] + cell.slope_y * run.down[i];
-        if (distance < outside || distance > inside) continue;
-        add(pixels, distance, cell, run.x[i], run.y[i], row + std::ptrdiff_t{3} * (u + i), u + i,
-            v);
-      }
+    ROBSIM_PICK(look_up_baseline, look_up_avx2)
+    (row_map, static_cast<float>(box.left - to_robot.middle()), runs);
+    const std::uint8_t* row = image.row(v) + std::ptrdiff_t{3} * box.left;
+    const int count = in_ring(table, runs, width, outside, inside, places);
+    for (int n = 0; n < count; ++n) {
+      const auto [i, distance] = places[static_cast<std::size_t>(n)];
+      const Run& run = runs[static_cast<std::size_t>(i / Run::size)];
+      const int k = i % Run::size;
+      add(pixels, distance, table.data()[run.cell[k]], run.x[k], run.y[k],
+          row + std::ptrdiff_t{3} * i, j * pixels.stride + i);
     }
   }
 }

@@ -23,18 +23,20 @@ struct EdgeBlock {
   alignas(32) float weight[size];    // square root; 0 = no pixel
   alignas(32) float coverage[size];  // T, and its slope: see edge_model.hpp
   alignas(32) float slope[size];
-  std::int16_t u[size];  // px, from the left and top of the box
-  std::int16_t v[size];
+  std::int32_t place[size];  // row by row in the box, see `EdgePixels`
 };
 
 struct EdgePixels {
   static constexpr float grey = 128;  // in the middle of all levels: what is left is small
 
+  static constexpr int gap = 2;  // no pixel has one of another row beside it, or next but one
+
   EdgePixels() { blocks.reserve(24); }
 
   std::vector<EdgeBlock> blocks;
   int count = 0;
-  PixelBox box;      // where they are
+  int stride = 0;    // of the rows of the box around them (px), `gap` columns of it free
+  int height = 0;    // px
   double scale = 0;  // frame px per work-area px
 };
 

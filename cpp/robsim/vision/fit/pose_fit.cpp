@@ -33,8 +33,9 @@ constexpr int most_blur_steps = 10;
 constexpr double blur_found = 0.1;       // change of the logarithm of the blur in a step
 constexpr double longest_step = 1.5;     // frame px
 constexpr double still = 0.005;          // a step that is the last one
+constexpr double negligible = 0.4;       // the same, in standard deviations of the unknowns
 constexpr double converged = 0.1;        // a step that may be the last one
-constexpr double gather_again = 0.3;     // moves of which the distances are out of date
+constexpr double gather_again = 0.8;     // moves of which the distances are out of date
 constexpr double correlated = 2;         // misfit above which pixels are weighed
 constexpr double visible = 0.05;         // residuals above which it pays: share of the contrast
 constexpr double clearly_better = 0.8;   // ratio of residuals with weights to those without
@@ -169,12 +170,15 @@ class Fit {
       const Eigen::LLT<Information> decomposition(information_);
       if (decomposition.info() != Eigen::Success) return false;
       Step step = decomposition.solve(gradient);
-      last_step_ = scale() * displacement(step[0], step[1], step[2]);
-      if (!std::isfinite(last_step_)) return false;
-      if (last_step_ > longest_step) step *= longest_step / last_step_;
+      const double length = scale() * displacement(step[0], step[1], step[2]);  // frame px
+      if (!std::isfinite(length)) return false;
+      // The step in standard deviations: s^2 = g' N^-1 g
+      const bool is_negligible = gradient.dot(step) < negligible * negligible;
+      has_converged_ = length < converged || is_negligible;
+      if (length > longest_step) step *= longest_step / length;
       take(step);
       is_blur_found = std::fabs(step[3]) < blur_found;
-      if (last_step_ < still && is_blur_found) break;
+      if ((length < still || is_negligible) && is_blur_found) break;
     }
     return true;
   }
@@ -223,7 +227,7 @@ class Fit {
     PoseFit fit;
     fit.pose = at_.pose;
     fit.misfit = factor;
-    fit.has_converged = last_step_ < converged;
+    fit.has_converged = has_converged_;
     fit.moved = moved_from(start_);
     // The integral of phi(q)^2 of a normal edge, 1/(2 sqrt(pi)), over that of T'^2.
     constexpr double normal_share = 0.731;
@@ -265,7 +269,7 @@ class Fit {
   bool is_robust_ = false;
   Information information_;
   double signal_ = 0;
-  double last_step_ = 0;  // frame px
+  bool has_converged_ = false;
 };
 
 }  // namespace

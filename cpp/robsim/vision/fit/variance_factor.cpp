@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "robsim/simd/cpu_path.hpp"
+#include "robsim/simd/lanes.hpp"
 #include "robsim/simd/target.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
 
@@ -18,6 +19,7 @@ struct Lag {
 constexpr Lag lags[] = {{1, 0}, {2, 0},  {-2, 1}, {-1, 1}, {0, 1}, {1, 1},
                         {2, 1}, {-2, 2}, {-1, 2}, {0, 2},  {1, 2}, {2, 2}};
 constexpr int reach = 2;
+static_assert(reach <= EdgePixels::gap);
 
 // More than this many standard deviations is no chance.
 constexpr double significant = 3;
@@ -27,12 +29,23 @@ constexpr double significant = 3;
 // compilers may vectorise them.
 class Grid {
  public:
-  explicit Grid(const PixelBox& box)
-      : stride_(box.right - box.left + reach),
-        height_(box.bottom - box.top),
-        numbers_(static_cast<std::size_t>(stride_ * (height_ + reach) + reach)) {}
+  /// `numbers_of` writes those of a block.
+  template <typename NumbersOf>
+  Grid(const EdgePixels& pixels, NumbersOf numbers_of)
+      : stride_(pixels.stride),
+        height_(pixels.height),
+        numbers_(static_cast<std::size_t>(stride_ * (height_ + reach) + reach)) {
+    int left = pixels.count;
+    std::int16_t numbers[EdgeBlock::size];
+    for (const EdgeBlock& block : pixels.blocks) {
+      numbers_of(block, numbers);
+      const int count = std::min(left, EdgeBlock::size);
+      for (int k = 0; k < count; ++k)
+        numbers_[static_cast<std::size_t>(block.place[k])] = numbers[k];
+      left -= count;
+    }
+  }
 
-  std::int16_t& at(int u, int v) { return numbers_[static_cast<std::size_t>(v * stride_ + u)]; }
   int stride() const { return stride_; }
   int height() const { return height_; }
   const std::int16_t* row(int v) const { return numbers_.data() + v * stride_; }
@@ -43,12 +56,20 @@ class Grid {
 };
 
 // So large that the sum of a row of 2^14 products does not overflow.
-constexpr int most = 256;
+constexpr int most_number = 256;
+constexpr auto most = static_cast<float>(most_number);
 
-std::int16_t whole(float value, float unit) {
-  const auto limit = static_cast<float>(most);
-  const float scaled = std::min(std::max(value * unit, -limit), limit);
-  return static_cast<std::int16_t>(scaled + (scaled < 0 ? -0.5F : 0.5F));
+// The nearest whole numbers.
+void round_block(const float (&values)[EdgeBlock::size], std::int16_t* numbers) {
+  using Floats = simd::LanesOf<float>;
+  float raised[EdgeBlock::size];  // above 0, where to round is to cut off
+  for (int k = 0; k < EdgeBlock::size; k += Floats::count) {
+    const Floats near = within(Floats::load(values + k), Floats::all(-most), Floats::all(most));
+    (near + Floats::all(most + 0.5F)).store(raised + k);
+  }
+  for (int k = 0; k < EdgeBlock::size; ++k) {
+    numbers[k] = static_cast<std::int16_t>(static_cast<std::int32_t>(raised[k]) - most_number);
+  }
 }
 
 ROBSIM_INLINE double product(const Grid& grid, int offset) {
@@ -73,34 +94,30 @@ double product_with(const Grid& grid, const Lag& lag) {
   return ROBSIM_PICK(product_baseline, product_avx2)(grid, lag.v * grid.stride() + lag.u);
 }
 
-// One number per pixel, on the grid.
-template <typename NumberOf>
-Grid grid_of(const EdgePixels& pixels, NumberOf number_of) {
-  Grid grid(pixels.box);
-  for (int i = 0; i < pixels.count; ++i) {
-    const EdgeBlock& block = pixels.blocks[static_cast<std::size_t>(i / EdgeBlock::size)];
-    const int k = i % EdgeBlock::size;
-    grid.at(block.u[k], block.v[k]) = number_of(block, k, static_cast<std::size_t>(i));
-  }
-  return grid;
-}
-
 Grid ones_of(const EdgePixels& pixels) {
-  return grid_of(pixels, [](const EdgeBlock&, int, std::size_t) { return std::int16_t{1}; });
+  return Grid(pixels, [](const EdgeBlock&, std::int16_t* numbers) {
+    std::fill_n(numbers, EdgeBlock::size, std::int16_t{1});
+  });
 }
 
 // z in standard deviations, to 1/32; more than 8 count as 8.
 Grid residuals_of(const EdgeFit& marker) {
   const std::vector<float> z = marker.residuals();
+  const float* of_block = z.data();
   const auto unit = static_cast<float>(32 / std::sqrt(marker.variance));
-  return grid_of(marker.pixels, [&](const EdgeBlock& block, int k, std::size_t i) {
-    return whole(z[i] * block.weight[k], unit);
+  return Grid(marker.pixels, [&](const EdgeBlock& block, std::int16_t* numbers) {
+    float scaled[EdgeBlock::size];
+    for (int k = 0; k < EdgeBlock::size; ++k) scaled[k] = of_block[k] * block.weight[k] * unit;
+    round_block(scaled, numbers);
+    of_block += EdgeBlock::size;
   });
 }
 
 Grid slopes_of(const EdgePixels& pixels) {
-  return grid_of(pixels, [](const EdgeBlock& block, int k, std::size_t) {
-    return whole(block.slope[k], 480);
+  return Grid(pixels, [](const EdgeBlock& block, std::int16_t* numbers) {
+    float scaled[EdgeBlock::size];
+    for (int k = 0; k < EdgeBlock::size; ++k) scaled[k] = 480 * block.slope[k];
+    round_block(scaled, numbers);
   });
 }
 
