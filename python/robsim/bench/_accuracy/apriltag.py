@@ -14,6 +14,7 @@ from robsim.robots import RobotDefinition
 _ID = 0
 _MODULES = 8  # of the black square's side; a white one around it on each side
 _MODULE = 20  # px of its image
+_APART = 0.03  # of its perimeter: less than a module's diagonal
 _ENLARGED = 2  # tags of a few px a module are found better so
 _AROUND = 4  # sides of the tag around its place that are searched
 
@@ -34,6 +35,8 @@ class AprilTag:
         parameters = aruco.DetectorParameters()
         # The most exact of OpenCV's four for tags as small as these.
         parameters.cornerRefinementMethod = aruco.CORNER_REFINE_CONTOUR
+        # The edge of the paper is no marker: OpenCV up to 4.8 would take it in place of the tag.
+        parameters.minMarkerDistanceRate = _APART
         self._cv2 = cv2
         self._dictionary = aruco.getPredefinedDictionary(aruco.DICT_APRILTAG_36h11)
         self._detector = aruco.ArucoDetector(self._dictionary, parameters)
