@@ -137,7 +137,7 @@ def test_the_figure_of_clean_frames_alone():
 
 def test_the_tag_is_found_where_it_lies():
     tag = AprilTag(cv2, 1060.0)
-    for pose in ((500.2, 600.7, 0.4), (301.6, 222.3, -2.9)):
+    for pose in ((500.2, 600.7, 0.4), (301.6, 222.3, -2.9), (800.9, 411.1, 1.2)):
         sim = robsim.Simulation(robot=tag.definition(), headings=None, start=pose)
         sim.step()
         found = tag.pose(sim.frame, near=np.array(pose))
@@ -201,7 +201,11 @@ def test_the_command_writes_the_figure_and_prints_numbers(tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--accuracy", "--frames", "0"), "--frames must lie within 1..1000000, got 0"),
+        (("--accuracy", "--frames", "0"), "--frames must lie within 1..10000, got 0"),
+        (("--accuracy", "--frames", "-3"), "--frames must lie within 1..10000, got -3"),
+        (("--accuracy", "--frames", "10001"), "--frames must lie within 1..10000, got 10001"),
+        (("--accuracy", "--rounds", "3"), "--rounds belongs to what is timed"),
+        (("--panel", "--rounds", "3"), "--rounds belongs to what is timed"),
         (("--frames", "3"), "--frames belongs to --accuracy"),
         (("--figure", "a.png"), "--figure belongs to --accuracy"),
         (("--accuracy", "--figure", "a.xyz"), "the name of a figure must end in"),
@@ -213,6 +217,19 @@ def test_wrong_options_are_refused_before_anything_is_measured(options, message,
     assert done.exit_code != 0
     assert message in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+def test_a_figure_that_cannot_be_written_is_refused_before_anything_is_measured(tmp_path):
+    (tmp_path / "folder.png").mkdir()
+    (tmp_path / "file").touch()
+    for name, words in (
+        ("folder.png", "folder.png is a folder, not a file"),
+        ("file/sub/a.png", "file is a file, not a folder"),
+    ):
+        # 10 000 frames: what measured them first would take an hour
+        done = command("bench", "--accuracy", "--frames", "10000", "--figure", name, cwd=tmp_path)
+        assert done.exit_code == 2
+        assert words in done.stderr
 
 
 def test_without_opencv_it_says_what_to_install(monkeypatch):

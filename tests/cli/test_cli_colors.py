@@ -202,6 +202,7 @@ def test_train_on_several_pictures():
         (("a.png", "--region", "30 40 49 59"), "--region must be left,top,right,bottom"),
         (("a.png", "--region", "-5,0,9,9"), "--region must be left,top,right,bottom"),
         (("a.png", "--region", "0,0,9," + "9" * 5000), "--region must be"),
+        (("a.png", "--region", "30,40,49,100"), "--region must be (left, top, right"),
         (("a.png", "--region", "30,40,49,100"), "within the image of 120 x 100 px, got (30, 40, "),
         (("a.png", "a.png", "--region", "30,40,49,59"), "once for each of the 2 images"),
         (("none.png", "--region", "30,40,49,59"), "none.png"),
@@ -209,6 +210,7 @@ def test_train_on_several_pictures():
         (("a.png", "--region", "30,40,49,59", "--margin", "-1"), "margin must lie within 0..255"),
         (("a.png", "--region", "30,40,49,59", "--figure", "h.xyz"), "xyz"),
         (("a.png", "--region", "30,40,49,59", "--to", "bad.toml"), "bad.toml is not a TOML file"),
+        (("a.png", "--region", "30,40,49,59", "--to", "a.png/c.toml"), "a.png is a file, not a f"),
     ],
 )  # fmt: skip
 def test_train_refuses_and_writes_nothing(arguments, sentence):
@@ -219,6 +221,13 @@ def test_train_refuses_and_writes_nothing(arguments, sentence):
     where = () if "--to" in arguments else ("--to", "c.toml")
     assert sentence in refused("train", *arguments, "--name", "red", *where)
     assert sorted((path.name, path.read_bytes()) for path in Path().iterdir()) == before
+
+
+def test_a_file_that_cannot_be_written_is_refused_before_a_recording_is_read():
+    Path("recording").mkdir()
+    Path("recording/0.png").write_text("this would be said when it is read")
+    sentence = refused("train", "recording", "--area", "120x100", "--to", "recording")
+    assert sentence == "recording is a folder, not a file: give a name in it"
 
 
 # --- test

@@ -30,19 +30,20 @@ HELP = (
     "of 1200 x 1200) of those poses that are found and not false. Two more tables have the "
     "headings, and how many frames were missed or gave a false pose. It takes some minutes."
 )
+_ROUNDS = 25
 _FRAMES = 200  # of each case of --accuracy
 
 
 def bench(
     rounds: Annotated[
-        int,
+        int | None,
         typer.Option(
             "--rounds",
             parser=whole_number,
             metavar="N",
-            help="Number of timings of each case; the median is reported.",
+            help=f"Number of timings of each case; the median is reported. Default: {_ROUNDS}.",
         ),
-    ] = 25,
+    ] = None,
     panel: Annotated[
         bool,
         typer.Option(
@@ -91,12 +92,15 @@ def bench(
         _check_choice({"--panel": panel, "--camera": camera, "--accuracy": accuracy})
         if not accuracy:
             _refuse_without_accuracy(frames=frames, figure=figure)
+        if rounds is not None and (panel or accuracy):
+            raise ValueError("--rounds belongs to what is timed: leave it out, or the other option")
+        timings = _ROUNDS if rounds is None else rounds
         if panel:
             result = _measured_panel()
         elif accuracy:
             result = _measured_accuracy(_FRAMES if frames is None else frames, figure)
         else:
-            result = _measured_camera(rounds) if camera else _measured_core(rounds)
+            result = _measured_camera(timings) if camera else _measured_core(timings)
     errors.show(result.to_json() if as_json else result)
     if figure is not None and not as_json:
         errors.say(f"figure written to {figure}")
@@ -122,10 +126,11 @@ def _measured_core(rounds: int) -> Report:
 
 def _measured_accuracy(frames: int, figure: Path | None) -> Report:
     from robsim.bench._accuracy.run import run_accuracy_bench
-    from robsim.cli.results import check_figure_name, save_figure
+    from robsim.cli.results import check_figure_name, check_file, save_figure
 
-    if figure is not None:
-        check_figure_name(figure)  # before the minutes that it takes
+    if figure is not None:  # before the minutes that it takes
+        check_figure_name(figure)
+        check_file(figure)
     result = run_accuracy_bench(frames=frames)
     if figure is not None:
         from robsim.plotting._charts.accuracy import plot_accuracy

@@ -93,7 +93,11 @@ def train(
     ] = None,
 ) -> None:
     """Find the ranges of a colour in images of it, or those of markers in a recording."""
-    with errors.report_errors():
+    from robsim.cli.results import check_figure_name, check_file
+
+    with errors.naming_options({"region": "--region"}), errors.report_errors():
+        if to:
+            check_file(to)
         if name is None:
             _check_for_a_recording(frames, limit_y, figure)
             source = _recording(frames[0], area, calibration)
@@ -107,6 +111,9 @@ def train(
                     "--calibration": calibration,
                 }
             )
+            if figure:
+                check_figure_name(figure)
+                check_file(figure)
             images = [load_image(image) for image in frames]
             boxes = _regions_of_images(images, regions or [])
             trained = (train_color(images, boxes, name=name, margin=margin, limit_y=limit_y),)

@@ -68,6 +68,15 @@ def check_folder(out: Path) -> None:
         raise PermissionError(f"{out}: the folder {there} cannot be written to")
 
 
+def check_file(file: Path) -> None:
+    """Raise the OSError of a file that cannot be written, before what takes long."""
+    if file.is_dir():
+        raise IsADirectoryError(f"{file} is a folder, not a file: give a name in it")
+    check_folder(file.absolute().parent)
+    if file.exists() and not os.access(file, os.W_OK):
+        raise PermissionError(f"{file} cannot be written to")
+
+
 def check_figure_name(file: Path) -> None:
     """Raise ValueError unless the suffix of a file names a format of figures."""
     from matplotlib.backend_bases import FigureCanvasBase

@@ -30,6 +30,7 @@ NOISES: tuple[Noise | None, ...] = (
     *(UniformNoise(percent) for percent in LEVELS),
 )
 _SEED = 19
+_MOST_FRAMES = 10_000  # of each case: each takes some 100 kB for its bound
 
 
 def run_accuracy_bench(
@@ -61,7 +62,7 @@ def run_accuracy_bench(
     TypeError, ValueError
         If `frames` is no int, or out of range.
     """
-    check_int("frames", frames, minimum=1, maximum=10**6)
+    check_int("frames", frames, minimum=1, maximum=_MOST_FRAMES)
     cv2 = load_opencv("the comparison")
     robot = load_robot("lab")
     poses = _poses(robot, frames)
