@@ -88,6 +88,11 @@ class Tired(Spin):
 def copies(value):
     yield from (copy.copy(value), copy.deepcopy(value))
     yield from (pickle.loads(pickle.dumps(value, p)) for p in range(pickle.HIGHEST_PROTOCOL + 1))
+    if hasattr(value, "__setstate__"):  # of the core
+        make, arguments, state = value.__reduce__()
+        other = make(*arguments)
+        other.__setstate__(state)
+        yield other
 
 
 @pytest.mark.parametrize("value", VALUES, ids=repr)

@@ -111,10 +111,10 @@ void define_pickle(Class& cls, const Fields<Make, Gets...>& fields) {
     return std::make_pair(std::apply(make, std::move(arguments)), attributes);
   };
   cls.def(py::pickle(get, set));
-  // The protocols 0 and 1 would make an object without asking its class, and crash.
-  cls.def("__reduce_ex__", [](const py::object& self, int protocol) -> py::object {
-    const py::handle object(reinterpret_cast<PyObject*>(&PyBaseObject_Type));
-    return object.attr("__reduce_ex__")(self, std::max(protocol, 2));
+  // object's own would make one without asking its class, and crash.
+  cls.def("__reduce__", [](const py::object& self) {
+    const py::object make = py::module_::import("copyreg").attr("__newobj__");
+    return py::make_tuple(make, py::make_tuple(py::type::of(self)), self.attr("__getstate__")());
   });
 }
 
