@@ -51,25 +51,33 @@ std::optional<double> known(double value) {
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
 
-// Symmetric, and no correlation beyond 1.
+// Symmetric, and no combination of x, y and heading with a variance below 0.
 PoseCovariance checked_covariance(const ArrayLike& value) {
   const PoseCovariance P = covariance_from(value, "covariance");
+  const auto refuse = [&](const char* must) {
+    throw py::value_error(std::string("covariance must be ") + must + ", got " + describe(value));
+  };
+  double of[3];  // correlations of y with heading, x with heading, x with y
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < i; ++j) {
-      const double limit = std::sqrt(P(i, i) * P(j, j));
-      const bool is_symmetric = std::fabs(P(i, j) - P(j, i)) <= 1e-6 * limit;
-      if (is_symmetric && std::fabs(P(i, j)) <= limit * (1 + 1e-9)) continue;
-      throw py::value_error(
-          "covariance must be symmetric, with correlations between -1 and 1, got " +
-          describe(value));
+    const int a = (i + 1) % 3, b = (i + 2) % 3;
+    const double limit = std::sqrt(P(a, a)) * std::sqrt(P(b, b));
+    const double covariance = P(a, b);
+    const bool is_symmetric = std::fabs(covariance - P(b, a)) <= 1e-6 * limit;
+    if (!is_symmetric || std::fabs(covariance) > limit * (1 + 1e-9)) {
+      refuse("symmetric, with correlations between -1 and 1");
     }
+    of[i] = limit > 0 ? covariance / limit : 0;
   }
+  // the determinant of the correlations
+  const double determinant =
+      1 + 2 * of[0] * of[1] * of[2] - of[0] * of[0] - of[1] * of[1] - of[2] * of[2];
+  if (determinant < -1e-6) refuse("positive semidefinite");
   return P;
 }
 
 double at_least_0(double value, const char* name) {
-  if (value >= 0) return value;
-  throw py::value_error(std::string(name) + " must be at least 0, got " +
+  if (value >= 0 && std::isfinite(value)) return value;
+  throw py::value_error(std::string(name) + " must be finite and at least 0, got " +
                         describe(py::float_(value)));
 }
 
@@ -121,7 +129,7 @@ pair : tuple of 2 Blob, optional
 Raises
 ------
 ValueError
-    If the pose is not finite, if the covariance is none, or if a figure is below 0.
+    If the pose is not finite, if the covariance is none, or if a figure is below 0 or not finite.
 )");
   measurement
       .def(py::init(&make_measurement), py::arg("pose"), py::kw_only(),

@@ -1033,7 +1033,7 @@ class Measurement:
     Raises
     ------
     ValueError
-        If the pose is not finite, if the covariance is none, or if a figure is below 0.
+        If the pose is not finite, if the covariance is none, or if a figure is below 0 or not finite.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...

@@ -231,8 +231,51 @@ def test_outlines_must_be_those_of_the_markers(polygons, says):
 
 
 @pytest.mark.parametrize(
-    "covariance", [[[1, 2, 0], [0, 1, 0], [0, 0, 1]], [[1, 5, 0], [5, 1, 0], [0, 0, 1]]]
+    ("covariance", "words"),
+    [
+        ([[1, 2, 0], [0, 1, 0], [0, 0, 1]], "symmetric"),
+        ([[1, 5, 0], [5, 1, 0], [0, 0, 1]], "symmetric, with correlations between -1 and 1"),
+        ([[1e200, 5e199, 0], [4e199, 1e200, 0], [0, 0, 1]], "symmetric"),
+        ([[0, 1e-9, 0], [1e-9, 1, 0], [0, 0, 1]], "symmetric, with correlations"),
+        # each pair is in order, but not the three: x - y - heading has a variance below 0
+        ([[1, 0.9, 0.9], [0.9, 1, -0.9], [0.9, -0.9, 1]], "positive semidefinite"),
+        (np.full((3, 3), np.nan), "all finite"),
+    ],
 )
-def test_a_covariance_is_symmetric_with_correlations_up_to_1(covariance):
-    with pytest.raises(ValueError, match="covariance must be symmetric"):
+def test_what_is_no_covariance_is_refused(covariance, words):
+    with pytest.raises(ValueError, match=f"covariance must be .*{words}"):
         robsim.Measurement((1, 2, 3), covariance=covariance)
+
+
+@pytest.mark.parametrize("scale", [0, 1e-300, 1, 1e300])
+def test_covariances_of_any_size_and_of_less_than_full_rank(scale):
+    for covariance in (np.eye(3), np.ones((3, 3)), np.outer((1, -2, 3), (1, -2, 3))):
+        measurement = robsim.Measurement((1, 2, 3), covariance=scale * covariance)
+        np.testing.assert_array_equal(measurement.covariance, scale * covariance)
+
+
+@pytest.mark.parametrize("figure", ["misfit", "signal_to_noise"])
+def test_figures_are_finite_and_at_least_0(figure):
+    for value in (-1, np.inf, np.nan):
+        with pytest.raises(ValueError, match=f"{figure} must be finite and at least 0, got"):
+            robsim.Measurement((1, 2, 3), **{figure: value})
+
+
+def test_huge_figures_break_neither_filters_nor_reports_nor_plots():
+    def measure(step):
+        return robsim.Measurement(
+            (600 + step.k, 600, 0.1), covariance=1e300 * np.eye(3), misfit=1e300,
+            signal_to_noise=1e300,
+        )  # fmt: skip
+
+    for reference in (
+        robsim.reference.ExtendedKalmanFilter,
+        robsim.reference.UnscentedKalmanFilter,
+        robsim.reference.ParticleFilter,
+    ):
+        sim = simulation(measure=measure, estimate_state=reference(), resolution=(240, 240))
+        trace = sim.run(5)
+        assert np.isfinite(trace.pose_estimated).all()
+        assert str(trace.tracking())
+        robsim.plotting.plot_errors(robsim.pose_errors(trace))
+        robsim.plotting.plot_traces(trace)
