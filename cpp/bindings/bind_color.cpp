@@ -7,6 +7,7 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
+#include "robsim/simulation/seam/native_work.hpp"
 #include "robsim/vision/color/color_training.hpp"
 
 namespace py = pybind11;
@@ -30,10 +31,13 @@ Range range_of(const ColorClass& color, std::size_t channel) {
   return {color.lower[channel], color.upper[channel]};
 }
 
+std::int64_t pixels_of(const ImageView& view) { return std::int64_t{view.width} * view.height; }
+
 py::array_t<std::uint8_t> yuv_of(const PixelArray& image) {
   const ImageView view = image_view(image, "image");
   py::array_t<std::uint8_t> result({view.height, view.width, 3});
   std::uint8_t* to = result.mutable_data();
+  const NativeWork work(pixels_of(view));
   for (int v = 0; v < view.height; ++v) {
     for (int u = 0; u < view.width; ++u, to += 3) {
       const Yuv yuv = rgb_to_yuv(view.row(v) + std::ptrdiff_t{3} * u);
@@ -62,8 +66,12 @@ ColorHistograms histograms_from(const ArrayLike& histograms) {
 }
 
 py::array_t<std::int64_t> histograms_of(const ImageLike& image, const Region& region) {
-  const ColorHistograms histograms =
-      color_histograms(view_from(image, "image"), region_from(region, "region"));
+  const ImageView view = view_from(image, "image");
+  const PixelBox box = region_from(region, "region");
+  const ColorHistograms histograms = [&] {
+    const NativeWork work(pixels_of(view));
+    return color_histograms(view, box);
+  }();
   py::array_t<std::int64_t> result({3, 256});
   for (std::size_t i = 0; i < 3; ++i) {
     std::copy(histograms[i].begin(), histograms[i].end(), result.mutable_data(i));
@@ -106,9 +114,10 @@ void bind_training(py::module_& module, Class<ColorClass>& color_class) {
              int margin, bool limit_y) {
             const ImageView view = view_from(image, "image");
             const PixelBox box = region_from(region, "region");
-            const ColorHistograms histograms = color_histograms(view, box);
-            return color_from_histograms(name_from(name), histograms, {percentile, margin, limit_y},
-                                         chroma_around(view, box));
+            const std::string of = name_from(name);
+            const NativeWork work(pixels_of(view));
+            return color_from_histograms(of, color_histograms(view, box),
+                                         {percentile, margin, limit_y}, chroma_around(view, box));
           },
           py::arg("image"), py::arg("region"), py::kw_only(), py::arg("name"),
           py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
@@ -187,7 +196,11 @@ ValueError
       .def(
           "surrounding_chroma",
           [](const ImageLike& image) {
-            const SurroundingChroma found = surrounding_chroma(view_from(image, "image"));
+            const ImageView view = view_from(image, "image");
+            const SurroundingChroma found = [&] {
+              const NativeWork work(pixels_of(view));
+              return surrounding_chroma(view);
+            }();
             py::array_t<double> result({2, 2});
             std::copy_n(found.median.begin(), 2, result.mutable_data(0));
             std::copy_n(found.spread.begin(), 2, result.mutable_data(1));

@@ -6,11 +6,11 @@
 #include <optional>
 #include <string>
 
-#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/simulation/robot/robot_software.hpp"
+#include "robsim/simulation/seam/native_work.hpp"
 #include "robsim/vision/explain_detection.hpp"
 #include "robsim/vision/frame_faults.hpp"
 #include "robsim/vision/refine.hpp"
@@ -316,10 +316,8 @@ Detection detect_in(const BlobsByColor& blobs, const MarkerLayout& markers,
   if (!image) return detection;
   const ImageView view = view_from(*image, "image");
   const int headings = py::isinstance<Frame>(*image) ? image->cast<const Frame&>().headings : 0;
-  if (colors) {
-    const WithoutInterpreter native;
-    look_again(detection, view, *colors, map);
-  }
+  const NativeWork work(std::int64_t{view.width} * view.height);
+  if (colors) look_again(detection, view, *colors, map);
   refine(detection, view, map, headings);
   examine_frame(detection, view, map);
   return detection;
