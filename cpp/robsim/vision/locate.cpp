@@ -41,13 +41,15 @@ Candidate candidate_of(const Blob& blob, const PlaneMap& map) {
   return {&blob, map.to_world(blob.centroid), area};
 }
 
-// The blobs of a colour that are not cut off by the border.
+// Of so many blobs of a colour, the largest, those that are not cut off by the border.
 std::vector<Candidate> candidates_of(const BlobsByColor& blobs, const std::string& color,
-                                     const PlaneMap& map) {
+                                     const PlaneMap& map, int most) {
   std::vector<Candidate> result;
   const auto found = blobs.find(color);
   if (found == blobs.end()) return result;
-  for (const Blob& blob : found->second) {
+  const auto count = std::min(found->second.size(), static_cast<std::size_t>(most));
+  for (std::size_t i = 0; i < count; ++i) {
+    const Blob& blob = found->second[i];
     if (blob.at_border) continue;
     const Candidate marker = candidate_of(blob, map);
     if (std::isnan(marker.position.x)) continue;  // where the lens shows nothing
@@ -260,8 +262,10 @@ double false_alarms(const Pair& best, double best_misfit, const std::vector<Cand
 }
 
 Detection choose(const BlobsByColor& blobs, const MarkerLayout& markers, const PlaneMap& map) {
-  const std::vector<Candidate> firsts = candidates_of(blobs, markers.first.color, map);
-  const std::vector<Candidate> seconds = candidates_of(blobs, markers.second.color, map);
+  const std::vector<Candidate> firsts =
+      candidates_of(blobs, markers.first.color, map, markers.maximum_blobs);
+  const std::vector<Candidate> seconds =
+      candidates_of(blobs, markers.second.color, map, markers.maximum_blobs);
   Detection none;
   none.result = without_pair(blobs, markers);
   if (firsts.empty() || seconds.empty()) return none;
