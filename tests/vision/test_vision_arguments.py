@@ -19,7 +19,7 @@ from refusals import (
 )
 from robsim import find_blobs, locate
 from robsim.imaging import PlaneMap
-from robsim.vision import MarkerLayout
+from robsim.vision import Blob, MarkerLayout
 
 COLORS = robsim.load_colors()
 MARKERS = MarkerLayout(43, 14)
@@ -68,10 +68,63 @@ def test_markers(refusal):
     refusal()
 
 
-@pytest.mark.parametrize("polygon", [SQUARE * 1e160, SQUARE + 1e300], ids=["large", "far"])
-def test_polygons_beyond_all_bounds(polygon):
-    with pytest.raises(ValueError, match=r"red|distance"):
-        MarkerLayout.from_markers(polygon, SQUARE)
+CROSSED = np.array(((0, 0), (10, 10.001), (10, 0), (0, 10)))
+ROUND = 9 * np.column_stack([f(np.linspace(0, 2 * np.pi, 1001)) for f in (np.cos, np.sin)])
+
+
+@pytest.mark.parametrize(
+    ("polygon", "words"),
+    [
+        (SQUARE * 1e160, "of points within 1e9 px"),
+        (SQUARE + 1e300, "of points within 1e9 px"),
+        (SQUARE * 1e-160, "with an area"),
+        (CROSSED, "whose sides do not cross"),
+        (ROUND, "of at most 1000 points, got 1001"),
+    ],
+    ids=["large", "far", "small", "crossed", "round"],
+)
+def test_polygons_beyond_all_bounds(polygon, words):
+    with pytest.raises(ValueError, match=f"^red must be a polygon {words}"):
+        MarkerLayout.from_markers(polygon, np.add(SQUARE, (0, 50)))
+    with pytest.raises(ValueError, match=f"^blue_polygon must be a polygon {words}"):
+        MarkerLayout.from_positions(
+            (0, 9), (0, -9), red_polygon=SQUARE - SQUARE.mean(axis=0), blue_polygon=polygon
+        )
+
+
+@pytest.mark.parametrize(
+    "box", [(-(2**31), -(2**31), 2**31 - 1, 2**31 - 1), (5000, 5000, 5010, 5010), (7, 0, 9, 6)]
+)
+@pytest.mark.parametrize(
+    "markers", [MARKERS, MarkerLayout.from_markers(np.add(SQUARE, (0, 43)), SQUARE)]
+)
+def test_blobs_of_another_frame_leave_the_measurement_as_it_is(box, markers):
+    places = {"red": (600, 621.5), "blue": (600, 578.5)}
+    blobs = {
+        name: [Blob(name, area=16, centroid=place, bounding_box=box)]
+        for name, place in places.items()
+    }
+    counted = locate(blobs, markers)
+    seen = locate(blobs, markers, image=np.full((7, 9, 3), 90, np.uint8))
+    assert counted is not None
+    np.testing.assert_array_equal(seen.pose, counted.pose)
+    assert seen.covariance is None
+
+
+def test_as_many_blobs_are_considered_as_the_markers_say():
+    """The blob like the marker is the third largest."""
+
+    def blob(color, area, place):
+        return Blob(color, area=area, centroid=place, bounding_box=(0, 0, 9, 9))
+
+    blobs = {
+        "red": [blob("red", 900, (50, 9)), blob("red", 800, (9, 50)), blob("red", 90, (100, 143))],
+        "blue": [blob("blue", 90, (100, 100))],
+    }
+    layouts = [MarkerLayout(43, 14, maximum_blobs=most) for most in (2, 3)]
+    found = [locate(blobs, layout) for layout in layouts]
+    assert found[0] is None
+    assert found[1] is not None
 
 
 def test_markers_in_one_place():

@@ -9,8 +9,8 @@ namespace robsim {
 
 using Polygon = std::vector<Point>;
 
-/// Throws std::invalid_argument, naming `name`, unless the polygon has at least three finite
-/// corners and an area.
+/// Throws std::invalid_argument, naming `name`, unless the polygon has 3 to 1000 corners within
+/// 1e9 px, an area, and its centroid among its corners.
 void check_polygon(const Polygon& polygon, const std::string& name);
 
 /// Area by the shoelace formula, always positive.
