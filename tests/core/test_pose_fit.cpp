@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -202,6 +203,40 @@ TEST(WeightedCentroid, IsThatOfTheMarker) {
   EXPECT_LT(found->variance, 0.01);
   Picture grey;
   EXPECT_FALSE(weighted_centroid(grey.view(), box, {69.5, 78.5}));
+}
+
+TEST(WeightedCentroid, TakesABoxAnywhere) {
+  const Picture clean = picture({81.3, 58.6, 0});
+  constexpr int least = std::numeric_limits<int>::min();
+  constexpr int most = std::numeric_limits<int>::max();
+  for (const PixelBox& box :
+       {PixelBox{least, least, least + 1, least + 1}, PixelBox{most - 1, most - 1, most, most},
+        PixelBox{width, 0, width + 5, 9}, PixelBox{-5, -5, 0, 0}}) {
+    EXPECT_FALSE(weighted_centroid(clean.view(), box, {0, 0}));
+  }
+  weighted_centroid(clean.view(), {least, least, most, most}, {1e300, -1e300});
+}
+
+// A comb whose teeth are thinner than the ring around an edge: the ring is all of it.
+TEST(EdgePixels, AreSoManyAtMost) {
+  constexpr int side = 1200;
+  Polygon comb;
+  for (int i = 0; i < 500; ++i) {
+    comb.push_back({i % 2 ? 550.0 : -500.0, i * 2.2 - 550.0});
+  }
+  comb.push_back({-550, 550});
+  comb.push_back({-550, -552});
+  const std::vector<std::uint8_t> rgb(static_cast<std::size_t>(3 * side * side), 90);
+  const ImageView image{rgb.data(), side, side, 3 * side};
+  fit::EdgePixels pixels;
+  const auto gather = [&](const MarkerShape& shape) {
+    fit::gather(image, PlaneMap(), shape, {600, 600, 0}, {}, pixels);
+  };
+  gather(MarkerShape(comb, "comb"));
+  EXPECT_EQ(pixels.count, 0);
+  EXPECT_TRUE(pixels.blocks.empty());
+  gather(MarkerShape(disc({0, 0}, 500), "disc"));
+  EXPECT_GT(pixels.count, 15000);
 }
 
 }  // namespace

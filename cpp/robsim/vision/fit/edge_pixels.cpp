@@ -12,7 +12,10 @@ namespace robsim::fit {
 
 namespace {
 
-constexpr int most_pixels = 1 << 14;  // of an edge, and of a side of its box
+// What a marker may take at most, so that time and memory are bounded whatever its outline is.
+constexpr int most_side = 1 << 14;     // of the box around it (px)
+constexpr int most_in_box = 1 << 24;   // px
+constexpr int most_at_edge = 1 << 18;  // px
 
 /// A pose with the sine and cosine of its heading.
 struct Placed {
@@ -82,7 +85,7 @@ class LocalMap {
 };
 
 // The pixels that the marker and so many frame px around it take; empty if the map does not show
-// it.
+// it, or if they are too many.
 PixelBox box_around(const ImageView& image, const PlaneMap& map, const MarkerShape& shape,
                     const Placed& robot, double margin) {
   Point least{1e9, 1e9};
@@ -97,8 +100,11 @@ PixelBox box_around(const ImageView& image, const PlaneMap& map, const MarkerSha
                      static_cast<int>(std::floor(least.y - margin)),
                      static_cast<int>(std::ceil(most.x + margin)) + 1,
                      static_cast<int>(std::ceil(most.y + margin)) + 1};
-  if (box.right - box.left > most_pixels || box.bottom - box.top > most_pixels) return {};
-  return intersection(box, {0, 0, image.width, image.height});
+  if (box.right - box.left > most_side || box.bottom - box.top > most_side) return {};
+  const PixelBox seen = intersection(box, {0, 0, image.width, image.height});
+  const bool is_large =
+      !seen.empty() && seen.right - seen.left > most_in_box / (seen.bottom - seen.top);
+  return is_large ? PixelBox{} : seen;
 }
 
 using Floats = simd::LanesOf<float>;
@@ -235,6 +241,11 @@ void gather(const ImageView& image, const PlaneMap& map, const MarkerShape& shap
     (row_map, static_cast<float>(box.left - to_robot.middle()), runs);
     const std::uint8_t* row = image.row(v) + std::ptrdiff_t{3} * box.left;
     const int count = in_ring(table, runs, width, outside, inside, places);
+    if (pixels.count + count > most_at_edge) {
+      pixels.blocks.clear();
+      pixels.count = 0;
+      return;
+    }
     for (int n = 0; n < count; ++n) {
       const auto [i, distance] = places[static_cast<std::size_t>(n)];
       const Run& run = runs[static_cast<std::size_t>(i / Run::size)];

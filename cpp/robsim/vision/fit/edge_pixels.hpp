@@ -47,7 +47,7 @@ struct Ring {
 };
 
 /// Gathers the pixels of an image at the edge of a marker of a robot at `pose`. None if the marker
-/// is not in the image, or `map` does not show it.
+/// is not in the image, or `map` does not show it, or its edge takes more than some 262 000 px.
 void gather(const ImageView& image, const PlaneMap& map, const MarkerShape& shape, const Pose& pose,
             const Ring& ring, EdgePixels& pixels);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "robsim/vision/color/color_class.hpp"
@@ -52,10 +53,16 @@ Chroma median_of(const std::vector<Chroma>& all) {
   return {median_of(u), median_of(v)};
 }
 
+// Within the image. A box may lie anywhere: blobs need not be those of the image.
 PixelBox grown(const PixelBox& box, int by, const ImageView& image) {
-  return intersection({box.left - by, box.top - by, box.right + by, box.bottom + by},
-                      {0, 0, image.width, image.height});
+  const auto moved = [](int side, int way, int last) {
+    return static_cast<int>(std::clamp<std::int64_t>(std::int64_t{side} + way, 0, last));
+  };
+  return {moved(box.left, -by, image.width), moved(box.top, -by, image.height),
+          moved(box.right, by, image.width), moved(box.bottom, by, image.height)};
 }
+
+double length(int first, int last) { return static_cast<double>(last) - first; }
 
 bool contains(const PixelBox& box, int u, int v) {
   return u >= box.left && u < box.right && v >= box.top && v < box.bottom;
@@ -72,9 +79,10 @@ std::optional<WeightedCentroid> weighted_centroid(const ImageView& image, const 
     for (int u = frame.left; u < frame.right; ++u) {
       if (!contains(box, u, v)) around.push_back(chroma_at(image, u, v));
       // the middle half of the blob's box lies in most markers
-      const double x = std::fabs(2 * u + 1 - blob.left - blob.right);
-      const double y = std::fabs(2 * v + 1 - blob.top - blob.bottom);
-      const bool is_within = 2 * x <= blob.right - blob.left && 2 * y <= blob.bottom - blob.top;
+      const double x = std::fabs(2.0 * u + 1 - blob.left - blob.right);
+      const double y = std::fabs(2.0 * v + 1 - blob.top - blob.bottom);
+      const bool is_within =
+          2 * x <= length(blob.left, blob.right) && 2 * y <= length(blob.top, blob.bottom);
       if (is_within) within.push_back(smoothed(image, u, v));
     }
   }
