@@ -6,7 +6,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import robsim
-from fuzzing import FLOATS, NUMBERS, ORDINARY, POSITIVE, SEEDS, arrays, attempt, fuzzed, images
+from fuzzing import (
+    FLOATS,
+    NUMBERS,
+    ORDINARY,
+    POSITIVE,
+    SEEDS,
+    arrays,
+    attempt,
+    fuzzed,
+    images,
+    on_every_path,
+)
 from robsim import _core
 from robsim.imaging import PlaneMap
 from robsim.vision import MarkerLayout
@@ -49,17 +60,6 @@ PARTS = st.tuples(*[st.floats(0, 0.99)] * 4)
 
 # Rows of several blocks of 64 pixels, and of less than one
 ANY_WIDTH = st.one_of(images(), images(largest=200))
-
-
-def on_every_path(call):
-    """The results of a call on each path of the processor."""
-    before = _core.cpu_path()
-    try:
-        for path in _core.cpu_paths():
-            _core.force_cpu_path(path)
-            yield call()
-    finally:
-        _core.force_cpu_path(before)
 
 
 @fuzzed

@@ -7,6 +7,8 @@ import numpy as np
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
+from robsim import _core
+
 #: Few by default; `./run fuzz` asks for many, with other random numbers each round.
 EXAMPLES = int(os.environ.get("ROBSIM_FUZZ_EXAMPLES", "10"))
 
@@ -45,6 +47,17 @@ def attempt(call, /, *arguments, also=(), **options):
         return None
     taken[name] += 1
     return result
+
+
+def on_every_path(call):
+    """The results of a call on each path of the processor."""
+    before = _core.cpu_path()
+    try:
+        for path in _core.cpu_paths():
+            _core.force_cpu_path(path)
+            yield call()
+    finally:
+        _core.force_cpu_path(before)
 
 
 # Numbers: those at which rules change, and any others.
