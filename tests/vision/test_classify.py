@@ -45,6 +45,21 @@ def any_pixels(random, width, height):
     return random.integers(0, 256, (height, width, 3), dtype=np.uint8)
 
 
+def in_bands(random, width, height):
+    """Rows upon rows of grey, of grey with some colour, and of any pixels, in any order."""
+    image = grey_with_some_color(random, width, height)
+    v = 0
+    while v < height:
+        band = image[v : v + random.integers(1, 40)]
+        kind = random.integers(3)
+        if kind == 0:
+            band[:] = 90
+        elif kind == 1:
+            band[:] = any_pixels(random, width, len(band))
+        v += len(band)
+    return image
+
+
 @pytest.fixture(autouse=True)
 def _path():
     before = _core.cpu_path()
@@ -64,8 +79,40 @@ def _path():
     path=st.sampled_from(_core.cpu_paths()),
 )
 def test_the_masks_are_those_of_the_slow_way(width, height, window, draw, seed, colors, path):
-    _core.force_cpu_path(path)
     image = draw(np.random.default_rng(seed), width, height)
+    check_masks(image, colors, window, path)
+
+
+@pytest.mark.long
+@settings(max_examples=50, deadline=None)
+@given(
+    width=st.integers(1, 200),
+    height=st.integers(20, 120),
+    window=st.sampled_from([3, 5, 7, 15]),
+    seed=st.integers(0, 2**32 - 1),
+    path=st.sampled_from(_core.cpu_paths()),
+)
+def test_grey_rows_and_noisy_rows_take_turns(width, height, window, seed, path):
+    image = in_bands(np.random.default_rng(seed), width, height)
+    check_masks(image, RED_AND_BLUE, window, path)
+
+
+@pytest.mark.parametrize("draw", [grey_with_some_color, in_bands])
+@pytest.mark.parametrize("width", [4095, 4096, 4097, 8193])
+def test_more_than_64_blocks_in_a_row(width, draw, rng):
+    image = draw(rng, width, 30)
+    # at the ends of the words of blocks, which know their neighbours in the next word
+    for u in (0, 4030, 4094, 4095, 4096, 8191, 8192):
+        image[14:17, u : u + 3] = (220, 20, 30)
+    red = mask_of(image, RED_AND_BLUE[0], 5)
+    for path in _core.cpu_paths():
+        _core.force_cpu_path(path)
+        found = robsim.vision.classify(image, RED_AND_BLUE[:1], smoothing=5)["red"]
+        np.testing.assert_array_equal(found, red)
+
+
+def check_masks(image, colors, window, path):
+    _core.force_cpu_path(path)
     masks = robsim.vision.classify(image, colors, smoothing=window)
     for color in colors:
         np.testing.assert_array_equal(masks[color.name], mask_of(image, color, window))
