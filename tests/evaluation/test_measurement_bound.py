@@ -219,6 +219,12 @@ def test_the_report():
         ({"pose": (5000, 600, 0)}, ValueError, "pose must show the markers in the frame, got"),
         ({"robot": "lab"}, TypeError, "robot must be a RobotDefinition or a sequence of the"),
         ({"robot": [np.zeros((2, 2))]}, ValueError, r"robot must have polygons of shape \(N, 2\)"),
+        (
+            {"robot": [np.zeros((4, 2))]},
+            ValueError,
+            "robot must have polygons with an area, within",
+        ),
+        ({"robot": [1e200 * np.eye(3, 2)]}, ValueError, "robot must have polygons with an area"),
         ({"noise": 10}, TypeError, "noise must be a GaussianNoise, a UniformNoise or None"),
     ],
 )

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, as_float_array
+from robsim._base.geometry.polygons import area_and_centroid
 from robsim._base.report import Quantity, Report
 from robsim._base.text import quoted
 from robsim._core import Frame
@@ -20,6 +21,7 @@ from robsim.imaging._noise import GaussianNoise, Noise, as_native_noise
 
 _EDGE_WIDTHS = (0.15, 4.0)  # px of the frame, among which that of the frame is
 _NOTHING = 1e-6  # of a signal
+_FARTHEST, _LEAST_AREA = 1e9, 1e-9  # of polygons (work-area px, px^2), as of a MarkerLayout
 
 
 class _Robot(Protocol):
@@ -211,6 +213,11 @@ def marker_polygons(robot: Any) -> list[Floats]:
         if polygon.shape != (len(polygon), 2) or len(polygon) < 3 or not np.isfinite(polygon).all():
             raise ValueError(
                 f"robot must have polygons of shape (N, 2), N >= 3, got {quoted(polygon.tolist())}"
+            )
+        if np.abs(polygon).max() > _FARTHEST or area_and_centroid(polygon)[0] < _LEAST_AREA:
+            raise ValueError(
+                f"robot must have polygons with an area, within {_FARTHEST:g} px, "
+                f"got {quoted(polygon.tolist())}"
             )
     return polygons
 
