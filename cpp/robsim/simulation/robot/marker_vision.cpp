@@ -16,6 +16,15 @@ BlobOptions with_smoothing(BlobOptions options, std::optional<int> smoothing) {
   return options;
 }
 
+std::int64_t pixels_in(const PixelBox& box) {
+  return (std::int64_t{box.right} - box.left) * (std::int64_t{box.bottom} - box.top);
+}
+
+// What a measurement is refined by, at most.
+std::int64_t pixels_of(const Detection& found) {
+  return found.measurement ? pixels_in(found.first->box) + pixels_in(found.second->box) : 0;
+}
+
 }  // namespace
 
 MarkerVision::MarkerVision(std::vector<ColorClass> colors, const MarkerLayout& markers,
@@ -38,6 +47,7 @@ Detection MarkerVision::detect(const BlobsByColor& blobs, const Frame& frame) co
     const NativeWork native(std::int64_t{frame.image.width()} * frame.image.height());
     look_again(detection, frame.image.view(), colors(), frame.plane_map, smoothing_);
   }
+  const NativeWork native(pixels_of(detection));
   refine(detection, frame.image.view(), frame.plane_map, frame.headings);
   examine_frame(detection, frame.image.view(), frame.plane_map);
   return detection;
