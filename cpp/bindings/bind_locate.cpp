@@ -9,10 +9,12 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
+#include "robsim/imaging/grey_noise.hpp"
 #include "robsim/simulation/robot/robot_software.hpp"
 #include "robsim/simulation/seam/native_work.hpp"
 #include "robsim/vision/explain_detection.hpp"
 #include "robsim/vision/frame_faults.hpp"
+#include "robsim/vision/marker_signal.hpp"
 #include "robsim/vision/refine.hpp"
 #include "robsim/vision/second_chance.hpp"
 
@@ -94,16 +96,25 @@ Measurement make_measurement(const ArrayLike& pose, const std::optional<ArrayLik
   return measurement;
 }
 
-// The pose, and how exact it is.
+// The pose, how exact it is, and how far it stands out of the noise, as far as that is known.
 std::string repr_of_measurement(const Measurement& self) {
-  const std::string pose = py::repr(py::cast(numbers_of(self))).cast<std::string>();
-  if (!self.covariance) return "Measurement(" + pose + ")";
-  const auto deviation = [&](int i) { return std::sqrt((*self.covariance)(i, i)); };
-  return "<Measurement: " + pose + ", +- " +
-         py::str("{:.3g}, {:.3g}, {:.3g}")
-             .format(deviation(0), deviation(1), deviation(2))
-             .cast<std::string>() +
-         ">";
+  const auto text = [](const char* format, auto... values) {
+    return py::str(format).format(values...).template cast<std::string>();
+  };
+  if (!self.covariance && std::isnan(self.signal_to_noise)) {
+    return "Measurement(" + py::repr(py::cast(numbers_of(self))).cast<std::string>() + ")";
+  }
+  const Pose& pose = self.pose;
+  std::string all = text("<Measurement: x {:.2f} px, y {:.2f} px, heading {:.4f} rad", pose.x,
+                         pose.y, pose.heading);
+  if (self.covariance) {
+    const auto deviation = [&](int i) { return std::sqrt((*self.covariance)(i, i)); };
+    all += text("; +- {:.2g} px, {:.2g} px, {:.2g} rad", deviation(0), deviation(1), deviation(2));
+  }
+  if (!std::isnan(self.signal_to_noise)) {
+    all += text("; signal to noise {:.3g}", self.signal_to_noise);
+  }
+  return all + ">";
 }
 
 void bind_measurement(py::module_& module) {
@@ -177,7 +188,7 @@ ValueError
 
 Detection detection_from(std::optional<Measurement> measurement, int result,
                          const std::optional<Blob>& red, const std::optional<Blob>& blue,
-                         const std::array<double, 8>& numbers, bool by_second_chance,
+                         const std::array<double, 9>& numbers, bool by_second_chance,
                          const MarkerLayout& markers) {
   if (result < 0 || result > static_cast<int>(DetectionResult::small_markers)) {
     throw py::value_error("a Detection cannot be made of the result " + std::to_string(result));
@@ -195,6 +206,7 @@ Detection detection_from(std::optional<Measurement> measurement, int result,
   detection.second_area = numbers[5];
   detection.false_alarms = numbers[6];
   detection.cause = numbers[7];
+  detection.noise = numbers[8];
   detection.by_second_chance = by_second_chance;
   detection.markers = markers;
   return detection;
@@ -207,9 +219,9 @@ auto detection_fields() {
       Field("red", &Detection::first), Field("blue", &Detection::second),
       Field("numbers",
             [](const Detection& self) {
-              return std::array<double, 8>{self.misfit,       self.runner_up,  self.exchanged,
+              return std::array<double, 9>{self.misfit,       self.runner_up,  self.exchanged,
                                            self.distance,     self.first_area, self.second_area,
-                                           self.false_alarms, self.cause};
+                                           self.false_alarms, self.cause,      self.noise};
             }),
       Field("by_second_chance", &Detection::by_second_chance),
       Field("markers", &Detection::markers));
@@ -341,9 +353,7 @@ std::vector<std::string> reasons(const std::array<std::string, 2>& colors) {
   return names;
 }
 
-std::optional<std::string> remark_on_size(const MarkerLayout& markers, const Frame& frame) {
-  return small_markers_remark(markers, frame.plane_map, frame.image.width(), frame.image.height());
-}
+double noise_of(const Frame& frame) { return grey_noise(frame.image.view()); }
 
 void bind_functions(py::module_& module) {
   public_in(module, "robsim.vision")
@@ -399,8 +409,15 @@ Examples
   public_in(module, "robsim._core")
       .def("detection_reasons", &reasons, py::arg("colors") = default_marker_colors,
            "The reasons of a Detection, in the order of their numbers from 1.")
-      .def("small_markers_remark", &remark_on_size, py::arg("markers"), py::arg("frame"),
-           "What is to be said of markers too small in the frame; None of others.");
+      .def("frame_noise", &noise_of, py::arg("frame"),
+           "Standard deviation of the noise of a frame's channels (grey levels).")
+      .def("expected_signal_to_noise", &expected_signal_to_noise, py::arg("width"),
+           py::arg("noise"),
+           "The figure of markers of a width (frame px) at a noise (grey levels), in good light.")
+      .def("trusted_width", &trusted_width, py::arg("noise"),
+           "Width of markers (frame px) that can be trusted at a noise (grey levels).")
+      .def("small_markers_remark", &small_markers_remark, py::arg("width"), py::arg("noise"),
+           "What is to be said of markers too small for the noise; None of others.");
 
   public_in(module, "robsim")
       .def("locate", &locate_in, py::arg("blobs"), py::arg("markers"),

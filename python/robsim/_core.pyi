@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'find_blobs', 'force_cpu_path', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'expected_signal_to_noise', 'find_blobs', 'force_cpu_path', 'frame_noise', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'trusted_width', 'view_warp', 'wrap_angle']
 class Intrinsics:
     """
     A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
@@ -2621,6 +2621,10 @@ def exp(x: numpy.typing.ArrayLike) -> typing.Any:
     """
     Return e to the power of a number, or of each in an array.
     """
+def expected_signal_to_noise(width: float, noise: float) -> float:
+    """
+    The figure of markers of a width (frame px) at a noise (grey levels), in good light.
+    """
 def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, minimum_area: int | None = None, maximum_count: int | None = None, smoothing: int | None = None, region: collections.abc.Sequence[int] | None = None) -> dict[str, list[Blob]]:
     """
     Find the blobs of every colour class in one pass over an image.
@@ -2670,6 +2674,10 @@ def force_cpu_path(path: str) -> None:
     ------
     ValueError
         If it is not available on this processor.
+    """
+def frame_noise(frame: Frame) -> float:
+    """
+    Standard deviation of the noise of a frame's channels (grey levels).
     """
 def from_rgb(image: numpy.typing.NDArray[numpy.uint8], format: str) -> bytes:
     """
@@ -2885,9 +2893,9 @@ def sin(x: numpy.typing.ArrayLike) -> typing.Any:
     """
     Return the sine of an angle (rad), or of each in an array.
     """
-def small_markers_remark(markers: MarkerLayout, frame: Frame) -> str | None:
+def small_markers_remark(width: float, noise: float) -> str | None:
     """
-    What is to be said of markers too small in the frame; None of others.
+    What is to be said of markers too small for the noise; None of others.
     """
 def surrounding_chroma(image: Frame | numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.float64]:
     """
@@ -2948,6 +2956,10 @@ def trace_schema() -> list[TraceGroup]:
     -------
     list of TraceGroup
         The groups in the order of the documentation.
+    """
+def trusted_width(noise: float) -> float:
+    """
+    Width of markers (frame px) that can be trusted at a noise (grey levels).
     """
 def view_warp(scene: Scene, size: tuple[int, int], plane_map: PlaneMap) -> Warp:
     """

@@ -270,6 +270,7 @@ def test_a_step_that_was_kept_tells_what_it_has_forgotten():
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore::robsim.vision.SmallMarkersWarning")
 def test_noise_does_not_change_the_path():
     options = {"measure": True, "control": robsim.DriveAround(), "seed": 5, **SMALL}
     quiet = robsim.Simulation(**options)

@@ -148,6 +148,13 @@ def test_a_detection_is_a_value(squares):
 def test_a_measurement_is_a_value():
     measurement = robsim.Measurement((1, 2.5, 0.1))
     assert repr(measurement) == "Measurement([1.0, 2.5, 0.1])"
+    known = robsim.Measurement(
+        (1, 2.5, 0.1), covariance=np.diag((4e-4, 9e-4, 1e-6)), signal_to_noise=12.34
+    )
+    assert repr(known) == (
+        "<Measurement: x 1.00 px, y 2.50 px, heading 0.1000 rad; "
+        "+- 0.02 px, 0.03 px, 0.001 rad; signal to noise 12.3>"
+    )
     for other in (copy.copy(measurement), pickle.loads(pickle.dumps(measurement))):
         assert other == measurement
         assert hash(other) == hash(measurement)
@@ -209,7 +216,7 @@ def test_what_was_missed_in_a_run():
         (
             lambda image: image[::30, ::30],
             "small markers",
-            r"the markers are 0\.8 px wide in the frame; poses can be trusted from 4\.5 px on",
+            r"the markers are 0\.7 px wide in the frame, and its noise is .* markers of 2\.\d px",
         ),
         (lambda image: np.full_like(image, 150), "no blobs", "no red and no blue blob"),
     ],

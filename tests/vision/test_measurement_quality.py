@@ -143,7 +143,8 @@ def test_the_plane_map_is_that_of_the_frame():
 
 def test_what_does_not_stand_out_of_the_noise_is_no_measurement():
     sim = simulation(resolution=(320, 320), headings=None, noise=robsim.GaussianNoise(45), seed=3)
-    trace = sim.run(60)
+    with pytest.warns(robsim.vision.SmallMarkersWarning, match=r"markers of 7\.8 px"):
+        trace = sim.run(60)
     reasons = trace.missed_reasons
     assert (reasons[trace.seen] == "").all()
     assert (reasons[~trace.seen] != "").all()

@@ -7,8 +7,9 @@ import pytest
 
 import robsim
 from detection_rates import CASES, measured, rates
+from robsim._core import expected_signal_to_noise, frame_noise, trusted_width
 from robsim.vision import MarkerLayout, SmallMarkersWarning, detect
-from scenes import AREA, false_poses, renderer
+from scenes import AREA, false_poses, poses_within, renderer
 
 LAB = robsim.load_robot("lab").marker_layout()
 COLORS = robsim.load_colors()
@@ -166,49 +167,137 @@ def test_without_a_robot_specks_are_taken_for_one_in_one_of_200_frames_at_most()
     assert reported <= 8  # 2 are to be expected at most
 
 
+# --- what the noise asks of the markers
+
+
+@pytest.mark.parametrize("size", [200, 480, 1200])
+@pytest.mark.parametrize("percent", [2, 5, 10, 20])
+def test_the_noise_of_a_frame_is_measured(size, percent):
+    noise = robsim.GaussianNoise(percent)
+    assert frame_noise(frame_of(size, noise)) == pytest.approx(2.55 * percent, rel=0.1)
+
+
+def test_the_noise_of_clean_and_tiny_frames():
+    assert frame_noise(frame_of(1200)) < 1
+    assert frame_noise(robsim.Frame(np.zeros((2, 2, 3), np.uint8))) == 0
+    assert frame_noise(robsim.Frame(np.full((50, 50, 3), 255, np.uint8))) == 0  # clipped
+    slope = np.add.outer(np.arange(60), 2 * np.arange(60))[..., None].repeat(3, 2) + 20
+    assert frame_noise(robsim.Frame(slope.astype(np.uint8))) == 0
+
+
+def test_the_figure_is_that_of_the_formula():
+    # SNR^2 = sum |contrast|^2 / sigma^2 perimeter w / 3.5, of two discs
+    perimeter = 2 * np.sqrt(np.pi) * 9
+    snr = np.sqrt(2 * (150 / 25.5) ** 2 * perimeter * 0.6 / 3.5)
+    assert expected_signal_to_noise(9, 25.5) == pytest.approx(snr)
+    assert expected_signal_to_noise(2.25, 51) < expected_signal_to_noise(4.5, 51) / 4
+
+
+@pytest.mark.parametrize("noise", [25.5, 51, 76.5, 102, 150])
+def test_the_trusted_width_has_the_figure_4(noise):
+    assert expected_signal_to_noise(trusted_width(noise), noise) == pytest.approx(4)
+
+
+# Nine in ten are found at 1.25 times the trusted width, hardly one at 0.6 of it.
+@pytest.mark.slow
+@pytest.mark.parametrize("percent", [10, 20, 30, 40])
+def test_the_trusted_width_is_where_robots_begin_to_be_found(percent):
+    noise = robsim.GaussianNoise(percent)
+    px = trusted_width(2.55 * percent) / np.sqrt(LAB.red_area) * 1200
+    poses = poses_within(np.random.default_rng(3), 40, margin=70)
+
+    def seen(times):
+        errors = measured((round(times * px),) * 2, None, noise, poses)
+        return np.isfinite(errors[:, 0]).sum()
+
+    assert seen(1.25) >= 36
+    assert seen(0.6) <= 12
+
+
 # --- the warning
 
 
-def small_camera(**options):
-    return robsim.Simulation(robot="lab", resolution=(200, 200), measure=True, seed=1, **options)
+def noisy_camera(percent=30, **options):
+    options = {
+        **{"noise": robsim.GaussianNoise(percent), "measure": True, "resolution": (200, 200)},
+        **options,
+    }
+    return robsim.Simulation(robot="lab", seed=1, **options)
 
 
-def test_the_warning_comes_once_and_names_size_limit_and_remedy():
-    sim = small_camera()
+def test_the_warning_comes_once_and_names_size_noise_figure_limit_and_remedy():
+    sim = noisy_camera()
     with pytest.warns(SmallMarkersWarning) as caught:
         sim.run(2)
     (warning,) = caught
     message = str(warning.message)
-    assert message.startswith("the markers are 3.8 px wide in the frame; poses can be trusted from")
-    assert "Give the camera more pixels" in message
+    for words in (
+        "the markers are 3.8 px wide in the frame, and its noise is 76.5 grey levels (30 %)",
+        "a signal-to-noise figure of 3.0 in good light",
+        "poses need a figure of 4 and markers of 2 px: here, markers of 4.3 px",
+        "Give the camera more pixels",
+    ):
+        assert words in message
     assert warning.filename == __file__
     assert warning.message.width == pytest.approx(3.84, abs=0.01)
+    assert warning.message.noise == pytest.approx(76.5)
+    assert warning.message.signal_to_noise == pytest.approx(3.08, abs=0.01)
+    assert warning.message.trusted_width == pytest.approx(4.27, abs=0.01)
     sim.run(2)
     sim.reset()
     sim.run(2)  # warnings are errors here
     with pytest.warns(SmallMarkersWarning):
-        small_camera().step()
+        noisy_camera().step()
 
 
-def test_an_experiment_warns_too():
-    frames = [frame_of(200)]
-    with pytest.warns(SmallMarkersWarning, match=r"3\.8 px wide"):
-        robsim.Experiment(frames, robot="lab").run()
+def test_more_noise_is_looked_at_again():
+    sim = noisy_camera(percent=5)
+    sim.run(2)
+    sim.noise = robsim.UniformNoise(60)
+    with pytest.warns(SmallMarkersWarning, match=r"88\.3 grey levels \(35 %\)"):
+        sim.run(2)
+
+
+def test_an_experiment_measures_the_noise():
+    with pytest.warns(SmallMarkersWarning, match=r"3\.8 px wide") as caught:
+        robsim.Experiment([frame_of(200, robsim.GaussianNoise(30))], robot="lab").run()
+    assert caught[0].message.noise == pytest.approx(65, abs=12)  # some of it is clipped
+    robsim.Experiment([frame_of(200, robsim.GaussianNoise(10))], robot="lab").run()
+
+
+def test_a_frame_without_a_robot_says_what_the_noise_asks_for():
+    image = np.full((200, 200, 3), 128, np.uint8)
+    plane_map = robsim.imaging.PlaneMap.scaled((200, 200), AREA)
+
+    def explained(noise):
+        frame = robsim.Frame(noise.add(image, 1), plane_map=plane_map)
+        return detect({"red": [], "blue": []}, LAB, image=frame)
+
+    assert explained(robsim.GaussianNoise(10)).reason == "no blobs"
+    small = explained(robsim.GaussianNoise(35))
+    assert small.reason == "small markers"
+    assert "the markers are 3.8 px wide in the frame, and its noise is 7" in small.explanation
 
 
 @pytest.mark.parametrize(
     "options",
     [
-        {"resolution": (200, 200)},  # nobody measures
-        {"resolution": (240, 240), "measure": True},
-        {"area": (300, 300), "measure": True},
-        {"resolution": (200, 200), "measure": lambda step: None},  # by code of one's own
+        {"measure": False},  # nobody measures
+        {"percent": 20},
+        {"resolution": (320, 320)},
+        {"area": (300, 300)},
+        {"measure": lambda step: None},  # by code of one's own
     ],
 )
 def test_no_warning_without_need(options):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        robsim.Simulation(robot="lab", seed=1, **options).run(2)
+        noisy_camera(**options).run(2)
+
+
+def test_a_marker_of_a_pixel_is_too_small_for_any_camera():
+    with pytest.warns(SmallMarkersWarning, match=r"the markers are 0\.9 px wide"):
+        noisy_camera(resolution=(50, 50), noise=None).run(2)
 
 
 def test_at_the_size_that_can_be_trusted_20_percent_of_noise_hide_hardly_a_robot():

@@ -5,8 +5,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "robsim/vision/marker_blobs.hpp"
-#include "robsim/vision/refine.hpp"
+#include "robsim/vision/marker_signal.hpp"
 
 namespace robsim {
 
@@ -78,11 +77,20 @@ std::string explain_missing(const std::string& what) {
   return "no " + what + " blob was detected: check the frame and the colours";
 }
 
-std::string small_markers(double width) {
-  const double shown = std::min(width, least_marker_width - 0.1);  // 4.46 is not shown as 4.5
-  return "the markers are " + number(shown, 1) +
-         " px wide in the frame; poses can be trusted from " + number(least_marker_width, 1) +
-         " px on. Give the camera more pixels, bring it nearer, or make the markers larger";
+// Rounded away from what is compared with it: 4.96 is not shown as 5.0 where that is enough.
+double rounded_down(double value) { return std::floor(10 * value) / 10; }
+double rounded_up(double value) { return std::ceil(10 * value) / 10; }
+
+std::string small_markers(double width, double noise) {
+  return "the markers are " + px(rounded_down(width)) + " wide in the frame, and its noise is " +
+         number(noise, 1) + " grey levels (" + number(noise / 2.55, 0) +
+         " %): a signal-to-noise figure of " +
+         number(rounded_down(expected_signal_to_noise(width, noise)), 1) +
+         " in good light. To be trusted, poses need a figure of " +
+         number(trusted_signal_to_noise, 0) + " and markers of 2 px: here, markers of " +
+         px(rounded_up(trusted_width(noise))) +
+         ". Give the camera more pixels, bring it nearer, make the markers larger, or give more "
+         "light for less noise";
 }
 
 std::string explain_result(const Detection& d) {
@@ -124,7 +132,7 @@ std::string explain_result(const Detection& d) {
       return "the picture is overexposed: " + number(100 * d.cause, 0) +
              " % of its pixels are white. No robot was detected: less light, or a shorter exposure";
     case DetectionResult::small_markers:
-      return small_markers(d.cause);
+      return small_markers(d.cause, d.noise);
     case DetectionResult::detected:
       break;
   }
@@ -172,10 +180,8 @@ std::string name_of(DetectionResult result, const MarkerLayout& markers) {
   return "detected";
 }
 
-std::optional<std::string> small_markers_remark(const MarkerLayout& markers,
-                                                const PlaneMap& plane_map, int width, int height) {
-  const double seen = marker_width(markers, plane_map, width, height);
-  return seen < least_marker_width ? std::optional(small_markers(seen)) : std::nullopt;
+std::optional<std::string> small_markers_remark(double width, double noise) {
+  return width < trusted_width(noise) ? std::optional(small_markers(width, noise)) : std::nullopt;
 }
 
 bool fits_exchanged(const Detection& d) {

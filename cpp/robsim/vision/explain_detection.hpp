@@ -16,10 +16,9 @@ inline std::string name_of(const Detection& detection) {
 /// A sentence for people, with the numbers that decided.
 std::string explain(const Detection& detection);
 
-/// What is to be said of markers that are narrower than `least_marker_width` in a width x height
-/// frame; nothing of others.
-std::optional<std::string> small_markers_remark(const MarkerLayout& markers,
-                                                const PlaneMap& plane_map, int width, int height);
+/// What is to be said of markers of this width (frame px) that cannot be trusted at this noise
+/// (grey levels); nothing of others.
+std::optional<std::string> small_markers_remark(double width, double noise);
 
 /// True if the pair fits much better with the roles of the two colours exchanged: as in a frame
 /// whose channels are in OpenCV's order, BGR, of a red and a blue marker. Markers of about the same

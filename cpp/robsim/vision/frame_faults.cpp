@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "robsim/imaging/grey_noise.hpp"
 #include "robsim/vision/marker_blobs.hpp"
+#include "robsim/vision/marker_signal.hpp"
 
 namespace robsim {
 
@@ -54,8 +56,13 @@ void examine_frame(Detection& detection, const ImageView& image, const PlaneMap&
       return set(DetectionResult::overexposed, light.white_share);
     }
   }
+  if (detection.result == DetectionResult::noise) return;  // measured at the markers
   const double width = marker_width(detection.markers, plane_map, image.width, image.height);
-  if (width < least_marker_width) set(DetectionResult::small_markers, width);
+  const double noise = grey_noise(image);
+  if (width < trusted_width(noise)) {
+    set(DetectionResult::small_markers, width);
+    detection.noise = noise;
+  }
 }
 
 }  // namespace robsim

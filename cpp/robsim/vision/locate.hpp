@@ -108,6 +108,7 @@ struct Detection {
 
   // The number that tells a cause in the frame: signal to noise, mean level, share, width.
   double cause = 0;
+  double noise = 0;  // of the frame (grey levels), where the markers are too small for it
 
   MarkerLayout markers;  // that were looked for
 };

@@ -10,10 +10,6 @@ namespace robsim {
 /// of its area. NaN if the areas are not known.
 double marker_width(const MarkerLayout& markers, const PlaneMap& plane_map, int width, int height);
 
-/// The least width of a marker at which a pose can be trusted (px): as far as 20 % of noise, nearly
-/// every robot is found, and no other place is taken for it.
-constexpr double least_marker_width = 4.5;
-
 /// The options of find_blobs that find the markers of a robot, in noise, too, in an image of this
 /// plane map: a smoothing window of 0.28 of the width of the smaller marker where it is smallest, 3
 /// to 7 px, but none for markers below 7 px in an image without noise; a minimum area of 1/8 of

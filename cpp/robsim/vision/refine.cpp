@@ -6,6 +6,7 @@
 
 #include "robsim/elementary/sine.hpp"
 #include "robsim/vision/fit/weighted_centroid.hpp"
+#include "robsim/vision/marker_signal.hpp"
 
 namespace robsim {
 

@@ -4,11 +4,6 @@
 
 namespace robsim {
 
-/// Signal-to-noise figure of the markers' edges from which a pose can be trusted, and below which
-/// it is none: so much stands out of the noise anywhere.
-constexpr double trusted_signal_to_noise = 4;
-constexpr double least_signal_to_noise = 3;
-
 /// Makes the measurement of a detection, if there is one, as exact as the image allows, and says
 /// how exact: fits the outlines of the markers to their edges; where they are unknown, or do not
 /// fit, weighs the blobs' pixels by their colour. No measurement is left of what does not stand out

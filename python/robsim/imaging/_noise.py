@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -130,6 +131,14 @@ def as_native_noise(noise: Noise | None) -> VisualNoise:
             "example, noise=robsim.GaussianNoise(40)"
         )
     return noise._native
+
+
+def standard_deviation(noise: Noise | None) -> float:
+    """Return the standard deviation of a noise before it is clipped (grey levels)."""
+    if noise is None:
+        return 0.0
+    spread = 1.0 if isinstance(noise, GaussianNoise) else math.sqrt(3)
+    return 2.55 * noise.percent / spread
 
 
 @functools.lru_cache(maxsize=16)

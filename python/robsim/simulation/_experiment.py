@@ -286,7 +286,8 @@ class Experiment(Runner):
             If the frames end before `steps` steps are done, or there are none; if the first one has
             another size than the area and no plane map, or they seem to be in OpenCV's order, BGR.
         robsim.vision.SmallMarkersWarning
-            If the default measurement looks at markers that are too small in the frames.
+            If the default measurement looks at markers that are too small for the noise in the
+            frames.
         """
         before = self.n_steps
         wanted = UNLIMITED if steps is None else step_count(steps)

@@ -178,7 +178,11 @@ class Runner(Slotted):
             return
         if self._core.rows and (frame := self._core.last_step.frame) is not None:
             self._is_marker_size_known = True
-            warn_of_small_markers(self.markers, frame)
+            warn_of_small_markers(self.markers, frame, self._camera_noise())
+
+    def _camera_noise(self) -> float | None:
+        """Return the standard deviation of the camera's noise (grey levels); None = not known."""
+        return None
 
     def step(self) -> Step:
         """Run one step.

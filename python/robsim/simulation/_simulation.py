@@ -17,7 +17,7 @@ from robsim._base.seeds import Seed, seed_sequence
 from robsim._base.text import quoted
 from robsim._core import Frame, RobotModel, RobotParameters
 from robsim.imaging._images import Pixels
-from robsim.imaging._noise import Noise
+from robsim.imaging._noise import Noise, standard_deviation
 from robsim.robots import RobotDefinition
 from robsim.simulation import _options as options
 from robsim.simulation import _slots as slots
@@ -195,6 +195,10 @@ class Simulation(WorldSlots, Runner):
     def noise(self, noise: Noise | None) -> None:
         self._change(noise=noise)
         apply_noise(self._world, self._scenario)
+        self._is_marker_size_known = False
+
+    def _camera_noise(self) -> float:
+        return standard_deviation(self.noise)
 
     @property
     def dropout(self) -> Dropout | None:
@@ -313,7 +317,8 @@ class Simulation(WorldSlots, Runner):
         Warns
         -----
         robsim.vision.SmallMarkersWarning
-            If the default measurement looks at markers that are too small in the frames.
+            If the default measurement looks at markers that are too small for the noise of the
+            frames.
 
         Notes
         -----

@@ -16,7 +16,7 @@ _WORDS = {
     "by chance": "blobs that may fit by chance",
     "dark": "a dark picture",
     "overexposed": "an overexposed picture",
-    "small markers": "markers too small in the frame",
+    "small markers": "markers too small for the noise of the frame",
 }
 
 
