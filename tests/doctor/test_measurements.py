@@ -173,6 +173,52 @@ def test_wrong_measurements_are_told(make, kinds):
     assert [problem.kind for problem in check_measurement(make).problems] == kinds
 
 
+def stating(change, every=1):
+    """robsim's own measurement with another covariance; None in the other steps."""
+
+    def measure(step):
+        seen = robsim.locate(step.blobs, step.markers, image=step.frame)
+        if seen is None or step.k % every:
+            return seen and robsim.Measurement(seen.pose)
+        return robsim.Measurement(seen.pose, covariance=change(seen.covariance))
+
+    return lambda: measure
+
+
+def singular(covariance):
+    deviation = np.sqrt(np.diag(covariance))
+    return np.outer(deviation, deviation)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "verdict", "kinds", "remark"),
+    [
+        (lambda P: P, "consistent", [], None),
+        (lambda P: P / 3, "optimistic", [], "the errors are 1.7 times as large as they say"),
+        (lambda P: P / 16, "optimistic", ["optimistic"], None),
+        (lambda P: 9 * P, "conservative", [], "conservative: the errors are 0.32 times"),
+        (lambda P: 0 * P, None, ["covariance not positive"], None),
+        (singular, None, ["covariance not positive"], None),
+    ],
+)
+def test_covariances_are_judged_by_the_errors(change, verdict, kinds, remark):
+    report = check_measurement(stating(change))
+    assert [problem.kind for problem in report.problems] == kinds
+    assert [remark in text for text in report.remarks] == ([] if remark is None else [True])
+    if verdict is not None:
+        row = report.to_dict()["covariances"]["noise"]
+        assert (row["count"], row["verdict"]) == (30, verdict)
+
+
+@pytest.mark.slow
+def test_missing_covariances_are_told():
+    (remark,) = check_measurement(lambda: located).remarks
+    assert "its measurements have no covariance" in remark
+    (remark,) = check_measurement(stating(lambda P: P, every=2)).remarks
+    assert "15 of its 30 measurements before a noisy camera have no covariance" in remark
+
+
 def writes(step):
     step.frame.image[:10] = 0
 

@@ -27,7 +27,7 @@ def covariance_problem(estimator: EstimatorUnderTest, trial: Trial) -> Problem |
         The trial with its outputs.
     """
     for k, output in enumerate(trial.outputs):
-        fault = _fault(output[3:12].reshape(3, 3))
+        fault = fault_of_covariance(output[3:12].reshape(3, 3))
         if fault is not None:
             kind, sentence = fault
             return Problem(
@@ -40,7 +40,7 @@ def covariance_problem(estimator: EstimatorUnderTest, trial: Trial) -> Problem |
     return None
 
 
-def _fault(P: Floats) -> tuple[str, str] | None:
+def fault_of_covariance(P: Floats) -> tuple[str, str] | None:
     """Return kind and sentence of what is wrong with a covariance; None = nothing."""
     variances = np.diag(P)
     for name, variance in zip(("x", "y", "heading"), variances, strict=True):

@@ -15,6 +15,7 @@ from robsim._base.checks import Floats
 from robsim._base.report import Column, Row, Table
 from robsim._base.text import quoted
 from robsim._core import Measurement, PlaneMap, Step
+from robsim.doctor._callbacks.own_covariance import covariance_findings
 from robsim.doctor._callbacks.pose_mistakes import are_right, errors, mistakes
 from robsim.doctor._callbacks.scenes import (
     AREA,
@@ -73,7 +74,9 @@ def check_measurement(
     The robot is turned in the middle and in the corners, drives through the area, is hidden, and is
     not there at all; with camera noise, with a red square on the floor, and before a camera that
     has fewer pixels than the work area. The report has a table of the errors beside those of
-    robsim's own measurement in the same frames.
+    robsim's own measurement in the same frames; and one of the covariances, if the measurements
+    have any: their mean NEES before a noisy camera, where 3 is expected, and the verdict
+    ``"optimistic"``, ``"consistent"`` or ``"conservative"``.
 
     Parameters
     ----------
@@ -193,6 +196,8 @@ def _checks(
         yield from _noise_problems(measurement, noisy)
         yield from _camera_problems(measurement, small)
         yield from _precision(tour)
+        if noisy.error is None:
+            yield from covariance_findings(measurement, noisy)
     yield _table(trials)
 
 
