@@ -260,7 +260,9 @@ class Frame:
         Pixels to work area. Default: the identity.
     headings : int, optional
         Number of headings that the robot is drawn in, at whole pixels, as in frames of a simulation:
-        its pose cannot be measured better than that. Default: any, as a camera sees it.
+        its pose cannot be measured better than that, and the covariance of a measurement says so.
+        Default: any, as a camera sees it. A frame made of the pixels of a simulated one alone does not
+        know: say it.
     
     Examples
     --------
@@ -382,7 +384,7 @@ class Grabber:
     """
     The thread that reads a camera. Users take robsim.Camera.
     """
-    def __init__(self, device: CaptureDevice, *, every: int = 1, frame_timeout: float = 1.0, reopen: bool = False, interval: float | None = None, plane_map: PlaneMap | None = None, area: tuple[int, int] | None = None, size: tuple[int, int] | None = None) -> None:
+    def __init__(self, device: CaptureDevice, *, every: int = 1, frame_timeout: float = 1.0, reopen: bool = False, interval: float | None = None, plane_map: PlaneMap | None = None, area: tuple[int, int] | None = None, size: tuple[int, int] | None = None, headings: int | None = None) -> None:
         ...
     def close(self, patience: float = 1.0) -> None:
         """

@@ -54,8 +54,8 @@ def _with_lens(intrinsics):
 @pytest.mark.parametrize(
     ("old", "new", "match"),
     [
-        (b"format = 1", b"format = 2", "format must be 1, got 2"),
-        (b"format = 1", b"format = ", "is not a TOML file"),
+        (b"format = 2", b"format = 3", "format must be 1 or 2, got 3"),
+        (b"format = 2", b"format = ", "is not a TOML file"),
         (b"[300, 300]", b"[300, 1e400]", "area must be"),
         (b"[300, 300]", b"[300, 99999999999]", "area must lie within"),
         (b"[300, 300]", b'"' + 100_000 * b"x" + b'"', "area must be"),
@@ -107,8 +107,8 @@ def test_a_damaged_set_up_is_named(folder, old, new, match):
         (b"\n2,100.4,", b"\n2,nan,", "line 4: t must be a finite number"),
         (b"\n2,100.4,", b"\n2,1e400,", "line 4: t must be a finite number"),
         (b"\n2,100.4,", b"\n2,1e300,", "line 4: t must be at most"),
-        (b"\n2,100.4,", b"\n2,100.4,,", "line 4: there must be 17 columns, got 18"),
-        (b"\n2,100.4,", b"\n\n2,100.4,", "line 4: there must be 17 columns, got 0"),
+        (b"\n2,100.4,", b"\n2,100.4,,", "line 4: there must be 18 columns, got 19"),
+        (b"\n2,100.4,", b"\n\n2,100.4,", "line 4: there must be 18 columns, got 0"),
         (b"\n2,100.4,", b"\n\xff2,100.4,", "line 4: "),
         (b"\n2,100.4,", b"\n" + 10_000 * b"2" + b",", "line 4: a line must have"),
         (b",0,,2,,2,", b",2,,2,,2,", "line 4: interrupted must be 0 or 1"),

@@ -84,7 +84,8 @@ std::unique_ptr<SharedGrabber> make_grabber(const std::shared_ptr<CaptureDevice>
                                             double frame_timeout, bool reopen,
                                             std::optional<double> interval,
                                             const std::optional<PlaneMap>& plane_map,
-                                            const Size& area, const Size& size) {
+                                            const Size& area, const Size& size,
+                                            std::optional<int> headings) {
   if (every < 1) throw py::value_error("every must be at least 1");
   GrabberOptions options;
   options.every = every;
@@ -94,6 +95,7 @@ std::unique_ptr<SharedGrabber> make_grabber(const std::shared_ptr<CaptureDevice>
   options.plane_map = plane_map;
   options.area = area;
   options.size = size;
+  options.headings = headings.value_or(0);
   return std::make_unique<SharedGrabber>(device, options);
 }
 
@@ -167,7 +169,8 @@ bgr : bool
       .def(py::init(&make_grabber), py::arg("device"), py::kw_only(), py::arg("every") = 1,
            py::arg("frame_timeout") = 1.0, py::arg("reopen") = false,
            py::arg("interval") = py::none(), py::arg("plane_map") = py::none(),
-           py::arg("area") = py::none(), py::arg("size") = py::none())
+           py::arg("area") = py::none(), py::arg("size") = py::none(),
+           py::arg("headings") = py::none())
       .def(
           "wait_for_size",
           [](const SharedGrabber& self, double timeout) {

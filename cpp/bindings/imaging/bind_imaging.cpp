@@ -80,7 +80,9 @@ plane_map : PlaneMap, optional
     Pixels to work area. Default: the identity.
 headings : int, optional
     Number of headings that the robot is drawn in, at whole pixels, as in frames of a simulation:
-    its pose cannot be measured better than that. Default: any, as a camera sees it.
+    its pose cannot be measured better than that, and the covariance of a measurement says so.
+    Default: any, as a camera sees it. A frame made of the pixels of a simulated one alone does not
+    know: say it.
 
 Examples
 --------

@@ -120,6 +120,7 @@ Frame Grabber::State::frame_of(const Captured& captured) {
   frame.epoch = *epoch;
   frame.index = n_captured;
   frame.plane_map = plane_map;
+  frame.headings = options.headings;
   return frame;
 }
 

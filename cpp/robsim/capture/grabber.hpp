@@ -21,6 +21,7 @@ struct GrabberOptions {
   std::optional<PlaneMap> plane_map;        // default: the frames show exactly the area
   std::optional<std::pair<int, int>> area;  // px; default: that of the frames
   std::optional<std::pair<int, int>> size;  // px; default: that of the first frame
+  int headings = 0;                         // of the frames of a simulated camera, as in Frame
 };
 
 struct CaptureCounts {

@@ -227,6 +227,7 @@ class Camera:
             plane_map=opened.plane_map if plane_map is None else plane_map,
             area=area,
             size=size,
+            headings=opened.headings,
         )
         _open_cameras.add(self)
         self.size = self._first_size(opened, open_timeout)

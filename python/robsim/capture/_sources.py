@@ -36,6 +36,7 @@ class Source:
     dt: float | None = None
     area: tuple[int, int] | None = None
     plane_map: PlaneMap | None = None
+    headings: int | None = None  # that a simulated robot is drawn in
     region: tuple[int, int, int, int] | None = None
     coding: str | None = None
     advice: str = ""  # where frames are torn
@@ -83,6 +84,7 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
             dt=getattr(source, "dt", None) if dt is None else dt,
             area=getattr(source, "area", None),
             plane_map=getattr(source, "plane_map", None),
+            headings=getattr(source, "_headings", None),
         )
     if is_int(source):
         index = check_int("source", source, minimum=0, maximum=99)
@@ -95,7 +97,9 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
         _refuse_almost_an_address(source)
         wishes.refuse("a file or folder", "back_end")
         playback = Playback(source, wishes.fps)
-        return Source(playback.name, PythonCamera(playback), dt=playback.dt)
+        return Source(
+            playback.name, PythonCamera(playback), dt=playback.dt, headings=playback.headings
+        )
     raise TypeError(
         "source must be the number of a camera, an address, a file, a folder or a camera of "
         f"robsim, got {quoted(source)}"

@@ -485,7 +485,7 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
 
 def _headings_of(runs: Sequence[Trace]) -> int | None:
     """Return the number of headings that robots were drawn in, and measured; None: any."""
-    drawn = {getattr(trace.info.scenario, "headings", None) for trace in runs}
+    drawn = {trace.info.headings for trace in runs}
     is_one = len(drawn) == 1 and all(trace.is_tracked for trace in runs)
     return drawn.pop() if is_one else None
 

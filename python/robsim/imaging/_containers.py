@@ -1,8 +1,9 @@
-"""What a video file begins with: a playlist, which names other files, is no video."""
+"""What a video file begins and ends with: no playlist, and what a note of ours says."""
 
 from __future__ import annotations
 
 import re
+from os import SEEK_END
 from pathlib import Path
 
 from PIL import Image
@@ -62,3 +63,38 @@ def check_is_video(file: Path) -> None:
             f"{one_line(file)} is not a video, or it is damaged: it begins as none does that has "
             "its frames in it"
         )
+
+
+# A note at the end of a video file, in an element that players pass over: by suffix, the bytes
+# before a text of 24 bytes.
+_NOTE_LENGTH = 24
+_PADDING = {
+    ".mkv": b"\xec\x98",  # Void of Matroska
+    ".webm": b"\xec\x98",
+    ".avi": b"JUNK\x18\0\0\0",
+    ".mp4": b"\0\0\0\x20free",
+}
+_NOTE = re.compile(rb"robsim headings ([1-9][0-9]{0,7}) *")
+
+
+def note_headings(file: Path, headings: int) -> None:
+    """Note at the end of a video how many headings the robot is drawn in."""
+    text = f"robsim headings {headings}".encode().ljust(_NOTE_LENGTH)
+    if len(text) > _NOTE_LENGTH:  # as good as any heading
+        return
+    with file.open("ab") as stream:
+        stream.write(_PADDING[file.suffix.lower()] + text)
+
+
+def noted_headings(file: Path) -> int | None:
+    """Return what `note_headings` has noted in a video; None = nothing."""
+    padding = _PADDING.get(file.suffix.lower())
+    if padding is None:
+        return None
+    length = len(padding) + _NOTE_LENGTH
+    with file.open("rb") as stream:
+        size = stream.seek(0, SEEK_END)
+        stream.seek(max(0, size - length))
+        end = stream.read(length)
+    found = _NOTE.fullmatch(end.removeprefix(padding)) if end.startswith(padding) else None
+    return int(found[1]) if found else None

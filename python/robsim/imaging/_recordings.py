@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import Floats, check_float, check_size
+from robsim._base.checks import Floats, check_float, check_int, check_size
 from robsim._base.files import as_path
 from robsim._base.text import one_line, quoted
 from robsim._base.warn import warn_user
 from robsim._core import Frame, PlaneMap
 from robsim.imaging._calibration import Calibration
 from robsim.imaging._calibration_file import as_calibration
-from robsim.imaging._containers import check_is_video
+from robsim.imaging._containers import check_is_video, noted_headings
 from robsim.imaging._frames import check_same_size, frame_size
 from robsim.imaging._images import MOST_PIXELS, Pixels, image_suffixes, load_image
 from robsim.imaging._opencv import load_opencv, quiet
@@ -29,6 +29,7 @@ _COMPLETE = 0.95  # fraction of the frames; some files only estimate their numbe
 MAXIMUM_RATE = 1000.0  # 1/s; files with an unknown frame rate often claim this or more
 
 _LONGEST_DT = 1e6  # s
+_MOST_HEADINGS = 2**31 - 1
 _BORDER = 32  # points of each side of a frame that a lens bends
 
 
@@ -53,6 +54,10 @@ class Recording:
         Time between two frames (s). Default: that of the video file; images in a folder have none.
     calibration : Calibration or path, optional
         That of the camera, in place of `plane_map`. Frames of another size are refused.
+    headings : int, optional
+        Number of headings that the robot is drawn in, at whole pixels, as a simulation does it;
+        then covariances of measured poses count that in. Default: what a video of robsim tells,
+        otherwise any, as a camera sees it. Images in a folder do not tell.
 
     Attributes
     ----------
@@ -71,6 +76,8 @@ class Recording:
         Number of frames, as the file claims; None = unknown.
     calibration : Calibration or None
         That of the camera.
+    headings : int or None
+        Number of headings that the robot is drawn in; None = any, or not known.
 
     Raises
     ------
@@ -102,6 +109,7 @@ class Recording:
         area: tuple[int, int] | None = None,
         dt: float | None = None,
         calibration: Calibration | str | PathLike[str] | None = None,
+        headings: int | None = None,
     ) -> None:
         if isinstance(source, int) or re.match(r"/dev/|[a-z]{3,}:/", str(source)):
             raise ValueError(
@@ -125,6 +133,11 @@ class Recording:
             else check_float("dt", dt, "s", exclusive_minimum=0, maximum=1e6)
         )
         self.count = self._images.count()
+        self.headings = (
+            self._images.headings()
+            if headings is None
+            else check_int("headings", headings, minimum=1, maximum=_MOST_HEADINGS)
+        )
         if area is not None:
             self.area = check_size("area", area)
         else:
@@ -139,7 +152,7 @@ class Recording:
     def _frame(self, index: int, name: str, pixels: Pixels) -> Frame:
         check_same_size(name, frame_size(pixels), self.size)
         t = None if self.dt is None else index * self.dt
-        return Frame(pixels, t=t, index=index, plane_map=self.plane_map)
+        return Frame(pixels, t=t, index=index, plane_map=self.plane_map, headings=self.headings)
 
     def _at(self, index: int) -> Frame:
         """Return a frame, in any order; IndexError if there is none."""
@@ -179,6 +192,9 @@ class _Folder:
 
     def count(self) -> int:
         return len(self.files)
+
+    def headings(self) -> int | None:
+        return None
 
     def read(self) -> Generator[tuple[str, Pixels]]:
         for file in self.files:
@@ -225,6 +241,9 @@ class _Video:
     def count(self) -> int | None:
         known = math.isfinite(self.frames) and self.frames > 0
         return int(self.frames) if known else None
+
+    def headings(self) -> int | None:
+        return noted_headings(self.file)
 
     def read(self) -> Generator[tuple[str, Pixels]]:
         with quiet(self.cv2):

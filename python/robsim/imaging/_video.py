@@ -17,6 +17,7 @@ from robsim._base.checks import check_float
 from robsim._base.files import PartialFile, as_path
 from robsim._base.text import one_line
 from robsim._core import Frame
+from robsim.imaging._containers import note_headings
 from robsim.imaging._frames import check_iterable, check_same_size, frame_pixels, frame_size
 from robsim.imaging._images import Pixels
 from robsim.imaging._opencv import discarded_stderr, load_opencv, quiet
@@ -33,6 +34,9 @@ class VideoWriter:
     measurements (about 0.6 MB for a frame of 1200 x 1200 px). ``.mp4`` and ``.webm`` are much
     smaller, for viewing; browsers play ``.webm``. They blur the edges of the markers by a fraction
     of a pixel, which shifts a pose by about 0.2 px and 0.3 degrees.
+
+    Frames of a simulation tell in how many headings the robot is drawn; the file keeps that for
+    `robsim.Recording`, in a note at its end. Arrays do not tell it.
 
     The file gets its name when it is complete: when the ``with`` block ends, also by an exception.
     The frames written before an exception can be played.
@@ -86,6 +90,7 @@ class VideoWriter:
         self._part: PartialFile | None = None
         self._size = (0, 0)
         self._writer: Any = None
+        self._headings: set[int | None] = set()  # of the frames
         self._is_closed = False
 
     def write(self, frame: Frame | Pixels) -> None:
@@ -117,6 +122,7 @@ class VideoWriter:
         bgr = self._cv2.cvtColor(even, self._cv2.COLOR_RGB2BGR)
         with quiet(self._cv2):
             self._writer.write(bgr)
+        self._headings.add(frame.headings if isinstance(frame, Frame) else None)
         self.count += 1
 
     def close(self) -> None:
@@ -139,6 +145,9 @@ class VideoWriter:
                     f"{one_line(self.path)} could not be written: the disk is full, or the "
                     "frames are too small"
                 )
+            (headings,) = self._headings if len(self._headings) == 1 else (None,)
+            if headings is not None:
+                note_headings(part.path, headings)
             part.commit()
         finally:
             part.discard()

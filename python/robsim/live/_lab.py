@@ -174,6 +174,11 @@ class SimulatedLab:
         )
 
     @property
+    def _headings(self) -> int | None:
+        """Number of headings that the robot is drawn in, for the frames of a `robsim.Camera`."""
+        return self.scenario.headings
+
+    @property
     def address(self) -> str:
         """Where the robot hears inputs, as ``robsim.motors.UdpMotors`` takes it."""
         return self.receiver.name.removeprefix("UDP ")

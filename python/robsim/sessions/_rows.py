@@ -68,6 +68,7 @@ class Row:
     left_out: str = ""
     frame_index: int | None = None
     plane_map: PlaneMap | None = field(default=None, compare=False)
+    headings: int | None = None  # that the robot is drawn in, of a frame that knows it
 
 
 # Columns of the arrays; the other fields are a column each.
@@ -78,8 +79,14 @@ _ARRAYS = {
 }
 _FIELDS = tuple(entry.name for entry in fields(Row))
 _COLUMNS = tuple(column for name in _FIELDS for column in _ARRAYS.get(name, (name,)))
+_COLUMNS_BY_FORMAT = {1: _COLUMNS[:-1], 2: _COLUMNS}
 
-HEADER = (",".join(_COLUMNS) + "\n").encode()
+
+def _header(columns: tuple[str, ...]) -> bytes:
+    return (",".join(columns) + "\n").encode()
+
+
+HEADER = _header(_COLUMNS)
 
 
 def line_of(row: Row) -> bytes:
@@ -120,14 +127,16 @@ def read_rows(file: Path) -> tuple[list[Row], bool]:
         raise ValueError(f"{one_line(file)} must have at most {MOST_BYTES >> 20} MB")
     lines = content.split(b"\n")
     last = lines.pop()
-    if not lines or lines[0] + b"\n" != HEADER:
-        if not lines and HEADER.startswith(last):
+    by_header = {_header(columns): columns for columns in _COLUMNS_BY_FORMAT.values()}
+    columns = by_header.get(lines[0] + b"\n") if lines else None
+    if columns is None:
+        if not lines and any(header.startswith(last) for header in by_header):
             return [], bool(last)
         raise ValueError(f"{one_line(file)} is not the time base of a session, or damaged")
     rows: list[Row] = []
     for number, line in enumerate(lines[1:], 2):
         try:
-            row = _row_of(line)
+            row = _row_of(line, columns)
             if rows and row.k != rows[-1].k + 1:
                 raise ValueError(f"step {row.k} follows step {rows[-1].k}")
         except (ValueError, OverflowError, csv.Error) as error:
@@ -136,20 +145,22 @@ def read_rows(file: Path) -> tuple[list[Row], bool]:
     return rows, bool(last)
 
 
-def _row_of(line: bytes) -> Row:
+def _row_of(line: bytes, columns: tuple[str, ...]) -> Row:
     if len(line) > _MOST_LINE:
         raise ValueError(f"a line must have at most {_MOST_LINE} bytes")
     (cells,) = csv.reader([line.decode()], strict=True) if line else [[]]
-    if len(cells) != len(_COLUMNS):
-        raise ValueError(f"there must be {len(_COLUMNS)} columns, got {len(cells)}")
-    texts = dict(zip(_COLUMNS, cells, strict=True))
+    if len(cells) != len(columns):
+        raise ValueError(f"there must be {len(columns)} columns, got {len(cells)}")
+    texts = dict(zip(columns, cells, strict=True))
     values: dict[str, Any] = {name: texts[name] for name in ("reason", "left_out")}
     for name in ("t", "t_arrival", "t_sent"):
         values[name] = _time(name, texts[name])
-    for name, columns in _ARRAYS.items():
-        values[name] = tuple(_float(column, texts[column]) for column in columns)
-    for name in ("video_frame", "frame_index"):
-        values[name] = _int(name, texts[name]) if texts[name] else None
+    for name, parts in _ARRAYS.items():
+        values[name] = tuple(_float(part, texts[part]) for part in parts)
+    for name in ("video_frame", "frame_index", "headings"):
+        values[name] = _int(name, texts[name]) if texts.get(name) else None
+    if values["headings"] == 0:
+        raise ValueError("headings must be at least 1 or empty, got 0")
     if texts["interrupted"] not in ("0", "1"):
         raise ValueError(f"interrupted must be 0 or 1, got {quoted(texts['interrupted'])}")
     if texts["plane_map"]:

@@ -189,6 +189,7 @@ class Session:
                 t_arrival=None if math.isnan(row.t_arrival) else row.t_arrival,
                 index=row.frame_index or 0,
                 plane_map=row.plane_map or self.plane_map,
+                headings=row.headings,
             )
         return Observation(
             frame, t=row.t, last_u=self._last_u(row, before), interrupted=row.interrupted
@@ -246,6 +247,7 @@ class Session:
 
     def _trace(self) -> Trace:
         groups: dict[str, Floats] = columns_of(self._rows, *_ALWAYS)
+        drawn = {row.headings for row in self._rows if row.frame_index is not None}
         for name, values in columns_of(self._rows, *_WHERE_KNOWN).items():
             if name in GROUPS and np.isfinite(values).any():
                 groups[name] = values
@@ -259,6 +261,7 @@ class Session:
                 robot=self._parsed.robot,
                 marker_colors=self.markers.colors if self.markers else (),
                 mm_per_px=self.mm_per_px,
+                headings=drawn.pop() if len(drawn) == 1 else None,
             )
             first = self._rows[0].k if self._rows else 0
             return Trace(groups, info, first_step=first)

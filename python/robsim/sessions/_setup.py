@@ -18,7 +18,8 @@ from robsim._base.files import MOST_TOML, parse_toml, read_toml
 from robsim._base.text import one_line, quoted
 from robsim._core import ColorClass, Intrinsics, MarkerLayout, PlaneMap, RobotModel
 
-FORMAT = 1
+FORMAT = 2
+_READABLE = (1, 2)
 _KINDS = (str, bool, int, float, list, dict, datetime.datetime)
 _PACKAGES = ("robsim", "numpy", "pillow", "opencv-python-headless", "opencv-python")
 _LARGEST_INT = 2**63  # of TOML
@@ -132,8 +133,10 @@ class Setup:
     def __init__(self, file: Path) -> None:
         self.table = read_toml(file)
         try:
-            if self.table.get("format") != FORMAT:
-                raise ValueError(f"format must be {FORMAT}, got {quoted(self.table.get('format'))}")
+            if self.table.get("format") not in _READABLE:
+                raise ValueError(
+                    f"format must be 1 or {FORMAT}, got {quoted(self.table.get('format'))}"
+                )
             self.area = self._read("area", _size)
             self.dt = self._read("dt", _dt)
             self.plane_map = self._read("plane_map", _plane_map)

@@ -279,6 +279,7 @@ class _Files:
                 row,
                 frame_index=frame.index,
                 plane_map=None if seen == self._plane_map else seen,
+                headings=frame.headings,
             )
             if time.monotonic() > item.until:
                 left_out = "busy"

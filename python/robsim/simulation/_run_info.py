@@ -28,5 +28,6 @@ def run_info(runner: Runner) -> RunInfo:
         scenario=runner._described(),
         changed=runner._changed,
         mm_per_px=runner._mm_per_px(),
+        headings=runner._headings(),
         callbacks=tuple(slot for slot, value in runner._callbacks.items() if is_code(value)),
     )

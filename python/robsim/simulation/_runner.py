@@ -392,6 +392,10 @@ class Runner(Slotted):
         """Return the length of a px of the work area on the floor (mm); None = not known."""
         return None
 
+    def _headings(self) -> int | None:
+        """Return the number of headings that the robot is drawn in; None = any, or not known."""
+        return None
+
     def _described(self) -> Any:
         """Return the scenario of the run, None if there is none."""
         return None

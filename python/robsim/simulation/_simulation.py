@@ -183,6 +183,9 @@ class Simulation(WorldSlots, Runner):
         }
         return self._scenario.replace(seed=self._seed, **stages)
 
+    def _headings(self) -> int | None:
+        return self._scenario.headings
+
     def _described(self) -> Scenario:
         return self.scenario
 

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import check_mm_per_px, check_text
+from robsim._base.checks import check_int, check_mm_per_px, check_text
 from robsim._base.text import quoted
 from robsim.trace._columns import as_numbers
 from robsim.trace._units import px_length
+
+_MOST_HEADINGS = 2**31 - 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +49,9 @@ class RunInfo:
     mm_per_px : float, optional
         Length of a px of the work area on the floor (mm), from the camera's calibration. Default:
         not known.
+    headings : int, optional
+        Number of headings that the robot was drawn in, at whole pixels, by a simulation. Default:
+        any, as a camera sees it, or not known.
     unit : str
         The unit of all lengths of the trace, and of theta_true: ``"px"``, or, as `Trace.in_unit`
         returns them, ``"mm"``, ``"cm"``, ``"m"``.
@@ -64,6 +69,7 @@ class RunInfo:
     callbacks: tuple[str, ...] = field(default=(), compare=False, repr=False)
     changed: tuple[str, ...] = field(default=(), compare=False, repr=False)
     mm_per_px: float | None = None
+    headings: int | None = None
     unit: str = "px"
 
     def __post_init__(self) -> None:
@@ -86,6 +92,12 @@ class RunInfo:
             raise ValueError(f"area must be (width, height), two ints, got {quoted(self.area)}")
         if self.mm_per_px is not None:
             object.__setattr__(self, "mm_per_px", check_mm_per_px(self.mm_per_px))
+        if self.headings is not None:
+            object.__setattr__(
+                self,
+                "headings",
+                check_int("headings", self.headings, minimum=1, maximum=_MOST_HEADINGS),
+            )
         px_length(self.unit, self.mm_per_px)
         for name in ("callbacks", "changed", "marker_colors"):
             texts = getattr(self, name)

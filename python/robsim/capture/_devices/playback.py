@@ -39,6 +39,7 @@ class Playback:
                 f"fps must be given to play the folder {self.name}: its images have no times"
             )
         self.dt = self._recording.dt
+        self.headings = self._recording.headings
         self._frames: Iterator[Frame] = iter(())
         self._next: Frame | None = None
         self._start: float | None = None

@@ -1,0 +1,138 @@
+"""Frames of a simulation say in how many headings the robot is drawn, wherever they have been."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.imaging import VideoWriter
+from robsim.live import SimulatedLab
+from robsim.sessions import Session
+from robsim.sessions._rows import HEADER, Row
+from robsim.sessions._writer import SessionWriter
+
+AREA = (400, 300)
+ROUNDED = np.radians(10) / np.sqrt(12)  # of 36 headings
+
+
+def simulation(**options):
+    return robsim.Simulation(robot="lab", area=AREA, seed=1, **options)
+
+
+def heading_sd(frame):
+    markers = robsim.load_robot("lab").marker_layout()
+    blobs = robsim.find_blobs(frame, robsim.load_colors(), markers=markers)
+    return np.sqrt(robsim.locate(blobs, markers, image=frame).covariance[2, 2])
+
+
+def test_of_the_simulation():
+    frame = simulation().step().frame
+    assert frame.headings == 36
+    assert copy.deepcopy(frame).headings == pickle.loads(pickle.dumps(frame)).headings == 36
+    assert heading_sd(frame) == pytest.approx(ROUNDED, rel=0.02)
+    assert simulation(headings=None).step().frame.headings is None
+
+
+def test_an_array_does_not_tell():
+    frame = simulation().step().frame
+    plain = robsim.Frame(frame.image, plane_map=frame.plane_map)
+    assert plain.headings is None
+    assert heading_sd(plain) < ROUNDED / 10
+    assert heading_sd(robsim.Frame(frame.image, headings=36)) == heading_sd(frame)
+
+
+@pytest.mark.parametrize("headings", [36, None])
+def test_of_the_simulated_lab(headings):
+    world = robsim.Scenario(robot="lab", area=AREA, headings=headings, seed=1)
+    with SimulatedLab(world, fps=50) as lab, robsim.Camera(lab) as camera:
+        assert camera.read().headings == headings
+
+
+@pytest.mark.parametrize("suffix", [".mkv", ".avi", ".mp4", ".webm"])
+def test_of_a_video(tmp_path, suffix):
+    pytest.importorskip("cv2")
+    file = tmp_path / f"run{suffix}"
+    sim = simulation()
+    frames = [sim.step().frame for _ in range(3)]
+    robsim.imaging.save_video(file, frames, fps=5)
+    recording = robsim.Recording(file)
+    assert recording.headings == 36
+    assert [frame.headings for frame in recording] == [36, 36, 36]
+    assert recording.count == 3
+    assert robsim.Recording(file, headings=72).headings == 72
+    with robsim.Camera(file) as camera:
+        assert camera.read().headings == 36
+
+
+def test_of_a_video_that_does_not_know(tmp_path):
+    pytest.importorskip("cv2")
+    frame = simulation().step().frame
+    with VideoWriter(tmp_path / "mixed.mkv", fps=5) as video:
+        video.write(frame)
+        video.write(frame.image)
+    assert robsim.Recording(tmp_path / "mixed.mkv").headings is None
+    robsim.imaging.save_video(tmp_path / "any.mkv", [simulation(headings=None).step().frame], fps=5)
+    assert robsim.Recording(tmp_path / "any.mkv").headings is None
+
+
+def test_wrong_headings_are_named(tmp_path):
+    (tmp_path / "0.png").write_bytes(simulation().step().frame._repr_png_()[0])
+    assert robsim.Recording(tmp_path).headings is None
+    assert next(iter(robsim.Recording(tmp_path, headings=36))).headings == 36
+    with pytest.raises(ValueError, match=r"headings must lie within .*, got 0"):
+        robsim.Recording(tmp_path, headings=0)
+    with pytest.raises(TypeError, match="headings must be"):
+        robsim.Recording(tmp_path, headings="36")
+
+
+def recorded(folder, headings):
+    frames = [simulation(headings=headings).step().frame for _ in range(2)]
+    with_u = {"u": (0.0, 0.0)}
+    writer = SessionWriter(folder, setup={"area": AREA, "dt": 0.2}, waits=True, lossless=True)
+    for k, frame in enumerate(frames):
+        writer.add(Row(k=k, t=0.2 * k, **with_u), frame)
+    writer.close(simulation().run(2))
+    return Session(folder)
+
+
+@pytest.mark.parametrize("headings", [36, None])
+def test_of_a_session(tmp_path, headings):
+    pytest.importorskip("cv2")
+    session = recorded(tmp_path / "run", headings)
+    assert [seen.frame.headings for seen in session] == [headings, headings]
+    assert session.trace.info.headings == headings
+
+
+def test_a_session_of_before_can_be_read(tmp_path):
+    pytest.importorskip("cv2")
+    recorded(tmp_path, 36)
+    rows, setup = tmp_path / "steps.csv", tmp_path / "setup.toml"
+    assert HEADER.endswith(b",headings\n")
+    rows.write_text("".join(line.rpartition(",")[0] + "\n" for line in rows.read_text().split()))
+    setup.write_text(setup.read_text().replace("format = 2", "format = 1"))
+    session = Session(tmp_path)
+    assert session.is_complete
+    assert [seen.frame.headings for seen in session] == [None, None]
+
+
+def test_of_a_trace_that_was_saved(tmp_path):
+    trace = simulation(measure=True).run(3)
+    assert trace.info.headings == 36
+    trace.save(tmp_path / "run.npz")
+    assert robsim.Trace.load(tmp_path / "run.npz").info.headings == 36
+    assert simulation(headings=None).run(1).info.headings is None
+
+
+def test_the_remark_of_a_filters_consistency_survives_saving(tmp_path):
+    def estimate_state(step):
+        pose = (200, 150, 0) if step.measurement is None else step.measurement.pose
+        return robsim.Estimate(pose, np.diag((0.1, 0.1, 0.003)))
+
+    trace = simulation(measure=True, estimate_state=estimate_state).run(30)
+    trace.save(tmp_path / "run.npz")
+    before = robsim.evaluation.pose_consistency(trace)
+    after = robsim.evaluation.pose_consistency(robsim.Trace.load(tmp_path / "run.npz"))
+    assert before.remarks == after.remarks
+    assert any("drawn in 36 headings" in remark for remark in after.remarks)
