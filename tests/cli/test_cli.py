@@ -50,7 +50,8 @@ def test_the_numbers_of_the_demo_are_right_and_those_of_its_trace(demo):
     trace = robsim.Trace.load(folder / "trace.npz")
     error = trace.error[trace.seen]
     tracking = numbers["tracking"]
-    numbers = ("steps", "seen", "false_poses", "rmse_xy", "rmse_heading_deg")
+    numbers = ("steps", "seen", "not_seen", "false_poses", "rmse_xy", "rmse_heading_deg")
+    numbers += ("reported_xy", "reported_heading_deg", "remarks")
     numbers += ("median_xy", "median_heading_deg", "largest_xy", "largest_heading_deg")
     assert set(tracking) == {"title", "units", *numbers}
     assert tracking["units"]["rmse_xy"] == "px"

@@ -101,6 +101,8 @@ def test_a_rehearsal_leaves_results_and_a_session(tmp_path):
     assert "at most 1.5 V, and 10 V/s (--max-voltage, --slew-rate)" in run.stderr
     assert "replaced by a newer one" in run.stdout
     assert "from exposure to input" in run.stdout
+    assert re.search(r"not seen +0\n", run.stdout)
+    assert re.search(r"reported error of the position \(px\) +0\.\d+\n", run.stdout)
     out = tmp_path / "robsim-live"
     trace = robsim.Trace.load(out / "trace.npz")
     assert len(trace) == 8

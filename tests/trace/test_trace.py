@@ -275,10 +275,12 @@ def test_tracking_statistics_by_hand():
     assert statistics.median_heading_deg == pytest.approx(np.rad2deg(0.1))
     assert statistics.largest_xy == pytest.approx(5)
     assert statistics.largest_heading_deg == pytest.approx(np.rad2deg(0.1))
-    assert str(statistics).splitlines() == [
+    lines = str(statistics).splitlines()
+    assert lines[:11] == [
         "Tracking",
         "  steps                                4",
         "  seen                                 3 (75.0 %)",
+        "  not seen                             1",
         "  false poses                          1",
         "  rmse of the position (px)            3.606",
         "  rmse of the heading (deg)            4.051",
@@ -286,9 +288,45 @@ def test_tracking_statistics_by_hand():
         "  median error of the heading (deg)    5.730",
         "  largest error of the position (px)   5.000",
         "  largest error of the heading (deg)   5.730",
-        "  - rmse and largest error are those of the poses that are not false, the median of all",
     ]
+    assert " ".join("".join(lines[11:]).split()) == (
+        "- a pose more than 10 px or 20 deg off is false: rmse and largest error are those of the "
+        "other poses, the median is that of all"
+    )
     assert "largest error of the heading (deg)" in statistics._repr_html_()
+
+
+def test_tracking_tells_reasons_and_what_measurements_report():
+    covariance = np.zeros((5, 3, 3))
+    covariance[:, 0, 0], covariance[:, 1, 1] = 9, 16
+    covariance[:, 2, 2] = np.deg2rad([1, 2, 3, 4, 5]) ** 2
+    covariance[3:] = NAN
+    poses = np.zeros((5, 3))
+    poses[3:] = NAN
+    trace = trace_of(
+        5,
+        ("pose_measured",),
+        pose_measured=poses,
+        covariance_measured=covariance.reshape(5, 9),
+        missed=np.array([[0], [0], [0], [1], [4]], dtype=float),
+    )
+    statistics = trace.tracking()
+    reasons = trace.missed_reasons[3:].tolist()
+    assert statistics.missed == dict.fromkeys(reasons, 1)
+    assert f"2: {reasons[0]} 1, {reasons[1]} 1" in str(statistics)
+    assert statistics.reported_xy == pytest.approx(5)
+    assert statistics.reported_heading_deg == pytest.approx(2)
+    assert "the standard deviation that a measurement gives itself" in str(statistics)
+    assert statistics.to_dict()["not_seen"] == 2
+
+
+def test_tracking_says_what_the_drawing_costs():
+    statistics = robsim.Simulation(measure=True, seed=1).run(3).tracking()
+    assert "the robot was drawn in 36 headings" in " ".join(str(statistics).split())
+    assert "an rmse of 2.9 deg" in " ".join(str(statistics).split())
+    assert statistics.reported_heading_deg == pytest.approx(10 / np.sqrt(12), rel=0.01)
+    exact = robsim.Simulation(measure=True, seed=1, headings=None).run(3).tracking()
+    assert "drawn in" not in str(exact)
 
 
 def test_false_poses_do_not_hide_how_good_the_others_are():
@@ -845,4 +883,5 @@ def test_headings_in_degrees_are_suspected():
     options = {"headings": None, "control": robsim.DriveAround(), "seed": 1}
     tracking = robsim.Simulation(measure=measure, **options).run(60).tracking()
     assert "is the heading of the Measurement in rad" in str(tracking)
-    assert robsim.Simulation(measure=True, **options).run(60).tracking().remarks == ()
+    right = robsim.Simulation(measure=True, **options).run(60).tracking()
+    assert "in rad" not in str(right)

@@ -309,15 +309,23 @@ class Trace:
         return np.asarray((distance > position) | (np.abs(error[:, 2]) > heading))
 
     def tracking(self) -> TrackingStatistics:
-        """Return how well the measurement followed the truth.
+        """Return how often the robot was seen, and how well the measurement followed the truth.
 
         Returns
         -------
         TrackingStatistics
-            Steps seen and false poses; root mean square and largest error of the poses that are not
+            Steps seen, not seen, with the reasons, and false poses; the errors that measurements
+            report of themselves; root mean square and largest error of the poses that are not
             false; median error of all.
         """
-        return tracking_statistics(self.error, self.seen, self.is_false, info=self.info)
+        return tracking_statistics(
+            self.error,
+            self.seen,
+            self.is_false,
+            reported=self.covariance_measured,
+            reasons=self.missed_reasons,
+            info=self.info,
+        )
 
     def timing(self) -> TimingReport:
         """Return how regular the frames came, and how late the inputs went out.

@@ -1,9 +1,11 @@
-"""How well the measurement followed the truth: what `Trace.tracking` returns."""
+"""How often the robot was seen, and how exactly: what `Trace.tracking` returns."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +21,7 @@ FALSE_POSE_LIMITS = (10.0, np.deg2rad(20.0))
 
 @dataclass(frozen=True, kw_only=True)
 class TrackingStatistics(Report):
-    """How well the measurement followed the truth.
+    """How often the robot was seen, and how well the measurement followed the truth.
 
     Attributes
     ----------
@@ -47,6 +49,16 @@ class TrackingStatistics(Report):
         The unit of lengths: ``"px"`` of the work area, or that of `Trace.in_unit`.
     position_limit : float
         Farther from the truth than this, a pose is false: 10 px (in `unit`).
+    missed : dict of str to int
+        Steps in which the default measurement did not see the robot, by reason, the most frequent
+        first.
+    reported_xy : float
+        Median of the standard deviation in place that measurements report of themselves,
+        sqrt(P[0, 0] + P[1, 1]) of their covariance P (in `unit`); NaN if they report none.
+    reported_heading_deg : float
+        Median of the standard deviation of the heading that they report (degrees).
+    headings : int or None
+        Number of headings that the robot was drawn in, if it is known.
     """
 
     steps: int
@@ -60,6 +72,10 @@ class TrackingStatistics(Report):
     largest_heading_deg: float
     unit: str = "px"
     position_limit: float = FALSE_POSE_LIMITS[0]
+    missed: Mapping[str, int] = field(default_factory=dict)
+    reported_xy: float = math.nan
+    reported_heading_deg: float = math.nan
+    headings: int | None = None
 
     @property
     def title(self) -> str:
@@ -68,19 +84,35 @@ class TrackingStatistics(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Steps seen, false poses, errors."""
-        false_poses = None if self._is_truth_unknown else self.false_poses
-        steps = (
+        """Steps seen and not seen, false poses, errors, and those that are reported."""
+        return (
             Quantity("steps", "steps", self.steps),
             Quantity("seen", "seen", self.seen, format=lambda n: count(n, self.steps)),
-            Quantity("false_poses", "false poses", false_poses),
+            *self._not_seen(),
+            *self._errors(),
+            *self._reported(),
         )
+
+    def _not_seen(self) -> tuple[Quantity, ...]:
+        """Return the steps not seen, with the reasons where they are known."""
+        reasons = ", ".join(f"{reason} {steps}" for reason, steps in self.missed.items())
+        text = f": {reasons}" if reasons else ""
+        missed = self.steps - self.seen
+        return (Quantity("not_seen", "not seen", missed, format=lambda n: f"{n}{text}"),)
+
+    def _errors(self) -> tuple[Quantity, ...]:
+        """Return the errors, whose truth may not be known."""
+        false_poses = None if self._is_truth_unknown else self.false_poses
         return (
-            *steps,
+            Quantity("false_poses", "false poses", false_poses),
             *self._pair("rmse", "rmse"),
             *self._pair("median", "median error"),
             *self._pair("largest", "largest error"),
         )
+
+    def _reported(self) -> tuple[Quantity, ...]:
+        """Return the errors that measurements report; nothing if they do not."""
+        return () if math.isnan(self.reported_xy) else self._pair("reported", "reported error")
 
     def _pair(self, key: str, title: str) -> tuple[Quantity, Quantity]:
         """Return an error of the position and that of the heading."""
@@ -97,30 +129,56 @@ class TrackingStatistics(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Why there are no errors, or such large ones."""
-        if self._is_truth_unknown:
-            return ("the true poses are not known, so there are no errors",)
+        """Why there are no errors, or such large ones, and what the words mean."""
         if self.steps and not self.seen:
             return (
                 "no pose was measured: the robot was detected in no frame, or it was run without "
                 "measure=True; a measure of your own must return its Measurement",
             )
-        if not self.false_poses:
-            return ()
-        remarks = [
-            "rmse and largest error are those of the poses that are not false, the median of all"
-        ]
+        return (*self._on_truth(), *self._on_false_poses(), *self._on_reports())
+
+    def _on_truth(self) -> Iterator[str]:
+        if self._is_truth_unknown:
+            yield "the true poses are not known, so there are no errors"
+
+    def _on_false_poses(self) -> Iterator[str]:
+        if not self.false_poses or self._is_truth_unknown:
+            return
+        limit = format(self.position_limit, ".3g")
+        yield (
+            f"a pose more than {limit} {self.unit} or 20 deg off is false: rmse and largest error "
+            "are those of the other poses, the median is that of all"
+        )
         # The positions are right: it is the headings that make the poses false.
         if 2 * self.false_poses > self.seen and self.median_xy < self.position_limit:
-            remarks.append(
+            yield (
                 "the positions are right, the headings are not: is the heading of the Measurement "
                 "in rad, and does it grow from +x towards +y?"
             )
-        return tuple(remarks)
+
+    def _on_reports(self) -> Iterator[str]:
+        if not math.isnan(self.reported_xy):
+            yield (
+                "the reported error is the standard deviation that a measurement gives itself, "
+                "the median of all: about as large as the rmse if it is right"
+            )
+        if self.headings is not None and self.seen:
+            turn = 360 / self.headings
+            yield (
+                f"the robot was drawn in {self.headings} headings, at whole pixels of the frame: "
+                f"that alone is an rmse of {turn / math.sqrt(12):.2g} deg and 0.4 px of the frame, "
+                "whatever measures it; headings=None draws it as it stands"
+            )
 
 
 def tracking_statistics(
-    error: Floats, seen: NDArray[np.bool_], is_false: NDArray[np.bool_], *, info: RunInfo
+    error: Floats,
+    seen: NDArray[np.bool_],
+    is_false: NDArray[np.bool_],
+    *,
+    reported: Floats,
+    reasons: NDArray[np.str_],
+    info: RunInfo,
 ) -> TrackingStatistics:
     """Return the statistics of measured poses.
 
@@ -130,12 +188,18 @@ def tracking_statistics(
         Measured minus true poses (x, y in the unit of the trace, heading in rad).
     seen, is_false : array (N,) of bool
         Steps with a measured pose; those with a false one.
+    reported : array (N, 3, 3)
+        Covariances of the measurements, NaN = not reported.
+    reasons : array (N,) of str
+        Why the robot was not seen.
     info : RunInfo
         What concerns the run as a whole.
     """
     distance = np.hypot(error[:, 0], error[:, 1])
     turn = np.rad2deg(np.abs(error[:, 2]))
     good = seen & ~is_false
+    variances = np.diagonal(reported, axis1=1, axis2=2)
+    variances = variances[seen & np.isfinite(variances).all(axis=1)]
     return TrackingStatistics(
         steps=len(error),
         seen=int(seen.sum()),
@@ -148,6 +212,10 @@ def tracking_statistics(
         largest_heading_deg=_largest(turn[good]),
         unit=info.unit,
         position_limit=FALSE_POSE_LIMITS[0] * info.px_length,
+        missed=dict(Counter(reasons[reasons != ""].tolist()).most_common()),
+        reported_xy=_median(np.sqrt(variances[:, 0] + variances[:, 1])),
+        reported_heading_deg=math.degrees(_median(np.sqrt(variances[:, 2]))),
+        headings=info.headings,
     )
 
 
