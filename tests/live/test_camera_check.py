@@ -83,6 +83,27 @@ def test_small_markers_are_named():
     assert check(picture(resolution=(120, 120)))["marker width"].verdict == "poor"
 
 
+@pytest.mark.parametrize(
+    ("percent", "verdicts"), [(2, ("good", "good")), (10, ("poor", "good")), (30, ("poor", "poor"))]
+)
+def test_noise_is_measured_and_judged_by_the_markers(percent, verdicts):
+    report = check(picture(resolution=(160, 160), noise=robsim.GaussianNoise(percent)))
+    noise, figure = report["noise"], report["signal to noise of the markers"]
+    assert noise.value == pytest.approx(2.55 * percent, rel=0.15)
+    assert noise.unit == "levels"
+    assert (noise.verdict, figure.verdict) == verdicts
+    # |contrast|^2 / sigma^2 perimeter w / 3.5, of markers of 9.2 px
+    assert figure.value == pytest.approx(197 / percent, rel=0.35)
+
+
+def test_a_weak_signal_names_the_remedy():
+    report = check(picture(resolution=(120, 120), noise=robsim.GaussianNoise(36)))
+    assert "noise" in kinds(report)
+    said = one_line(report)
+    assert "give more light, a longer exposure in place of gain" in said
+    assert "with this noise poses can be trusted from" in said
+
+
 def test_wrong_colours_and_another_robot_are_named():
     colors = [
         robsim.ColorClass("red", v=(230, 255)),

@@ -134,6 +134,8 @@ def check_camera(
     -------
     CameraCheck
         Rate, jitter and losses of the frames; exposure; size, contrast and colours of the markers;
+        noise (standard deviation of a channel in grey levels, as far as compression does not smooth
+        it), and the signal-to-noise figure of the markers that follows, see `Measurement`;
         in how many frames the robot was detected, how much its pose is scattered; whether the
         calibration fits the robot, and the floor sheets that it saw; latency. Each with a verdict
         and a remedy.

@@ -12,7 +12,7 @@ import numpy as np
 
 from robsim._base.checks import Floats
 from robsim._base.report import Quantity
-from robsim._core import MotorLink
+from robsim._core import MotorLink, trusted_width
 from robsim.calibration._shifts import SHIFTS, remedy_of_shifts
 from robsim.capture import Camera, CameraCounts
 from robsim.imaging import Calibration
@@ -38,6 +38,8 @@ _MARKER_LEVEL = (70, 40)
 _BRIGHT = 235  # level
 _CLIPPED = (0.1, 1.0)  # of a marker's pixels
 _WIDTH = (9.0, 4.5)  # px of the frame
+_NOISE = (13.0, math.inf)  # levels: 5 %; whether it is too much, the markers tell
+_SIGNAL_TO_NOISE = (8.0, 4.0)  # below the second, a pose is not to be trusted
 _CONTRAST = (40.0, 20.0)  # levels
 _MARGIN = (20.0, 6.0)  # levels
 _FOUND = (0.7, 0.45)  # of a marker's area
@@ -136,6 +138,7 @@ def findings_of(
     yield from _regularity(look, camera, before)
     yield from _exposure(look)
     yield from _markers(look)
+    yield from _noise(look)
     yield from _detection(look)
     yield from _scatter(look)
     yield from _map(look, camera)
@@ -229,9 +232,14 @@ def _marker(look: CameraLook, name: str, worst: Callable[[list[float]], float]) 
 
 
 def _markers(look: CameraLook) -> Iterator[CameraFinding]:
-    frame = look.shown[0]
+    wanted = trusted_width(float(np.median(look.noise)))
     yield _judged(
-        "marker width", look.markers.width_in(frame), "px", _WIDTH, _REMEDIES["small markers"]
+        "marker width",
+        look.markers.width_in(look.shown[0]),
+        "px",
+        (max(_WIDTH[0], 2 * wanted), max(_WIDTH[1], wanted)),
+        f"{_REMEDIES['small markers']}; with this noise poses can be trusted from {wanted:.2g} px "
+        "on, in good light",
     )
     lost, second = "a little less light, and it is lost", "it is found at the second chance only"
     for name, lights in look.marker_light.items():
@@ -252,6 +260,28 @@ def _markers(look: CameraLook) -> Iterator[CameraFinding]:
             f"{lost if of['margin'] >= 0 else second}: {train}",
         )
         yield _judged(f"{name} found", 100 * of["found"], "%", _percent_limits(_FOUND), train)
+
+
+def _noise(look: CameraLook) -> Iterator[CameraFinding]:
+    """Yield the camera's noise, and how far the markers stand out of it."""
+    less = "give more light, a longer exposure in place of gain"
+    yield _judged(
+        "noise",
+        float(np.median(look.noise)),
+        "levels",
+        _NOISE,
+        f"the pixels are noisy: {less}, or larger markers in the picture",
+    )
+    found = look.signal_to_noise
+    figure = float(np.median(found)) if found else math.nan
+    yield _judged(
+        "signal to noise of the markers",
+        figure,
+        "",
+        _SIGNAL_TO_NOISE,
+        f"poses can be trusted from {_SIGNAL_TO_NOISE[1]:g} on, and below 3 the robot counts as "
+        f"not seen: {less}, more pixels, or larger markers",
+    )
 
 
 def _median_of(lights: Sequence[MarkerLight], name: str) -> float:

@@ -9,7 +9,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from robsim._base.checks import Floats
-from robsim._core import Blob, ColorClass, Detection, Frame, MarkerLayout, detect, find_blobs
+from robsim._core import (
+    Blob,
+    ColorClass,
+    Detection,
+    Frame,
+    MarkerLayout,
+    detect,
+    find_blobs,
+    frame_noise,
+)
 from robsim.live._calibration_findings import MarkerPair, marker_pair
 from robsim.live._marker_light import MarkerLight, marker_light
 from robsim.robots import RobotDefinition
@@ -46,6 +55,8 @@ class CameraLook:
         self.poses: list[Floats] = []
         self.others: list[int] = []
         self.light: list[tuple[float, float, float]] = []  # mean, shares of white and of black
+        self.noise: list[float] = []  # standard deviation of a channel (grey levels)
+        self.signal_to_noise: list[float] = []  # of the markers, where the robot was detected
         self.pairs: list[MarkerPair] = []
         self.marker_light: dict[str, list[MarkerLight]] = {name: [] for name in self._corners}
 
@@ -65,6 +76,7 @@ class CameraLook:
         self.last.append(frame)
         self.times.append((frame.index, frame.t or 0.0, frame.t_arrival or frame.t or 0.0))
         self.light.append(_light_of(frame))
+        self.noise.append(frame_noise(frame))
         self.others.append(self._others(blobs, detection))
         if pair := marker_pair(frame, blobs, detection, self.markers):
             self.pairs.append(pair)
@@ -74,6 +86,8 @@ class CameraLook:
             return
         pose = detection.measurement.pose
         self.poses.append(pose)
+        if detection.measurement.signal_to_noise is not None:
+            self.signal_to_noise.append(detection.measurement.signal_to_noise)
         for name, blob in self._found(detection).items():
             corners = frame.plane_map.to_pixel(_placed(self._corners[name], pose))
             if light := marker_light(frame, corners, blob, self._colors[name]):
