@@ -103,6 +103,26 @@ def test_the_claim_and_the_bound_are_drawn_at_two_standard_deviations():
         plot_errors(pose_errors(make_trace()), bound=np.eye(3))
 
 
+def spans_of(band):
+    """Where a band is drawn: first and last x of each part, and its largest y."""
+    parts = [path.vertices for path in band.get_paths()]
+    return [(part[:, 0].min(), part[:, 0].max(), part[:, 1].max()) for part in parts]
+
+
+def test_the_band_has_gaps_where_nothing_was_measured():
+    covariance = np.broadcast_to(np.diag([1.0, 1.0, 25.0]), (50, 3, 3)).copy()
+    covariance[10:12] = covariance[13:15] = np.nan  # step 12 stands alone
+    trace = make_trace(covariance=covariance)
+    panels = plot_errors(pose_errors(trace)).axes
+    first = trace.k[0]
+    for panel, top in ((panels[0], 2.0), (panels[4], 180.0)):  # 2 sd of 5 rad are more than all
+        assert spans_of(panel.collections[0]) == [
+            (first - 0.5, first + 9.5, pytest.approx(top)),
+            (first + 11.5, first + 12.5, pytest.approx(top)),
+            (first + 14.5, first + 49.5, pytest.approx(top)),
+        ]
+
+
 @pytest.mark.parametrize("variance", [4.0, 400.0])
 def test_the_claim_of_a_conservative_filter_ends_in_the_panel_or_the_errors_can_be_seen(variance):
     covariance = np.broadcast_to(np.diag([variance, 1.0, 1e-4]), (50, 3, 3))

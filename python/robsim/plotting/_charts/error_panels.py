@@ -69,13 +69,13 @@ def draw_reported(panel: Axes, k: NDArray[np.int64], half_width: Floats) -> floa
     panel : matplotlib.axes.Axes
         Errors over the steps.
     k, half_width : array (N,)
-        Steps, and two standard deviations; NaN = not known.
+        Steps, and two standard deviations; NaN = not known: the band has a gap there.
     """
     look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0}
     # The value of a step holds from half a step before it to half a step after it.
-    steps = np.append(k - 0.5, k[-1] + 0.5)
-    edges = np.append(half_width, half_width[-1])
-    panel.fill_between(steps, -edges, edges, step="post", label="reported (2 sd)", **look)
+    steps = np.column_stack((k - 0.5, k + 0.5)).ravel()
+    edges = np.repeat(half_width, 2)
+    panel.fill_between(steps, -edges, edges, label="reported (2 sd)", **look)
     return float(np.nanmedian(half_width))
 
 

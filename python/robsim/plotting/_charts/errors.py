@@ -95,7 +95,10 @@ def _draw_reported_sd(panel: Axes, report: ErrorReport, i: int, factor: float) -
     if report.reported_sd is None or np.isnan(report.reported_sd[:, :, i]).all():
         return 0.0
     variance = mean_of_known(np.square(report.reported_sd[:, :, i]), axis=0)
-    return draw_reported(panel, report.k, 2.0 * factor * np.sqrt(variance))
+    half_width = 2.0 * np.sqrt(variance)
+    if report.units[i] == "rad":  # errors of angles are wrapped
+        half_width = np.minimum(half_width, np.pi)
+    return draw_reported(panel, report.k, factor * half_width)
 
 
 def _minimum_sd(bound: ArrayLike | None, shape: tuple[int, int]) -> Floats | None:

@@ -220,7 +220,7 @@ def _draw_errors(panels: Sequence[Axes], histograms: Sequence[Axes], trace: Trac
     errors = trace.error
     errors[:, 2] = np.rad2deg(errors[:, 2])
     reported = 2.0 * np.sqrt(np.diagonal(trace.covariance_measured, axis1=1, axis2=2))
-    reported[:, 2] = np.rad2deg(reported[:, 2])
+    reported[:, 2] = np.minimum(np.rad2deg(reported[:, 2]), 180.0)  # no error is larger
     length = trace.info.unit
     for axis, (name, unit) in enumerate((("x", length), ("y", length), ("heading", "deg"))):
         panel, known = panels[axis], errors[trace.seen, axis]
