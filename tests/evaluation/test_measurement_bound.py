@@ -219,12 +219,10 @@ def test_the_report():
         ({"pose": (5000, 600, 0)}, ValueError, "pose must show the markers in the frame, got"),
         ({"robot": "lab"}, TypeError, "robot must be a RobotDefinition or a sequence of the"),
         ({"robot": [np.zeros((2, 2))]}, ValueError, r"robot must have polygons of shape \(N, 2\)"),
-        (
-            {"robot": [np.zeros((4, 2))]},
-            ValueError,
-            "robot must have polygons with an area, within",
-        ),
-        ({"robot": [1e200 * np.eye(3, 2)]}, ValueError, "robot must have polygons with an area"),
+        ({"robot": [3, 4]}, ValueError, r"polygons of shape \(N, 2\), N >= 3, got 3"),
+        ({"robot": [np.zeros((4, 2))]}, ValueError, "polygons with an area, got"),
+        ({"robot": [np.eye(3, 2) * 1e200]}, ValueError, "within 10000 px of its centre, got"),
+        ({"robot": [[(0, 0), (9, 9), (5, 5)]]}, ValueError, "polygons with an area, got"),
         ({"noise": 10}, TypeError, "noise must be a GaussianNoise, a UniformNoise or None"),
     ],
 )
@@ -237,5 +235,12 @@ def test_wrong_arguments(change, error, message):
 
 def test_markers_that_nobody_sees_have_no_bound():
     grey = Frame(np.full((120, 120, 3), 90, np.uint8))
-    with pytest.raises(ValueError, match="robot must have markers that differ from what is around"):
+    with pytest.raises(ValueError, match=r"frame must show markers that .* noise of 0\.0 at"):
         measurement_bound(grey, (60, 60, 0), [disc(20)], noise=robsim.GaussianNoise(10))
+
+
+def test_an_edge_that_tells_no_place_along_it_has_no_bound():
+    image = np.where(np.arange(120) < 60, 70.0, 200.0) * np.ones((120, 1))
+    half = [(-1000, 0), (1000, 0), (1000, 1000), (-1000, 1000)]  # forward, right
+    with pytest.raises(ValueError, match="robot must have markers from which place and heading"):
+        measurement_bound(grey_frame(image), (59.5, 60, -np.pi / 2), [half])

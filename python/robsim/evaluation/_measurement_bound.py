@@ -20,8 +20,8 @@ from robsim.evaluation._pixel_information import pixel_information
 from robsim.imaging._noise import GaussianNoise, Noise, as_native_noise
 
 _EDGE_WIDTHS = (0.15, 4.0)  # px of the frame, among which that of the frame is
-_NOTHING = 1e-6  # of a signal
-_FARTHEST, _LEAST_AREA = 1e9, 1e-9  # of polygons (work-area px, px^2), as of a MarkerLayout
+_NOTHING = 1e-6  # of a signal; of an area
+_FARTHEST = 1e4  # px, of a corner from the robot's centre
 
 
 class _Robot(Protocol):
@@ -176,6 +176,7 @@ class SeenMarkers:
     """
 
     def __init__(self, frame: Frame, pose: Floats, polygons: Sequence[Floats]) -> None:
+        self._pose = pose
         self._views = [MarkerView(frame, pose, polygon) for polygon in polygons]
         self._width = _edge_width(self._views)
 
@@ -190,13 +191,32 @@ class SeenMarkers:
                 # SNR^2 = sum J (contrast phi(q))^2
                 strength += float(weight @ (contrast * density(view.depth / width)) ** 2)
         if strength < _NOTHING:
-            raise ValueError("robot must have markers that differ from what is around them")
+            raise ValueError(
+                "frame must show markers that differ from what is around them, got a signal to "
+                f"noise of {math.sqrt(strength):.1f} at the pose {quoted(self._pose.tolist())}"
+            )
         return MeasurementBound(
-            covariance=np.asarray(np.linalg.inv(information), np.float64)[:3, :3],
+            covariance=_inverse(information)[:3, :3],
             signal_to_noise=math.sqrt(strength),
             edge_width=width,
             is_bound=isinstance(noise, GaussianNoise),
         )
+
+
+def _inverse(information: Floats) -> Floats:
+    """Return the covariance; ValueError where the markers do not tell the whole pose."""
+    try:
+        covariance = np.linalg.inv(information)
+    except np.linalg.LinAlgError:
+        covariance = np.full((4, 4), np.inf)
+    variances = np.diag(covariance)
+    # Rounding errors make an enormous variance of an infinite one, or a negative one.
+    if not ((variances >= 0) & (variances < _FARTHEST**2)).all():
+        raise ValueError(
+            "robot must have markers from which place and heading follow, got edges in the frame "
+            "that look the same in other poses, as a single straight one, or are lost in the noise"
+        )
+    return np.asarray(covariance, np.float64)
 
 
 def marker_polygons(robot: Any) -> list[Floats]:
@@ -208,18 +228,23 @@ def marker_polygons(robot: Any) -> list[Floats]:
             "robot must be a RobotDefinition or a sequence of the markers' polygons, "
             f"got {quoted(robot)}"
         )
-    polygons = [as_float_array("robot", polygon) for polygon in robot]
-    for polygon in polygons:
-        if polygon.shape != (len(polygon), 2) or len(polygon) < 3 or not np.isfinite(polygon).all():
-            raise ValueError(
-                f"robot must have polygons of shape (N, 2), N >= 3, got {quoted(polygon.tolist())}"
-            )
-        if np.abs(polygon).max() > _FARTHEST or area_and_centroid(polygon)[0] < _LEAST_AREA:
-            raise ValueError(
-                f"robot must have polygons with an area, within {_FARTHEST:g} px, "
-                f"got {quoted(polygon.tolist())}"
-            )
-    return polygons
+    return [_checked_polygon(as_float_array("robot", polygon)) for polygon in robot]
+
+
+def _checked_polygon(polygon: Floats) -> Floats:
+    """Return a marker's polygon; ValueError if it is none, or beyond all pictures."""
+    given = quoted(polygon.tolist())
+    is_polygon = polygon.ndim == 2 and polygon.shape[1] == 2 and len(polygon) >= 3
+    if not is_polygon or not np.isfinite(polygon).all():
+        raise ValueError(f"robot must have polygons of shape (N, 2), N >= 3, got {given}")
+    if np.abs(polygon).max() > _FARTHEST:
+        raise ValueError(
+            f"robot must have polygons within {_FARTHEST:g} px of its centre, got {given}"
+        )
+    area, _ = area_and_centroid(polygon)
+    if area <= _NOTHING * max(float(np.ptp(polygon)) ** 2, _NOTHING):
+        raise ValueError(f"robot must have polygons with an area, got {given}")
+    return polygon
 
 
 def _edge_width(views: Sequence[MarkerView]) -> float:
