@@ -22,9 +22,9 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
     acceleration_sigma : sequence of 3 floats
         Standard deviations of the acceleration of x, y and the heading (px/s^2, px/s^2, rad/s^2).
     measurement_sigma : sequence of 3 floats, optional
-        Standard deviations of a measured pose (px, px, rad). Default: of each measurement, what
-        its covariance says; of one without, (0.3, 0.3, 0.05), those of a simulation with 36 drawn
-        headings in a frame of 1200 px.
+        Standard deviations of a measured pose (px, px, rad), for all measurements, whatever their
+        covariances say. Default: of each measurement, what its covariance says; of one without,
+        (0.3, 0.3, 0.05), those of a simulation with 36 drawn headings in a frame of 1200 px.
     prior : Prior, optional
         What is known before the robot is first seen.
 

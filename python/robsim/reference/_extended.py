@@ -31,9 +31,9 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
         deviations, or parameters that are off by about 5 %; without disturbances `pose_consistency`
         rightly calls it conservative.
     measurement_sigma : sequence of 3 floats, optional
-        Standard deviations of a measured pose (px, px, rad). Default: of each measurement, what
-        its covariance says; of one without, (0.3, 0.3, 0.05), those of a simulation with 36 drawn
-        headings in a frame of 1200 px.
+        Standard deviations of a measured pose (px, px, rad), for all measurements, whatever their
+        covariances say. Default: of each measurement, what its covariance says; of one without,
+        (0.3, 0.3, 0.05), those of a simulation with 36 drawn headings in a frame of 1200 px.
     input_delay : float
         How late the inputs act, in steps of the model, 0..1000: the `motor_delay` of a simulated
         world, the ``trace.timing().input_delay`` of a live one. `ahead` then compensates it. It

@@ -33,7 +33,8 @@ class ParticleFilter(ModelFilter):
     Parameters
     ----------
     model, process_sigma, measurement_sigma, input_delay, prior
-        As for `ExtendedKalmanFilter`. The process noise keeps the particles apart.
+        As for `ExtendedKalmanFilter`: by default R is the covariance of each measurement. The
+        process noise keeps the particles apart.
     n_particles : int
         Number of particles, at least 1000.
     seed : int, SeedSequence, Generator or None

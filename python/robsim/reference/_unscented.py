@@ -24,7 +24,7 @@ class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
     Parameters
     ----------
     model, process_sigma, measurement_sigma, input_delay, prior
-        As for `ExtendedKalmanFilter`.
+        As for `ExtendedKalmanFilter`: by default R is the covariance of each measurement.
     kappa : float
         Spread of the sigma points: sqrt(6 + kappa) standard deviations. At least 0, so that no
         weight is negative.
