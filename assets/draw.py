@@ -46,12 +46,13 @@ centre = [{middle[0]:.1f}, {middle[1]:.1f}]
 
 # Polygons. {outline}
 outline = {outline_points}
+"""
 
-# {red}
-red = {red_points}
-
-# {blue}
-blue = {blue_points}
+MARKER = """
+# {about}
+[markers.{role}]
+color = "{color}"
+polygon = {points}
 """
 
 
@@ -66,8 +67,7 @@ class Robot:
     image: str
     centre: str
     outline: str
-    red: str
-    blue: str
+    markers: dict[str, tuple[str, str]]  # by role: colour, and what it is
 
 
 def lab() -> tuple[Image.Image, dict[str, np.ndarray]]:
@@ -105,8 +105,10 @@ ROBOTS = {
         image="surroundings transparent, the contact shadow included",
         centre="The point between the wheels, around which the robot turns:",
         outline="Around the chassis and the wheels, without the shadow:",
-        red="The red marker, on the robot's right; area and centroid are those of the disc:",
-        blue="The blue marker, on the robot's left:",
+        markers={
+            "right": ("red", "The red marker; area and centroid are those of the disc:"),
+            "left": ("blue", "The blue marker:"),
+        },
     ),
     "robot2": Robot(
         draw=robot2,
@@ -117,8 +119,14 @@ ROBOTS = {
         image="a photo print, not transparent; its head is up",
         centre="The point around which the robot turns, the middle of the print:",
         outline="Around the print:",
-        red="The red jacket; area and centroid are those of the pixels that vision sees as red:",
-        blue="The blue sky around the head, in the same way:",
+        markers={
+            "front": (
+                "blue",
+                "The blue sky around the head; area and centroid are those of the pixels that\n"
+                "# vision sees as blue:",
+            ),
+            "back": ("red", "The red jacket, in the same way:"),
+        },
     ),
     "sheep": Robot(
         draw=sheep,
@@ -128,9 +136,14 @@ ROBOTS = {
         image="transparent around, with its shadow; it faces right",
         centre="The point around which the sheep turns, between its legs:",
         outline="Around fleece, head and feet, without the shadow:",
-        red="The red mark, on the shoulders; area and centroid are those of the pixels that\n"
-        "# vision sees as red:",
-        blue="The blue mark, on the rump, in the same way:",
+        markers={
+            "front": (
+                "red",
+                "The red mark, on the shoulders; area and centroid are those of the pixels that\n"
+                "# vision sees as red:",
+            ),
+            "back": ("blue", "The blue mark, on the rump, in the same way:"),
+        },
     ),
 }
 
@@ -155,10 +168,17 @@ def draw_robot(name: str, robot: Robot) -> None:
     text = DEFINITION.format(
         name=name,
         middle=((picture.width - 1) / 2, (picture.height - 1) / 2),
-        **{f"{key}_points": toml_points(points) for key, points in polygons.items()},
-        **{key: value for key, value in vars(robot).items() if key not in ("draw", "alignment")},
+        outline_points=toml_points(polygons["outline"]),
+        size=robot.size,
         alignment=f"alignment = {robot.alignment:.1f}",
+        about=robot.about,
+        image=robot.image,
+        centre=robot.centre,
+        outline=robot.outline,
     )
+    for role, (color, about) in robot.markers.items():
+        points = toml_points(polygons[color])
+        text += MARKER.format(role=role, color=color, about=about, points=points)
     (folder(name) / "robot.toml").write_text(text, encoding="utf-8")
 
 
@@ -203,13 +223,19 @@ def check_robot(name: str) -> None:
         f"  area {area_and_centroid(outline)[0] * unit**2:.0f} px^2, solid parts "
         f"{(alpha > 230).sum() * unit**2:.0f}"
     )
-    places = [check_patch(picture, definition, color, unit) for color in ("red", "blue")]
-    print(f"  red and blue are {np.hypot(*(places[0] - places[1])):.2f} px apart")
+    markers = definition["markers"].values()
+    places = [
+        check_patch(picture, definition, np.array(marker["polygon"]), marker["color"], unit)
+        for marker in markers
+    ]
+    print(f"  the markers are {np.hypot(*(places[0] - places[1])):.2f} px apart")
 
 
-def check_patch(picture: Image.Image, definition: dict, color: str, unit: float) -> np.ndarray:
+def check_patch(
+    picture: Image.Image, definition: dict, polygon: np.ndarray, color: str, unit: float
+) -> np.ndarray:
     """Print how a patch is seen in the light and in the shadow; return its centroid (px)."""
-    area, centroid = area_and_centroid(np.array(definition[color]))
+    area, centroid = area_and_centroid(polygon)
     print(f"  {color}: {area * unit**2:.0f} px^2")
     rgb = scene_scale(picture, definition["size"])
     for light in (1.0, 0.8):

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "python/by_role.hpp"
 #include "python/interpreter.hpp"
 #include "python/names.hpp"
 #include "python/numpy.hpp"
@@ -123,13 +124,18 @@ Masks relative_masks_of(const ImageLike& image, const std::vector<ColorClass>& c
   return masks_from(classifier, view, colors);
 }
 
-using MarkerColors = std::array<std::string, 2>;
+using MarkerColors = std::optional<ByRole<std::string>>;
 
-MarkerLayout with_options(MarkerLayout markers, double distance_tolerance, double area_tolerance,
-                          int maximum_blobs, const MarkerColors& colors) {
-  for (const std::string& color : colors) name_from(py::str(color), "a name in colors");
-  markers.first.color = colors[0];
-  markers.second.color = colors[1];
+// The order of names is that of the roles: the first marker, the second.
+std::array<std::string, 2> colors_from(const MarkerColors& colors, MarkerRoles roles) {
+  if (!colors) return default_marker_colors;
+  const std::array<std::string, 2> names = in_order(*colors, roles, "colors");
+  for (const std::string& name : names) name_from(py::str(name), "a name in colors");
+  return names;
+}
+
+MarkerLayout with_tolerances(MarkerLayout markers, double distance_tolerance, double area_tolerance,
+                             int maximum_blobs) {
   markers.distance_tolerance = distance_tolerance;
   markers.area_tolerance = area_tolerance;
   markers.maximum_blobs = maximum_blobs;
@@ -138,34 +144,57 @@ MarkerLayout with_options(MarkerLayout markers, double distance_tolerance, doubl
 }
 
 using Place = std::pair<double, double>;
-
 using Places = std::vector<Place>;
-using OutlinePointer = std::shared_ptr<const MarkerShape>;
+using Outline = std::shared_ptr<const MarkerShape>;
 
-MarkerLayout layout_from(Place red, Place blue, std::optional<double> red_area,
-                         std::optional<double> blue_area, double distance_tolerance,
-                         double area_tolerance, int maximum_blobs, const MarkerColors& colors) {
+// Such as markers['right'].
+std::string entry(const char* name, const std::string& role) {
+  return std::string(name) + "['" + role + "']";
+}
+
+Polygon polygon_of(const ByRole<ArrayLike>& polygons, const std::string& role, const char* name) {
+  return polygon_from(polygons.at(role), entry(name, role).c_str());
+}
+
+MarkerLayout layout_of_polygons(const ByRole<ArrayLike>& polygons, double distance_tolerance,
+                                double area_tolerance, int maximum_blobs,
+                                const MarkerColors& colors) {
+  const MarkerRoles roles = roles_of(polygons, "markers");
+  const auto& [first, second] = names_of(roles);
+  return with_tolerances(MarkerLayout::from_markers(polygon_of(polygons, first, "markers"),
+                                                    polygon_of(polygons, second, "markers"),
+                                                    colors_from(colors, roles), roles),
+                         distance_tolerance, area_tolerance, maximum_blobs);
+}
+
+MarkerLayout layout_of_positions(const ByRole<ArrayLike>& positions,
+                                 const std::optional<ByRole<std::optional<double>>>& areas,
+                                 double distance_tolerance, double area_tolerance,
+                                 int maximum_blobs,
+                                 const std::optional<ByRole<ArrayLike>>& polygons,
+                                 const MarkerColors& colors) {
   MarkerLayout markers;
-  markers.first.position = {red.first, red.second};
-  markers.second.position = {blue.first, blue.second};
-  if (red_area) markers.first.area = *red_area;
-  if (blue_area) markers.second.area = *blue_area;
-  return with_options(markers, distance_tolerance, area_tolerance, maximum_blobs, colors);
+  markers.roles = roles_of(positions, "positions");
+  const std::array<std::string, 2> names = colors_from(colors, markers.roles);
+  if (areas) check_roles(*areas, markers.roles, "areas");
+  if (polygons) in_order(*polygons, markers.roles, "polygons");
+  std::size_t i = 0;
+  for (Marker* marker : {&markers.first, &markers.second}) {
+    const std::string& role = names_of(markers.roles)[i];
+    marker->color = names[i++];
+    marker->position = point_from(positions.at(role), entry("positions", role).c_str());
+    if (areas && areas->count(role)) marker->area = areas->at(role).value_or(marker->area);
+    if (polygons) {
+      marker->shape = std::make_shared<MarkerShape>(polygon_of(*polygons, role, "polygons"), role);
+    }
+  }
+  return with_tolerances(std::move(markers), distance_tolerance, area_tolerance, maximum_blobs);
 }
 
-std::pair<std::string, std::string> colors_of(const MarkerLayout& self) {
-  return {self.first.color, self.second.color};
-}
-
-std::optional<Places> places_of(const OutlinePointer& shape) {
+std::optional<py::array_t<double>> array_of(const Outline& shape) {
   if (!shape) return std::nullopt;
-  Places places;
-  for (const Point& corner : shape->polygon()) places.emplace_back(corner.x, corner.y);
-  return places;
-}
-
-OutlinePointer outline_from(const std::optional<ArrayLike>& corners, const char* name) {
-  return corners ? std::make_shared<MarkerShape>(polygon_from(*corners, name), name) : nullptr;
+  const Polygon& polygon = shape->polygon();
+  return to_array(&polygon[0].x, {static_cast<py::ssize_t>(polygon.size()), 2});
 }
 
 // What makes it anew, or, with outlines of many corners, what is worth knowing.
@@ -176,110 +205,164 @@ std::string repr_of_layout(const MarkerLayout& self) {
   const auto place = [&](const Point& point) {
     return "(" + number(point.x) + ", " + number(point.y) + ")";
   };
-  const std::string start =
-      "red=" + place(self.first.position) + ", blue=" + place(self.second.position) +
-      ", red_area=" + number(self.first.area) + ", blue_area=" + number(self.second.area);
-  const std::string colors = py::repr(py::cast(colors_of(self))).cast<std::string>();
+  const auto both = [&](const std::string& first, const std::string& second) {
+    const auto& [first_role, second_role] = names_of(self.roles);
+    return "{'" + first_role + "': " + first + ", '" + second_role + "': " + second + "}";
+  };
+  const auto quoted = [](const std::string& text) {
+    return py::repr(py::str(text)).cast<std::string>();
+  };
+  const std::string start = both(place(self.first.position), place(self.second.position)) +
+                            ", areas=" + both(number(self.first.area), number(self.second.area));
+  const std::string colors =
+      ", colors=" + both(quoted(self.first.color), quoted(self.second.color));
   if (self.first.shape && self.second.shape) {
-    return "<MarkerLayout of polygons: " + start + ", colors=" + colors + ">";
+    return "<MarkerLayout of polygons: " + start + colors + ">";
   }
   return "MarkerLayout.from_positions(" + start +
          ", distance_tolerance=" + number(self.distance_tolerance) +
          ", area_tolerance=" + number(self.area_tolerance) +
-         ", maximum_blobs=" + std::to_string(self.maximum_blobs) + ", colors=" + colors + ")";
+         ", maximum_blobs=" + std::to_string(self.maximum_blobs) + colors + ")";
 }
 
-std::optional<py::array_t<double>> array_of(const OutlinePointer& shape) {
-  if (!shape) return std::nullopt;
-  const Polygon& polygon = shape->polygon();
-  return to_array(&polygon[0].x, {static_cast<py::ssize_t>(polygon.size()), 2});
+// A marker as a value: colour, position, area, outline.
+using MarkerValue = std::tuple<std::string, Place, std::optional<double>, std::optional<Places>>;
+
+MarkerValue value_of(const Marker& marker) {
+  std::optional<Places> corners;
+  if (marker.shape) {
+    corners = Places();
+    for (const Point& corner : marker.shape->polygon()) corners->emplace_back(corner.x, corner.y);
+  }
+  return {marker.color, Place(marker.position.x, marker.position.y),
+          std::isnan(marker.area) ? std::nullopt : std::optional(marker.area), corners};
+}
+
+Marker marker_from(const MarkerValue& value, const std::string& role) {
+  const auto& [color, position, area, corners] = value;
+  name_from(py::str(color), "a name in colors");
+  Marker marker{color, {position.first, position.second}};
+  if (area) marker.area = *area;
+  if (corners) {
+    const ArrayLike given(py::cast(*corners));
+    marker.shape = std::make_shared<MarkerShape>(polygon_from(given, role.c_str()), role);
+  }
+  return marker;
 }
 
 void bind_layout_value(Class<MarkerLayout>& layout) {
-  const MarkerLayout defaults;
-  layout.def_static(
-      "from_positions",
-      [](const ArrayLike& red, const ArrayLike& blue, std::optional<double> red_area,
-         std::optional<double> blue_area, double distance_tolerance, double area_tolerance,
-         int maximum_blobs, const std::optional<ArrayLike>& red_polygon,
-         const std::optional<ArrayLike>& blue_polygon, const MarkerColors& colors) {
-        const Point r = point_from(red, "red");
-        const Point b = point_from(blue, "blue");
-        MarkerLayout markers =
-            layout_from({r.x, r.y}, {b.x, b.y}, red_area, blue_area, distance_tolerance,
-                        area_tolerance, maximum_blobs, colors);
-        markers.first.shape = outline_from(red_polygon, "red_polygon");
-        markers.second.shape = outline_from(blue_polygon, "blue_polygon");
-        check_marker_layout(markers);
-        return markers;
-      },
-      py::arg("red"), py::arg("blue"), py::kw_only(), py::arg("red_area") = py::none(),
-      py::arg("blue_area") = py::none(),
-      py::arg("distance_tolerance") = defaults.distance_tolerance,
-      py::arg("area_tolerance") = defaults.area_tolerance,
-      py::arg("maximum_blobs") = defaults.maximum_blobs, py::arg("red_polygon") = py::none(),
-      py::arg("blue_polygon") = py::none(), py::arg("colors") = default_marker_colors, R"(
-Return the layout of markers at these positions.
-
-Parameters
-----------
-red, blue : array (2,)
-    Centroids of the first and the second marker in the robot's frame: forward, right (work-area px from its centre).
-red_area, blue_area : float, optional
-    Their areas (px^2). Default: not known.
-distance_tolerance, area_tolerance, maximum_blobs
-    As for `MarkerLayout`.
-red_polygon, blue_polygon : array (N, 2), optional
-    Their corners, in the same frame. Default: not known; measurements are then less exact.
-colors : sequence of 2 str
-    As for `MarkerLayout`.
-)");
-  using Member = Marker MarkerLayout::*;
-  const auto place = [](Member which) {
-    return [which](const MarkerLayout& self) {
-      const Point& position = (self.*which).position;
-      return Place(position.x, position.y);
-    };
+  const auto make = [](const std::array<std::string, 2>& names, const MarkerValue& first,
+                       const MarkerValue& second, double distance_tolerance, double area_tolerance,
+                       int maximum_blobs) {
+    MarkerLayout markers;
+    markers.roles = roles_of(ByRole<int>{{names[0], 0}, {names[1], 1}}, "markers");
+    markers.first = marker_from(first, names[0]);
+    markers.second = marker_from(second, names[1]);
+    return with_tolerances(std::move(markers), distance_tolerance, area_tolerance, maximum_blobs);
   };
-  const auto area = [](Member which) {
-    return [which](const MarkerLayout& self) {
-      const double value = (self.*which).area;
-      return std::isnan(value) ? std::nullopt : std::optional(value);
-    };
-  };
-  const auto outline = [](Member which) {
-    return [which](const MarkerLayout& self) { return places_of((self.*which).shape); };
-  };
-  const auto make =
-      [](Place red, Place blue, std::optional<double> red_area, std::optional<double> blue_area,
-         double distance_tolerance, double area_tolerance, int maximum_blobs,
-         const std::optional<Places>& red_outline, const std::optional<Places>& blue_outline,
-         const std::pair<std::string, std::string>& colors) {
-        MarkerLayout markers =
-            layout_from(red, blue, red_area, blue_area, distance_tolerance, area_tolerance,
-                        maximum_blobs, {colors.first, colors.second});
-        const auto of = [](const std::optional<Places>& places, const char* name) {
-          return outline_from(places ? std::optional(ArrayLike(py::cast(*places))) : std::nullopt,
-                              name);
-        };
-        markers.first.shape = of(red_outline, "red_polygon");
-        markers.second.shape = of(blue_outline, "blue_polygon");
-        check_marker_layout(markers);
-        return markers;
-      };
   const Fields fields(
-      make, Field("red", place(&MarkerLayout::first)), Field("blue", place(&MarkerLayout::second)),
-      Field("red_area", area(&MarkerLayout::first)),
-      Field("blue_area", area(&MarkerLayout::second)),
+      make, Field("roles", [](const MarkerLayout& self) { return names_of(self.roles); }),
+      Field("first", [](const MarkerLayout& self) { return value_of(self.first); }),
+      Field("second", [](const MarkerLayout& self) { return value_of(self.second); }),
       Field("distance_tolerance", &MarkerLayout::distance_tolerance),
       Field("area_tolerance", &MarkerLayout::area_tolerance),
-      Field("maximum_blobs", &MarkerLayout::maximum_blobs),
-      Field("red_polygon", outline(&MarkerLayout::first)),
-      Field("blue_polygon", outline(&MarkerLayout::second)), Field("colors", &colors_of));
+      Field("maximum_blobs", &MarkerLayout::maximum_blobs));
   define_equality(layout, fields);
   define_hash(layout, fields);
   define_pickle(layout, fields);
   layout.def("__repr__", &repr_of_layout);
+}
+
+void bind_makers_of_layouts(Class<MarkerLayout>& layout) {
+  const MarkerLayout defaults;
+  layout
+      .def_static("from_markers", &layout_of_polygons, py::arg("markers"), py::kw_only(),
+                  py::arg("distance_tolerance") = defaults.distance_tolerance,
+                  py::arg("area_tolerance") = defaults.area_tolerance,
+                  py::arg("maximum_blobs") = defaults.maximum_blobs, py::arg("colors") = py::none(),
+                  R"(
+Return the layout of these markers, with their areas.
+
+Parameters
+----------
+markers : dict of str to array (N, 2)
+    By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the marker's corners in the
+    robot's frame: forward, right (work-area px from its centre).
+distance_tolerance, area_tolerance, maximum_blobs, colors
+    As for `MarkerLayout`.
+
+Raises
+------
+ValueError
+    If the roles are others, or contradict the positions; if a polygon is none.
+)")
+      .def_static("from_positions", &layout_of_positions, py::arg("positions"), py::kw_only(),
+                  py::arg("areas") = py::none(),
+                  py::arg("distance_tolerance") = defaults.distance_tolerance,
+                  py::arg("area_tolerance") = defaults.area_tolerance,
+                  py::arg("maximum_blobs") = defaults.maximum_blobs,
+                  py::arg("polygons") = py::none(), py::arg("colors") = py::none(), R"(
+Return the layout of markers at these positions.
+
+Parameters
+----------
+positions : dict of str to array (2,)
+    By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the marker's centroid in the
+    robot's frame: forward, right (work-area px from its centre).
+areas : dict of str to float, optional
+    By role, their areas (px^2); one that is left out, or None, is not known. Default: not known.
+distance_tolerance, area_tolerance, maximum_blobs, colors
+    As for `MarkerLayout`.
+polygons : dict of str to array (N, 2), optional
+    By role, their corners, in the same frame. Default: not known; measurements are then less exact.
+
+Raises
+------
+ValueError
+    If the roles are others, or contradict the positions.
+)");
+}
+
+void bind_markers_by_role(Class<MarkerLayout>& layout) {
+  using Array = py::array_t<double>;
+  layout
+      .def_property_readonly(
+          "roles",
+          [](const MarkerLayout& self) {
+            const auto& [first, second] = names_of(self.roles);
+            return std::pair(first, second);
+          },
+          "tuple of 2 str: ``(\"right\", \"left\")`` or ``(\"front\", \"back\")``: what the "
+          "markers "
+          "are called\nby where they sit. All dicts of markers are in this order.")
+      .def_property_readonly(
+          "colors",
+          [](const MarkerLayout& self) {
+            return by_role<py::str>(self.roles, self.first.color, self.second.color);
+          },
+          "dict of str to str: by role, the names of the markers' colours.")
+      .def_property_readonly(
+          "positions",
+          [](const MarkerLayout& self) {
+            return by_role<Array>(self.roles, to_array(self.first.position),
+                                  to_array(self.second.position));
+          },
+          "dict of str to array (2,): by role, forward and right of the robot's centre (px).")
+      .def_property_readonly(
+          "areas",
+          [](const MarkerLayout& self) {
+            return by_role<py::float_>(self.roles, self.first.area, self.second.area);
+          },
+          "dict of str to float: by role, px^2, NaN = unknown.")
+      .def_property_readonly(
+          "polygons",
+          [](const MarkerLayout& self) -> std::optional<py::typing::Dict<py::str, Array>> {
+            const auto first = array_of(self.first.shape), second = array_of(self.second.shape);
+            if (!first || !second) return std::nullopt;
+            return by_role<Array>(self.roles, *first, *second);
+          },
+          "dict of str to array (N, 2) or None: by role, the corners, forward and right of the "
+          "centre\n(px); None = unknown, as of `from_positions`.");
 }
 
 double width_in(const MarkerLayout& self, const Frame& frame) {
@@ -291,10 +374,10 @@ void bind_marker_layout(py::module_& module) {
   Class<MarkerLayout> layout(public_in(module, "robsim.vision"), "MarkerLayout", R"(
 The two markers of a robot, their colours and positions: what turns a pair of blobs into a pose.
 
-The first marker is called ``red`` and the second one ``blue`` here, as in the lab robot, whatever
-the `colors` are by which they are found. The line from the second to the first is perpendicular to
-the heading, the first on the robot's right. For other arrangements see `from_markers` and
-`from_positions`.
+A marker has a role, which says where it sits on the robot, and a colour, by which it is found. The
+two are ``"right"`` and ``"left"`` here: the line between them is perpendicular to the heading. Of
+markers one behind the other, ``"front"`` and ``"back"``, and of other arrangements see
+`from_markers` and `from_positions`.
 
 Parameters
 ----------
@@ -309,43 +392,23 @@ area_tolerance : float
     between the areas of a pair.
 maximum_blobs : int
     How many blobs of a colour are considered, the largest first.
-colors : sequence of 2 str
-    Names of the colour classes of the first and of the second marker: those of a colour file, such
-    as ``("green", "orange")``.
+colors : dict of str to str, optional
+    By role, the names of the colour classes: those of a colour file, such as
+    ``{"right": "green", "left": "orange"}``. Default: the right or front marker is red, the other
+    one blue.
 )");
   layout
       .def(py::init([](double distance, double offset, double distance_tolerance,
                        double area_tolerance, int maximum_blobs, const MarkerColors& colors) {
-             return with_options(MarkerLayout::across(distance, offset), distance_tolerance,
-                                 area_tolerance, maximum_blobs, colors);
+             return with_tolerances(
+                 MarkerLayout::across(distance, offset,
+                                      colors_from(colors, MarkerRoles::right_left)),
+                 distance_tolerance, area_tolerance, maximum_blobs);
            }),
            py::arg("distance"), py::arg("offset"), py::kw_only(),
            py::arg("distance_tolerance") = defaults.distance_tolerance,
            py::arg("area_tolerance") = defaults.area_tolerance,
-           py::arg("maximum_blobs") = defaults.maximum_blobs,
-           py::arg("colors") = default_marker_colors)
-      .def_static(
-          "from_markers",
-          [](const ArrayLike& red, const ArrayLike& blue, double distance_tolerance,
-             double area_tolerance, int maximum_blobs, const MarkerColors& colors) {
-            return with_options(
-                MarkerLayout::from_markers(polygon_from(red, "red"), polygon_from(blue, "blue")),
-                distance_tolerance, area_tolerance, maximum_blobs, colors);
-          },
-          py::arg("red"), py::arg("blue"), py::kw_only(),
-          py::arg("distance_tolerance") = defaults.distance_tolerance,
-          py::arg("area_tolerance") = defaults.area_tolerance,
-          py::arg("maximum_blobs") = defaults.maximum_blobs,
-          py::arg("colors") = default_marker_colors, R"(
-Return the layout of these markers, with their areas.
-
-Parameters
-----------
-red, blue : array (N, 2)
-    Corners of the first and the second marker in the robot's frame: forward, right (work-area px from its centre).
-distance_tolerance, area_tolerance, maximum_blobs, colors
-    As for `MarkerLayout`.
-)")
+           py::arg("maximum_blobs") = defaults.maximum_blobs, py::arg("colors") = py::none())
       .def("width_in", &width_in, py::arg("frame"), R"(
 Return how wide the smaller marker is in the middle of a frame.
 
@@ -364,31 +427,12 @@ float
                              "float: distance between the markers' centroids (work-area px).")
       .def_property_readonly("offset", &MarkerLayout::offset,
                              "float: from the markers' midpoint forward to the centre (px).")
-      .def_property_readonly(
-          "red", [](const MarkerLayout& self) { return to_array(self.first.position); },
-          "array (2,): position of the first marker, forward and right of the centre (px).")
-      .def_property_readonly(
-          "blue", [](const MarkerLayout& self) { return to_array(self.second.position); },
-          "array (2,): position of the second marker, forward and right of the centre (px).")
-      .def_property_readonly(
-          "red_polygon", [](const MarkerLayout& self) { return array_of(self.first.shape); },
-          "array (N, 2) or None: corners of the first marker, forward and right of the centre "
-          "(px);\n"
-          "None = unknown, as of `from_positions`.")
-      .def_property_readonly(
-          "blue_polygon", [](const MarkerLayout& self) { return array_of(self.second.shape); },
-          "array (N, 2) or None: corners of the second marker.")
-      .def_property_readonly(
-          "red_area", [](const MarkerLayout& self) { return self.first.area; },
-          "float: of the first marker, px^2, NaN = unknown.")
-      .def_property_readonly(
-          "blue_area", [](const MarkerLayout& self) { return self.second.area; },
-          "float: of the second marker, px^2, NaN = unknown.")
-      .def_property_readonly("colors", &colors_of, "tuple of 2 str: names of the markers' colours.")
       .def_readonly("distance_tolerance", &MarkerLayout::distance_tolerance, "float: fraction.")
       .def_readonly("area_tolerance", &MarkerLayout::area_tolerance, "float: ratio.")
       .def_readonly("maximum_blobs", &MarkerLayout::maximum_blobs,
                     "int: blobs considered per colour.");
+  bind_makers_of_layouts(layout);
+  bind_markers_by_role(layout);
   bind_layout_value(layout);
 }
 
@@ -498,9 +542,35 @@ TypeError, ValueError
 )");
 }
 
+void bind_roles(py::module_& module) {
+  using Names = std::pair<std::string, std::string>;
+  const auto names = [](MarkerRoles roles) {
+    const auto& [first, second] = names_of(roles);
+    return Names(first, second);
+  };
+  public_in(module, "robsim._core")
+      .def(
+          "marker_roles",
+          [names] {
+            return std::pair(names(MarkerRoles::right_left), names(MarkerRoles::front_back));
+          },
+          "The pairs of roles that two markers can have: right and left, front and back.")
+      .def(
+          "fitting_roles",
+          [names](const ArrayLike& one, const ArrayLike& other) {
+            const FittingRoles fitting =
+                fitting_roles(point_from(one, "one"), point_from(other, "other"));
+            const auto [first, second] = names(fitting.roles);
+            return fitting.is_first_right_or_front ? Names(first, second) : Names(second, first);
+          },
+          py::arg("one"), py::arg("other"),
+          "The roles of markers at two places, forward and right of the robot's centre.");
+}
+
 }  // namespace
 
 void bind_blobs(py::module_& module) {
+  bind_roles(module);
   bind_marker_layout(module);
   bind_find_blobs(module);
 }

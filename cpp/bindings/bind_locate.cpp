@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "python/by_role.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
@@ -26,7 +27,7 @@ namespace {
 
 using Numbers = std::array<double, 3>;
 using Matrix = std::array<Numbers, 3>;
-using BlobPair = std::pair<Blob, Blob>;
+using BlobPair = py::typing::Dict<py::str, Blob>;
 
 Numbers numbers_of(const Measurement& measurement) {
   const Pose& pose = measurement.pose;
@@ -45,7 +46,23 @@ std::optional<Matrix> matrix_of(const std::optional<PoseCovariance>& covariance)
 }
 
 std::optional<BlobPair> blobs_of(const std::optional<MarkerPair>& pair) {
-  return pair ? std::optional(BlobPair(pair->first, pair->second)) : std::nullopt;
+  if (!pair) return std::nullopt;
+  return by_role<Blob>(pair->roles, py::cast(pair->first), py::cast(pair->second));
+}
+
+MarkerPair pair_from(const ByRole<Blob>& blobs) {
+  const MarkerRoles roles = roles_of(blobs, "pair");
+  const auto [first, second] = in_order(blobs, roles, "pair");
+  return {first, second, roles};
+}
+
+// A pair as a value: its blobs in the order of their roles.
+using PairValue = std::vector<std::pair<std::string, Blob>>;
+
+std::optional<PairValue> value_of(const std::optional<MarkerPair>& pair) {
+  if (!pair) return std::nullopt;
+  const auto& [first, second] = names_of(pair->roles);
+  return PairValue{{first, pair->first}, {second, pair->second}};
 }
 
 // A figure that may be unknown: None in Python, NaN here.
@@ -85,14 +102,14 @@ double at_least_0(double value, const char* name) {
 
 Measurement make_measurement(const ArrayLike& pose, const std::optional<ArrayLike>& covariance,
                              std::optional<double> misfit, std::optional<double> signal_to_noise,
-                             const std::optional<BlobPair>& pair) {
+                             const std::optional<ByRole<Blob>>& pair) {
   Measurement measurement;
   measurement.pose = pose_from(pose, "pose");
   if (covariance) measurement.covariance = checked_covariance(*covariance);
   if (misfit) measurement.misfit = at_least_0(*misfit, "misfit");
   if (signal_to_noise)
     measurement.signal_to_noise = at_least_0(*signal_to_noise, "signal_to_noise");
-  if (pair) measurement.pair = MarkerPair{pair->first, pair->second};
+  if (pair) measurement.pair = pair_from(*pair);
   return measurement;
 }
 
@@ -134,8 +151,9 @@ misfit : float, optional
 signal_to_noise : float, optional
     How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
     3 there is none.
-pair : tuple of 2 Blob, optional
-    The blobs that were taken for the first and the second marker.
+pair : dict of str to Blob, optional
+    By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the blobs that were taken for
+    the markers.
 
 Raises
 ------
@@ -165,21 +183,22 @@ ValueError
           "float or None: of the markers' edges; from 4 on a pose can be trusted.")
       .def_property_readonly(
           "pair", [](const Measurement& self) { return blobs_of(self.pair); },
-          "tuple of 2 Blob or None: the blobs taken for the first and the second marker.");
+          "dict of str to Blob or None: by role, the blobs taken for the markers.");
   const auto make = [](const Numbers& pose, const std::optional<Matrix>& covariance,
                        std::optional<double> misfit, std::optional<double> signal_to_noise,
-                       const std::optional<BlobPair>& pair) {
+                       const std::optional<PairValue>& pair) {
     const auto array = [](const auto& numbers) { return ArrayLike(py::cast(numbers)); };
-    return make_measurement(array(pose),
-                            covariance ? std::optional(array(*covariance)) : std::nullopt, misfit,
-                            signal_to_noise, pair);
+    return make_measurement(
+        array(pose), covariance ? std::optional(array(*covariance)) : std::nullopt, misfit,
+        signal_to_noise,
+        pair ? std::optional(ByRole<Blob>(pair->begin(), pair->end())) : std::nullopt);
   };
   const Fields fields(
       make, Field("", &numbers_of),
       Field("covariance", [](const Measurement& m) { return matrix_of(m.covariance); }),
       Field("misfit", [](const Measurement& m) { return known(m.misfit); }),
       Field("signal_to_noise", [](const Measurement& m) { return known(m.signal_to_noise); }),
-      Field("pair", [](const Measurement& m) { return blobs_of(m.pair); }));
+      Field("pair", [](const Measurement& m) { return value_of(m.pair); }));
   define_equality(measurement, fields);
   define_hash(measurement, fields);
   define_pickle(measurement, fields);
@@ -187,7 +206,7 @@ ValueError
 }
 
 Detection detection_from(std::optional<Measurement> measurement, int result,
-                         const std::optional<Blob>& red, const std::optional<Blob>& blue,
+                         const std::optional<Blob>& first, const std::optional<Blob>& second,
                          const std::array<double, 9>& numbers, bool by_second_chance,
                          const MarkerLayout& markers) {
   if (result < 0 || result > static_cast<int>(DetectionResult::small_markers)) {
@@ -196,8 +215,8 @@ Detection detection_from(std::optional<Measurement> measurement, int result,
   Detection detection;
   detection.measurement = measurement;
   detection.result = static_cast<DetectionResult>(result);
-  detection.first = red;
-  detection.second = blue;
+  detection.first = first;
+  detection.second = second;
   detection.misfit = numbers[0];
   detection.runner_up = numbers[1];
   detection.exchanged = numbers[2];
@@ -216,7 +235,7 @@ auto detection_fields() {
   return Fields(
       &detection_from, Field("measurement", &Detection::measurement),
       Field("result", [](const Detection& self) { return static_cast<int>(self.result); }),
-      Field("red", &Detection::first), Field("blue", &Detection::second),
+      Field("first", &Detection::first), Field("second", &Detection::second),
       Field("numbers",
             [](const Detection& self) {
               return std::array<double, 9>{self.misfit,       self.runner_up,  self.exchanged,
@@ -246,12 +265,14 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
   detection
       .def_readonly("measurement", &Detection::measurement,
                     "Measurement or None: None = not detected, see `reason`.")
-      .def_readonly("red", &Detection::first,
-                    "Blob or None: the blob of the first marker, ``red`` whatever its colour; if "
-                    "no pair is accepted, of the one "
-                    "most\nlike the markers.")
-      .def_readonly("blue", &Detection::second,
-                    "Blob or None: the blob of the second marker, whatever its colour.")
+      .def_property_readonly(
+          "pair",
+          [](const Detection& self) -> std::optional<BlobPair> {
+            if (!self.first || !self.second) return std::nullopt;
+            return by_role<Blob>(self.markers.roles, py::cast(*self.first), py::cast(*self.second));
+          },
+          "dict of str to Blob or None: by role, the blobs taken for the markers; if no pair is "
+          "accepted,\nthose most like them.")
       .def_readonly("misfit", &Detection::misfit,
                     "float: misfit of the pair, from 0 = perfect; inf without a pair. That of the "
                     "fit\nhas the measurement.")
@@ -260,9 +281,8 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
                     "Near the\nmisfit, the choice is ambiguous.")
       .def_readonly(
           "exchanged_misfit", &Detection::exchanged,
-          "float: misfit of the pair if the blob of the first marker were that of the second, "
-          "and the\nother way round: smaller in mirrored frames, if the areas of the markers "
-          "differ.")
+          "float: misfit of the pair if each blob were that of the other marker: smaller in "
+          "mirrored\nframes, if the areas of the markers differ.")
       .def_readonly("false_alarms", &Detection::false_alarms,
                     "float: how many pairs of the other blobs would fit as well by chance, if they "
                     "lay\nanywhere; a pair is accepted up to 0.005.")

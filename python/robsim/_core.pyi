@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'expected_signal_to_noise', 'find_blobs', 'force_cpu_path', 'frame_noise', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'trusted_width', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'expected_signal_to_noise', 'find_blobs', 'fitting_roles', 'force_cpu_path', 'frame_noise', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'marker_roles', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'trusted_width', 'view_warp', 'wrap_angle']
 class Intrinsics:
     """
     A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
@@ -814,10 +814,10 @@ class MarkerLayout:
     """
     The two markers of a robot, their colours and positions: what turns a pair of blobs into a pose.
     
-    The first marker is called ``red`` and the second one ``blue`` here, as in the lab robot, whatever
-    the `colors` are by which they are found. The line from the second to the first is perpendicular to
-    the heading, the first on the robot's right. For other arrangements see `from_markers` and
-    `from_positions`.
+    A marker has a role, which says where it sits on the robot, and a colour, by which it is found. The
+    two are ``"right"`` and ``"left"`` here: the line between them is perpendicular to the heading. Of
+    markers one behind the other, ``"front"`` and ``"back"``, and of other arrangements see
+    `from_markers` and `from_positions`.
     
     Parameters
     ----------
@@ -832,39 +832,50 @@ class MarkerLayout:
         between the areas of a pair.
     maximum_blobs : int
         How many blobs of a colour are considered, the largest first.
-    colors : sequence of 2 str
-        Names of the colour classes of the first and of the second marker: those of a colour file, such
-        as ``("green", "orange")``.
+    colors : dict of str to str, optional
+        By role, the names of the colour classes: those of a colour file, such as
+        ``{"right": "green", "left": "orange"}``. Default: the right or front marker is red, the other
+        one blue.
     """
     @staticmethod
-    def from_markers(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, colors: typing.Annotated[collections.abc.Sequence[str], "FixedSize(2)"] = ['red', 'blue']) -> MarkerLayout:
+    def from_markers(markers: collections.abc.Mapping[str, numpy.typing.ArrayLike], *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, colors: collections.abc.Mapping[str, str] | None = None) -> MarkerLayout:
         """
         Return the layout of these markers, with their areas.
         
         Parameters
         ----------
-        red, blue : array (N, 2)
-            Corners of the first and the second marker in the robot's frame: forward, right (work-area px from its centre).
+        markers : dict of str to array (N, 2)
+            By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the marker's corners in the
+            robot's frame: forward, right (work-area px from its centre).
         distance_tolerance, area_tolerance, maximum_blobs, colors
             As for `MarkerLayout`.
+        
+        Raises
+        ------
+        ValueError
+            If the roles are others, or contradict the positions; if a polygon is none.
         """
     @staticmethod
-    def from_positions(red: numpy.typing.ArrayLike, blue: numpy.typing.ArrayLike, *, red_area: float | None = None, blue_area: float | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, red_polygon: numpy.typing.ArrayLike | None = None, blue_polygon: numpy.typing.ArrayLike | None = None, colors: typing.Annotated[collections.abc.Sequence[str], "FixedSize(2)"] = ['red', 'blue']) -> MarkerLayout:
+    def from_positions(positions: collections.abc.Mapping[str, numpy.typing.ArrayLike], *, areas: collections.abc.Mapping[str, float | None] | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, polygons: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, colors: collections.abc.Mapping[str, str] | None = None) -> MarkerLayout:
         """
         Return the layout of markers at these positions.
         
         Parameters
         ----------
-        red, blue : array (2,)
-            Centroids of the first and the second marker in the robot's frame: forward, right (work-area px from its centre).
-        red_area, blue_area : float, optional
-            Their areas (px^2). Default: not known.
-        distance_tolerance, area_tolerance, maximum_blobs
+        positions : dict of str to array (2,)
+            By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the marker's centroid in the
+            robot's frame: forward, right (work-area px from its centre).
+        areas : dict of str to float, optional
+            By role, their areas (px^2); one that is left out, or None, is not known. Default: not known.
+        distance_tolerance, area_tolerance, maximum_blobs, colors
             As for `MarkerLayout`.
-        red_polygon, blue_polygon : array (N, 2), optional
-            Their corners, in the same frame. Default: not known; measurements are then less exact.
-        colors : sequence of 2 str
-            As for `MarkerLayout`.
+        polygons : dict of str to array (N, 2), optional
+            By role, their corners, in the same frame. Default: not known; measurements are then less exact.
+        
+        Raises
+        ------
+        ValueError
+            If the roles are others, or contradict the positions.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -872,7 +883,7 @@ class MarkerLayout:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, distance: float, offset: float, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, colors: typing.Annotated[collections.abc.Sequence[str], "FixedSize(2)"] = ['red', 'blue']) -> None:
+    def __init__(self, distance: float, offset: float, *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, colors: collections.abc.Mapping[str, str] | None = None) -> None:
         ...
     def __reduce__(self) -> tuple[typing.Any, tuple[type], typing.Any]:
         ...
@@ -901,24 +912,14 @@ class MarkerLayout:
         float: ratio.
         """
     @property
-    def blue(self) -> numpy.typing.NDArray[numpy.float64]:
+    def areas(self) -> dict[str, float]:
         """
-        array (2,): position of the second marker, forward and right of the centre (px).
-        """
-    @property
-    def blue_area(self) -> float:
-        """
-        float: of the second marker, px^2, NaN = unknown.
+        dict of str to float: by role, px^2, NaN = unknown.
         """
     @property
-    def blue_polygon(self) -> numpy.typing.NDArray[numpy.float64] | None:
+    def colors(self) -> dict[str, str]:
         """
-        array (N, 2) or None: corners of the second marker.
-        """
-    @property
-    def colors(self) -> tuple[str, str]:
-        """
-        tuple of 2 str: names of the markers' colours.
+        dict of str to str: by role, the names of the markers' colours.
         """
     @property
     def distance(self) -> float:
@@ -941,20 +942,21 @@ class MarkerLayout:
         float: from the markers' midpoint forward to the centre (px).
         """
     @property
-    def red(self) -> numpy.typing.NDArray[numpy.float64]:
+    def polygons(self) -> dict[str, numpy.typing.NDArray[numpy.float64]] | None:
         """
-        array (2,): position of the first marker, forward and right of the centre (px).
-        """
-    @property
-    def red_area(self) -> float:
-        """
-        float: of the first marker, px^2, NaN = unknown.
+        dict of str to array (N, 2) or None: by role, the corners, forward and right of the centre
+        (px); None = unknown, as of `from_positions`.
         """
     @property
-    def red_polygon(self) -> numpy.typing.NDArray[numpy.float64] | None:
+    def positions(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
         """
-        array (N, 2) or None: corners of the first marker, forward and right of the centre (px);
-        None = unknown, as of `from_positions`.
+        dict of str to array (2,): by role, forward and right of the robot's centre (px).
+        """
+    @property
+    def roles(self) -> tuple[str, str]:
+        """
+        tuple of 2 str: ``("right", "left")`` or ``("front", "back")``: what the markers are called
+        by where they sit. All dicts of markers are in this order.
         """
 class Blob:
     """
@@ -1029,8 +1031,9 @@ class Measurement:
     signal_to_noise : float, optional
         How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
         3 there is none.
-    pair : tuple of 2 Blob, optional
-        The blobs that were taken for the first and the second marker.
+    pair : dict of str to Blob, optional
+        By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the blobs that were taken for
+        the markers.
     
     Raises
     ------
@@ -1043,7 +1046,7 @@ class Measurement:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, pose: numpy.typing.ArrayLike, *, covariance: numpy.typing.ArrayLike | None = None, misfit: float | None = None, signal_to_noise: float | None = None, pair: tuple[Blob, Blob] | None = None) -> None:
+    def __init__(self, pose: numpy.typing.ArrayLike, *, covariance: numpy.typing.ArrayLike | None = None, misfit: float | None = None, signal_to_noise: float | None = None, pair: collections.abc.Mapping[str, Blob] | None = None) -> None:
         ...
     def __reduce__(self) -> tuple[typing.Any, tuple[type], typing.Any]:
         ...
@@ -1063,9 +1066,9 @@ class Measurement:
         float or None: factor on the variance, 1 where the fit leaves noise alone.
         """
     @property
-    def pair(self) -> tuple[Blob, Blob] | None:
+    def pair(self) -> dict[str, Blob] | None:
         """
-        tuple of 2 Blob or None: the blobs taken for the first and the second marker.
+        dict of str to Blob or None: by role, the blobs taken for the markers.
         """
     @property
     def pose(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1098,11 +1101,6 @@ class Detection:
     def __setstate__(self, arg0: typing.Any) -> None:
         ...
     @property
-    def blue(self) -> Blob | None:
-        """
-        Blob or None: the blob of the second marker, whatever its colour.
-        """
-    @property
     def by_second_chance(self) -> bool:
         """
         bool: no pair was found with the colours as they are, but this one relative to brightness:
@@ -1118,8 +1116,8 @@ class Detection:
     @property
     def exchanged_misfit(self) -> float:
         """
-        float: misfit of the pair if the blob of the first marker were that of the second, and the
-        other way round: smaller in mirrored frames, if the areas of the markers differ.
+        float: misfit of the pair if each blob were that of the other marker: smaller in mirrored
+        frames, if the areas of the markers differ.
         """
     @property
     def explanation(self) -> str:
@@ -1144,18 +1142,18 @@ class Detection:
         has the measurement.
         """
     @property
+    def pair(self) -> dict[str, Blob] | None:
+        """
+        dict of str to Blob or None: by role, the blobs taken for the markers; if no pair is accepted,
+        those most like them.
+        """
+    @property
     def reason(self) -> str | None:
         """
         str or None: why there is no measurement: ``"no blobs"``, ``"no red blob"``,
         ``"no blue blob"`` or what the colours are called, ``"at the border"``, ``"distance"``, ``"areas"``,
         ``"ambiguous"``, ``"by chance"`` or ``"noise"``; and, where the frame tells the cause,
         ``"dark"``, ``"overexposed"`` or ``"small markers"``.
-        """
-    @property
-    def red(self) -> Blob | None:
-        """
-        Blob or None: the blob of the first marker, ``red`` whatever its colour; if no pair is accepted, of the one most
-        like the markers.
         """
     @property
     def runner_up(self) -> float:
@@ -2663,6 +2661,10 @@ def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collect
     TypeError, ValueError
         For an image of the wrong type or shape, duplicate colour names, and options out of range.
     """
+def fitting_roles(one: numpy.typing.ArrayLike, other: numpy.typing.ArrayLike) -> tuple[str, str]:
+    """
+    The roles of markers at two places, forward and right of the robot's centre.
+    """
 def force_cpu_path(path: str) -> None:
     """
     Use other instructions from now on. The results are identical, bit for bit.
@@ -2779,6 +2781,10 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
 def log(x: numpy.typing.ArrayLike) -> typing.Any:
     """
     Return the natural logarithm of a number, or of each in an array.
+    """
+def marker_roles() -> tuple[tuple[str, str], tuple[str, str]]:
+    """
+    The pairs of roles that two markers can have: right and left, front and back.
     """
 def model_steps(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], dt: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """

@@ -54,8 +54,8 @@ PAIRS = [
 # Their repr is for reading.
 RECORDS = [
     (
-        MarkerLayout.from_markers(TRIANGLE, TRIANGLE + np.array((0, 9))),
-        MarkerLayout.from_markers(TRIANGLE, TRIANGLE + np.array((0, 8))),
+        MarkerLayout.from_markers({"left": TRIANGLE, "right": TRIANGLE + np.array((0, 9))}),
+        MarkerLayout.from_markers({"left": TRIANGLE, "right": TRIANGLE + np.array((0, 8))}),
     ),
     (PlaneMap(), PlaneMap.scaled((10, 10), (20, 20))),
     (Frame(IMAGE, t=0.2, index=3), Frame(IMAGE + 1, t=0.2, index=3)),
@@ -158,12 +158,16 @@ def test_another_process_reads_a_pickle():
 
 
 def test_a_layout_of_positions():
-    layout = MarkerLayout.from_positions((1, 2), [3, 4.5], red_area=5, maximum_blobs=6)
-    assert layout.red.tolist() == [1, 2]
-    assert layout.blue.tolist() == [3, 4.5]
-    assert (layout.red_area, layout.maximum_blobs) == (5, 6)
-    assert np.isnan(layout.blue_area)
-    assert MarkerLayout.from_positions((-14, 21.5), (-14, -21.5)) == MarkerLayout(43, 14)
+    layout = MarkerLayout.from_positions(
+        {"right": (1, 4), "left": [3, 2.5]}, areas={"right": 5}, maximum_blobs=6
+    )
+    assert layout.positions["right"].tolist() == [1, 4]
+    assert layout.positions["left"].tolist() == [3, 2.5]
+    assert (layout.areas["right"], layout.maximum_blobs) == (5, 6)
+    assert np.isnan(layout.areas["left"])
+    assert MarkerLayout.from_positions(
+        {"right": (-14, 21.5), "left": (-14, -21.5)}
+    ) == MarkerLayout(43, 14)
 
 
 def updated(filters, rng):

@@ -79,8 +79,8 @@ def test_frame_says_where_the_markers_are():
     assert image.shape == (1200, 1200, 3)
     blobs = robsim.find_blobs(image, load_colors())
     for line, name in zip(lines[1:], ("red", "blue"), strict=True):
-        place, text = re.fullmatch(r"  (\w+) +marker: --region (\S+)", line).groups()
-        assert place == name
+        *marker, text = re.fullmatch(r"  (\w+) marker \((\w+)\): --region (\S+)", line).groups()
+        assert marker == [{"red": "right", "blue": "left"}[name], name]
         left, top, right, bottom = map(int, text.split(","))
         (blob,) = blobs[name]
         assert abs(blob.centroid - ((left + right) / 2, (top + bottom) / 2)).max() < 1
@@ -98,10 +98,10 @@ def test_frame_in_noise():
 def test_frame_of_a_robot_whose_markers_are_not_plain():
     # The markers of robot2 are the clothes and the sky around a head.
     lines = done("frame", "--robot", "robot2").splitlines()
-    left, top, right, bottom = map(int, lines[1].split()[-1].split(","))
+    left, top, right, bottom = map(int, lines[2].split()[-1].split(","))
     red = robsim.vision.classify(load_image("frame.png"), load_colors())["red"]
     assert red[top : bottom + 1, left : right + 1].mean() > 0.8
-    assert lines[2] == "  blue marker: see the image"
+    assert lines[1] == "  front marker (blue): see the image"
 
 
 @pytest.mark.parametrize(

@@ -139,7 +139,8 @@ def test_show():
         "  centre     at (239.5, 239.5) of the image",
         "  outline    up to 54.6 px from the centre",
         "  markers    43.0 px apart, 14.0 px behind the centre",
-        "  areas      red 531, blue 531 px of the work area",
+        "  right      red, 531 px of the work area",
+        "  left       blue, 531 px of the work area",
         "figure written to robot-lab.png",
     ]
     with Image.open("robot-lab.png") as picture:
@@ -178,7 +179,7 @@ def test_show_of_a_folder_says_what_is_wrong(tmp_path):
     assert result.exit_code == 0
     assert "figure written to robot--a-b.png" in result.stdout
     assert result.stderr.count("error: ") == 2
-    assert "error: red marker: it is too small to be detected" in result.stderr
+    assert "error: right marker (red): it is too small to be detected" in result.stderr
     file.write_text(text.replace("centre = [239.50", "centre = [1.0"))
     assert "centre must lie inside the outline" in refused("show", tmp_path / "folder")
 
@@ -188,7 +189,7 @@ def test_show_with_other_colours(tmp_path):
     (tmp_path / "colors.toml").write_text("[red]\nv = [250, 255]\n[blue]\nu = [160, 255]\n")
     result = robots("show", "lab", "--colors", tmp_path / "colors.toml")
     assert result.exit_code == 0
-    assert "error: red marker: 0.0 % of its polygon has the colour red" in result.stderr
+    assert "error: right marker (red): 0.0 % of its polygon has the colour red" in result.stderr
     assert "none.toml" in refused("show", "lab", "--colors", "none.toml")
 
 
@@ -224,13 +225,16 @@ def test_an_opaque_picture_is_told():
 @pytest.mark.usefixtures("photo")
 def test_add_with_all_options(tmp_path):
     (tmp_path / "colors.toml").write_text("[red]\n[blue]\n")
-    points = "--red", "240,240 319.5,240 319,319 240,319", "--blue", "80,240  160,240\n160,320"
+    red, blue = "red=240,240 319.5,240 319,319 240,319", "blue=80,240  160,240\n160,320"
+    points = "--marker", red, "--marker", blue
     edge = "--outline", "-0.5,-0.5 399,-0.5 399,399 -0.5,399", "--centre", "190,210"
     colors = "--colors", tmp_path / "colors.toml", "--anyway"
     done("add", "mine", "photo.png", *points, *edge, *colors)
     robot = load_robot("mine")
-    np.testing.assert_array_equal(robot.red, [(240, 240), (319.5, 240), (319, 319), (240, 319)])
-    np.testing.assert_array_equal(robot.blue, [(80, 240), (160, 240), (160, 320)])
+    np.testing.assert_array_equal(
+        robot.markers["front"], [(240, 240), (319.5, 240), (319, 319), (240, 319)]
+    )
+    np.testing.assert_array_equal(robot.markers["back"], [(80, 240), (160, 240), (160, 320)])
     np.testing.assert_array_equal(robot.outline[0], (-0.5, -0.5))
     np.testing.assert_array_equal(robot.centre, (190, 210))
 
@@ -259,22 +263,22 @@ def test_add_from_a_robot():
         (("mine", "lab", "--size", "0"), "size must lie within 1..10000 (work-area px), got 0.0"),
         (("mine", "lab", "--size", "nan"), "size must lie within"),
         (("mine", "lab", "--alignment", "inf"), "alignment must be finite"),
-        (("mine", "lab", "--red", "hello"), "--red must be at least three points"),
-        (("mine", "lab", "--blue", "1,2,3"), "--blue must be at least three points X,Y"),
+        (("mine", "lab", "--marker", "red=hello"), "--marker must be at least three points"),
+        (("mine", "lab", "--marker", "blue=1,2,3"), "--marker must be at least three points X,Y"),
         (("mine", "lab", "--outline", "1 2 3"), "--outline must be at least three points"),
         (("mine", "lab", "--centre", "1,2 3,4"), "--centre must be one point X,Y such as"),
         (("mine", "lab", "--centre", ""), "--centre must be one point X,Y"),
-        (("mine", "lab", "--red", ""), "--red must be"),
-        (("mine", "lab", "--red", "1,2 3,4"), "--red must be at least three points"),
-        (("mine", "lab", "--red", "1,1 3,3 9,9"), "--red must be a polygon of nonzero area"),
-        (("mine", "lab", "--red", "nan,1 2,2 3,1"), "--red must be finite numbers"),
-        (("mine", "lab", "--red", "0,0 9,0 9,9"), "--red must lie inside the outline: outside"),
+        (("mine", "lab", "--marker", "red="), "--marker must be"),
+        (("mine", "lab", "--marker", "red=1,2 3,4"), "--marker must be at least three points"),
+        (("mine", "lab", "--marker", "red=1,1 3,3 9,9"), "--marker red must be a polygon of nonz"),
+        (("mine", "lab", "--marker", "red=nan,1 2,2 3,1"), "--marker red must be finite numbers"),
+        (("mine", "lab", "--marker", "red=0,0 9,0 9,9"), "front marker (red) must lie inside "),
         (("mine", "lab", "--centre", "0,0"), "--centre must lie inside the outline"),
         (("mine", "lab", "--outline", "0,0 400,0 0,400 400,400"), "--outline must not intersect"),
         (("mine", "lab", "--outline", "0,0 600,0 0,470"), "--outline must lie within the image of"),
-        (("mine", "lab", "--red", "120,260 190,260 150,330"), "red and blue markers must not over"),
-        (("mine", "lab", "--red", "230,100 250,100 240,120"), "red marker: 0.0 % of its polygon"),
-        (("mine", "lab", "--size", "12"), "red marker: it is too small to be detected"),
+        (("mine", "lab", "--marker", "red=120,260 190,260 150,330"), "(red) and back marker"),
+        (("mine", "lab", "--marker", "red=230,100 250,100 240,120"), "marker (red): 0.0 % of it"),
+        (("mine", "lab", "--size", "12"), "right marker (red): it is too small to be detected"),
         (("mine", "grey.png"), "red marker: nothing in the image has the colour red"),
         (("mine", "lab", "--colors", "none.toml"), "none.toml"),
     ],
@@ -310,11 +314,11 @@ def test_a_robot_that_steals_a_file(tmp_path):
 
 
 def test_colours_can_be_ignored():
-    red = "230,100 250,100 240,120"
-    assert refused("add", "mine", "lab", "--red", red).endswith(
+    red = "red=230,100 250,100 240,120"
+    assert refused("add", "mine", "lab", "--marker", red).endswith(
         "--anyway adds the robot anyway; the colour file can be changed later"
     )
-    done("add", "mine", "lab", "--red", red, "--anyway")
+    done("add", "mine", "lab", "--marker", red, "--anyway")
     assert "mine" in robot_names()
 
 
@@ -422,8 +426,12 @@ def test_a_robot_of_other_colours_is_added_and_shown():
     said = refused("add", "fruit", "photo.png", "--colors", "colors.toml")
     assert "there is no colour red" in " ".join(said.split())
     options = "--colors", "colors.toml", "--marker-colors", "green,orange"
-    assert "areas      green 576, orange 576 px" in done("add", "fruit", "photo.png", *options)
-    assert load_robot("fruit").marker_colors == ("green", "orange")
-    assert "areas      green 576" in done("show", "fruit", "--colors", "colors.toml")
+    said = done("add", "fruit", "photo.png", *options)
+    assert "  front      green, 576 px of the work area\n  back       orange, 576 px" in said
+    assert load_robot("fruit").marker_colors == {"front": "green", "back": "orange"}
+    assert "front      green, 576" in done("show", "fruit", "--colors", "colors.toml")
+    # The picture's top is the front.
+    said = done("rotate", "fruit", "90")
+    assert "  right      green, 576 px of the work area\n  left       orange, 576 px" in said
     said = refused("add", "other", "photo.png", *options[:2], "--marker-colors", "green")
     assert "names of two different colours" in " ".join(said.split())

@@ -285,6 +285,7 @@ ALLOWED = {
     "imaging/_images.py": "opens to read; packs in memory",
     "imaging/_clip.py": "packs in memory",
     "imaging/_opencv.py": "opens the null device",
+    "imaging/_containers.py": "opens to read; adds to the part of the writer",
     "imaging/_video.py": "FFmpeg writes the part of the writer",
     "sessions/_pictures.py": "opens to read",
     "sessions/_rows.py": "opens to read",

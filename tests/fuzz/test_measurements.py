@@ -49,16 +49,17 @@ def outlines(draw):
 def layouts(draw):
     """Two markers with outlines, or places alone."""
     distance, offset = draw(st.floats(10, 40)), draw(st.floats(-10, 10))
-    red, blue = (offset, distance / 2), (offset, -distance / 2)
+    places = {"right": (offset, distance / 2), "left": (offset, -distance / 2)}
     first, second = draw(outlines()), draw(outlines())
-    kind = draw(st.sampled_from(("polygons", "polygons", "places", "mixed")))
+    kind = draw(st.sampled_from(("polygons", "polygons", "places", "both")))
     if kind == "places":
-        return attempt(MarkerLayout.from_positions, red, blue)
-    if kind == "mixed":
-        return attempt(MarkerLayout.from_positions, red, blue, red_polygon=first)
-    if np.ndim(first) != 2 or np.shape(first)[1:] != (2,) or np.shape(second)[1:] != (2,):
-        return attempt(MarkerLayout.from_markers, first, second)
-    return attempt(MarkerLayout.from_markers, np.add(first, red), np.add(second, blue))
+        return attempt(MarkerLayout.from_positions, places)
+    given = {"right": first, "left": second}
+    if kind == "both":
+        return attempt(MarkerLayout.from_positions, places, polygons=given)
+    if all(np.ndim(one) == 2 and np.shape(one)[1:] == (2,) for one in given.values()):
+        given = {role: np.add(one, places[role]) for role, one in given.items()}
+    return attempt(MarkerLayout.from_markers, given)
 
 
 def picture(layout, size, light, noise, seed):
@@ -69,11 +70,9 @@ def picture(layout, size, light, noise, seed):
     image = np.full((height, width, 3), rng.integers(60, 250), float)
     pose = rng.uniform((0.3 * width, 0.3 * height, -4), (0.7 * width, 0.7 * height, 4))
     turn = np.array(((np.cos(pose[2]), -np.sin(pose[2])), (np.sin(pose[2]), np.cos(pose[2]))))
-    for place, area, color in (
-        (layout.red, layout.red_area, (200, 40, 45)),
-        (layout.blue, layout.blue_area, (35, 60, 210)),
-    ):
-        centre, radius = pose[:2] + turn @ place, np.sqrt(np.nan_to_num(area, nan=200) / np.pi)
+    for role, color in (("right", (200, 40, 45)), ("left", (35, 60, 210))):
+        centre = pose[:2] + turn @ layout.positions[role]
+        radius = np.sqrt(np.nan_to_num(layout.areas[role], nan=200) / np.pi)
         covered = np.clip(radius - np.hypot(u - centre[0], v - centre[1]), 0, 1)[..., np.newaxis]
         image += covered * (color - image)
     return np.clip(light * image + noise * rng.normal(size=image.shape), 0, 255).astype(np.uint8)
@@ -107,7 +106,7 @@ def same_on_every_path(call):
     st.sampled_from((0, 0, 2, 20)), SEEDS, st.booleans(),
 )  # fmt: skip
 def test_pictures_of_markers(data, layout, size, light, noise, seed, with_colors):
-    if layout is None or not np.isfinite([layout.red, layout.blue]).all():
+    if layout is None or not np.isfinite(list(layout.positions.values())).all():
         return
     image = with_stride(data.draw, picture(layout, size, light, noise, seed))
     given = {"image": image, "colors": COLORS if with_colors else None}
@@ -130,8 +129,9 @@ def blobs(draw, color, layout):
     top, bottom = sorted(draw(st.tuples(sides, sides)))
     box = (left, top, right, bottom)
     if draw(st.integers(0, 2)):
-        area = round(np.nan_to_num(getattr(layout, f"{color}_area"), nan=200))
-        place = tuple(np.add((30, 30), getattr(layout, color)))
+        role = {"red": "right", "blue": "left"}[color]
+        area = round(np.nan_to_num(layout.areas[role], nan=200))
+        place = tuple(np.add((30, 30), layout.positions[role]))
     else:
         area = draw(st.integers(1, 900) | st.integers(-1, 2**63 - 1))
         place = draw(st.tuples(ORDINARY, ORDINARY) | st.tuples(FLOATS, FLOATS))

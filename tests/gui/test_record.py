@@ -6,8 +6,8 @@ from PIL import Image
 
 import robsim
 from browsers import FakeBrowser, panel_of
+from robsim.gui._css_colors import css_color
 from robsim.gui._panel.analysis import rows as _rows
-from robsim.gui._panel.record import css_color
 from robsim.gui._panel.view import PanelView
 
 

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.gui._tools.robots.drawing import PARTS, RobotDrawing, Sketch
+from robsim.gui._tools.robots.drawing import RobotDrawing, Sketch
 from robsim.gui._tools.robots.view import sketch_of
 
+PARTS = ("outline", "red", "blue")
 SQUARE = np.array([(10.0, 10), (90, 10), (90, 70), (10, 70)])
 RED = np.array([(60.0, 20), (80, 20), (80, 40), (60, 40)])
 BLUE = RED + np.array((0, 25))
@@ -28,7 +29,9 @@ def drawn(drawing):
 
 
 def test_it_says_what_is_missing_until_it_is_a_robot(drawing):
-    assert drawing.problems() == [f"{part} needs 3 corners at least" for part in PARTS]
+    assert drawing.problems() == [
+        f"{part} needs 3 corners at least" for part in ("outline", "red marker", "blue marker")
+    ]
     with pytest.raises(ValueError, match="outline needs 3 corners"):
         drawing.definition("mine")
     drawing.put("outline", SQUARE)
@@ -49,14 +52,14 @@ def test_corners_are_moved_inserted_and_removed(drawn):
     expected = [(20, 5), (90, 10), (90, 70), (10, 70), (3, 40)]
     np.testing.assert_array_equal(drawn.sketch.outline, expected)
     drawn.put("red", [])
-    assert drawn.problems() == ["red needs 3 corners at least"]
+    assert drawn.problems() == ["red marker needs 3 corners at least"]
 
 
 def test_problems_are_those_of_a_definition(drawn):
     drawn.move("red", 0, (5, 20))  # out of the outline
     (problem,) = drawn.problems()
-    assert problem.startswith("red must lie inside the outline")
-    with pytest.raises(ValueError, match="red must lie inside the outline"):
+    assert problem.startswith("left marker (red) must lie inside the outline")
+    with pytest.raises(ValueError, match=r"left marker \(red\) must lie inside the outline"):
         drawn.definition("mine")
 
 
@@ -65,7 +68,9 @@ def test_corners_on_each_other_are_no_problem_and_a_line_is(drawn):
     assert drawn.problems() == []
     assert len(drawn.definition("mine").outline) == 4
     drawn.put("red", [(60, 20), (70, 20), (80, 20)])
-    assert drawn.problems() == ["red must be a polygon of nonzero area, got points on a line"]
+    assert drawn.problems() == [
+        "left marker (red) must be a polygon of nonzero area, got points on a line"
+    ]
 
 
 def test_each_change_is_undone_and_done_again(drawn):
@@ -99,7 +104,7 @@ def test_a_drag_is_one_change(drawn):
     drawn.move("red", 0, (61, 21))
     for k in range(5):
         drawn.move("red", 0, (62 + k, 22), goes_on=True)
-    assert drawn.sketch.red[0].tolist() == [66, 22]
+    assert drawn.sketch.markers["red"][0].tolist() == [66, 22]
     drawn.undo()
     assert drawn.sketch is before
     drawn.face((50, 70))
@@ -165,7 +170,7 @@ def test_what_is_wrong_is_refused_and_changes_nothing(drawn, call, said):
 def test_a_centre_that_was_given_stays_until_there_is_another_outline():
     lab = robsim.load_robot("lab")
     drawing = RobotDrawing(sketch_of(lab))
-    drawing.insert("red", 0, lab.red[0] + 1)
+    drawing.insert("red", 0, lab.markers["right"][0] + 1)
     np.testing.assert_array_equal(drawing.definition("mine").centre, lab.centre)
     drawing.move("outline", 0, lab.outline[0] + 1)
     assert np.abs(drawing.centre - lab.centre).max() > 1

@@ -48,21 +48,23 @@ def mouse(request, open_tool, user_folder):
 
 
 def test_corners_are_dragged_put_on_edges_and_removed(mouse):
-    before = mouse.drawing.sketch.red
+    before = mouse.drawing.sketch.markers["red"]
     mouse.choose("red")
     corner = before[0]
     mouse.drag(corner, corner + np.array((12, -9)))
     wait_for(
-        lambda: np.allclose(mouse.drawing.sketch.red[0], corner + np.array((12, -9)), atol=1.5)
+        lambda: np.allclose(
+            mouse.drawing.sketch.markers["red"][0], corner + np.array((12, -9)), atol=1.5
+        )
     )
     mouse.tab.keyboard.press("Control+z")
-    wait_for(lambda: np.array_equal(mouse.drawing.sketch.red, before))
+    wait_for(lambda: np.array_equal(mouse.drawing.sketch.markers["red"], before))
     middle = before.mean(axis=0)
     mouse.tab.mouse.click(*mouse.at(middle))
-    wait_for(lambda: len(mouse.drawing.sketch.red) == len(before) + 1)
+    wait_for(lambda: len(mouse.drawing.sketch.markers["red"]) == len(before) + 1)
     mouse.tab.keyboard.press("Delete")
-    wait_for(lambda: len(mouse.drawing.sketch.red) == len(before))
-    assert np.array_equal(mouse.drawing.sketch.red, before)
+    wait_for(lambda: len(mouse.drawing.sketch.markers["red"]) == len(before))
+    assert np.array_equal(mouse.drawing.sketch.markers["red"], before)
 
 
 def test_the_arrow_is_dragged_to_where_it_faces(mouse):

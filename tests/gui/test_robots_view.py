@@ -55,7 +55,7 @@ def test_corners_are_changed_and_undone(view, browser):
     assert view._state()["can_redo"]
     browser.say("clear")
     settled(view)
-    assert view._state()["problems"] == ["red needs 3 corners at least"]
+    assert view._state()["problems"] == ["red marker needs 3 corners at least"]
 
 
 def test_heading_and_size(view, browser):

@@ -14,7 +14,7 @@ from robsim.gui._tools.tool import ToolView
 from waiting import wait_for
 
 SIDE, LEFT, TOP = 455, 6, 34  # of the picture on the sheet (px)
-YELLOW, RED_INK, WHITE, ACCENT = (255, 213, 0), (255, 90, 95), (255, 255, 255), (87, 80, 211)
+YELLOW, RED_INK, WHITE, ACCENT = (255, 213, 0), (229, 72, 77), (255, 255, 255), (87, 80, 211)
 FLOOR, RED = (120, 122, 118), (210, 40, 30)
 FIRST_LEVEL, LAST_LEVEL = 502, 904  # px: where the histograms begin and end
 ROWS = {"y": 72, "u": 138, "v": 204}  # px: the tops of the histograms
@@ -62,9 +62,14 @@ def robot_still(tool):
 
 
 def test_corners_are_drawn_where_they_are(robot_tool):
-    assert not is_near(robot_still(robot_tool).at(robot_tool.value.red[0]), RED_INK, 20)
+    assert not is_near(
+        robot_still(robot_tool).at(robot_tool.value.markers["right"][0]), RED_INK, 20
+    )
     robot_tool.message("part", name="red")
-    corner, moved = robot_tool.value.red[0], robot_tool.value.red[0] + (0, 14)
+    corner, moved = (
+        robot_tool.value.markers["right"][0],
+        robot_tool.value.markers["right"][0] + (0, 14),
+    )
     assert is_near(robot_still(robot_tool).at(corner), RED_INK, 20)
     robot_tool.message("move", corner=0, at=moved.tolist(), goes_on=False)
     still = robot_still(robot_tool)

@@ -60,12 +60,14 @@ def test_a_finger_drags_a_corner_and_taps_new_ones(robots):
     fingers.tab.click(".robsim-segments [value=red]")
     fingers.tab.wait_for_selector("[value=red][aria-checked=true]")
     fingers.measure()
-    before = drawing.sketch.red
+    before = drawing.sketch.markers["red"]
     # Fingers are thick: it begins a little beside the corner.
     fingers.drag(before[0] + (8, 6), before[0] + (30, -20))
-    wait_for(lambda: np.abs(drawing.sketch.red - before).max() > 15)  # of the nearest one
+    wait_for(
+        lambda: np.abs(drawing.sketch.markers["red"] - before).max() > 15
+    )  # of the nearest one
     fingers.tap(before.mean(axis=0))
-    wait_for(lambda: len(drawing.sketch.red) == len(before) + 1)
+    wait_for(lambda: len(drawing.sketch.markers["red"]) == len(before) + 1)
 
 
 def test_two_fingers_zoom_and_change_nothing(robots):

@@ -26,6 +26,7 @@ from robsim.gui._tools.robots.view import RobotsView
 from robsim.gui._tools.uploads import MOST_BYTES, MOST_OF_A_PART
 from robsim.imaging import save_image
 from robsim.robots import load_robot
+from robsim.robots._definition import by_color
 from robsim.vision import load_colors
 from waiting import wait_for
 
@@ -287,7 +288,9 @@ def test_a_robot_that_is_cut_out_is_drawn_on_at_once(robots):
     drawn = robots.drawing.definition("seen")
     assert drawn.size == lab.size
     assert drawn.radius == pytest.approx(lab.radius, rel=0.1)
-    np.testing.assert_allclose(drawn.red.mean(axis=0) / scale, lab.red.mean(axis=0), atol=3)
+    np.testing.assert_allclose(
+        by_color(drawn)["red"].mean(axis=0) / scale, lab.markers["right"].mean(axis=0), atol=3
+    )
     assert not state["can_undo"]
 
 
@@ -304,7 +307,9 @@ def test_a_photograph_is_captured_in_part_or_whole(robots):
     browser.say("no_camera")
     settled(robots)
     assert robots._state()["mode"] == "draw"
-    np.testing.assert_array_equal(robots._state()["parts"]["red"], load_robot("lab").red)
+    np.testing.assert_array_equal(
+        robots._state()["parts"]["red"], load_robot("lab").markers["right"]
+    )
     browser.say("resume")
     browser.say("capture")
     settled(robots)

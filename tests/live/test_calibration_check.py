@@ -115,7 +115,7 @@ def test_a_tilt_that_was_forgotten_shows_from_place_to_place():
         pixels = true.to_pixel(np.array([(300 - distance / 2, y), (300 + distance / 2, y)]))
         placed = wrong.to_world(pixels)
         ratio = float(np.linalg.norm(placed[0] - placed[1])) / distance
-        pairs.append(mapping.MarkerPair(*pixels, placed.mean(axis=0), ratio))
+        pairs.append(mapping.MarkerPair(pixels, placed.mean(axis=0), ratio))
     assert mapping.spread_over_places(pairs, AREA) > 0.06
     assert math.isnan(mapping.spread_over_places(pairs[:3] * 5, AREA))
 

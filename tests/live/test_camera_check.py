@@ -112,7 +112,7 @@ def test_wrong_colours_and_another_robot_are_named():
     report = check(picture(), colors=colors)
     assert kinds(report) == {"robot detected"}
     assert "no red blob" in str(report)
-    assert "train the red marker's colour" in str(report)
+    assert "train the right marker's colour, red, in this light" in str(report)
     assert report["margin of red"].verdict == "not known"
     assert "robot detected" in kinds(check(picture(), robot="sheep"))
     narrow = [robsim.ColorClass("red", v=(190, 255)), colors[1]]

@@ -44,7 +44,10 @@ OLD = {
     r"RecursiveLeastSquares\([^)]*\bfilters=": "n_filters=",
     r"too (confident|cautious)": "optimistic, conservative",
     r"max_(voltage|speed)|min_voltage": "maximum_voltage, maximum_speed, minimum_voltage",
+    r"(red|blue)_(area|polygon)": "areas, polygons of a MarkerLayout, by role",
+    r"(?<=detection\.)(red|blue)|(?<=markers\.)(red|blue)|(?<=robot\.)(red|blue)": "... by role",
     # the command line
+    r"robots add [^`]*--(red|blue)\b": "--marker red=POINTS",
     r"--(noise-percent|dropout-steps|rotation|places)\b": "--noise gaussian:10, --headings",
     # private words
     r"\b(least|most|above)=": "minimum=, maximum=, exclusive_minimum=",

@@ -80,7 +80,7 @@ def test_the_formula_for_round_markers_is_near_the_bound(bounds):
     best = {}
     exec(programs(SITE / "measurement.md")[1], best)
     layout = robsim.load_robot("lab").marker_layout()
-    diameter = 2 * np.sqrt(layout.red_area / np.pi)
+    diameter = 2 * np.sqrt(layout.areas["right"] / np.pi)
     for (size, noise), bound in bounds.items():
         if noise != robsim.GaussianNoise(10):
             continue

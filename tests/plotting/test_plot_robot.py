@@ -11,7 +11,7 @@ from drawn_robots import box, painted
 from robsim import load_robot
 from robsim.plotting import _style as style
 from robsim.plotting import plot_robot
-from robsim.robots import RobotDefinition
+from robsim.robots._definition import from_colors
 
 RED, BLUE = box(240, 240, 319, 319), box(80, 200, 159, 279)
 
@@ -25,8 +25,8 @@ def _no_pyplot():
 
 def robot(**changed):
     values = {"name": "toy", "image": painted(RED, BLUE), "size": 100.0, "alignment": 90.0}
-    values |= {"outline": box(0, 0, 399, 399), "red": RED, "blue": BLUE, "centre": (200, 180)}
-    return RobotDefinition(**(values | changed))
+    values |= {"outline": box(0, 0, 399, 399), "centre": (200, 180)} | changed
+    return from_colors({"red": RED, "blue": BLUE}, **values)
 
 
 @pytest.fixture(scope="module")
@@ -44,16 +44,16 @@ def test_the_picture_is_shown_as_it_is(axes):
 
 def test_the_polygons(axes):
     shown = {patch.get_label(): patch for patch in axes.patches}
-    assert list(shown) == ["outline", "red marker", "blue marker"]
-    for name, polygon in (("outline", box(0, 0, 399, 399)), ("red marker", RED)):
+    assert list(shown) == ["outline", "right marker (red)", "left marker (blue)"]
+    for name, polygon in (("outline", box(0, 0, 399, 399)), ("right marker (red)", RED)):
         np.testing.assert_array_equal(shown[name].get_xy()[:-1], polygon)
-    assert same_color(shown["red marker"].get_edgecolor(), "red")
-    assert same_color(shown["blue marker"].get_edgecolor(), "blue")
+    assert same_color(shown["right marker (red)"].get_edgecolor(), "red")
+    assert same_color(shown["left marker (blue)"].get_edgecolor(), "blue")
 
 
 def test_the_line_between_the_markers_has_their_distance(axes):
     (line,) = [line for line in axes.get_lines() if line.get_label() == "marker centroids"]
-    np.testing.assert_allclose(line.get_xydata(), [(119.5, 239.5), (279.5, 279.5)])
+    np.testing.assert_allclose(line.get_xydata(), [(279.5, 279.5), (119.5, 239.5)])
     distance = np.hypot(160, 40) * 100 / 400
     assert f"{distance:.1f} px" in {text.get_text() for text in axes.texts}
 

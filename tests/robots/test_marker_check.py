@@ -17,8 +17,9 @@ EDGE = box(-0.5, -0.5, 399.5, 399.5)
 
 def robot(image, **changed):
     values = {"name": "toy", "image": image, "size": 120.0, "alignment": 90.0}
-    values |= {"outline": EDGE, "red": RED, "blue": BLUE}
-    return RobotDefinition(**(values | changed))
+    values |= {"outline": EDGE, "red": RED, "blue": BLUE} | changed
+    markers = {"right": values.pop("red"), "left": values.pop("blue")}
+    return RobotDefinition(markers=markers, **values)
 
 
 @pytest.fixture
@@ -47,7 +48,7 @@ def test_a_marker_of_another_colour(picture):
     green = filled(picture, BLUE, (20, 160, 30, 255))
     (problem,) = check_colors(robot(green)).sentences
     assert problem.startswith(
-        "blue marker: 0.0 % of its polygon has the colour blue, 60 % is needed"
+        "left marker (blue): 0.0 % of its polygon has the colour blue, 60 % is needed"
     )
     # Y = (38 20 + 75 160 + 15 30)/128, U = 128 + (-22 20 - 42 160 + 64 30)/128, V likewise
     assert "Y 103, U 87, V 68, but blue is Y 0..255, U 154..255, V 0..140" in problem
@@ -56,42 +57,46 @@ def test_a_marker_of_another_colour(picture):
 def test_a_transparent_marker(picture):
     clear = filled(picture, RED, (*COLORS["red"][:3], 0))
     (problem,) = check_colors(robot(clear)).sentences
-    assert "red marker: 0.0 %" in problem
+    assert "right marker (red): 0.0 %" in problem
     assert "Y 128, U 128, V 128" in problem
 
 
 def test_other_colours(picture):
     classes = (ColorClass("red", v=(240, 255)), *load_colors()[1:])
     (problem,) = check_colors(robot(picture), classes).sentences
-    assert "red marker: 0.0 %" in problem
+    assert "right marker (red): 0.0 %" in problem
     assert "V 240..255" in problem
     (problem,) = check_colors(robot(picture), load_colors()[:1]).sentences
-    assert problem.startswith("blue marker: there is no colour blue, only red: the colour class of")
+    assert problem.startswith(
+        "left marker (blue): there is no colour blue, only red: the colour class of"
+    )
 
 
 def test_markers_that_are_too_small(picture):
     red, blue = check_colors(robot(picture, size=15)).sentences
     # 79 picture px, at 15/400 each
     assert red.startswith(
-        "red marker: it is too small to be detected, 8.8 px of the work area, at lea"
+        "right marker (red): it is too small to be detected, 8.8 px of the work area, at lea"
     )
-    assert blue.startswith("blue marker: it is too small")
+    assert blue.startswith("left marker (blue): it is too small")
 
 
 def test_a_polygon_beside_its_blob(picture):
     (problem,) = check_colors(robot(picture, red=RED + np.array((20, 0)))).sentences
-    assert "red marker: the blob detected there has its centroid at (279.5, 279.5)" in problem
+    assert (
+        "right marker (red): the blob detected there has its centroid at (279.5, 279.5)" in problem
+    )
     assert "6.0 px of the work area from" in problem
 
 
 def test_a_polygon_larger_or_smaller_than_its_blob(picture):
     (problem,) = check_colors(robot(picture, red=box(257, 257, 302, 302))).sentences
     assert (
-        "red marker: the blob detected there has 576 px of the work area, its polygon 182"
+        "right marker (red): the blob detected there has 576 px of the work area, its polygon 182"
         in problem
     )
     (problem,) = check_colors(robot(picture, red=box(215, 215, 344, 344))).sentences
-    assert "red marker: 39.9 % of its polygon has the colour" in problem
+    assert "right marker (red): 39.9 % of its polygon has the colour" in problem
 
 
 def test_a_robot_with_two_such_markers(picture):
@@ -129,4 +134,6 @@ def test_a_marker_that_only_the_light_shows(picture):
     # V is 160 in the light and 153 in the shadow; red is 154 and more
     pale = filled(picture, RED, (140, 76, 76, 255))
     (problem,) = check_colors(robot(pale)).sentences
-    assert problem.startswith("in the shadow: red marker: 0.0 % of its polygon has the colour red")
+    assert problem.startswith(
+        "in the shadow: right marker (red): 0.0 % of its polygon has the colour red"
+    )

@@ -9,6 +9,7 @@ from PIL import Image
 
 from robsim import Simulation, load_robot
 from robsim.robots import RobotDefinition, check_colors, robot_names
+from robsim.robots._definition import from_colors
 from robsim.robots._lookup import as_robot
 from robsim.vision import MarkerLayout
 
@@ -26,15 +27,21 @@ GOOD = {
     "alignment": "90",
     "centre": "[9.5, 4.5]",
     "outline": str(EDGE),
-    "red": str(RED),
-    "blue": str(BLUE),
+    "markers.right.color": "'red'",
+    "markers.right.polygon": str(RED),
+    "markers.left.color": "'blue'",
+    "markers.left.polygon": str(BLUE),
 }
 
 
 def definition(**changed):
+    """Its red marker is its front one, or what another alignment makes of it."""
     values = {"name": "toy", "image": PICTURE, "size": 40.0, "alignment": 0.0}
-    values |= {"outline": EDGE, "red": RED, "blue": BLUE}
-    return RobotDefinition(**(values | changed))
+    values |= {"outline": EDGE, "red": RED, "blue": BLUE} | changed
+    markers = {color: values.pop(color) for color in ("red", "blue")}
+    if "alignment" in changed:
+        return from_colors(markers, **values)
+    return RobotDefinition(markers={"front": markers["red"], "back": markers["blue"]}, **values)
 
 
 @pytest.fixture
@@ -81,25 +88,25 @@ def test_the_lab_robot_has_the_geometry_of_the_manual():
     markers = robot.marker_layout()
     assert markers.distance == pytest.approx(43, abs=1e-3)
     assert markers.offset == pytest.approx(14, abs=1e-3)
-    np.testing.assert_allclose(markers.red, [-14, 21.5], atol=1e-3)
-    np.testing.assert_allclose(markers.blue, [-14, -21.5], atol=1e-3)
-    assert markers.red_area == pytest.approx(markers.blue_area, rel=1e-6)
+    np.testing.assert_allclose(markers.positions["right"], [-14, 21.5], atol=1e-3)
+    np.testing.assert_allclose(markers.positions["left"], [-14, -21.5], atol=1e-3)
+    assert markers.areas["right"] == pytest.approx(markers.areas["left"], rel=1e-6)
     assert 40 < robot.radius < 60
 
 
-@pytest.mark.parametrize("marker", ["red", "blue"])
+@pytest.mark.parametrize("marker", ["right", "left"])
 def test_the_markers_lie_within_the_outline(marker):
     robot = load_robot()
-    assert inside(robot.outline, getattr(robot, marker)).all()
+    assert inside(robot.outline, robot.markers[marker]).all()
 
 
-@pytest.mark.parametrize("marker", ["red", "blue"])
+@pytest.mark.parametrize("marker", ["right", "left"])
 def test_the_picture_shows_the_marker_where_the_polygon_is(marker):
     robot = load_robot()
-    u, v = getattr(robot, marker).mean(axis=0).round().astype(int)
+    u, v = robot.markers[marker].mean(axis=0).round().astype(int)
     red, green, blue, alpha = robot.image[v, u].astype(int)
     assert alpha == 255
-    strong, weak = (red, blue) if marker == "red" else (blue, red)
+    strong, weak = (red, blue) if marker == "right" else (blue, red)
     assert strong > 1.5 * weak
     assert strong > 1.5 * green
 
@@ -150,10 +157,10 @@ def test_radius_is_the_farthest_corner(alignment):
 def test_the_locator_of_the_toy():
     # alignment 90: markers at (15.5, 7.5) and (3.5, 7.5), 3 picture pixels square
     markers = definition(alignment=90).marker_layout()
-    np.testing.assert_allclose(markers.red, [-6, 12])
-    np.testing.assert_allclose(markers.blue, [-6, -12])
+    np.testing.assert_allclose(markers.positions["right"], [-6, 12])
+    np.testing.assert_allclose(markers.positions["left"], [-6, -12])
     assert (markers.distance, markers.offset) == pytest.approx((24, 6))
-    assert (markers.red_area, markers.blue_area) == pytest.approx((36, 36))
+    assert (markers.areas["right"], markers.areas["left"]) == pytest.approx((36, 36))
 
 
 SIDE = st.floats(2, 40)
@@ -186,17 +193,17 @@ def triangles(polygon, around):
 def test_the_locator_of_random_markers(red, blue, place, apart, clockwise):
     red_place = np.array(place)
     blue_place = red_place - (0, apart)
-    markers = {"red": star(red, red_place), "blue": star(blue, blue_place)}
-    red_centroid, red_area = triangles(markers["red"], red_place)
-    blue_centroid, blue_area = triangles(markers["blue"], blue_place)
+    markers = {"right": star(red, red_place), "left": star(blue, blue_place)}
+    red_centroid, area_right = triangles(markers["right"], red_place)
+    blue_centroid, area_left = triangles(markers["left"], blue_place)
     if clockwise:
         markers = {name: polygon[::-1] for name, polygon in markers.items()}
-    markers = MarkerLayout.from_markers(**markers)
-    np.testing.assert_allclose(markers.red, red_centroid, atol=1e-8)
-    np.testing.assert_allclose(markers.blue, blue_centroid, atol=1e-8)
+    markers = MarkerLayout.from_markers(markers)
+    np.testing.assert_allclose(markers.positions["right"], red_centroid, atol=1e-8)
+    np.testing.assert_allclose(markers.positions["left"], blue_centroid, atol=1e-8)
     assert markers.distance == pytest.approx(np.linalg.norm(red_centroid - blue_centroid))
-    assert markers.red_area == pytest.approx(red_area)
-    assert markers.blue_area == pytest.approx(blue_area)
+    assert markers.areas["right"] == pytest.approx(area_right)
+    assert markers.areas["left"] == pytest.approx(area_left)
     assert markers.offset == pytest.approx(-(red_centroid + blue_centroid)[0] / 2, abs=1e-8)
 
 
@@ -220,8 +227,9 @@ def test_a_written_robot_is_loaded_back(folder):
     assert (robot.name, robot.size, robot.alignment) == ("toy", 40.0, 90)
     np.testing.assert_array_equal(robot.image, PICTURE)
     np.testing.assert_array_equal(robot.centre, [9.5, 4.5])
-    for name, polygon in (("outline", EDGE), ("red", RED), ("blue", BLUE)):
-        np.testing.assert_array_equal(getattr(robot, name), polygon)
+    np.testing.assert_array_equal(robot.outline, EDGE)
+    np.testing.assert_array_equal(robot.markers["right"], RED)
+    np.testing.assert_array_equal(robot.markers["left"], BLUE)
     assert load_robot(str(folder())).name == "toy"
     np.testing.assert_array_equal(load_robot(folder(centre=None)).centre, [9.5, 4.5])
 
@@ -270,17 +278,23 @@ WRONG_VALUES = {
         *("1", "[1]", "[1, 2, 3]", "[nan, 1]", "['a', 'b']", "[[1, 2]]", "'ab'", "[]"),
         *("{x = 1, y = 2}", "['1', '2']", "[true, false]"),
     ),
-    "outline red blue": NO_POLYGONS,
+    "outline markers.right.polygon markers.left.polygon": NO_POLYGONS,
 }
 
 
 @pytest.mark.parametrize(
     ("key", "value", "says"),
     [
-        *((key, None, f"{key} is missing") for key in GOOD if key != "centre"),
+        *((key, None, f"{key} is missing") for key in GOOD if key != "centre" and "." not in key),
+        ("markers.right.polygon", None, "markers"),
         *((key, "1", f"{key} is not known") for key in ("colour", "Size", "center")),
-        *((k, v, k) for keys in WRONG_VALUES for k in keys.split() for v in WRONG_VALUES[keys]),
-        ("red", str(BLUE), "markers"),
+        *(
+            (k, v, k.split(".")[0])
+            for keys in WRONG_VALUES
+            for k in keys.split()
+            for v in WRONG_VALUES[keys]
+        ),
+        ("markers.right.polygon", str(BLUE), "right marker"),
     ],
 )
 def test_wrong_keys_and_values_of_a_file(folder, key, value, says):
@@ -291,7 +305,7 @@ def test_wrong_keys_and_values_of_a_file(folder, key, value, says):
     "text",
     [
         *("", "[name]\na = 1", "name = ", "\0", b"\xff\xfe", "name = 'a'\nname = 'b'"),
-        "red = " + "[" * 10_000,
+        "outline = " + "[" * 10_000,
     ],
     ids=lambda text: repr(text[:20]),
 )
@@ -389,7 +403,9 @@ def test_a_definition_is_frozen():
     ids=lambda value: f"{value!r}"[:30].replace("\n", ""),
 )
 def test_a_wrong_value_is_named(name, value):
-    with pytest.raises((TypeError, ValueError), match=rf"^{name} must "):
+    role = {"red": "front", "blue": "back"}.get(name)
+    said = rf"markers\['{role}'\]" if role else name
+    with pytest.raises((TypeError, ValueError), match=rf"^{said} must "):
         definition(**{name: value})
 
 
@@ -397,6 +413,9 @@ def refused(**changed):
     with pytest.raises(ValueError, match="must") as caught:
         definition(**changed)
     return str(caught.value)
+
+
+CALLED = {"red": "front marker (red)", "blue": "back marker (blue)"}
 
 
 @pytest.mark.parametrize("name", ["outline", "red", "blue"])
@@ -408,7 +427,7 @@ def test_a_polygon_that_crosses_itself(name):
     }[name]
     (x, y), (x2, y2) = bow_tie[0], bow_tie[1]
     message = refused(**{name: bow_tie})
-    assert message.startswith(f"{name} must not intersect itself: ")
+    assert message.startswith(f"{CALLED.get(name, name)} must not intersect itself: ")
     assert f"({x}, {y}) to ({x2}, {y2})" in message
 
 
@@ -423,14 +442,14 @@ INSIDE = "{} must lie inside the outline: outside is "
         *(
             (
                 {name: [[8, 2], [11, 2], [11, -8]]},
-                f"^{INSIDE.format(name)}(11, -8), by up to 8.0 px$",
+                f"^{INSIDE.format(CALLED[name])}(11, -8), by up to 8.0 px$",
             )
             for name in ("red", "blue")
         ),
         ({"red": FAR}, "(100, 0), (110, 0), (110, 10) and 2 more, by up to 91.0 px"),
         (
             {"outline": NOTCHED, "centre": [3, 3], "red": [[5, 1], [16, 1], [16, 5], [5, 5]]},
-            f"^{INSIDE.format('red')}(10, 1), by up to 2.",
+            f"^{INSIDE.format(CALLED['red'])}(10, 1), by up to 2.",
         ),
         ({"centre": [9.5, 12]}, f"^{INSIDE.format('centre')}(9.5, 12), by up to 3.0 px$"),
         *(
@@ -452,11 +471,14 @@ def test_an_outline_outside_of_the_picture():
     assert definition(outline=[[-1.4, 0], [20.4, 0], [20.4, 10.4], [-1.4, 10.4]]).radius > 0
 
 
+BOTH = "front marker (red) and back marker (blue)"
+
+
 def test_markers_that_overlap():
     message = refused(red=[[3, 4], [8, 4], [8, 9], [3, 9]])
-    assert message.startswith("red and blue markers must not overlap: they do around (")
+    assert message.startswith(f"{BOTH} must not overlap: they do around (")
     inside = refused(red=[[0, 0], [19, 0], [19, 9], [0, 9]])
-    assert inside.startswith("red and blue markers must not overlap")
+    assert inside.startswith(f"{BOTH} must not overlap")
     beside = definition(red=[[5, 6], [8, 6], [8, 9], [5, 9]])  # a common edge
     assert beside.marker_layout().distance == pytest.approx(6)
 
@@ -464,19 +486,21 @@ def test_markers_that_overlap():
 def test_all_that_is_wrong_is_said_at_once():
     message = refused(centre=[9, 30], red=[[2, 2], [4, 2], [4, -9]])
     assert "centre must" in message
-    assert "red must" in message
+    assert "front marker (red) must" in message
 
 
 def test_a_corner_that_is_given_twice_is_one_corner():
     robot = definition(red=[RED[0], *RED, RED[0]])
-    np.testing.assert_array_equal(robot.red, RED)
+    np.testing.assert_array_equal(robot.markers["front"], RED)
 
 
 @pytest.mark.parametrize("points", [1001, 20_000])
 def test_a_polygon_of_too_many_points(points):
     angle = 2 * np.pi * np.arange(points) / points
     message = refused(red=np.column_stack((np.cos(angle) + 9, np.sin(angle) + 4)))
-    assert message == f"red must be a polygon of 3 to 1000 different points, got {points}"
+    assert (
+        message == f"markers['front'] must be a polygon of 3 to 1000 different points, got {points}"
+    )
 
 
 @pytest.mark.long

@@ -8,6 +8,7 @@ from drawn_robots import COLORS, box, painted, star
 from robsim import ColorClass, load_robot
 from robsim._base.geometry import polygons
 from robsim.robots import check_colors, robot_from_image
+from robsim.robots._definition import by_color
 
 pytestmark = pytest.mark.kernels
 
@@ -44,7 +45,7 @@ def test_a_marker_has_the_area_and_the_centroid_of_its_blob(name, rng):
         image = painted(star(rng, np.array((280, 200)), 70), star(rng, np.array((110, 190)), 70))
         robot = robot_from_image("toy", image)
         area, centroid = area_and_centroid(is_color(image, name))
-        found = polygons.area_and_centroid(getattr(robot, name))
+        found = polygons.area_and_centroid(by_color(robot)[name])
         assert found[0] == pytest.approx(area)
         np.testing.assert_allclose(found[1], centroid, atol=1e-6)
 
@@ -62,9 +63,9 @@ def test_a_marker_has_the_area_and_the_centroid_of_its_blob(name, rng):
 def test_a_marker_has_the_shape_of_its_blob(shape, share):
     image = painted(np.array(shape, float), box(60, 240, 119, 299))
     robot = robot_from_image("toy", image)
-    assert len(robot.red) <= 40
+    assert len(by_color(robot)["red"]) <= 40
     height, width = image.shape[:2]
-    drawn, found = is_color(image, "red"), polygons.mask(robot.red, width, height)
+    drawn, found = is_color(image, "red"), polygons.mask(by_color(robot)["red"], width, height)
     assert (drawn & found).sum() / (drawn | found).sum() > share
 
 
@@ -76,7 +77,7 @@ def test_a_blob_among_others_of_its_colour_and_in_its_box():
     image[240, 245:285] = COLORS["red"]  # in its top row, too
     area, centroid = area_and_centroid(is_color(image, "red") & _of_the_l(image.shape))
     robot = robot_from_image("toy", image)
-    found = polygons.area_and_centroid(robot.red)
+    found = polygons.area_and_centroid(by_color(robot)["red"])
     assert found[0] == pytest.approx(area)
     np.testing.assert_allclose(found[1], centroid, atol=1e-6)
 
@@ -91,7 +92,7 @@ def test_a_ring_gives_a_polygon_that_does_not_cross_itself():
     image = painted(RED, BLUE)
     image[262:298, 262:298] = (70, 70, 70, 255)
     robot = robot_from_image("toy", image)
-    assert polygons.crossing(robot.red) is None
+    assert polygons.crossing(by_color(robot)["red"]) is None
 
 
 def test_the_outline_lies_close_around_what_is_opaque():
@@ -125,23 +126,24 @@ def test_what_is_given_is_taken():
         alignment=30,
         centre=(190, 210),
         outline=box(20, 20, 380, 380),
-        red=RED + 1,
-        blue=BLUE - 1,
+        markers={"red": RED + 1, "blue": BLUE - 1},
     )
     assert (robot.size, robot.alignment) == (90, 30)
     np.testing.assert_array_equal(robot.centre, (190, 210))
     np.testing.assert_array_equal(robot.outline, box(20, 20, 380, 380))
-    np.testing.assert_array_equal(robot.red, RED + 1)
-    np.testing.assert_array_equal(robot.blue, BLUE - 1)
+    np.testing.assert_array_equal(by_color(robot)["red"], RED + 1)
+    np.testing.assert_array_equal(by_color(robot)["blue"], BLUE - 1)
 
 
 @pytest.mark.long
 def test_a_large_picture_is_scaled_down_with_its_points():
     large = np.array(Image.fromarray(painted(RED, BLUE)).resize((2000, 2000)))
-    robot = robot_from_image("toy", large, red=5 * (RED + 0.5) - 0.5, centre=(999.5, 1249.5))
+    robot = robot_from_image(
+        "toy", large, markers={"red": 5 * (RED + 0.5) - 0.5}, centre=(999.5, 1249.5)
+    )
     assert robot.image.shape == (1000, 1000, 4)
     np.testing.assert_allclose(robot.centre, (499.5, 624.5))
-    np.testing.assert_allclose(robot.red, 2.5 * (RED + 0.5) - 0.5)
+    np.testing.assert_allclose(by_color(robot)["red"], 2.5 * (RED + 0.5) - 0.5)
     assert robot.marker_layout().distance == pytest.approx(160 * 120 / 400, abs=0.1)
 
 
@@ -164,7 +166,7 @@ def test_a_picture_without_a_marker(name):
     with pytest.raises(ValueError, match=f"{name} marker: nothing in the image has the colour"):
         robot_from_image("toy", image)
     given = {name: {"red": RED, "blue": BLUE}[name]}
-    assert robot_from_image("toy", image, **given).name == "toy"
+    assert robot_from_image("toy", image, markers=given).name == "toy"
 
 
 def test_colours_without_a_marker():
@@ -183,12 +185,13 @@ def test_a_transparent_picture():
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        *(("red", "ab"), ("red", [[1, 2]]), ("blue", 5), ("outline", [[1, np.nan]] * 3)),
+        *(("markers", {"red": value}) for value in ("ab", [[1, 2]], 5)),
+        *(("markers", [RED, BLUE]), ("markers", {"right": RED}), ("outline", [[1, np.nan]] * 3)),
         *(("centre", (1, 2, 3)), ("size", "big"), ("size", -1), ("alignment", np.inf)),
     ],
 )
 def test_wrong_values_are_named(name, value):
-    with pytest.raises((TypeError, ValueError), match=f"^{name} must"):
+    with pytest.raises((TypeError, ValueError), match=rf"^{name}(\['red'\])? must"):
         robot_from_image("toy", painted(RED, BLUE), **{name: value})
 
 

@@ -13,14 +13,21 @@ from robsim.robots import RobotDefinition, load_robot, save_robot
 from robsim.robots._lookup import as_robot
 from robsim.vision._color_files import SHIPPED_COLORS, as_colors
 
-ARRAYS = ("image", "centre", "outline", "red", "blue")
+ARRAYS = {
+    "image": lambda robot: robot.image,
+    "centre": lambda robot: robot.centre,
+    "outline": lambda robot: robot.outline,
+    "front": lambda robot: robot.markers["front"],
+    "back": lambda robot: robot.markers["back"],
+}
 
 
 def definition(**changed):
     values = {"name": "toy", "image": np.zeros((10, 20, 4), np.uint8), "size": 40.0}
     values |= {"alignment": 0.0, "outline": [[0, 0], [19, 0], [19, 9], [0, 9]]}
-    values |= {"red": [[14, 6], [17, 6], [17, 9]], "blue": [[2, 6], [5, 6], [5, 9]]}
-    return RobotDefinition(**(values | changed))
+    values |= {"front": [[14, 6], [17, 6], [17, 9]], "back": [[2, 6], [5, 6], [5, 9]]} | changed
+    markers = {role: values.pop(role) for role in ("front", "back")}
+    return RobotDefinition(markers=markers, **values)
 
 
 def test_equal_by_content():
@@ -44,8 +51,8 @@ OTHER_IMAGE[3, 4, 1] = 1
         {"size": 41.0},
         {"alignment": 1.0},
         {"outline": [[0, 0], [19, 0], [19, 9.1], [0, 9]]},
-        {"red": [[14, 6], [17, 6], [17, 8]]},
-        {"blue": [[2, 6], [5, 6], [5, 8]]},
+        {"front": [[14, 6], [17, 6], [17, 8]]},
+        {"back": [[2, 6], [5, 6], [5, 8]]},
         {"centre": [9, 4]},
         {"maximum_blobs": 8},
     ],
@@ -60,14 +67,14 @@ def test_nobody_can_change_it(name):
     image = np.zeros((10, 20, 4), np.uint8, order="F")
     robot = definition(image=image)
     image[:] = 9
-    array = getattr(robot, name)
+    array = ARRAYS[name](robot)
     assert array.flags.c_contiguous
     assert robot == definition()
     for kept in (robot, pickle.loads(pickle.dumps(robot))):
         with pytest.raises(ValueError, match="read-only"):
-            getattr(kept, name)[0] = 1
+            ARRAYS[name](kept)[0] = 1
         with pytest.raises(ValueError, match="WRITEABLE"):
-            getattr(kept, name).setflags(write=True)
+            ARRAYS[name](kept).setflags(write=True)
 
 
 @pytest.mark.parametrize(
@@ -79,7 +86,9 @@ def test_copies_are_equal(copied):
     assert again == robot
     assert hash(again) == hash(robot)
     assert again.radius == robot.radius
-    np.testing.assert_array_equal(again.marker_layout().red, robot.marker_layout().red)
+    np.testing.assert_array_equal(
+        again.marker_layout().positions["right"], robot.marker_layout().positions["right"]
+    )
 
 
 def test_what_follows_from_it_is_computed_once():

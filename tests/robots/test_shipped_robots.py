@@ -51,30 +51,31 @@ def test_the_outline_holds_the_robot_and_little_more(name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("marker", ["red", "blue"])
-def test_the_markers_lie_on_the_robot(name, marker):
+def test_the_markers_lie_on_the_robot(name):
     robot = robsim.load_robot(name)
-    assert inside(robot.outline, *getattr(robot, marker).T).all()
-    down, right = np.indices(robot.image.shape[:2])
-    patch = inside(getattr(robot, marker), right, down)
-    assert (robot.image[patch, 3] > 230).all()
+    for polygon in robot.markers.values():
+        assert inside(robot.outline, *polygon.T).all()
+        down, right = np.indices(robot.image.shape[:2])
+        patch = inside(polygon, right, down)
+        assert (robot.image[patch, 3] > 230).all()
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("light", [1.0, 0.8])
-@pytest.mark.parametrize("marker", ["red", "blue"])
-def test_vision_sees_one_blob_where_the_polygon_is(name, light, marker):
+@pytest.mark.parametrize("color", ["red", "blue"])
+def test_vision_sees_one_blob_where_the_polygon_is(name, light, color):
     robot = robsim.load_robot(name)
     x = 300 if light == 1 else 1000
     frame = renderer(robot=robot).render([x, 600, 0])
-    blobs = robsim.find_blobs(frame, robsim.load_colors(), minimum_area=1)[marker]
+    blobs = robsim.find_blobs(frame, robsim.load_colors(), minimum_area=1)[color]
     near = [blob for blob in blobs if np.hypot(*(blob.centroid - (x, 600))) < robot.radius]
     assert len(near) == 1
     markers = robot.marker_layout()
+    (role,) = (role for role in markers.roles if markers.colors[role] == color)
     place = near[0].centroid - (x, 600)
-    np.testing.assert_allclose(place, getattr(markers, marker), atol=0.3)
+    np.testing.assert_allclose(place, markers.positions[role], atol=0.3)
     # Limits that hold in noise take in a third of a pixel of the marker's blurred rim.
-    assert near[0].area == pytest.approx(getattr(markers, f"{marker}_area"), rel=0.08)
+    assert near[0].area == pytest.approx(markers.areas[role], rel=0.08)
 
 
 # --- found

@@ -92,16 +92,19 @@ def test_what_is_added_is_what_is_loaded(rng):
     for robot in (added, loaded):
         np.testing.assert_array_equal(robot.image, drawn.image)
         assert (robot.size, robot.alignment) == (drawn.size, drawn.alignment)
-        for name in ("centre", "outline", "red", "blue"):
+        for name in ("centre", "outline"):
             np.testing.assert_allclose(getattr(robot, name), getattr(drawn, name), atol=0.0051)
+        for role, polygon in drawn.markers.items():
+            np.testing.assert_allclose(robot.markers[role], polygon, atol=0.0051)
 
 
 def test_given_values_override_those_of_the_source(photo):
-    robot = add_robot("mine", "lab", size=90, alignment=-90, centre=(240, 250), red=RED, blue=BLUE,
+    robot = add_robot("mine", "lab", size=90, alignment=-90, centre=(240, 250),
+                      markers={"red": RED, "blue": BLUE},
                       outline=box(5, 5, 470, 470), ignore_colors=True)  # fmt: skip
     assert (robot.name, robot.size, robot.alignment) == ("mine", 90, -90)
     np.testing.assert_array_equal(robot.centre, (240, 250))
-    np.testing.assert_array_equal(robot.red, RED)
+    np.testing.assert_array_equal(robot.markers["left"], RED)
     np.testing.assert_array_equal(robot.outline, box(5, 5, 470, 470))
     assert add_robot("other", photo, size=90).size == 90
 
@@ -113,7 +116,7 @@ def test_any_kind_of_picture(tmp_path, kind):
     image = Image.fromarray(painted(RED, BLUE)).convert("RGB")
     if kind == "grey.png":
         image.convert("L").save(file)
-        robot = add_robot("mine", file, red=RED, blue=BLUE, ignore_colors=True)
+        robot = add_robot("mine", file, markers={"red": RED, "blue": BLUE}, ignore_colors=True)
     else:
         image.save(file)
         robot = add_robot("mine", file)
@@ -125,9 +128,10 @@ def test_any_kind_of_picture(tmp_path, kind):
 def test_a_large_robot_is_scaled_down(side):
     lab = load_robot("lab")
     image = np.repeat(np.repeat(lab.image, 3, axis=0), 3, axis=1)
-    points = {name: 3 * getattr(lab, name) + 1 for name in ("centre", "outline", "red", "blue")}
     image = image[:, 60:-60] if side == "high" else image[60:-60]
-    points = {n: p - ((60, 0) if side == "high" else (0, 60)) for n, p in points.items()}
+    moved = 1 - np.array((60, 0) if side == "high" else (0, 60))
+    points = {name: 3 * getattr(lab, name) + moved for name in ("centre", "outline")}
+    points["markers"] = {role: 3 * polygon + moved for role, polygon in lab.markers.items()}
     size = 120 * image.shape[1] / 1440
     robot = add_robot("mine", replace(lab, image=image, size=size, **points))
     assert max(robot.image.shape) == 1000
@@ -230,7 +234,9 @@ def test_sources_that_are_none(tmp_path):
 def test_colours_that_are_not_seen(user_folder, photo, tmp_path):
     colors = tmp_path / "colors.toml"
     colors.write_text("[red]\nv = [250, 255]\n[blue]\nu = [160, 255]\nv = [0, 140]\n")
-    with pytest.raises(ValueError, match=r"red marker: 0.0 % .* ignore_colors=True") as caught:
+    with pytest.raises(
+        ValueError, match=r"right marker \(red\): 0.0 % .* ignore_colors=True"
+    ) as caught:
         add_robot("mine", "lab", colors=colors)
     assert "V 250..255" in str(caught.value)
     with pytest.raises(ValueError, match="red marker: nothing in the image has the colour red"):
@@ -316,7 +322,7 @@ def test_a_saved_robot_can_be_read_by_people(tmp_path):
     assert "\n    [239.50, 26.47], [308.40, 32.50], [312.53, 33.61], [314.37, 34.47],\n" in text
     assert max(map(len, text.splitlines())) <= 100
     assert set(tomllib.loads(text)) == {"name", "image", "size", "alignment", "centre"} | {
-        *("outline", "red", "blue", "maximum_blobs", "marker_colors")
+        *("outline", "maximum_blobs", "markers")
     }
 
 

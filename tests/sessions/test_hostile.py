@@ -85,7 +85,11 @@ def _with_lens(intrinsics):
         (b"dt = 0.2", b"dt = 0.2\ncolors = [{name = 'red'}]", "colors must have y"),
         (b"dt = 0.2", b"dt = 0.2\ncolors = [{name=1, y=2, u=3, v=4}]", "colors: "),
         (b"dt = 0.2", b"dt = 0.2\nmodel = {dt = 1, theta = [[inf]]}", "model.theta must be"),
-        (b"dt = 0.2", b"dt = 0.2\nmarkers = {red = [0, 1], blue = [0, 1]}", "markers: "),
+        (
+            b"dt = 0.2",
+            b"dt = 0.2\nmarkers = {right.position = [0, 1], left.position = [0, 1]}",
+            "markers: ",
+        ),
         (b"dt = 0.2", b"dt = 0.2\nmarkers = 4", "markers must be a table"),
         (b'robot = "lab"', b"robot = 7", "robot must be a text"),
         (b"started = 2", b"started = 1 # ", "started must be a time"),

@@ -1,11 +1,12 @@
 """Another robot, or other colours, in the middle of a run."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import robsim
 from robsim.gui._panel.saved import SavedRecord
-from robsim.robots import RobotDefinition
 from robsim.simulation import Experiment
 
 
@@ -134,8 +135,7 @@ def test_a_robot_too_large_to_bounce_is_refused_and_nothing_changes():
     sim.run(3)
     image = picture(sim, 2)
     lab = robsim.load_robot("lab")
-    names = ("name", "image", "alignment", "outline", "red", "blue")
-    large = RobotDefinition(**{name: getattr(lab, name) for name in names}, size=400)
+    large = replace(lab, size=400)
     with pytest.raises(ValueError, match="area must be wider than the robot"):
         sim.robot = large
     assert sim.robot.name == "lab"

@@ -79,8 +79,7 @@ def unlike(rng, kind):
         size=120,
         alignment=90,
         outline=199.5 + 195 * np.column_stack((np.cos(rim), np.sin(rim))),
-        red=red,
-        blue=blue,
+        markers={"right": red, "left": blue},
     )
 
 

@@ -89,7 +89,7 @@ def test_a_robot_that_another_machine_does_not_have(user_folder, tmp_path):
 def test_a_file_written_by_hand(tmp_path):
     (tmp_path / "run.toml").write_bytes(
         b"\xef\xbb\xbfarea = [300, 200]\r\n"
-        b"markers = { red = [1, 2], blue = [3, 4] }\n"
+        b"markers = { left = { position = [1, 2] }, right = { position = [3, 4] } }\n"
         b"noise.kind = 'UniformNoise'\nnoise.percent = 3\n"
         b"[process_noise]\nkind = 'WheelNoise'\nsigma = 1\n"
         b"[control]\nkind = 'Spin'\n"
@@ -98,7 +98,7 @@ def test_a_file_written_by_hand(tmp_path):
     )
     assert Scenario.load(str(tmp_path / "run.toml")) == Scenario(
         area=(300, 200),
-        markers=robsim.vision.MarkerLayout.from_positions((1, 2), (3, 4)),
+        markers=robsim.vision.MarkerLayout.from_positions({"right": (3, 4), "left": (1, 2)}),
         noise=robsim.UniformNoise(3),
         process_noise=robsim.WheelNoise(1),
         control=robsim.Spin(),
@@ -148,9 +148,16 @@ REFUSED = {
     "[colors.red]\nu = [3, 256]": r"\[red\] u must",
     "[colors.red]\nw = [3, 2]": r"\[red\] there is no key 'w'",
     "markers = 'sheep'": "markers must be a table",
-    "[markers]\nred = [1, 2]": r"\[markers\] blue is missing",
-    "[markers]\nred = [1, 2]\nblue = 'x'": r"\[markers\] blue must",
-    "[markers]\nred = [1, 2]\nblue = [1, 2]": r"\[markers\] distance",
+    "[markers.right]\nposition = [1, 2]": r"\[markers\] markers must be by the roles 'right'",
+    "[markers]\nred = [1, 2]": r"\[markers\] there is no key 'red'",
+    "[markers]\nright.position = [1, 2]\nleft.position = 'x'": r"left\.position must",
+    "[markers]\nright.position = [1, 2]\nleft.color = 'x'": r"\[markers\] positions must",
+    "[markers]\nright.color = 'y'\nleft.color = 'x'": r"\[markers\] position is missing",
+    "[markers]\nright.position = [1, 2]\nleft.position = [1, 2]": r"\[markers\] distance",
+    "[markers]\nright.position = [1, 2]\nleft.position = [1, 3]": r"right marker must lie farther",
+    "[markers]\nback.position = [1, 2]\nleft.position = [1, 3]": r"must be by the roles",
+    "[markers]\nright.place = [1, 2]\nleft.place = [1, 3]": r"markers\.right must have color, po",
+    "[markers]\nright = [1, 2]\nleft = [1, 3]": r"markers\.right must be a table",
     "[noise]\npercent = 1": r"\[noise\] kind is missing, one of 'GaussianNoise', 'UniformNoise'",
     "[noise]\nkind = 'os.system'\npercent = 1": r"\[noise\] kind must be one of",
     "[noise]\nkind = 'UniformNoise'\npercnt = 1": "no key 'percnt': did you mean 'percent'",
@@ -181,7 +188,9 @@ REFUSED = {
     "seed = " + "9" * 5000: "this is not TOML",
     "a = " + "[" * 10_000: "this is not TOML",
     f"start = [{'9' * 400}, 0, 0]": "",
-    f"[markers]\nblue = [1, 2]\nred = [{'1, ' * 10_001}]": "red must have at most 10000 rows",
+    f"[markers]\nleft.position = [1, 2]\nright.position = [{'1, ' * 10_001}]": (
+        "right.position must have at most 10000 rows"
+    ),
 }
 
 

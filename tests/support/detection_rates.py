@@ -150,7 +150,7 @@ def main():
     cases = {name: case for name, case in CASES.items() if (given.case or "") in name}
     for camera in CAMERAS:
         scale = np.sqrt(camera[0] * camera[1] / AREA[0] / AREA[1])
-        width = scale * np.sqrt(robsim.load_robot("lab").marker_layout().red_area)
+        width = scale * np.sqrt(robsim.load_robot("lab").marker_layout().areas["right"])
         print(f"\n{camera[0]} x {camera[1]} px: markers of {width:.1f} px, {given.frames} frames")
         for name, (disturb, noise) in cases.items():
             found = rates(

@@ -66,8 +66,7 @@ def robot(i):
         size=100.0 + i,
         alignment=0.0,
         outline=[(0, 0), (39, 0), (39, 19), (0, 19)],
-        red=square(22, 4, 10),
-        blue=square(4, 4, 10),
+        markers={"front": square(22, 4, 10), "back": square(4, 4, 10)},
     )
 
 

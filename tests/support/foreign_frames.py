@@ -95,7 +95,7 @@ def marker_polygons(robot):
     """The red and the blue marker in the robot's frame: forward, right (work-area px)."""
     if robot == "lab":
         lab = robsim.load_robot("lab")
-        return lab.to_robot_frame(lab.red), lab.to_robot_frame(lab.blue)
+        return tuple(lab.to_robot_frame(polygon) for polygon in lab.markers.values())
     red = np.array([(34, 1), (22, 19), (6, 12), (6, -10), (22, -17)], float)
     return red, _rectangle((-34, -14), (-14, 12))  # in front and behind
 
@@ -183,13 +183,14 @@ CASES = {
 def layout_of(case):
     """The markers as the definition has them, right or wrong."""
     polygons = marker_polygons(case.robot)
+    roles = ("right", "left") if case.robot == "lab" else ("front", "back")
     middles = [middle_of(polygon) for polygon in polygons]
     centre = np.mean(middles, axis=0)
     defined = [
         centre + (middle - centre) * case.defined_distance + (polygon - middle) * case.defined_size
         for polygon, middle in zip(polygons, middles, strict=True)
     ]
-    return robsim.vision.MarkerLayout.from_markers(*defined)
+    return robsim.vision.MarkerLayout.from_markers(dict(zip(roles, defined, strict=True)))
 
 
 # --- the camera

@@ -21,7 +21,8 @@ from robsim.vision import Blob, MarkerLayout, detect
 AREA = (600, 600)  # px
 RADIUS = 11.8  # px, of a marker
 MARKERS = MarkerLayout.from_positions(
-    (-14, 21.5), (-14, -21.5), red_area=np.pi * RADIUS**2, blue_area=np.pi * RADIUS**2
+    {"right": (-14, 21.5), "left": (-14, -21.5)},
+    areas={"right": np.pi * RADIUS**2, "left": np.pi * RADIUS**2},
 )
 RED, BLUE, BODY, WHEEL = (198, 36, 40), (30, 62, 190), (92, 94, 96), (28, 27, 30)
 FADED = ((150, 80, 75), (75, 85, 120))
@@ -59,8 +60,10 @@ def with_robot(image, pose, red=RED, blue=BLUE):
     parts = (
         (BODY, forward**2 + right**2 < 46**2),
         (WHEEL, (abs(forward) < 14) & (abs(abs(right) - 41) < 4)),
-        (red, np.hypot(forward - MARKERS.red[0], right - MARKERS.red[1]) < RADIUS),
-        (blue, np.hypot(forward - MARKERS.blue[0], right - MARKERS.blue[1]) < RADIUS),
+        *(
+            (color, np.hypot(forward - ahead, right - beside) < RADIUS)
+            for color, (ahead, beside) in zip((red, blue), MARKERS.positions.values(), strict=True)
+        ),
     )
     patch = image[top : top + count, left : left + count]
     colors = np.repeat(np.repeat(patch, SAMPLES, axis=0), SAMPLES, axis=1)
@@ -159,7 +162,7 @@ def _blobs(name, mask, least):
 
 def by_hsv(frame):
     """A plain HSV detector, and the same choice of a pair."""
-    least = MARKERS.red_area / 8 * (frame.image.shape[1] / AREA[0]) ** 2
+    least = MARKERS.areas["right"] / 8 * (frame.image.shape[1] / AREA[0]) ** 2
     return detect(blobs_of(hsv_masks(frame.image), least), MARKERS, plane_map=frame.plane_map)
 
 
@@ -222,7 +225,7 @@ def _heads():
 
 
 def _print_lights(size, given):
-    width = np.sqrt(MARKERS.red_area) * size[0] / AREA[0]
+    width = np.sqrt(MARKERS.areas["right"]) * size[0] / AREA[0]
     print(f"\nmarkers of {width:.1f} px, {given.frames} frames: found, false, rms\n{_heads()}")
     poses = poses_of(given.frames, given.seed)
     for name, light in LIGHTS.items():

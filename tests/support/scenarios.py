@@ -27,7 +27,7 @@ FULL = Scenario(
     start=(1, 2.5, 6),
     seed=np.random.SeedSequence(7).spawn(2)[1],
     colors=[robsim.ColorClass("dark red", y=(1, 2)), robsim.ColorClass('"blau.ä"')],
-    markers=MarkerLayout.from_positions((1, 2), (3, 4), red_area=5),
+    markers=MarkerLayout.from_positions({"right": (3, 4), "left": (1, 2)}, areas={"right": 5}),
     smoothing=3,
     identify_from="estimate",
     model=robsim.RobotParameters(mass=0.31),
@@ -53,10 +53,13 @@ _SEEDS = st.one_of(
 )
 _LAYOUTS = st.builds(
     MarkerLayout.from_positions,
-    st.tuples(st.floats(1, 100), _FINITE),
-    st.tuples(st.floats(-100, -1), _FINITE),
-    red_area=st.none() | _POSITIVE,
-    blue_area=st.none() | _POSITIVE,
+    st.fixed_dictionaries(
+        {
+            "front": st.tuples(st.floats(1, 100), _FINITE),
+            "back": st.tuples(st.floats(-100, -1), _FINITE),
+        }
+    ),
+    areas=st.fixed_dictionaries(dict.fromkeys(("front", "back"), st.none() | _POSITIVE)),
     distance_tolerance=_POSITIVE,
     area_tolerance=st.floats(1.01, 1e9),
     maximum_blobs=st.integers(1, 2**31 - 1),

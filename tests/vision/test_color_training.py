@@ -189,7 +189,7 @@ def test_what_is_trained_in_dim_light_is_found_there(rng, exposure):
         return (draw.render(pose) * exposure + 0.5).astype(np.uint8)
 
     classes = []
-    for name, place in (("red", markers.red), ("blue", markers.blue)):
+    for name, place in (("red", markers.positions["right"]), ("blue", markers.positions["left"])):
         u, v = plane_map.to_pixel(np.add((600, 600), place)).astype(int)
         box = (u - 3, v - 3, u + 3, v + 3)
         classes.append(ColorClass.from_region(picture((600, 600, 0)), box, name=name))

@@ -12,8 +12,12 @@ from robsim.vision import MarkerLayout, detect
 from robsim.vision._missed_detections import explain_missed
 
 LAYOUT = MarkerLayout(40, 14)
-KNOWN = MarkerLayout.from_positions((-14, 20), (-14, -20), red_area=441, blue_area=441)
-UNEQUAL = MarkerLayout.from_positions((-14, 20), (-14, -20), red_area=225, blue_area=441)
+KNOWN = MarkerLayout.from_positions(
+    {"right": (-14, 20), "left": (-14, -20)}, areas={"right": 441, "left": 441}
+)
+UNEQUAL = MarkerLayout.from_positions(
+    {"right": (-14, 20), "left": (-14, -20)}, areas={"right": 225, "left": 441}
+)
 
 RED = ("red", 90, 100, 21)
 BLUE = ("blue", 90, 60, 21)
@@ -33,8 +37,8 @@ def test_a_pair_that_fits():
     assert detection.measurement.pose == pytest.approx((114, 90, 0))
     assert detection.misfit == pytest.approx(0, abs=1e-9)
     assert detection.runner_up == np.inf
-    assert (detection.red.color, detection.blue.color) == ("red", "blue")
-    assert detection.red.centroid == pytest.approx((100, 110))
+    assert (detection.pair["right"].color, detection.pair["left"].color) == ("red", "blue")
+    assert detection.pair["right"].centroid == pytest.approx((100, 110))
     assert detection.distance == pytest.approx(40)
     assert detection.reason is None
     assert detection.explanation.startswith("red and blue blobs 40.0 px of the work area apart fit")
@@ -58,11 +62,15 @@ def test_the_runner_up_is_the_second_pair_that_fits():
     ("squares", "reason", "explanation"),
     [
         ([], "no blobs", "no red and no blue blob was detected"),
-        ([BLUE], "no red blob", "no red blob was detected"),
-        ([RED], "no blue blob", "no blue blob was detected"),
+        ([BLUE], "no red blob", "no red blob was detected that could be the right marker"),
+        ([RED], "no blue blob", "no blue blob was detected that could be the left marker"),
         ([("blue", 90, 0, 21), ("red", 90, 40, 21)], "at the border", "touch the border"),
         ([BLUE, ("red", 90, 160, 21)], "distance", "100.0 px of the work area apart, the markers"),
-        ([BLUE, ("red", 80, 90, 41)], "areas", "red 1681 of 441 px^2, blue 441 of 441 px^2"),
+        (
+            [BLUE, ("red", 80, 90, 41)],
+            "areas",
+            "right marker (red) 1681 of 441 px^2, left marker (blue) 441",
+        ),
         ([RED, BLUE, ("red", 90, 20, 21)], "ambiguous", r"(misfits 0.00 and 0.00)"),
     ],
 )
@@ -77,7 +85,7 @@ def test_the_reasons(squares, reason, explanation):
 
 def test_without_a_pair_there_are_no_numbers():
     detection = detect(blobs_of(RED), KNOWN)
-    assert (detection.red, detection.blue) == (None, None)
+    assert detection.pair is None
     assert (detection.misfit, detection.runner_up) == (np.inf, np.inf)
     assert np.isnan(detection.distance)
 
@@ -86,7 +94,7 @@ def test_the_pair_most_like_the_markers_is_named():
     # A speck at the right distance from the blue blob is less like a marker than a square as large.
     speck = ("red", 98, 108, 5)
     detection = detect(blobs_of(BLUE, ("red", 90, 145, 21), speck), KNOWN)
-    assert (detection.reason, detection.red.area) == ("distance", 441)
+    assert (detection.reason, detection.pair["right"].area) == ("distance", 441)
 
 
 def test_everything_at_another_scale_is_told():
@@ -110,8 +118,14 @@ def test_an_area_too_small_and_one_too_large_are_told_as_another_robot():
 @pytest.mark.parametrize(
     ("squares", "areas"),
     [
-        ([BLUE, ("red", 80, 90, 41)], "red 1681 of 441 px^2, blue 441 of 1681 px^2"),
-        ([RED, ("blue", 80, 50, 41)], "red 441 of 1681 px^2, blue 1681 of 441 px^2"),
+        (
+            [BLUE, ("red", 80, 90, 41)],
+            "right marker (red) 1681 of 441 px^2, left marker (blue) 441 of 1681",
+        ),
+        (
+            [RED, ("blue", 80, 50, 41)],
+            "right marker (red) 441 of 1681 px^2, left marker (blue) 1681 of 441",
+        ),
     ],
 )
 def test_markers_of_unknown_area_are_to_be_as_large_as_each_other(squares, areas):
@@ -141,7 +155,7 @@ def test_a_detection_is_a_value(squares):
         assert other == detection
         assert hash(other) == hash(detection)
         assert other.explanation == detection.explanation
-        assert repr(other.red) == repr(detection.red)
+        assert repr(other.pair) == repr(detection.pair)
     assert detection != detect(blobs_of(*squares), KNOWN)
 
 

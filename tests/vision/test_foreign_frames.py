@@ -124,9 +124,11 @@ def test_the_plane_map_is_that_of_the_drawing(rng):
 def test_the_definition_is_wrong_where_the_case_says_so():
     lab = robsim.load_robot("lab").marker_layout()
     right = layout_of(Case())
-    assert right.red_area == pytest.approx(lab.red_area)
+    assert right.areas["right"] == pytest.approx(lab.areas["right"])
     assert right.distance == pytest.approx(lab.distance)
-    assert layout_of(Case(defined_size=1.05)).blue_area == pytest.approx(1.05**2 * lab.blue_area)
+    assert layout_of(Case(defined_size=1.05)).areas["left"] == pytest.approx(
+        1.05**2 * lab.areas["left"]
+    )
     assert layout_of(Case(defined_size=1.05)).distance == pytest.approx(lab.distance)
     assert layout_of(Case(defined_distance=1.05)).distance == pytest.approx(1.05 * lab.distance)
 

@@ -57,9 +57,11 @@ def test_not_seen(squares):
 
 
 def test_markers_in_any_place_give_the_pose(rng):
-    red, blue = np.add(rng.uniform(-30, 30, (2, 2)), [[40, 0], [-40, 0]])
+    red, blue = np.add(rng.uniform(-30, 30, (2, 2)), [[40, 0], [-40, 0]])  # front, back
     corners = 8 * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
-    markers = robsim.vision.MarkerLayout.from_markers(red + corners, blue + corners)
+    markers = robsim.vision.MarkerLayout.from_markers(
+        {"front": red + corners, "back": blue + corners}
+    )
     heading, centre = 0.7, np.array([101.0, 93.0])
     turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
     places = [np.rint(centre + turn @ place - 8).astype(int) for place in (red, blue)]

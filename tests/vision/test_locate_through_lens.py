@@ -36,7 +36,7 @@ def seen_disc(color, centre, radius):
 def located(pose, radius, plane_map=MAP, tolerance=1.03):
     area = math.pi * radius**2
     markers = MarkerLayout.from_positions(
-        RED, BLUE, red_area=area, blue_area=area, area_tolerance=tolerance
+        {"right": RED, "left": BLUE}, areas={"right": area, "left": area}, area_tolerance=tolerance
     )
     blobs = {
         name: [seen_disc(name, placed(point, pose), radius)]
@@ -52,7 +52,7 @@ def test_large_markers_are_not_drawn_to_the_nearer_side(pose, radius):
     assert np.hypot(*(found.measurement.pose[:2] - pose[:2])) < 0.02
     assert abs(found.measurement.pose[2] - pose[2]) < 1e-4
     # The mere middle of what is seen is off by what a large marker makes of the perspective.
-    middles = [MAP.to_world(blob.centroid) for blob in (found.red, found.blue)]
+    middles = [MAP.to_world(blob.centroid) for blob in found.pair.values()]
     corners = [placed(point, pose) for point in (RED, BLUE)]
     off = np.linalg.norm(np.subtract(middles, corners).mean(axis=0))
     assert off > 0.3 if radius == 50 else off < 0.05
@@ -69,5 +69,5 @@ def test_what_lies_where_the_lens_shows_nothing_is_no_marker():
     blobs = {color: [Blob(color, **place)] for color in ("red", "blue")}
     plane_map = robsim.imaging.PlaneMap(np.eye(3), folding)
     assert np.isnan(plane_map.to_world((1200, 900))).all()
-    markers = MarkerLayout.from_positions(RED, BLUE)
+    markers = MarkerLayout.from_positions({"right": RED, "left": BLUE})
     assert detect(blobs, markers, plane_map=plane_map).measurement is None

@@ -23,6 +23,7 @@ COLORS = (
     ColorClass("orange", u=(0, 92), v=(154, 255)),
 )
 NAMES = ("green", "orange")
+BY_ROLE = {"right": "green", "left": "orange"}
 
 RIGHT, LEFT = box(230, 220, 310, 320), box(80, 220, 160, 320)
 
@@ -40,9 +41,8 @@ def robot():
         size=120,
         alignment=90,
         outline=199.5 + 195 * np.column_stack((np.cos(rim), np.sin(rim))),
-        red=RIGHT,
-        blue=LEFT,
-        marker_colors=NAMES,
+        markers={"right": RIGHT, "left": LEFT},
+        marker_colors=BY_ROLE,
     )
 
 
@@ -79,7 +79,7 @@ def test_it_is_found_step_by_step():
     measurement = robsim.locate(blobs, MARKERS, image=frame, colors=COLORS)
     np.testing.assert_allclose(measurement.pose, (300, 400, 0.7), atol=0.05)
     assert measurement.signal_to_noise > 4
-    assert [blob.color for blob in measurement.pair] == list(NAMES)
+    assert [blob.color for blob in measurement.pair.values()] == list(NAMES)
     found = detect(blobs, MARKERS, image=frame)
     assert found.explanation.startswith("green and orange blobs ")
 
@@ -134,16 +134,16 @@ def test_colours_of_another_robot_are_refused():
 def test_the_names_are_kept_everywhere(tmp_path):
     again = pickle.loads(pickle.dumps(MARKERS))
     assert again == MARKERS
-    assert again.colors == NAMES
+    assert again.colors == BY_ROLE
     save_robot(tmp_path / "fruit", robot())
-    assert robsim.load_robot(tmp_path / "fruit").marker_colors == NAMES
-    positions = MarkerLayout.from_positions((0, 20), (0, -20), colors=NAMES)
-    assert positions.colors == NAMES
+    assert robsim.load_robot(tmp_path / "fruit").marker_colors == BY_ROLE
+    positions = MarkerLayout.from_positions({"right": (0, 20), "left": (0, -20)}, colors=BY_ROLE)
+    assert positions.colors == BY_ROLE
     assert eval(repr(positions), {"MarkerLayout": MarkerLayout}) == positions
-    assert positions != MarkerLayout.from_positions((0, 20), (0, -20))
+    assert positions != MarkerLayout.from_positions({"right": (0, 20), "left": (0, -20)})
     scenario = robsim.Scenario(robot=robot(), colors=COLORS, markers=positions, measure=True)
     read = robsim.Scenario.from_toml(scenario.to_toml())
-    assert read.robot.marker_colors == NAMES
+    assert read.robot.marker_colors == BY_ROLE
     assert read.markers == positions
 
 
@@ -158,7 +158,7 @@ def test_a_session_keeps_the_names(tmp_path):
     with robsim.Experiment(frames(), record=tmp_path / "session", **options) as experiment:
         experiment.run()
     session = robsim.sessions.Session(tmp_path / "session")
-    assert session.markers.colors == NAMES
+    assert session.markers.colors == BY_ROLE
     assert session.trace.seen.all()
 
 
@@ -166,25 +166,27 @@ def test_a_robot_of_these_colours_is_made_from_its_picture():
     made = robot_from_image(
         "fruit", picture(), alignment=90, colors=COLORS, marker_colors=list(NAMES)
     )
-    assert made.marker_colors == NAMES
-    np.testing.assert_allclose(made.marker_layout().red, MARKERS.red, atol=0.5)
+    assert made.marker_colors == BY_ROLE
+    np.testing.assert_allclose(
+        made.marker_layout().positions["right"], MARKERS.positions["right"], atol=0.5
+    )
     assert check_colors(made, COLORS).ok
     (problem, *_) = check_colors(made).sentences
-    assert problem.startswith("green marker: there is no colour green, only red, blue")
+    assert problem.startswith("right marker (green): there is no colour green, only red, blue")
 
 
 def test_a_robot_that_is_drawn_by_hand_keeps_its_colours():
     drawing = RobotDrawing(sketch_of(robot()))
-    assert drawing.definition("fruit").marker_colors == NAMES
-    assert len(guessed(drawing.sketch, "red", COLORS)) > 3
-    drawing.put("blue", RIGHT)
-    with pytest.raises(ValueError, match="green and orange markers must not overlap"):
+    assert drawing.definition("fruit").marker_colors == BY_ROLE
+    assert len(guessed(drawing.sketch, "green", COLORS)) > 3
+    drawing.put("orange", RIGHT)
+    with pytest.raises(ValueError, match=r"\(green\) and .* marker \(orange\) must not overlap"):
         drawing.definition("fruit")
 
 
 def test_its_figure_names_them():
     texts = plot_robot(robot()).get_figure().findobj(Text)
-    assert {"green marker", "orange marker"} <= {text.get_text() for text in texts}
+    assert {"right marker (green)", "left marker (orange)"} <= {text.get_text() for text in texts}
 
 
 def test_the_check_of_a_camera_names_them():
@@ -197,7 +199,9 @@ def test_the_check_of_a_camera_names_them():
     found, missed = reports
     assert found["robot detected"].verdict == "good"
     assert found["margin of orange"].value > 20
-    assert "train the orange marker's colour in this light" in missed["robot detected"].remedy
+    assert (
+        "train the left marker's colour, orange, in this light" in missed["robot detected"].remedy
+    )
 
 
 def test_its_colours_are_trained_on_a_recording():
@@ -215,24 +219,26 @@ def test_its_colours_are_trained_on_a_recording():
 @pytest.mark.parametrize(
     ("names", "error", "sentence"),
     [
-        (("green", "green"), ValueError, "names of two different colours"),
-        (("green", ""), ValueError, "1 to 40 printable characters"),
-        (("green", "a\nb"), ValueError, "1 to 40 printable characters"),
-        (("green",), (TypeError, ValueError), "colors must be"),
+        ({"right": "green", "left": "green"}, ValueError, "names of two different colours"),
+        ({"right": "green", "left": ""}, ValueError, "1 to 40 printable characters"),
+        ({"right": "green", "left": "a\nb"}, ValueError, "1 to 40 printable characters"),
+        ({"right": "green"}, ValueError, "colors must be"),
+        ({"front": "green", "back": "orange"}, ValueError, "colors must (be|have)"),
+        ({"red": "green", "blue": "orange"}, ValueError, "colors must be"),
+        (NAMES, TypeError, "colors must be"),
         ("ab", TypeError, "colors must be"),
     ],
 )
 def test_wrong_names(names, error, sentence):
     with pytest.raises(error, match=sentence):
         MarkerLayout(40, 10, colors=names)
-    with pytest.raises(error):
+    with pytest.raises(error, match=sentence):
         RobotDefinition(
             name="a",
             image=picture(),
             size=9,
-            alignment=0,
+            alignment=90,
             outline=box(0, 0, 399, 399),
-            red=RIGHT,
-            blue=LEFT,
+            markers={"right": RIGHT, "left": LEFT},
             marker_colors=names,
         )

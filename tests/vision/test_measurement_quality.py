@@ -31,8 +31,8 @@ def test_it_has_covariance_misfit_signal_to_noise_and_pair():
     assert (np.linalg.eigvalsh(measurement.covariance) > 0).all()
     assert 1 <= measurement.misfit < 1.5
     assert 15 < measurement.signal_to_noise < 25
-    assert measurement.pair == (step.detection.red, step.detection.blue)
-    assert measurement.pair[0] in step.blobs["red"]
+    assert measurement.pair == step.detection.pair
+    assert measurement.pair["right"] in step.blobs["red"]
     assert copy.deepcopy(measurement) == measurement
     assert hash(copy.copy(measurement)) == hash(measurement)
     assert "+-" in repr(measurement)
@@ -46,18 +46,22 @@ def test_what_is_not_known_is_none():
     blobs = robsim.find_blobs(simulation().frame, COLORS, markers=MARKERS)
     plain = robsim.locate(blobs, MARKERS, simulation().frame.plane_map)
     assert plain.covariance is None
-    assert [blob.color for blob in plain.pair] == ["red", "blue"]
+    assert [blob.color for blob in plain.pair.values()] == ["red", "blue"]
 
 
 def test_one_by_hand_has_what_it_was_given():
     blob = Blob("red", area=3, centroid=(1, 2), bounding_box=(0, 0, 3, 3))
     measurement = robsim.Measurement(
-        (1, 2, 3), covariance=np.eye(3), misfit=1.5, signal_to_noise=9, pair=(blob, blob)
+        (1, 2, 3),
+        covariance=np.eye(3),
+        misfit=1.5,
+        signal_to_noise=9,
+        pair={"right": blob, "left": blob},
     )
     np.testing.assert_array_equal(measurement.covariance, np.eye(3))
     assert not measurement.covariance.flags.writeable
     assert (measurement.misfit, measurement.signal_to_noise) == (1.5, 9)
-    assert measurement.pair == (blob, blob)
+    assert measurement.pair == {"right": blob, "left": blob}
     with pytest.raises(ValueError, match=r"covariance must .*\(3, 3\)"):
         robsim.Measurement((1, 2, 3), covariance=np.eye(2))
     with pytest.raises(ValueError, match="covariance must have variances of at least 0"):
@@ -112,11 +116,9 @@ def test_a_clean_pose_is_exact_to_a_few_hundredths_of_a_frame_pixel(resolution):
 
 
 def test_without_outlines_pixels_are_weighted_by_their_colour():
-    places = MarkerLayout.from_positions(
-        MARKERS.red, MARKERS.blue, red_area=MARKERS.red_area, blue_area=MARKERS.blue_area
-    )
-    assert places.red_polygon is None
-    assert MARKERS.red_polygon.shape == (24, 2)
+    places = MarkerLayout.from_positions(MARKERS.positions, areas=MARKERS.areas)
+    assert places.polygons is None
+    assert MARKERS.polygons["right"].shape == (24, 2)
     sim = simulation(headings=None)
     errors, squared = [], []
     for _ in range(20):
@@ -216,19 +218,19 @@ def test_the_batch_table_says_what_its_standard_errors_do_not_cover():
 @pytest.mark.parametrize(
     ("polygons", "says"),
     [
-        ({"red_polygon": MARKERS.red_polygon}, "blue_polygon must be given if that of the other"),
         (
-            {
-                "red_polygon": MARKERS.red_polygon + 3,
-                "blue_polygon": MARKERS.blue_polygon,
-            },
-            "red_polygon must have its centroid at the marker, got one 4.24",
+            {"right": MARKERS.polygons["right"]},
+            "polygons must be a dict with the roles 'right' and 'left' of these markers",
+        ),
+        (
+            {"right": MARKERS.polygons["right"] + 3, "left": MARKERS.polygons["left"]},
+            "the polygon of the right marker must have its centroid at the marker, got one 4.24",
         ),
     ],
 )
 def test_outlines_must_be_those_of_the_markers(polygons, says):
     with pytest.raises(ValueError, match=says):
-        MarkerLayout.from_positions(MARKERS.red, MARKERS.blue, **polygons)
+        MarkerLayout.from_positions(MARKERS.positions, polygons=polygons)
 
 
 @pytest.mark.parametrize(

@@ -193,7 +193,7 @@ def test_classes_that_need_brightness_have_no_second_chance():
 
 def test_the_frames_are_those_of_the_scene():
     frame = Light().frame(POSES[0], SIZE, 1, 0)
-    (x, y, heading), (forward, right) = POSES[0], MARKERS.red
+    (x, y, heading), (forward, right) = POSES[0], MARKERS.positions["right"]
     sine, cosine = np.sin(heading), np.cos(heading)
     red = x + forward * cosine - right * sine, y + forward * sine + right * cosine
     u, v = frame.plane_map.to_pixel(red).astype(int)

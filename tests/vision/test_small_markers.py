@@ -52,8 +52,12 @@ def test_the_window_suits_the_marker_and_the_noise(size, percent, window):
 
 def test_the_window_suits_the_smaller_marker_and_the_far_end_of_the_floor():
     frame = frame_of(1200, robsim.GaussianNoise(10))
-    unequal = MarkerLayout.from_positions((-14, 22), (-14, -22), red_area=900, blue_area=100)
-    one_known = MarkerLayout.from_positions((-14, 22), (-14, -22), red_area=100)
+    unequal = MarkerLayout.from_positions(
+        {"right": (-14, 22), "left": (-14, -22)}, areas={"right": 900, "left": 100}
+    )
+    one_known = MarkerLayout.from_positions(
+        {"right": (-14, 22), "left": (-14, -22)}, areas={"right": 100}
+    )
     assert window_of(frame, unequal) == window_of(frame, one_known) == 3
     # the far end, at the top, is seen at half the scale
     oblique = robsim.imaging.PlaneMap.from_points(
@@ -63,10 +67,12 @@ def test_the_window_suits_the_smaller_marker_and_the_far_end_of_the_floor():
 
 
 def test_the_width_of_a_marker():
-    assert LAB.width_in(frame_of(1200)) == pytest.approx(np.sqrt(LAB.red_area))
-    assert LAB.width_in(frame_of(240)) == pytest.approx(np.sqrt(LAB.red_area) / 5)
+    assert LAB.width_in(frame_of(1200)) == pytest.approx(np.sqrt(LAB.areas["right"]))
+    assert LAB.width_in(frame_of(240)) == pytest.approx(np.sqrt(LAB.areas["right"]) / 5)
     assert np.isnan(MarkerLayout(43, 14).width_in(frame_of(240)))
-    one_known = MarkerLayout.from_positions((-14, 22), (-14, -22), blue_area=100)
+    one_known = MarkerLayout.from_positions(
+        {"right": (-14, 22), "left": (-14, -22)}, areas={"left": 100}
+    )
     assert one_known.width_in(frame_of(1200)) == pytest.approx(10)
 
 
@@ -131,12 +137,13 @@ def test_false_alarms_are_the_pairs_to_be_expected_by_chance(rng):
     blobs = blobs_of(rng, 12, ((500, 500), 531), ((100, 100), 900))  # the second is too far off
     detection = detect(blobs, LAB)
     areas = {
-        color: (np.log([b.area / LAB.red_area for b in found]) / np.log(LAB.area_tolerance)) ** 2
+        color: (np.log([b.area / LAB.areas["right"] for b in found]) / np.log(LAB.area_tolerance))
+        ** 2
         for color, found in blobs.items()
     }
     others = {
         color: areas[color][[b != best for b in blobs[color]]]
-        for color, best in (("red", detection.red), ("blue", detection.blue))
+        for color, best in (("red", detection.pair["right"]), ("blue", detection.pair["left"]))
     }
     sums = others["red"][others["red"] <= 1][:, None] + others["blue"][others["blue"] <= 1]
     rest = np.clip(detection.misfit - sums, 0, 1)
@@ -203,7 +210,7 @@ def test_the_trusted_width_has_the_figure_4(noise):
 @pytest.mark.parametrize("percent", [10, 20, 30, 40])
 def test_the_trusted_width_is_where_robots_begin_to_be_found(percent):
     noise = robsim.GaussianNoise(percent)
-    px = trusted_width(2.55 * percent) / np.sqrt(LAB.red_area) * 1200
+    px = trusted_width(2.55 * percent) / np.sqrt(LAB.areas["right"]) * 1200
     poses = poses_within(np.random.default_rng(3), 40, margin=70)
 
     def seen(times):

@@ -89,7 +89,9 @@ def test_images_of_one_row_or_column(size):
     # Too small for the markers, whose window then depends on the noise between neighbours.
     image = np.zeros((*size, 3), np.uint8)
     image[..., 0] = 255
-    markers = robsim.vision.MarkerLayout.from_positions((0, 2), (0, -2), red_area=4, blue_area=4)
+    markers = robsim.vision.MarkerLayout.from_positions(
+        {"right": (0, 2), "left": (0, -2)}, areas={"right": 4, "left": 4}
+    )
     found = robsim.find_blobs(image, robsim.load_colors(), markers=markers)
     assert [blob.area for blob in found["red"]] == [image.shape[0] * image.shape[1]]
     assert found["blue"] == []

@@ -32,7 +32,9 @@ def box_at(frame, place, pose=POSE, half=2):
 
 
 def marker_boxes(frame, pose=POSE):
-    return {name: box_at(frame, getattr(MARKERS, name), pose) for name in ("red", "blue")}
+    return {
+        name: box_at(frame, MARKERS.positions[role], pose) for role, name in MARKERS.colors.items()
+    }
 
 
 # --- what counts as a colour
@@ -49,8 +51,8 @@ def test_weak_colours_that_stand_out_of_the_noise_are_trained_and_found(name):
     size = (600, 600)  # px, markers of 21 px
     frame = LIGHTS[name].frame(POSE, size, 1, 99)
     classes = [
-        ColorClass.from_region(frame, box_at(frame, getattr(MARKERS, color), half=6), name=color)
-        for color in ("red", "blue")
+        ColorClass.from_region(frame, box_at(frame, MARKERS.positions[role], half=6), name=color)
+        for role, color in MARKERS.colors.items()
     ]
     for i, pose in enumerate(((150.0, 400.0, 1.0), (480.0, 200.0, -2.0))):
         seen = LIGHTS[name].frame(pose, size, 1, i)

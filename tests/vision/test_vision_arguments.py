@@ -60,8 +60,17 @@ def test_detection(refusal):
     options(MarkerLayout, {"tolerance": (1,)}, 43, 14),
     options(
         MarkerLayout.from_markers,
-        {"red blue": NO_POLYGON, "red": ([[10**400, 0], [1, 0], [1, 1]],)},
-        **{"red": np.add(SQUARE, (0, 50)), "blue": SQUARE},
+        {
+            "markers": (
+                *({"right": polygon, "left": SQUARE} for polygon in NO_POLYGON),
+                *({"right": np.add(SQUARE, (0, 50)), "left": polygon} for polygon in NO_POLYGON),
+                {"right": [[10**400, 0], [1, 0], [1, 1]], "left": SQUARE},
+                {"right": np.add(SQUARE, (0, 50))},
+                {"right": np.add(SQUARE, (0, 50)), "back": SQUARE},
+                (np.add(SQUARE, (0, 50)), SQUARE),
+            )
+        },
+        **{"markers": {"right": np.add(SQUARE, (0, 50)), "left": SQUARE}},
     ),
 )
 def test_markers(refusal):
@@ -84,19 +93,19 @@ ROUND = 9 * np.column_stack([f(np.linspace(0, 2 * np.pi, 1001)) for f in (np.cos
     ids=["large", "far", "small", "crossed", "round"],
 )
 def test_polygons_beyond_all_bounds(polygon, words):
-    with pytest.raises(ValueError, match=f"^red must be a polygon {words}"):
-        MarkerLayout.from_markers(polygon, np.add(SQUARE, (0, 50)))
-    with pytest.raises(ValueError, match=f"^blue_polygon must be a polygon {words}"):
-        MarkerLayout.from_positions(
-            (0, 9), (0, -9), red_polygon=SQUARE - SQUARE.mean(axis=0), blue_polygon=polygon
-        )
+    with pytest.raises(ValueError, match=rf"^markers\['right'\] must be a polygon {words}"):
+        MarkerLayout.from_markers({"right": polygon, "left": np.add(SQUARE, (0, -50))})
+    polygons = {"right": SQUARE - SQUARE.mean(axis=0), "left": polygon}
+    with pytest.raises(ValueError, match=rf"^polygons\['left'\] must be a polygon {words}"):
+        MarkerLayout.from_positions({"right": (0, 9), "left": (0, -9)}, polygons=polygons)
 
 
 @pytest.mark.parametrize(
     "box", [(-(2**31), -(2**31), 2**31 - 1, 2**31 - 1), (5000, 5000, 5010, 5010), (7, 0, 9, 6)]
 )
 @pytest.mark.parametrize(
-    "markers", [MARKERS, MarkerLayout.from_markers(np.add(SQUARE, (0, 43)), SQUARE)]
+    "markers",
+    [MARKERS, MarkerLayout.from_markers({"right": np.add(SQUARE, (0, 43)), "left": SQUARE})],
 )
 def test_blobs_of_another_frame_leave_the_measurement_as_it_is(box, markers):
     places = {"red": (600, 621.5), "blue": (600, 578.5)}
@@ -129,4 +138,4 @@ def test_as_many_blobs_are_considered_as_the_markers_say():
 
 def test_markers_in_one_place():
     with pytest.raises(ValueError, match="distance between the markers"):
-        MarkerLayout.from_markers(SQUARE, SQUARE)
+        MarkerLayout.from_markers({"right": SQUARE, "left": SQUARE})

@@ -73,6 +73,7 @@ struct Expected<std::shared_ptr<T>> : Expected<T> {};
 template <typename T>
 struct Expected<std::optional<T>> {
   static std::string text(py::handle value) { return Expected<T>::text(value) + " or None"; }
+  static std::string many() { return Expected<T>::many() + " or None"; }
 };
 
 template <typename T>

@@ -51,13 +51,16 @@ std::string explain_distance(const Detection& d) {
          " times as large: is it another size of the work area, or another robot?";
 }
 
-std::string explain_area(const std::string& color, double seen, double expected) {
-  return color + " " + number(seen, 0) + " of " + number(expected, 0) + " px^2";
+std::string explain_area(const std::string& role, const std::string& color, double seen,
+                         double expected) {
+  return role + " marker (" + color + ") " + number(seen, 0) + " of " + number(expected, 0) +
+         " px^2";
 }
 
 std::string explain_areas(const Detection& d) {
   const std::string pair = both(d) + " blobs " + px(d.distance) + " apart, as the markers are, ";
   const Marker &first = d.markers.first, &second = d.markers.second;
+  const auto& [first_role, second_role] = names_of(d.markers.roles);
   const double first_expected = std::isnan(first.area) ? d.second_area : first.area;
   const double second_expected = std::isnan(second.area) ? d.first_area : second.area;
   const double tolerance = d.markers.area_tolerance;
@@ -66,15 +69,17 @@ std::string explain_areas(const Detection& d) {
   const bool is_large =
       d.first_area > tolerance * first_expected || d.second_area > tolerance * second_expected;
   const std::string areas = pair + "have other areas than these: " +
-                            explain_area(first.color, d.first_area, first_expected) + ", " +
-                            explain_area(second.color, d.second_area, second_expected);
+                            explain_area(first_role, first.color, d.first_area, first_expected) +
+                            ", " +
+                            explain_area(second_role, second.color, d.second_area, second_expected);
   if (is_small && is_large) return areas + ": is it another robot?";
   if (is_small) return areas + ": are the frames darker than the colour ranges allow?";
   return areas + ": has something beside the markers their colour?";
 }
 
-std::string explain_missing(const std::string& what) {
-  return "no " + what + " blob was detected: check the frame and the colours";
+std::string explain_missing(const std::string& color, const std::string& role) {
+  return "no " + color + " blob was detected that could be the " + role +
+         " marker: check the frame and the colours";
 }
 
 // Rounded away from what is compared with it: 4.96 is not shown as 5.0 where that is enough.
@@ -96,11 +101,11 @@ std::string small_markers(double width, double noise) {
 std::string explain_result(const Detection& d) {
   switch (d.result) {
     case DetectionResult::no_blobs:
-      return explain_missing(both(d, " and no "));
+      return "no " + both(d, " and no ") + " blob was detected: check the frame and the colours";
     case DetectionResult::no_first_blob:
-      return explain_missing(d.markers.first.color);
+      return explain_missing(d.markers.first.color, names_of(d.markers.roles)[0]);
     case DetectionResult::no_second_blob:
-      return explain_missing(d.markers.second.color);
+      return explain_missing(d.markers.second.color, names_of(d.markers.roles)[1]);
     case DetectionResult::at_border:
       return "all " + both(d, " or all ") +
              " blobs touch the border of the frame, where a marker may be cut off";

@@ -132,11 +132,13 @@ double unlikeness(const Pair& pair, const MarkerLayout& markers) {
 // The markers' line gives the heading, their midpoint and the heading give the centre.
 Pose pose_from(const Pair& pair, const MarkerLayout& markers) {
   const auto& [first, second] = pair;
-  const auto direction = [](const Point& from, const Point& to) {
+  const auto direction = [&](const Point& one, const Point& other) {
+    const bool is_first = markers.is_first_farther_right();
+    const Point &to = is_first ? one : other, &from = is_first ? other : one;
     return elementary::atan2(to.y - from.y, to.x - from.x);
   };
-  const double heading = wrap_angle(direction(second.position, first.position) -
-                                    direction(markers.second.position, markers.first.position));
+  const double heading = wrap_angle(direction(first.position, second.position) -
+                                    direction(markers.first.position, markers.second.position));
   // centre = midpoint seen - R(heading) midpoint in the robot's frame
   const double x = (markers.first.position.x + markers.second.position.x) / 2;
   const double y = (markers.first.position.y + markers.second.position.y) / 2;
@@ -299,15 +301,15 @@ Detection choose(const BlobsByColor& blobs, const MarkerLayout& markers, const P
   } else {
     detection.measurement = Measurement{};
     detection.measurement->pose = pose_from(*best, markers, map);
-    detection.measurement->pair = MarkerPair{*detection.first, *detection.second};
+    detection.measurement->pair = MarkerPair{*detection.first, *detection.second, markers.roles};
   }
   return detection;
 }
 
-Marker marker_from(const Polygon& polygon, const std::string& color) {
-  check_polygon(polygon, color.c_str());
+Marker marker_from(const Polygon& polygon, const std::string& color, const std::string& role) {
+  check_polygon(polygon, role);
   return {color, polygon_centroid(polygon), polygon_area(polygon),
-          std::make_shared<MarkerShape>(polygon, color)};
+          std::make_shared<MarkerShape>(polygon, role)};
 }
 
 }  // namespace
@@ -328,10 +330,12 @@ MarkerLayout MarkerLayout::across(double distance, double offset,
 }
 
 MarkerLayout MarkerLayout::from_markers(const Polygon& first, const Polygon& second,
-                                        const std::array<std::string, 2>& colors) {
+                                        const std::array<std::string, 2>& colors,
+                                        MarkerRoles roles) {
   MarkerLayout markers;
-  markers.first = marker_from(first, colors[0]);
-  markers.second = marker_from(second, colors[1]);
+  markers.roles = roles;
+  markers.first = marker_from(first, colors[0], names_of(roles)[0]);
+  markers.second = marker_from(second, colors[1], names_of(roles)[1]);
   check_marker_layout(markers);
   return markers;
 }
@@ -341,14 +345,16 @@ double MarkerLayout::distance() const {
   return elementary::hypot(to.x - from.x, to.y - from.y);
 }
 
+bool MarkerLayout::is_first_farther_right() const { return first.position.y >= second.position.y; }
+
 double MarkerLayout::offset() const { return -(first.position.x + second.position.x) / 2; }
 
 namespace {
 
 // An outline must be that of the marker, and come with that of the other one.
-void check_outline(const Marker& marker, const char* polygon_name, const MarkerLayout& markers) {
+void check_outline(const Marker& marker, const std::string& role, const MarkerLayout& markers) {
   if (!markers.first.shape && !markers.second.shape) return;
-  const std::string polygon = polygon_name;
+  const std::string polygon = "the polygon of the " + role + " marker";
   if (!marker.shape) {
     throw std::invalid_argument(polygon + " must be given if that of the other marker is");
   }
@@ -376,14 +382,19 @@ void check_marker_layout(const MarkerLayout& markers) {
     throw std::invalid_argument("distance between the markers must be at least 0.001 px, got " +
                                 to_text(markers.distance()));
   }
+  if (const auto problem =
+          contradiction(markers.roles, markers.first.position, markers.second.position)) {
+    throw std::invalid_argument(*problem);
+  }
   for (const double area : {markers.first.area, markers.second.area}) {
     if (!std::isnan(area) && !(std::isfinite(area) && area > 0)) {
       throw std::invalid_argument("marker area must be positive and finite, or NaN, got " +
                                   to_text(area));
     }
   }
-  check_outline(markers.first, "red_polygon", markers);
-  check_outline(markers.second, "blue_polygon", markers);
+  const auto& [first_role, second_role] = names_of(markers.roles);
+  check_outline(markers.first, first_role, markers);
+  check_outline(markers.second, second_role, markers);
   if (markers.maximum_blobs < 1) {
     throw std::invalid_argument("maximum_blobs must be at least 1, got " +
                                 std::to_string(markers.maximum_blobs));

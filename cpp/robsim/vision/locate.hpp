@@ -10,6 +10,7 @@
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/find_blobs.hpp"
 #include "robsim/vision/fit/pose_fit.hpp"
+#include "robsim/vision/marker_roles.hpp"
 
 namespace robsim {
 
@@ -17,6 +18,7 @@ namespace robsim {
 struct MarkerPair {
   Blob first;
   Blob second;
+  MarkerRoles roles = MarkerRoles::right_left;
 };
 
 /// The pose of a detected robot, and how good it is, as far as that is known.
@@ -45,26 +47,31 @@ inline const std::array<std::string, 2> default_marker_colors = {"red", "blue"};
 struct MarkerLayout {
   Marker first{default_marker_colors[0]};
   Marker second{default_marker_colors[1]};
+  MarkerRoles roles = MarkerRoles::right_left;
   double distance_tolerance = 0.12;  // fraction of the distance between the markers
   double area_tolerance = 2.5;       // maximum ratio between an area and its expected value
   int maximum_blobs = 64;            // blobs considered per colour, the largest first
 
-  /// The layout of the manual: the line from the second to the first is perpendicular to the
-  /// heading, the first on the robot's right; the centre lies `offset` px ahead of its midpoint.
+  /// The layout of the manual: the line from the left marker to the right one is perpendicular to
+  /// the heading; the centre lies `offset` px ahead of its midpoint.
   static MarkerLayout across(double distance, double offset,
                              const std::array<std::string, 2>& colors = default_marker_colors);
 
   /// From marker polygons in the robot's frame.
-  static MarkerLayout from_markers(
-      const Polygon& first, const Polygon& second,
-      const std::array<std::string, 2>& colors = default_marker_colors);
+  static MarkerLayout from_markers(const Polygon& first, const Polygon& second,
+                                   const std::array<std::string, 2>& colors = default_marker_colors,
+                                   MarkerRoles roles = MarkerRoles::right_left);
 
   double distance() const;  // between the two markers
   double offset() const;    // from the midpoint of the markers forward to the centre
+
+  /// Poses are computed from that one on: so their last digits do not depend on the roles.
+  bool is_first_farther_right() const;
 };
 
 /// Throws std::invalid_argument for colours without a name or of the same one, values that are not
-/// finite, coincident markers and tolerances that no pair can meet.
+/// finite, coincident markers, roles that contradict the positions and tolerances that no pair can
+/// meet.
 void check_marker_layout(const MarkerLayout& markers);
 
 /// What the choice of a pair of blobs came to.

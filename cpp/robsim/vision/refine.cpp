@@ -85,7 +85,10 @@ void refine(Detection& detection, const ImageView& image, const PlaneMap& map, i
   const MarkerLayout& markers = detection.markers;
   std::optional<PoseFit> fit;
   if (markers.first.shape && markers.second.shape) {
-    fit = fit_pose(image, map, *markers.first.shape, *markers.second.shape, measurement.pose);
+    const bool is_first = markers.is_first_farther_right();
+    const Marker& one = is_first ? markers.first : markers.second;
+    const Marker& other = is_first ? markers.second : markers.first;
+    fit = fit_pose(image, map, *one.shape, *other.shape, measurement.pose);
   }
   if (fit) {
     measurement.misfit = fit->misfit;

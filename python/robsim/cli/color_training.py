@@ -174,11 +174,11 @@ def _markers(
     markers = load_robot(robot).marker_layout()
     if texts and colors is not None:
         raise ValueError("--colors and --region of a recording must not both be given")
-    regions = _regions_of_markers(texts, markers.colors) if texts else None
+    regions = _regions_of_markers(texts, [*markers.colors.values()]) if texts else None
     return train_markers(source, markers, colors=colors, regions=regions, margin=margin)
 
 
-def _regions_of_markers(texts: Sequence[str], names: tuple[str, str]) -> dict[str, Region]:
+def _regions_of_markers(texts: Sequence[str], names: Sequence[str]) -> dict[str, Region]:
     """Return the regions of both markers from texts such as red=578,613,594,630."""
     regions = {}
     first, second = names

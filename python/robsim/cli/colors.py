@@ -85,8 +85,9 @@ def frame(
         _write_image(file, simulation.frame.image)
     errors.say(f"frame of the robot {simulation.robot.name} written to {file}")
     seen = simulation.robot
-    for name, polygon in zip(seen.marker_colors, (seen.red, seen.blue), strict=True):
-        errors.say(f"  {name:<4} marker: {_marker_region(simulation, polygon, start)}")
+    for role, polygon in seen.markers.items():
+        marker = f"{role} marker ({seen.marker_colors[role]})"
+        errors.say(f"  {marker}: {_marker_region(simulation, polygon, start)}")
 
 
 @app.command("list", cls=Command, epilog="Example: robsim colors list")

@@ -45,6 +45,8 @@ def in_words_of_the_shell(text: str) -> str:
     for name, option in _option_of.items():
         # "steps must be ...", "area: ...", "measure=True", "control=...", "time_limit = 3 s"
         text = re.sub(rf"(^|; | and ){name}(?=( and [\w-]+)? must\b|: )", rf"\1{option}", text)
+        # "markers['red'] must be ..."
+        text = re.sub(rf"(^|; ){name}\['([^']*)'\](?= must\b)", rf"\1{option} \2", text)
         text = re.sub(rf"\b{name}(=True( \(--[\w-]+\))?|=\.\.\.|(?= = ))", option, text)
     for slot in SLOTS:
         text = text.replace(f"{slot}=...", f"a file {slot}.py")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from robsim._base.text import one_line
+from robsim._base.text import one_line, quoted
 from robsim.cli import errors
 from robsim.cli.command import Command
 from robsim.cli.shared import SWITCH
@@ -115,8 +115,8 @@ def show(
     cls=Command,
     help="Add a robot to your user folder.\n\n"
     "Options that are not given are derived from an image, or copied from another robot. The "
-    "surroundings of the robot in the image must be transparent, or --outline be given. Options "
-    "call the first marker red and the second blue, whatever --marker-colors are. Check the "
+    "surroundings of the robot in the image must be transparent, or --outline be given. The roles "
+    "of the markers, right and left, or front and back, follow from where they lie. Check the "
     "result with [bold]robsim robots show[/], rotate it with [bold]robsim robots rotate[/].",
     epilog="Example: robsim robots add mine photo.png --size 120",
 )
@@ -164,20 +164,14 @@ def add(
             show_default="around the opaque pixels",
         ),
     ] = None,
-    red: Annotated[
-        str | None,
+    markers: Annotated[
+        list[str] | None,
         typer.Option(
-            metavar="POINTS",
-            help="Polygon of the first marker.",
-            show_default="the largest blob of its colour",
-        ),
-    ] = None,
-    blue: Annotated[
-        str | None,
-        typer.Option(
-            metavar="POINTS",
-            help="Polygon of the second marker.",
-            show_default="the largest blob of its colour",
+            "--marker",
+            metavar="NAME=POINTS",
+            help="Polygon of the marker of a colour, as 'red=120,40 180,40 180,90'. Can be "
+            "repeated.",
+            show_default="the largest blob of each colour",
         ),
     ] = None,
     colors: Colors = None,
@@ -186,7 +180,8 @@ def add(
         typer.Option(
             "--marker-colors",
             metavar="NAME,NAME",
-            help="Colours of the first and the second marker, as the colour file names them.",
+            help="Colours of the two markers, as the colour file names them; to give another "
+            "robot's markers others, in the order of their roles.",
             show_default="red,blue",
         ),
     ] = None,
@@ -211,8 +206,7 @@ def add(
             alignment=alignment,
             centre=parse_point("--centre", centre),
             outline=parse_points("--outline", outline),
-            red=parse_points("--red", red),
-            blue=parse_points("--blue", blue),
+            markers=_parsed_markers(markers) if markers else None,
             colors=colors,
             marker_colors=marker_colors.split(",") if marker_colors else None,
             overwrite=overwrite,
@@ -220,6 +214,21 @@ def add(
         )
     errors.show(_described(robot))
     errors.say(f"added: check it with `robsim robots show {name}`, then `robsim robots use {name}`")
+
+
+def _parsed_markers(texts: list[str]) -> dict[str, list[tuple[float, float]]]:
+    """Return the polygons of markers by colour from texts such as red=120,40 180,40 180,90."""
+    markers = {}
+    for text in texts:
+        color, equals, points = text.partition("=")
+        polygon = parse_points("--marker", points)
+        if not equals or not color or color in markers or polygon is None:
+            raise ValueError(
+                "--marker must be one for each colour, such as 'red=120,40 180,40 180,90', got "
+                f"{quoted(text)}"
+            )
+        markers[color] = polygon
+    return markers
 
 
 # A negative number is not an option here.
@@ -299,7 +308,6 @@ def _described(robot: RobotDefinition) -> str:
     markers = robot.marker_layout()
     assert robot.centre is not None
     right, down = robot.centre
-    first, second = robot.marker_colors
     side = "behind" if markers.offset >= 0 else "ahead of"
     offset = f"{abs(markers.offset):.1f} px {side} the centre"
     return (
@@ -308,6 +316,8 @@ def _described(robot: RobotDefinition) -> str:
         f"  centre     at ({right:.1f}, {down:.1f}) of the image\n"
         f"  outline    up to {robot.radius:.1f} px from the centre\n"
         f"  markers    {markers.distance:.1f} px apart, {offset}\n"
-        f"  areas      {first} {markers.red_area:.0f}, {second} {markers.blue_area:.0f} px of the "
-        "work area"
+        + "\n".join(
+            f"  {role:<10} {color}, {markers.areas[role]:.0f} px of the work area"
+            for role, color in markers.colors.items()
+        )
     )

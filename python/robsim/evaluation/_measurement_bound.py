@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -28,10 +28,7 @@ class _Robot(Protocol):
     """A robot definition, as far as the bound needs it."""
 
     @property
-    def red(self) -> Floats: ...
-
-    @property
-    def blue(self) -> Floats: ...
+    def markers(self) -> Mapping[str, Floats]: ...
 
     def to_robot_frame(self, points: ArrayLike) -> Floats: ...
 
@@ -222,7 +219,7 @@ def _inverse(information: Floats) -> Floats:
 def marker_polygons(robot: Any) -> list[Floats]:
     """Return the polygons of the markers in the robot's frame."""
     if hasattr(robot, "to_robot_frame"):
-        return [robot.to_robot_frame(robot.red), robot.to_robot_frame(robot.blue)]
+        return [robot.to_robot_frame(polygon) for polygon in robot.markers.values()]
     if not isinstance(robot, (list, tuple)) or not robot:
         raise TypeError(
             "robot must be a RobotDefinition or a sequence of the markers' polygons, "

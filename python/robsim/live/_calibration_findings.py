@@ -27,16 +27,15 @@ class MarkerPair:
 
     Attributes
     ----------
-    red, blue : array (2,)
-        Pixels (u, v).
+    pixels : array (2, 2)
+        (u, v) of both, in the order of their roles.
     middle : array (2,)
         Their middle on the work area (px).
     ratio : float
         Their distance on the work area, by that of the robot's definition.
     """
 
-    red: Floats
-    blue: Floats
+    pixels: Floats
     middle: Floats
     ratio: float
 
@@ -52,17 +51,18 @@ def marker_pair(
     Then they are the largest blob of each colour.
     """
     found = []
-    for name, one in zip(markers.colors, (detection.red, detection.blue), strict=True):
-        blob = one or max(blobs.get(name, ()), key=lambda blob: blob.area, default=None)
+    for role, name in markers.colors.items():
+        largest = max(blobs.get(name, ()), key=lambda blob: blob.area, default=None)
+        blob = detection.pair[role] if detection.pair else largest
         if blob is None:
             return None
-        found.append(np.array(blob.centroid, float))
-    red, blue = found
-    placed = frame.plane_map.to_world(np.array(found))
+        found.append(blob.centroid)
+    pixels = np.array(found)
+    placed = frame.plane_map.to_world(pixels)
     distance = float(np.linalg.norm(placed[0] - placed[1]))
     if not math.isfinite(distance):
         return None
-    return MarkerPair(red, blue, placed.mean(axis=0), distance / markers.distance)
+    return MarkerPair(pixels, placed.mean(axis=0), distance / markers.distance)
 
 
 def median_excess(pairs: Sequence[MarkerPair]) -> float:
@@ -105,7 +105,7 @@ def explaining_height(
     floor, scale = calibration.floor, calibration.mm_per_px
     if floor is None or calibration.intrinsics is None or scale is None or not pairs:
         return None
-    pixels = np.array([(one.red, one.blue) for one in pairs]).reshape(-1, 2)
+    pixels = np.concatenate([one.pixels for one in pairs])
 
     def ratio(height: float) -> float:
         there = (floor.at_height(height) if height else floor).to_world(pixels).reshape(-1, 2, 2)

@@ -179,7 +179,7 @@ def check_camera(
         blobs=blobs,
         measurement=detection.measurement,
         robot=definition,
-        remarks=tuple(_remarks(findings, motors, look.markers.colors)),
+        remarks=tuple(_remarks(findings, motors, [*look.markers.colors.values()])),
     )
 
 
@@ -196,7 +196,7 @@ def _frames_of(camera: Camera, seconds: float) -> Iterator[Frame]:
 
 
 def _remarks(
-    findings: Iterable[CameraFinding], motors: Any, colors: tuple[str, str]
+    findings: Iterable[CameraFinding], motors: Any, colors: Iterable[str]
 ) -> Iterator[str]:
     names = [finding.name for finding in findings if finding.verdict == NOT_KNOWN]
     if "exposure to arrival" in names:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,10 +63,10 @@ _REMEDIES = {
 }
 
 
-def _remedy(reason: str | None, colors: tuple[str, str]) -> str | None:
-    for color in colors:
+def _remedy(reason: str | None, colors: Mapping[str, str]) -> str | None:
+    for role, color in colors.items():
         if reason == f"no {color} blob":
-            return f"train the {color} marker's colour in this light: robsim colors train"
+            return f"train the {role} marker's colour, {color}, in this light: robsim colors train"
     return _REMEDIES.get(reason or "")
 
 

@@ -45,8 +45,10 @@ class CameraLook:
         self, robot: RobotDefinition, colors: Sequence[ColorClass], smoothing: int | None
     ) -> None:
         self.markers: MarkerLayout = robot.marker_layout()
-        polygons = zip(self.markers.colors, (robot.red, robot.blue), strict=True)
-        self._corners = {name: robot.to_robot_frame(polygon) for name, polygon in polygons}
+        self._corners = {
+            color: robot.to_robot_frame(robot.markers[role])
+            for role, color in self.markers.colors.items()
+        }
         self._colors = {color.name: color for color in colors}
         self._smoothing = smoothing
         self.detections: list[Detection] = []
@@ -94,10 +96,9 @@ class CameraLook:
                 self.marker_light[name].append(light)
 
     def _found(self, detection: Detection) -> dict[str, Blob]:
-        """Return the blobs of a robot that was detected."""
-        assert detection.red is not None
-        assert detection.blue is not None
-        return dict(zip(self.markers.colors, (detection.red, detection.blue), strict=True))
+        """Return the blobs of a robot that was detected, by colour."""
+        assert detection.pair is not None
+        return {blob.color: blob for blob in detection.pair.values()}
 
     def _others(self, blobs: Mapping[str, Sequence[Blob]], detection: Detection) -> int:
         """Return how many blobs there are as large as markers, besides the two."""

@@ -81,7 +81,7 @@ def _body(robot: RobotDefinition) -> tuple[Floats, Floats]:
     small = resized(robot.image, columns, rows)
     scale = np.array((columns / width, rows / height))
     is_body = small[..., 3] > _OPAQUE
-    for marker in (robot.red, robot.blue):
+    for marker in robot.markers.values():
         polygon = (marker + 0.5) * scale - 0.5
         centroid = area_and_centroid(polygon)[1]
         is_body &= ~mask(centroid + _AROUND_MARKER * (polygon - centroid), columns, rows)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
@@ -10,15 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, check_float, check_int, check_name
+from robsim._base.geometry.marker_roles import ROLES, ByRole, roles_of
+from robsim._base.geometry.polygons import area_and_centroid
 from robsim._base.text import quoted
 from robsim._base.values import digest, frozen
-from robsim._core import MarkerLayout, cos, sin
+from robsim._core import MarkerLayout, cos, fitting_roles, sin
 from robsim.imaging._images import Pixels, check_pixels
 from robsim.robots._geometry_check import geometry_problems
 from robsim.robots._polygon_checks import finite_array, polygon
 
-#: The colours of a robot that names no others.
-DEFAULT_COLORS = MarkerLayout(distance=1, offset=0).colors
+#: The colours of the markers of a robot that names no others.
+DEFAULT_COLORS = tuple(MarkerLayout(distance=1, offset=0).colors.values())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,24 +41,27 @@ class RobotDefinition:
         Width of the image on the work area (px).
     alignment : float
         Clockwise rotation of the image (degrees) after which the robot faces right.
-    outline, red, blue : array (N, 2)
-        Polygons around the robot and its markers (image px): right, down from the centre of the
-        top left pixel. The first marker is called ``red`` and the second one ``blue``, whatever
-        the `marker_colors` are.
+    outline : array (N, 2)
+        Polygon around the robot (image px): right, down from the centre of the top left pixel.
+    markers : dict of str to array (N, 2)
+        Polygons around the two markers (image px) by their roles, which say where they sit:
+        ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``.
     centre : array (2,), optional
         The robot's centre (image px). Default: the centre of the image.
     maximum_blobs : int
         Number of the largest blobs of each colour among which the markers are searched.
-    marker_colors : tuple of 2 str
-        Names of the colour classes of the first and of the second marker: those of a colour file,
-        such as ``("green", "orange")``.
+    marker_colors : dict of str to str, optional
+        By role, the names of the markers' colour classes: those of a colour file, such as
+        ``{"front": "green", "back": "orange"}``. Default: the right or front marker is red, the
+        other one blue.
 
     Raises
     ------
     TypeError, ValueError
         If an argument has the wrong type or shape or is out of range; the message names it.
         Polygons must not intersect themselves, the centre and the markers must lie inside the
-        outline, the markers must not overlap.
+        outline, the markers must not overlap, and their roles be true after the rotation by
+        `alignment`.
     """
 
     name: str
@@ -63,11 +69,10 @@ class RobotDefinition:
     size: float
     alignment: float
     outline: Floats = field(repr=False)
-    red: Floats = field(repr=False)
-    blue: Floats = field(repr=False)
+    markers: Mapping[str, Floats] = field(repr=False)
     centre: Floats | None = None
     maximum_blobs: int = 64
-    marker_colors: tuple[str, str] = DEFAULT_COLORS
+    marker_colors: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         image = check_pixels("image", self.image, 4)
@@ -75,14 +80,30 @@ class RobotDefinition:
         check_float("size", self.size, "work-area px", minimum=1, maximum=10_000)
         check_float("alignment", self.alignment, "degrees")
         check_int("maximum_blobs", self.maximum_blobs, minimum=1, maximum=100_000)
-        object.__setattr__(self, "marker_colors", check_marker_colors(self.marker_colors))
         height, width = image.shape[:2]
         centre = ((width - 1) / 2, (height - 1) / 2) if self.centre is None else self.centre
         object.__setattr__(self, "image", frozen(image))
         object.__setattr__(self, "centre", frozen(finite_array("centre", centre, (2,))))
-        for name in ("outline", "red", "blue"):
-            object.__setattr__(self, name, frozen(polygon(name, getattr(self, name))))
+        object.__setattr__(self, "outline", frozen(polygon("outline", self.outline)))
+        self._check_markers()
         self._check_geometry()
+
+    def _check_markers(self) -> None:
+        roles = roles_of("markers", self.markers)
+        polygons = {
+            role: frozen(polygon(f"markers[{role!r}]", self.markers[role])) for role in roles
+        }
+        given = self.marker_colors
+        if isinstance(given, Mapping) and not given:
+            given = dict(zip(roles, DEFAULT_COLORS, strict=True))
+        if roles_of("marker_colors", given) != roles:
+            raise ValueError(
+                f"marker_colors must have the roles of the markers, {' and '.join(roles)}, got "
+                f"{quoted(list(given))}"
+            )
+        names = check_color_names("marker_colors", [given[role] for role in roles])
+        object.__setattr__(self, "markers", ByRole(polygons))
+        object.__setattr__(self, "marker_colors", ByRole(dict(zip(roles, names, strict=True))))
 
     def _check_geometry(self) -> None:
         height, width = self.image.shape[:2]
@@ -92,13 +113,14 @@ class RobotDefinition:
             height=height,
             centre=self.centre,
             outline=self.outline,
-            red=self.red,
-            blue=self.blue,
-            colors=self.marker_colors,
+            markers={
+                f"{role} marker ({self.marker_colors[role]})": polygon
+                for role, polygon in self.markers.items()
+            },
         )
         if problems:
             raise ValueError("; ".join(problems))
-        self.marker_layout()  # raises if the markers share a position
+        self.marker_layout()  # raises if the roles are not true
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RobotDefinition):
@@ -118,15 +140,13 @@ class RobotDefinition:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        for name, value in state.items():  # a pickled array is writable again
-            kept = frozen(value) if isinstance(value, np.ndarray) else value
-            object.__setattr__(self, name, kept)
+        for name, value in state.items():
+            object.__setattr__(self, name, _frozen(value))
 
     @cached_property
     def _content(self) -> tuple[object, ...]:
         """All that the definition says, without its arrays."""
-        values = (getattr(self, field.name) for field in fields(self))
-        return tuple(digest(v) if isinstance(v, np.ndarray) else v for v in values)
+        return tuple(_digest(getattr(self, field.name)) for field in fields(self))
 
     @property
     def unit(self) -> float:
@@ -153,11 +173,7 @@ class RobotDefinition:
         """
         assert self.centre is not None
         positions = finite_array("points", points, (-1, 2))
-        right, down = ((positions - self.centre) * self.unit).T
-        alignment = np.deg2rad(self.alignment)
-        along, across = cos(alignment), sin(alignment)
-        # (forward, right) = R(alignment) (right, down), R clockwise as y points down
-        return np.column_stack((along * right - across * down, across * right + along * down))
+        return _rotated((positions - self.centre) * self.unit, self.alignment)
 
     @cached_property
     def radius(self) -> float:
@@ -171,21 +187,92 @@ class RobotDefinition:
     @cached_property
     def _marker_layout(self) -> MarkerLayout:
         return MarkerLayout.from_markers(
-            self.to_robot_frame(self.red),
-            self.to_robot_frame(self.blue),
+            {role: self.to_robot_frame(polygon) for role, polygon in self.markers.items()},
             maximum_blobs=self.maximum_blobs,
             colors=self.marker_colors,
         )
 
 
-def check_marker_colors(names: Any) -> tuple[str, str]:
+def roles_by_color(polygons: Mapping[str, Floats], alignment: float) -> dict[str, str]:
+    """Return the roles of two markers by their colours, as the heading makes them.
+
+    Parameters
+    ----------
+    polygons : dict of str to array (N, 2)
+        Of the markers, by colour (image px).
+    alignment : float
+        That of the robot (degrees).
+
+    Returns
+    -------
+    dict of str to str
+        Per colour its role, the first marker before the second.
+    """
+    places = np.array([area_and_centroid(polygon)[1] for polygon in polygons.values()])
+    roles = fitting_roles(*_rotated(places, alignment))
+    pairs = list(zip(polygons, roles, strict=True))
+    return dict(pairs if roles in ROLES else reversed(pairs))
+
+
+def from_colors(
+    markers: Mapping[str, ArrayLike], alignment: float, **parts: Any
+) -> RobotDefinition:
+    """Return a robot whose markers are given by their colours: their roles follow.
+
+    Parameters
+    ----------
+    markers : dict of str to array (N, 2)
+        Polygons around the markers (image px) by their colours.
+    alignment : float
+        As of `RobotDefinition`, as are all other arguments.
+    """
+    check_float("alignment", alignment, "degrees")
+    polygons = {color: polygon(f"markers[{color!r}]", given) for color, given in markers.items()}
+    roles = roles_by_color(polygons, alignment)
+    return RobotDefinition(
+        markers={role: polygons[color] for color, role in roles.items()},
+        marker_colors={role: color for color, role in roles.items()},
+        alignment=alignment,
+        **parts,
+    )
+
+
+def by_color(robot: RobotDefinition) -> dict[str, Floats]:
+    """Return the polygons around a robot's markers by their colours."""
+    return {robot.marker_colors[role]: polygon for role, polygon in robot.markers.items()}
+
+
+def check_color_names(argument: str, names: Any) -> tuple[str, str]:
     """Return the names of the colours of two markers, checked."""
-    expected = "marker_colors must be the names of two different colours"
+    expected = f"{argument} must be the names of two different colours"
     if not isinstance(names, (tuple, list)):
         raise TypeError(f"{expected}, got {quoted(names)}")
     if len(names) != len(DEFAULT_COLORS):
         raise ValueError(f"{expected}, got {quoted(names)}")
-    first, second = (check_name("a name in marker_colors", name) for name in names)
+    first, second = (check_name(f"a name in {argument}", name) for name in names)
     if first == second:
         raise ValueError(f"{expected}, got {quoted(names)}")
     return first, second
+
+
+def _rotated(positions: Floats, alignment: float) -> Floats:
+    """Rotate positions (N, 2), right and down, by the alignment (degrees): forward, right."""
+    right, down = positions.T
+    angle = np.deg2rad(alignment)
+    along, across = cos(angle), sin(angle)
+    # (forward, right) = R(alignment) (right, down), R clockwise as y points down
+    return np.column_stack((along * right - across * down, across * right + along * down))
+
+
+def _frozen(value: Any) -> Any:
+    """Return the value of a field that nobody can change: a pickled array is writable again."""
+    if isinstance(value, ByRole):
+        return ByRole({role: _frozen(one) for role, one in value.items()})
+    return frozen(value) if isinstance(value, np.ndarray) else value
+
+
+def _digest(value: Any) -> Any:
+    """Return what is the same for equal values of a field, and has a hash."""
+    if isinstance(value, ByRole):
+        return tuple((role, _digest(one)) for role, one in value.items())
+    return digest(value) if isinstance(value, np.ndarray) else value

@@ -15,6 +15,7 @@ from PIL import Image
 
 from robsim._base.checks import Floats
 from robsim._base.files import as_folder, naming, read_toml, write_whole
+from robsim._base.geometry.marker_roles import given_by_role
 from robsim._base.text import cut, one_line, quoted
 from robsim._base.values import FileVersion
 from robsim.imaging._images import load_image
@@ -25,8 +26,9 @@ TOML = "robot.toml"
 IMAGE = "robot.png"
 _OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is replaced
 
-_KEYS = {"name", "image", "size", "alignment", "outline", "red", "blue"}
-_OPTIONAL = {"centre", "maximum_blobs", "marker_colors"}
+_KEYS = {"name", "image", "size", "alignment", "outline", "markers"}
+_OPTIONAL = {"centre", "maximum_blobs"}
+_MARKER_KEYS = {"color": "marker_colors", "polygon": "markers"}  # and what they are of a robot
 
 _TEXT = """\
 # The appearance of a robot from above. Written by robsim; it may be edited by hand.
@@ -44,17 +46,17 @@ centre = {centre}
 # Polygons. Around the robot:
 outline = {outline}
 
-# The colour classes of the two markers, as a colour file names them:
-marker_colors = {marker_colors}
-
-# Around the first marker; its area and centroid are those that the camera is to measure:
-red = {red}
-
-# Around the second marker:
-blue = {blue}
-
 # Number of the largest blobs of each colour among which the markers are searched:
 maximum_blobs = {maximum_blobs}
+
+# The two markers by where they sit on the robot: right and left, or front and back. A colour is a
+# class of a colour file; area and centroid of a polygon are those that the camera is to measure.
+"""
+
+_MARKER = """
+[markers.{role}]
+color = {color}
+polygon = {polygon}
 """
 
 
@@ -152,6 +154,7 @@ def _image_name(file: FileVersion) -> str:
 @lru_cache(maxsize=16)
 def _definition(file: FileVersion, image: FileVersion) -> RobotDefinition:
     values: dict[str, Any] = read_toml(file.path)
+    values |= given_by_role("markers", values["markers"], _MARKER_KEYS)
     return RobotDefinition(**{**values, "image": load_image(image.path, mode="RGBA")})
 
 
@@ -159,18 +162,19 @@ def _as_text(robot: RobotDefinition, image: str) -> str:
     import tomlkit
 
     assert robot.centre is not None
-    return _TEXT.format(
+    text = _TEXT.format(
         name=tomlkit.string(robot.name).as_string(),
         image=image,
         size=float(robot.size),
         alignment=float(robot.alignment),
         centre=_point(robot.centre),
         outline=_points(robot.outline),
-        red=_points(robot.red),
-        blue=_points(robot.blue),
         maximum_blobs=robot.maximum_blobs,
-        marker_colors=tomlkit.item(list(robot.marker_colors)).as_string(),
     )
+    for role, polygon in robot.markers.items():
+        color = tomlkit.string(robot.marker_colors[role]).as_string()
+        text += _MARKER.format(role=role, color=color, polygon=_points(polygon))
+    return text
 
 
 def _point(point: Floats) -> str:

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats
 from robsim._base.geometry.polygons import area_and_centroid, fitted
+from robsim._base.text import quoted
 from robsim._base.warn import warn_user
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
 from robsim.imaging._images import Pixels, check_pixels, resized
-from robsim.robots._definition import DEFAULT_COLORS, RobotDefinition, check_marker_colors
+from robsim.robots._definition import (
+    DEFAULT_COLORS,
+    RobotDefinition,
+    check_color_names,
+    from_colors,
+)
 from robsim.robots._marker_check import MINIMUM_AREA, over_grey, ranges
 from robsim.robots._polygon_checks import finite_array
 from robsim.vision._color_files import as_colors
@@ -35,8 +40,7 @@ def robot_from_image(
     alignment: float | None = None,
     centre: ArrayLike | None = None,
     outline: ArrayLike | None = None,
-    red: ArrayLike | None = None,
-    blue: ArrayLike | None = None,
+    markers: Mapping[str, ArrayLike] | None = None,
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
     marker_colors: Sequence[str] | None = None,
 ) -> RobotDefinition:
@@ -57,13 +61,14 @@ def robot_from_image(
     outline : array (N, 2), optional
         Polygon around the robot (image px). Default: around the opaque pixels, so the border of
         an image without transparency.
-    red, blue : array (N, 2), optional
-        Polygons around the markers (image px). Default: around the largest blob of the colour,
-        with the area and the centroid of the blob.
+    markers : dict of str to array (N, 2), optional
+        Polygons around the markers (image px) by their colours: ``{"red": polygon}``. Default of
+        each: around the largest blob of the colour, with the area and the centroid of the blob.
+        The roles of the markers follow from where they lie when the robot faces right.
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to find the markers with. Default: those that ship with robsim.
     marker_colors : sequence of 2 str, optional
-        Which of them the first and the second marker have. Default: red and blue.
+        Which of them the markers have, in any order. Default: red and blue.
 
     Returns
     -------
@@ -82,28 +87,28 @@ def robot_from_image(
         If the image has no transparency and no `outline` is given.
     """
     small, scale = _reduced(check_pixels("image", image, 4))
-    given: dict[str, Any] = {"outline": outline, "red": red, "blue": blue}
-    points = {key: _scaled(key, value, scale) for key, value in given.items() if value is not None}
-    if outline is None:
-        points["outline"] = opaque_outline(small)
-    names = DEFAULT_COLORS if marker_colors is None else check_marker_colors(marker_colors)
-    for key, color in zip(("red", "blue"), names, strict=True):
-        if key not in points:
-            points[key] = marker_in(small, color, as_colors(colors))
+    around = opaque_outline(small) if outline is None else _scaled("outline", outline, scale)
+    names = DEFAULT_COLORS if marker_colors is None else marker_colors
+    names = check_color_names("marker_colors", names)
+    drawn = check_markers_by_color(markers, names)
+    polygons = {
+        color: _scaled(f"markers[{color!r}]", drawn[color], scale)
+        if color in drawn
+        else marker_in(small, color, as_colors(colors))
+        for color in names
+    }
     if centre is None:
-        scaled_centre = area_and_centroid(points["outline"])[1]
+        scaled_centre = area_and_centroid(around)[1]
     else:
-        scaled_centre = (finite_array("centre", centre, (2,)) + 0.5) * scale - 0.5
-    robot = RobotDefinition(
+        scaled_centre = _in_scale(finite_array("centre", centre, (2,)), scale)
+    robot = from_colors(
+        polygons,
+        0.0 if alignment is None else alignment,
         name=name,
         image=small,
         size=_SIZE if size is None else size,
-        alignment=0.0 if alignment is None else alignment,
         centre=scaled_centre,
-        outline=points["outline"],
-        red=points["red"],
-        blue=points["blue"],
-        marker_colors=names,
+        outline=around,
     )
     if outline is None and (small[..., 3] > OPAQUE).all():
         warn_user(
@@ -122,7 +127,25 @@ def _reduced(image: Pixels) -> tuple[Pixels, Floats]:
 
 
 def _scaled(name: str, points: ArrayLike, scale: Floats) -> Floats:
-    return (finite_array(name, points, (-1, 2)) + 0.5) * scale - 0.5
+    return _in_scale(finite_array(name, points, (-1, 2)), scale)
+
+
+def _in_scale(points: Floats, scale: Floats) -> Floats:
+    return (points + 0.5) * scale - 0.5
+
+
+def check_markers_by_color(
+    markers: Mapping[str, ArrayLike] | None, colors: Sequence[str]
+) -> Mapping[str, ArrayLike]:
+    """Return polygons of markers by their colours, if these are those of the robot."""
+    if markers is None:
+        return {}
+    expected = f"markers must be polygons by the colours {' and '.join(colors)}"
+    if not isinstance(markers, Mapping):
+        raise TypeError(f"{expected}, got {quoted(markers)}")
+    if not set(markers) <= set(colors):
+        raise ValueError(f"{expected}, got {quoted(list(markers))}")
+    return markers
 
 
 def reduced(robot: RobotDefinition) -> RobotDefinition:
@@ -130,11 +153,14 @@ def reduced(robot: RobotDefinition) -> RobotDefinition:
     small, scale = _reduced(robot.image)
     if small is robot.image:
         return robot
-    points = {
-        name: (getattr(robot, name) + 0.5) * scale - 0.5
-        for name in ("centre", "outline", "red", "blue")
-    }
-    return replace(robot, image=small, **points)
+    assert robot.centre is not None
+    return replace(
+        robot,
+        image=small,
+        centre=_in_scale(robot.centre, scale),
+        outline=_in_scale(robot.outline, scale),
+        markers={role: _in_scale(polygon, scale) for role, polygon in robot.markers.items()},
+    )
 
 
 def opaque_outline(image: Pixels) -> Floats:

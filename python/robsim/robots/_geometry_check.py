@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from robsim._base.checks import Floats
@@ -17,9 +19,7 @@ def geometry_problems(
     height: int,
     centre: Floats,
     outline: Floats,
-    red: Floats,
-    blue: Floats,
-    colors: tuple[str, str],
+    markers: Mapping[str, Floats],
 ) -> list[str]:
     """Return what is wrong with a robot's geometry, a sentence each; empty if it is valid.
 
@@ -29,20 +29,20 @@ def geometry_problems(
         Size of the image.
     centre : array (2,)
         The robot's centre (image px).
-    outline, red, blue : array (N, 2)
-        Polygons (image px).
-    colors : tuple of 2 str
-        Names of the markers' colours.
+    outline : array (N, 2)
+        Polygon (image px).
+    markers : dict of str to array (N, 2)
+        Polygons of the two markers, by what they are called in the sentences.
     """
-    polygons = {"outline": outline, "red": red, "blue": blue}
+    polygons = {"outline": outline, **markers}
     crossings = [_crossing(name, polygon) for name, polygon in polygons.items()]
     problems = [sentence for sentence in crossings if sentence]
     problems += _outside_image(outline, width, height)
     if problems:
         return problems
-    for name, points in {"centre": centre[np.newaxis], "red": red, "blue": blue}.items():
+    for name, points in {"centre": centre[np.newaxis], **markers}.items():
         problems += _outside_outline(name, points, outline)
-    return problems + _overlap(red, blue, " and ".join(colors))
+    return problems + _overlap(markers)
 
 
 def _crossing(name: str, polygon: Floats) -> str | None:
@@ -78,10 +78,11 @@ def _outside_outline(name: str, points: Floats, outline: Floats) -> list[str]:
     ]
 
 
-def _overlap(red: Floats, blue: Floats, names: str) -> list[str]:
+def _overlap(markers: Mapping[str, Floats]) -> list[str]:
     """Return the sentence for markers that overlap; a common edge is not an overlap."""
+    first, second = markers.values()
     maximum_depth, position = _TOLERANCE, None
-    for inner, outer in ((red, blue), (blue, red)):
+    for inner, outer in ((first, second), (second, first)):
         points = samples(inner)
         _, centroid = area_and_centroid(inner)
         if depths(inner, centroid[np.newaxis]) > 0:
@@ -91,7 +92,7 @@ def _overlap(red: Floats, blue: Floats, names: str) -> list[str]:
             maximum_depth, position = float(depth.max()), points[[depth.argmax()]]
     if position is None:
         return []
-    return [f"{names} markers must not overlap: they do around {_listed(position)}"]
+    return [f"{' and '.join(markers)} must not overlap: they do around {_listed(position)}"]
 
 
 def _listed(points: Floats, between: str = ", ") -> str:

@@ -73,16 +73,18 @@ def _in_shadow(image: Pixels) -> Pixels:
 def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:
     problems = []
     robot = view.robot
-    names = robot.marker_colors
-    for name, polygon in zip(names, (robot.red, robot.blue), strict=True):
+    for role, name in robot.marker_colors.items():
         if name not in classes:
             problems.append(
-                f"{name} marker: there is no colour {name}, only {', '.join(classes)}: the colour "
-                f"class of this marker must be called {name}, or marker_colors of the robot differ"
+                f"{role} marker ({name}): there is no colour {name}, only {', '.join(classes)}: "
+                f"the colour class of this marker must be called {name}, or marker_colors of the "
+                "robot differ"
             )
-        elif problem := view.problem(polygon, classes[name]):
-            problems.append(f"{name} marker: {problem}")
-    return problems or view.location_problems([classes[name] for name in names])
+        elif problem := view.problem(robot.markers[role], classes[name]):
+            problems.append(f"{role} marker ({name}): {problem}")
+    return problems or view.location_problems(
+        [classes[name] for name in robot.marker_colors.values()]
+    )
 
 
 def over_grey(image: Pixels) -> Pixels:

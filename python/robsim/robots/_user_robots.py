@@ -6,12 +6,12 @@ import math
 import re
 import shutil
 import unicodedata
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import fields
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
@@ -23,9 +23,15 @@ from robsim._base.text import listed, one_line, quoted
 from robsim._core import ColorClass
 from robsim.imaging._images import Pixels, load_image
 from robsim.robots._default_robot import default_robot, reset_default_robot
-from robsim.robots._definition import RobotDefinition
+from robsim.robots._definition import (
+    RobotDefinition,
+    by_color,
+    check_color_names,
+    from_colors,
+    roles_by_color,
+)
 from robsim.robots._files import TOML, read_robot, save_robot
-from robsim.robots._finding import reduced, robot_from_image
+from robsim.robots._finding import check_markers_by_color, reduced, robot_from_image
 from robsim.robots._lookup import (
     find_folder,
     name_key,
@@ -36,6 +42,9 @@ from robsim.robots._lookup import (
     user_robots_folder,
 )
 from robsim.robots._marker_check import check_colors
+
+if TYPE_CHECKING:
+    from tomlkit import TOMLDocument
 
 # Device names, which Windows does not allow for folders.
 _RESERVED = re.compile(r"(?i)con|prn|aux|nul|com\d|lpt\d")
@@ -49,8 +58,7 @@ def add_robot(
     alignment: float | None = None,
     centre: ArrayLike | None = None,
     outline: ArrayLike | None = None,
-    red: ArrayLike | None = None,
-    blue: ArrayLike | None = None,
+    markers: Mapping[str, ArrayLike] | None = None,
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
     marker_colors: Sequence[str] | None = None,
     overwrite: bool = False,
@@ -73,14 +81,18 @@ def add_robot(
         an image: 0.
     centre : array (2,), optional
         The robot's centre (image px). Default for an image: the centroid of the outline.
-    outline, red, blue : array (N, 2), optional
-        Polygons around the robot and its markers (image px). Default for an image: around
-        the opaque pixels, and the largest blobs of the colours.
+    outline : array (N, 2), optional
+        Polygon around the robot (image px). Default for an image: around the opaque pixels.
+    markers : dict of str to array (N, 2), optional
+        Polygons around the markers (image px) by their colours: ``{"red": polygon}``. Default for
+        an image: the largest blobs of the colours. The roles of the markers follow from where they
+        lie when the robot faces right.
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to find and check the markers with. Default: the colours that ship
         with robsim.
     marker_colors : sequence of 2 str, optional
-        Which of them the first and the second marker have. Default for an image: red and blue.
+        Which of them the markers have: of an image, in any order; of a robot, in that of its roles,
+        right and left, or front and back. Default for an image: red and blue.
     overwrite : bool
         Replace your robot of this name, if there is one.
     ignore_colors : bool
@@ -105,13 +117,15 @@ def add_robot(
     check_bool("ignore_colors", ignore_colors)
     name = unicodedata.normalize("NFC", name)  # an umlaut may be one character or two
     given: dict[str, Any] = {"size": size, "alignment": alignment, "centre": centre}
-    given |= {"outline": outline, "red": red, "blue": blue, "marker_colors": marker_colors}
+    given |= {"outline": outline}
+    given = {key: value for key, value in given.items() if value is not None}
     template = source if isinstance(source, RobotDefinition) else _read_source(source)
     if isinstance(template, RobotDefinition):
-        changed = {key: value for key, value in given.items() if value is not None}
-        robot = reduced(replace(template, name=name, **changed))
+        robot = reduced(_changed(template, markers, marker_colors, name=name, **given))
     else:
-        robot = robot_from_image(name, template, colors=colors, **given)
+        robot = robot_from_image(
+            name, template, colors=colors, markers=markers, marker_colors=marker_colors, **given
+        )
     problems = [] if ignore_colors else check_colors(robot, colors).sentences
     if problems:
         raise ValueError(
@@ -119,6 +133,24 @@ def add_robot(
             "the colour file can be changed later"
         )
     return _store(robot, overwrite)
+
+
+def _changed(
+    robot: RobotDefinition,
+    markers: Mapping[str, ArrayLike] | None,
+    marker_colors: Sequence[str] | None,
+    **changes: Any,
+) -> RobotDefinition:
+    """Return a robot with other markers, colours, fields; the roles follow from the result."""
+    known = by_color(robot)
+    names = check_color_names("marker_colors", [*known] if marker_colors is None else marker_colors)
+    polygons = {
+        **dict(zip(names, known.values(), strict=True)),
+        **check_markers_by_color(markers, names),
+    }
+    parts = {field.name: getattr(robot, field.name) for field in fields(robot)} | changes
+    del parts["markers"], parts["marker_colors"]
+    return from_colors(polygons, **parts)
 
 
 def rotate_robot(name: str, degrees: float) -> RobotDefinition:
@@ -147,12 +179,28 @@ def rotate_robot(name: str, degrees: float) -> RobotDefinition:
     degrees = check_float("degrees", degrees)
     with _locked(user_robots_folder()):
         folder = _user_robot(name)
-        alignment = math.remainder(read_robot(folder).alignment + degrees, 360)
-        # Only this number changes: comments in the file are kept.
+        robot = read_robot(folder)
+        alignment = round(math.remainder(robot.alignment + degrees, 360), 6) + 0.0
+        # Only this number and the roles change: comments in the file are kept.
         document = tomlkit.parse(read_text(folder / TOML, MOST_TOML))
-        document["alignment"] = round(alignment, 6) + 0.0
+        document["alignment"] = alignment
+        _set_roles(document, robot, alignment)
         write_whole(folder / TOML, tomlkit.dumps(document).encode())
         return read_robot(folder)
+
+
+def _set_roles(document: TOMLDocument, robot: RobotDefinition, alignment: float) -> None:
+    """Give the markers' tables of a definition file the roles that another alignment makes."""
+    import tomlkit
+
+    roles = roles_by_color(by_color(robot), alignment)
+    if all(roles[color] == role for role, color in robot.marker_colors.items()):
+        return
+    tables: Any = document["markers"]
+    renamed = tomlkit.table(is_super_table=True)
+    for old, color in robot.marker_colors.items():
+        renamed.append(roles[color], tables[old])
+    document["markers"] = renamed
 
 
 def remove_robot(name: str) -> None:

@@ -259,7 +259,7 @@ class Session:
                 area=self.area or self.size or (1200, 1200),
                 boundary="recorded",
                 robot=self._parsed.robot,
-                marker_colors=self.markers.colors if self.markers else (),
+                marker_colors=(*self.markers.colors.values(),) if self.markers else (),
                 mm_per_px=self.mm_per_px,
                 headings=drawn.pop() if len(drawn) == 1 else None,
             )

@@ -15,6 +15,7 @@ import tomlkit
 
 from robsim._base.checks import as_float_array, check_float, check_mm_per_px, check_size
 from robsim._base.files import MOST_TOML, parse_toml, read_toml
+from robsim._base.geometry.marker_roles import given_by_role, taken_roles
 from robsim._base.text import one_line, quoted
 from robsim._core import ColorClass, Intrinsics, MarkerLayout, PlaneMap, RobotModel
 
@@ -23,10 +24,14 @@ _READABLE = (1, 2)
 _KINDS = (str, bool, int, float, list, dict, datetime.datetime)
 _PACKAGES = ("robsim", "numpy", "pillow", "opencv-python-headless", "opencv-python")
 _LARGEST_INT = 2**63  # of TOML
-_MARKER_KEYS = (
-    *("red_area", "blue_area", "distance_tolerance", "area_tolerance", "maximum_blobs"),
-    *("red_polygon", "blue_polygon", "colors"),
-)
+_LAYOUT_KEYS = ("distance_tolerance", "area_tolerance", "maximum_blobs")
+# The keys of a marker's table, and what of the layout they are.
+_MARKER_KEYS = {
+    "color": "colors",
+    "position": "positions",
+    "area": "areas",
+    "polygon": "polygons",
+}
 
 
 def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str:
@@ -78,8 +83,7 @@ def _as_toml(name: str, value: Any) -> Any:
     if isinstance(value, ColorClass):
         return {"name": value.name, **{c: list(getattr(value, c)) for c in "yuv"}}
     if isinstance(value, MarkerLayout):
-        table = {"red": value.red.tolist(), "blue": value.blue.tolist()}
-        return _as_toml(name, table | {key: getattr(value, key) for key in _MARKER_KEYS})
+        return _as_toml(name, _layout_as_tables(value))
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, (list, tuple)):
@@ -91,6 +95,20 @@ def _as_toml(name: str, value: Any) -> Any:
     if value is None or isinstance(value, _KINDS):
         return value
     raise TypeError(f"{name} must be numbers, texts, lists and tables, got {quoted(value)}")
+
+
+def _layout_as_tables(markers: MarkerLayout) -> dict[str, Any]:
+    """Return a layout as a table for each role; what is not known is left out."""
+    given = {key: getattr(markers, of) for key, of in _MARKER_KEYS.items()}
+    tables: dict[str, Any] = {key: getattr(markers, key) for key in _LAYOUT_KEYS}
+    for role in markers.roles:
+        values = {key: by_role[role] for key, by_role in given.items() if by_role is not None}
+        tables[role] = {key: value for key, value in values.items() if not _is_nan(value)}
+    return tables
+
+
+def _is_nan(value: Any) -> bool:
+    return isinstance(value, float) and math.isnan(value)
 
 
 def _plane_map_as_toml(plane_map: PlaneMap) -> Any:
@@ -230,14 +248,13 @@ def _colors(name: str, value: Any) -> list[ColorClass]:
 
 
 def _markers(name: str, value: Any) -> MarkerLayout:
-    table = _table(name, value, "red", "blue")
-    red, blue = (_numbers(f"{name}.{key}", table[key], (2,)) for key in ("red", "blue"))
-    options = {key: table[key] for key in _MARKER_KEYS if key in table}
-    for key in ("red_area", "blue_area"):
-        if isinstance(options.get(key), float) and math.isnan(options[key]):
-            del options[key]
+    table = dict(_table(name, value))
+    options: dict[str, Any] = {key: table[key] for key in _LAYOUT_KEYS if key in table}
     try:
-        return MarkerLayout.from_positions(red, blue, **options)
+        by_role: dict[str, Any] = given_by_role(name, taken_roles(table), _MARKER_KEYS)
+        if "positions" not in by_role:
+            raise ValueError("its markers must have positions")
+        return MarkerLayout.from_positions(**options, **by_role)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}: {one_line(error)}") from error
 

@@ -24,7 +24,7 @@ def run_info(runner: Runner) -> RunInfo:
         area=runner.area,
         boundary=runner.boundary,
         robot=runner.robot.name,
-        marker_colors=runner.markers.colors,
+        marker_colors=(*runner.markers.colors.values(),),
         scenario=runner._described(),
         changed=runner._changed,
         mm_per_px=runner._mm_per_px(),

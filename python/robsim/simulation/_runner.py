@@ -340,7 +340,7 @@ class Runner(Slotted):
         self._run_info = []
 
     def _check_colors(self, colors: tuple[ColorClass, ...]) -> None:
-        needed = self.markers.colors
+        needed = [*self.markers.colors.values()]
         missing = set(needed) - {color.name for color in colors}
         if missing and self._callbacks["measure"] is True:
             names = ", ".join(color.name for color in colors)

@@ -113,7 +113,7 @@ class Scenario:
     estimate_parameters : bool
         Whether recursive least squares estimate the parameters.
     measure : bool
-        Whether the red and the blue marker are located.
+        Whether the robot is located by its markers.
     control : Spin, DriveAround or Replay
         The controller.
 

@@ -15,6 +15,7 @@ from PIL import Image
 
 from robsim._base.checks import check_choice, check_float, check_int
 from robsim._base.files import parse_toml
+from robsim._base.geometry.marker_roles import given_by_role, taken_roles
 from robsim._base.seeds import SeedRecord
 from robsim._base.spelling import check_names
 from robsim._base.text import cut, one_line, quoted
@@ -78,16 +79,6 @@ def _count(name: str, value: Any) -> int:
 
 
 _COUNT = _Key(_count)
-
-
-def _names(name: str, value: Any) -> Any:
-    """Return the names of two colours."""
-    if not isinstance(value, list) or len(value) != 2:
-        raise ValueError(f"{name} must be the names of two colours, got {_as_toml(value)}")
-    return tuple(_text(f"a name in {name}", one) for one in value)
-
-
-_COLOR_NAMES = _Key(_names, write=list)
 
 
 def _list(name: str, value: Any) -> Any:
@@ -169,16 +160,9 @@ _TABLES: dict[type, dict[str, _Key]] = {
     Floor: {"pixels": _IMAGE},
     SeedRecord: {"entropy": _Key(_numbers_tuple), "spawn_key": _Key(_numbers_tuple)},
     MarkerLayout: {
-        "red": _array("px, forward and right of the centre", is_needed=True),
-        "blue": _array("px", is_needed=True),
-        "red_area": _number("px^2"),
-        "blue_area": _number("px^2"),
         "distance_tolerance": _number("fraction"),
         "area_tolerance": _number("ratio"),
         "maximum_blobs": _COUNT,
-        "red_polygon": _array("px, its corners"),
-        "blue_polygon": _array("px"),
-        "colors": _COLOR_NAMES,
     },
     RobotModel: {
         "theta": _array("rows X, Y, P; columns a1, a2, b1, b2, d1", is_needed=True),
@@ -207,11 +191,23 @@ _TABLES: dict[type, dict[str, _Key]] = {
         "alignment": _number("degrees"),
         "centre": _array("px of the image"),
         "outline": _array(),
-        "red": _array(),
-        "blue": _array(),
         "maximum_blobs": _COUNT,
-        "marker_colors": _COLOR_NAMES,
         "image": _IMAGE,
+    },
+}
+
+# What each marker has, in a table of its role such as [markers.right]: the key, and the attribute
+# that has it by role.
+_BY_ROLE: dict[type, dict[str, tuple[str, _Key]]] = {
+    MarkerLayout: {
+        "color": ("colors", _Key(_text)),
+        "position": ("positions", _array("px, forward and right of the centre", is_needed=True)),
+        "area": ("areas", _number("px^2")),
+        "polygon": ("polygons", _array("px, its corners")),
+    },
+    RobotDefinition: {
+        "color": ("marker_colors", _Key(_text)),
+        "polygon": ("markers", _array("px of the image", is_needed=True)),
     },
 }
 _MAKERS: dict[type, Callable[..., Any]] = {
@@ -309,10 +305,32 @@ def _table(value: Any, has_kind: bool) -> Any:
     if has_kind:
         table.add("kind", type(value).__name__)
     for name, key in _TABLES[type(value)].items():
-        plain = _plain(key.write(getattr(value, name)))
-        if plain is not None and plain == plain:  # NaN = not known
-            table.add(name, _commented(plain, key.unit))
+        _add(table, name, key, getattr(value, name))
+    if isinstance(value, MarkerLayout):
+        _add_markers(table, value)
+    if isinstance(value, RobotDefinition):
+        table.add("markers", _add_markers(tomlkit.table(is_super_table=True), value))
     return table
+
+
+def _add_markers(tables: Any, value: MarkerLayout | RobotDefinition) -> Any:
+    """Add a table for each role, and return them all."""
+    import tomlkit
+
+    by_role = _BY_ROLE[type(value)].items()
+    given = {name: (key, getattr(value, attribute)) for name, (attribute, key) in by_role}
+    for role in given["color"][1]:
+        table = tomlkit.table()
+        for name, (key, values) in given.items():
+            _add(table, name, key, values and values[role])
+        tables.add(role, table)
+    return tables
+
+
+def _add(table: Any, name: str, key: _Key, value: Any) -> None:
+    plain = _plain(key.write(value))
+    if plain is not None and plain == plain:  # NaN = not known
+        table.add(name, _commented(plain, key.unit))
 
 
 def _colors_table(colors: Iterable[ColorClass]) -> Any:
@@ -423,12 +441,28 @@ def _value_of(table: dict[str, Any], kinds: tuple[type, ...]) -> Any:
     text = _of_type("kind", table.pop("kind", default), "a text", str)
     kind = by_name[check_choice("kind", text, tuple(by_name))]
     keys = _TABLES[kind]
+    tables = taken_roles(table) if kind is MarkerLayout else table.pop("markers", {})
     check_names("there is no key", table, keys, ValueError)
     missing = [name for name, key in keys.items() if key.is_needed and name not in table]
     if missing:
         raise ValueError(f"{missing[0]} is missing")
     arguments = {name: keys[name].read(name, value) for name, value in table.items()}
+    if kind in _BY_ROLE:
+        arguments |= _markers_of(tables, _BY_ROLE[kind])
     return _MAKERS.get(kind, kind)(**arguments)
+
+
+def _markers_of(tables: Any, keys: dict[str, tuple[str, _Key]]) -> dict[str, dict[str, Any]]:
+    """Return what the tables of both markers give, by role."""
+    given = given_by_role("markers", tables, {name: name for name in keys})
+    missing = [name for name, (_, key) in keys.items() if key.is_needed and name not in given]
+    if missing:
+        raise ValueError(f"{missing[0]} is missing")
+    read: dict[str, dict[str, Any]] = {}
+    for name, values in given.items():
+        attribute, key = keys[name]
+        read[attribute] = {role: key.read(f"{role}.{name}", one) for role, one in values.items()}
+    return read
 
 
 def _colors_of(tables: Any) -> tuple[ColorClass, ...]:

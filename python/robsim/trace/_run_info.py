@@ -39,7 +39,8 @@ class RunInfo:
     robot : str
         Name of the robot definition.
     marker_colors : tuple of str
-        Names of the colours of its two markers. Default: not known, as in an old file.
+        Names of the colours of its two markers, right before left, or front before back. Default:
+        not known, as in an old file.
     scenario : Scenario or str, optional
         What the run was made from, or that as a TOML text; see `robsim.Scenario.of`.
     callbacks : tuple of str

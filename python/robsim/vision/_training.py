@@ -127,7 +127,8 @@ def train_markers(
     Returns
     -------
     tuple of TrainedColor
-        Those of the first and of the second marker, with their drift from frame to frame.
+        Those of both markers in the order of their roles, right before left, or front before back,
+        with their drift from frame to frame.
 
     Raises
     ------
@@ -145,7 +146,7 @@ def train_markers(
         raise TypeError(f"markers must be a MarkerLayout, got {quoted(markers)}")
     if colors is not None and regions is not None:
         raise ValueError("colors and regions must not both be given")
-    names = markers.colors
+    names = [*markers.colors.values()]
     boxes = None if regions is None else _marker_boxes(regions, names)
     classes = None if regions is not None else _marker_classes(colors, names)
     samples = {name: _Samples(name, percentile, margin, limit_y=False) for name in names}
@@ -158,13 +159,12 @@ def train_markers(
         if detection.measurement is None:
             missed.append(f"in frame {k} {detection.explanation}")
             continue
-        assert detection.red is not None
-        assert detection.blue is not None
-        for name, blob in zip(names, (detection.red, detection.blue), strict=True):
+        assert detection.pair is not None
+        for blob in detection.pair.values():
             try:
-                samples[name].add(k, frame, _inner_box(blob))
+                samples[blob.color].add(k, frame, _inner_box(blob))
             except ValueError as error:
-                samples[name].skip(f"in frame {k}, {name}: {error}")
+                samples[blob.color].skip(f"in frame {k}, {blob.color}: {error}")
     if not missed and not any(one.count for one in samples.values()):
         raise ValueError("frames must have at least one frame, got none")
     first, second = (samples[name].trained(missed) for name in names)
@@ -345,7 +345,7 @@ def _is_picture(value: Any) -> bool:
     return isinstance(value, np.ndarray) and value.dtype == np.uint8 and value.ndim == _AXES
 
 
-def _marker_boxes(regions: Any, names: tuple[str, str]) -> dict[str, Region]:
+def _marker_boxes(regions: Any, names: Sequence[str]) -> dict[str, Region]:
     both = " and ".join(map(repr, names))
     if not isinstance(regions, Mapping):
         raise TypeError(f"regions must be a dict with {both}, got {quoted(regions)}")
@@ -354,7 +354,7 @@ def _marker_boxes(regions: Any, names: tuple[str, str]) -> dict[str, Region]:
     return dict(regions)
 
 
-def _marker_classes(colors: Any, names: tuple[str, str]) -> list[ColorClass]:
+def _marker_classes(colors: Any, names: Sequence[str]) -> list[ColorClass]:
     by_name = {color.name: color for color in as_colors(colors)}
     missing = [name for name in names if name not in by_name]
     if missing:

@@ -57,8 +57,10 @@ class AprilTag:
             alignment=0,
             outline=_box(0, 0, last, last),
             # A robot must have two markers; nobody looks for these.
-            red=_box(_MODULE, _MODULE, last - _MODULE, half - _MODULE),
-            blue=_box(_MODULE, half + _MODULE, last - _MODULE, last - _MODULE),
+            markers={
+                "right": _box(_MODULE, half + _MODULE, last - _MODULE, last - _MODULE),
+                "left": _box(_MODULE, _MODULE, last - _MODULE, half - _MODULE),
+            },
         )
 
     def pose(self, frame: Frame, near: Floats) -> Floats | None:

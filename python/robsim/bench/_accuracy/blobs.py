@@ -51,14 +51,9 @@ class BlobMethods:
         found = self._detect(frame, blobs)
         if found.measurement is None:
             return None
-        assert found.red is not None
-        assert found.blue is not None
-        return _pose(
-            self._detect(
-                frame,
-                {blob.color: [self._weighted(frame, blob)] for blob in (found.red, found.blue)},
-            )
-        )
+        assert found.pair is not None
+        weighted = (self._weighted(frame, blob) for blob in found.pair.values())
+        return _pose(self._detect(frame, {blob.color: [blob] for blob in weighted}))
 
     def opencv(self, frame: Frame) -> Floats | None:
         """Return the pose by the moments of OpenCV's contours; None if it is not found."""

@@ -99,7 +99,7 @@ class _Places:
     def __init__(self, cv2: Any, robot: RobotDefinition, size: int, poses: Floats) -> None:
         self._cv2, self._robot, self._size, self._poses = cv2, robot, size, poses
         layout = robot.marker_layout()
-        self._tag = AprilTag(cv2, layout.red_area + layout.blue_area)
+        self._tag = AprilTag(cv2, sum(layout.areas.values()))
         self._plane_map = PlaneMap.scaled((size, size), AREA)
         polygons = marker_polygons(robot)
         self._seen = [

@@ -72,7 +72,6 @@ def _is_close(measured: Floats, wrong: Floats) -> bool:
 def _positions(markers: MarkerLayout, area: tuple[int, int]) -> list[tuple[str, str, Formula]]:
     width, height = area
     offset = markers.offset
-    first, second = markers.colors
     return [
         (
             "position of midpoint",
@@ -81,16 +80,7 @@ def _positions(markers: MarkerLayout, area: tuple[int, int]) -> list[tuple[str, 
             "times the unit vector of the heading",
             lambda true: _beside(true, -offset, 0.0),
         ),
-        (
-            "position of a marker",
-            f"its position is that of the {first} marker, not that of the robot's centre",
-            lambda true: _beside(true, *markers.red),
-        ),
-        (
-            "position of a marker",
-            f"its position is that of the {second} marker, not that of the robot's centre",
-            lambda true: _beside(true, *markers.blue),
-        ),
+        *(_position_of_marker(markers, role) for role in markers.roles),
         (
             "offset reversed",
             "its position is off by twice step.markers.offset: that points from the midpoint of "
@@ -114,6 +104,16 @@ def _positions(markers: MarkerLayout, area: tuple[int, int]) -> list[tuple[str, 
             lambda true: np.column_stack((width - 1 - true[:, 0], true[:, 1])),
         ),
     ]
+
+
+def _position_of_marker(markers: MarkerLayout, role: str) -> tuple[str, str, Formula]:
+    ahead, right = markers.positions[role]
+    return (
+        "position of a marker",
+        f"its position is that of the {role} marker ({markers.colors[role]}), not that of the "
+        "robot's centre",
+        lambda true: _beside(true, ahead, right),
+    )
 
 
 def _beside(true: Floats, ahead: float, right: float) -> Floats:

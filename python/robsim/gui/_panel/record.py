@@ -13,6 +13,7 @@ import numpy as np
 
 from robsim._base.checks import Floats
 from robsim._core import Blob, ColorClass, Estimate, Frame, MarkerLayout, Measurement, Step
+from robsim.gui._css_colors import css_color
 from robsim.gui._panel.run.pictures import Shot, past_shot, row_of, shot_of
 from robsim.sessions import Session
 from robsim.simulation import Experiment, Simulation
@@ -20,14 +21,6 @@ from robsim.trace import Trace
 from robsim.trace._columns import GROUPS, fields_of
 
 _REOPEN = 1.0  # s, after which a session is looked at again for what has been written since
-_CSS_COLORS = {
-    "red": "#e5484d",
-    "blue": "#3b82f6",
-    "green": "#30a46c",
-    "yellow": "#f5d90a",
-    "orange": "#f76b15",
-    "magenta": "#d6409f",
-}
 
 
 class Record(ABC):
@@ -159,16 +152,6 @@ class Record(ABC):
 def _described_group(name: str, rows: Floats | None) -> dict[str, Any]:
     fields = fields_of(name, 0 if rows is None else rows.shape[1])
     return {"name": name, "fields": [*fields], "units": [*fields.values()]}
-
-
-def css_color(color: ColorClass) -> str:
-    """Return how what belongs to a class is drawn: by its name, or like the middle of its range."""
-    if color.name in _CSS_COLORS:
-        return _CSS_COLORS[color.name]
-    # ITU-R BT.601, at half the luminance.
-    u, v = (sum(limits) / 2 - 128 for limits in (color.u, color.v))
-    rgb = np.clip([128 + 1.402 * v, 128 - 0.344 * u - 0.714 * v, 128 + 1.772 * u], 0, 255)
-    return "#" + "".join(f"{round(part):02x}" for part in rgb)
 
 
 class RunRecord(Record):

@@ -47,9 +47,9 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     ax = style.panel(ax, _figure_size(robot))
     _show_image(ax, robot)
     _draw_polygon(ax, robot.outline, _OUTLINE, "outline")
-    first, second = (no_formula(f"{name} marker") for name in robot.marker_colors)
-    _draw_polygon(ax, robot.red, "red", first)
-    _draw_polygon(ax, robot.blue, "blue", second)
+    for role, color in robot.marker_colors.items():
+        label = no_formula(f"{role} marker ({color})")
+        _draw_polygon(ax, robot.markers[role], style.drawn_color(color), label)
     _draw_distance(ax, robot)
     _draw_heading(ax, robot)
     _draw_scale(ax, robot)
@@ -93,7 +93,7 @@ def _draw_polygon(axes: Axes, corners: Floats, color: str, label: str) -> None:
 
 def _draw_distance(axes: Axes, robot: RobotDefinition) -> None:
     """Draw the line between the markers' centroids, with its length."""
-    centroids = np.array([area_and_centroid(p)[1] for p in (robot.blue, robot.red)])
+    centroids = np.array([area_and_centroid(p)[1] for p in robot.markers.values()])
     axes.plot(
         *centroids.T,
         color=_DARK,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sized
+from collections.abc import Mapping, Sized
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,11 +13,12 @@ from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._base.text import quoted
 from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition
+from robsim.robots._definition import DEFAULT_COLORS, from_colors, roles_by_color
 from robsim.robots._geometry_check import geometry_problems
 from robsim.robots._polygon_checks import finite_array, polygon
 
-#: The polygons, in the order in which they are drawn.
-PARTS = ("outline", "red", "blue")
+#: The part that is no marker.
+OUTLINE = "outline"
 _FEWEST, _MOST = 3, 200  # corners
 _MOST_CHANGES = 500  # that can be undone
 
@@ -34,13 +35,14 @@ class Sketch:
         Width of the image on the work area (px).
     alignment : float
         Clockwise rotation of the image (degrees) after which the robot faces right.
-    outline, red, blue : array (N, 2)
-        Polygons (image px).
+    outline : array (N, 2)
+        Polygon (image px).
+    markers : dict of str to array (N, 2)
+        Polygons of both markers by their colours (image px): their roles follow from where they
+        lie.
     centre : array (2,) or None
         The robot's centre (image px). None = that of the outline.
     maximum_blobs : int
-        As of `RobotDefinition`.
-    marker_colors : tuple of 2 str
         As of `RobotDefinition`.
     """
 
@@ -48,11 +50,30 @@ class Sketch:
     size: float
     alignment: float = 0.0
     outline: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
-    red: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
-    blue: Floats = field(default_factory=lambda: np.empty((0, 2)), repr=False)
+    markers: Mapping[str, Floats] = field(
+        default_factory=lambda: {color: np.empty((0, 2)) for color in DEFAULT_COLORS}, repr=False
+    )
     centre: Floats | None = None
     maximum_blobs: int = RobotDefinition.maximum_blobs
-    marker_colors: tuple[str, str] = RobotDefinition.marker_colors
+
+    @property
+    def parts(self) -> dict[str, Floats]:
+        """The polygons, in the order in which they are drawn: the outline, markers by colour."""
+        return {OUTLINE: self.outline, **self.markers}
+
+    @property
+    def roles(self) -> dict[str, str]:
+        """The roles of the markers by their colours; empty until both are drawn."""
+        if any(len(corners) < _FEWEST for corners in self.markers.values()):
+            return {}
+        return roles_by_color(self.markers, self.alignment)
+
+    def called(self, part: str) -> str:
+        """Return what a part is called in a sentence, such as "right marker (red)"."""
+        if part == OUTLINE:
+            return part
+        role = self.roles.get(part)
+        return f"{role} marker ({part})" if role else f"{part} marker"
 
 
 class RobotDrawing:
@@ -95,13 +116,13 @@ class RobotDrawing:
         corners = np.empty((0, 2)) if is_empty else finite_array("polygon", polygon, (-1, 2))
         if len(corners) > _MOST:
             raise ValueError(f"polygon must have at most {_MOST} corners, got {len(corners)}")
-        self._change({_checked(part): np.array(corners)})
+        self._change(self._with(part, np.array(corners)))
 
     def move(self, part: str, corner: int, to: Any, *, goes_on: bool = False) -> None:
         """Move a corner; `goes_on`: it is the same change as the one before, undone with it."""
         corners = self._polygon(part).copy()
         corners[self._index(part, corner)] = finite_array("to", to, (2,))
-        self._change({part: corners}, goes_on=goes_on)
+        self._change(self._with(part, corners), goes_on=goes_on)
 
     def insert(self, part: str, corner: int, at: Any) -> None:
         """Insert a corner before another one; as many as there are = behind the last one."""
@@ -181,20 +202,24 @@ class RobotDrawing:
     def problems(self) -> list[str]:
         """Return what is missing or wrong, a sentence each; empty: it is a robot."""
         sketch = self.sketch
-        missing = [part for part in PARTS if len(getattr(sketch, part)) < _FEWEST]
+        missing = [part for part, corners in sketch.parts.items() if len(corners) < _FEWEST]
         if missing:
-            return [f"{part} needs {_FEWEST} corners at least" for part in missing]
+            return [f"{sketch.called(part)} needs {_FEWEST} corners at least" for part in missing]
         height, width = sketch.image.shape[:2]
         try:  # without corners that lie on each other
-            polygons = {part: polygon(part, getattr(sketch, part)) for part in PARTS}
+            outline = polygon(OUTLINE, sketch.outline)
+            markers = {
+                sketch.called(color): polygon(sketch.called(color), corners)
+                for color, corners in sketch.markers.items()
+            }
         except ValueError as error:
             return [str(error)]
         return geometry_problems(
             width=width,
             height=height,
             centre=self.centre,
-            colors=sketch.marker_colors,
-            **polygons,
+            outline=outline,
+            markers=markers,
         )
 
     def definition(self, name: str) -> RobotDefinition:
@@ -202,17 +227,15 @@ class RobotDrawing:
         if problems := self.problems():
             raise ValueError("; ".join(problems))
         sketch = self.sketch
-        return RobotDefinition(
+        return from_colors(
+            sketch.markers,
+            sketch.alignment,
             name=name,
             image=self._cut_out(),
             size=sketch.size,
-            alignment=sketch.alignment,
             centre=self.centre,
             outline=sketch.outline,
-            red=sketch.red,
-            blue=sketch.blue,
             maximum_blobs=sketch.maximum_blobs,
-            marker_colors=sketch.marker_colors,
         )
 
     def _cut_out(self) -> Pixels:
@@ -225,8 +248,20 @@ class RobotDrawing:
         return np.dstack([image[..., :3], np.where(inside, 255, 0).astype(np.uint8)])
 
     def _polygon(self, part: str) -> Floats:
-        corners: Floats = getattr(self.sketch, _checked(part))
-        return corners
+        return self.sketch.parts[self.checked(part)]
+
+    def _with(self, part: str, corners: Floats) -> dict[str, Any]:
+        """Return the change of the sketch that draws a part."""
+        if self.checked(part) == OUTLINE:
+            return {"outline": corners}
+        return {"markers": {**self.sketch.markers, part: corners}}
+
+    def checked(self, part: str) -> str:
+        """Return the name of a part; ValueError if there is none of that name."""
+        parts = self.sketch.parts
+        if not isinstance(part, str) or part not in parts:
+            raise ValueError(f"part must be one of {', '.join(parts)}, got {quoted(part)}")
+        return part
 
     def _index(self, part: str, corner: int) -> int:
         return check_int("corner", corner, minimum=0, maximum=len(self._polygon(part)) - 1)
@@ -242,9 +277,3 @@ class RobotDrawing:
         if "outline" in changes:
             changes["centre"] = None
         self.sketch = replace(self.sketch, **changes)
-
-
-def _checked(part: str) -> str:
-    if not isinstance(part, str) or part not in PARTS:
-        raise ValueError(f"part must be one of {', '.join(PARTS)}, got {quoted(part)}")
-    return part

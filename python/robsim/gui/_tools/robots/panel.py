@@ -140,7 +140,7 @@ class RobotPanel(ToolPanel):
         Parameters
         ----------
         part : str
-            ``"outline"``, ``"red"`` or ``"blue"``.
+            ``"outline"``, or the colour of a marker: ``"red"``, ``"blue"`` or what they are.
         polygon : array (N, 2)
             Its corners (image px): right, down.
 

@@ -9,17 +9,18 @@ import numpy as np
 from robsim._base.checks import Floats
 from robsim._core import ColorClass
 from robsim.gui._tools.opening import over_floor
-from robsim.gui._tools.robots.drawing import PARTS, RobotDrawing, Sketch
+from robsim.gui._tools.robots.drawing import OUTLINE, RobotDrawing, Sketch
 from robsim.gui._tools.robots.guess import guess_marker, guess_outline
 from robsim.imaging._images import Pixels, resized
 from robsim.robots import RobotDefinition
+from robsim.robots._definition import by_color
 from robsim.robots._finding import MAXIMUM_SIDE, OPAQUE, opaque_outline
 
 
 def sketch_of(robot: RobotDefinition) -> Sketch:
     """Return what there is of a robot."""
-    names = ("image", "size", "alignment", "centre", "maximum_blobs", "marker_colors", *PARTS)
-    return Sketch(**{name: getattr(robot, name) for name in names})
+    names = ("image", "size", "alignment", "centre", "maximum_blobs", "outline")
+    return Sketch(markers=by_color(robot), **{name: getattr(robot, name) for name in names})
 
 
 def is_cut_out(pixels: Pixels) -> bool:
@@ -46,9 +47,9 @@ def sketch_of_picture(pixels: Pixels, size: float, colors: Iterable[ColorClass])
     """
     drawing = RobotDrawing(Sketch(_with_alpha(_reduced(pixels)), size=size))
     if is_cut_out(drawing.sketch.image):
-        drawing.put(PARTS[0], opaque_outline(drawing.sketch.image))
-    for part in PARTS:
-        if not len(getattr(drawing.sketch, part)):
+        drawing.put(OUTLINE, opaque_outline(drawing.sketch.image))
+    for part, corners in drawing.sketch.parts.items():
+        if not len(corners):
             try:
                 drawing.put(part, guessed(drawing.sketch, part, colors))
             except ValueError:
@@ -58,13 +59,12 @@ def sketch_of_picture(pixels: Pixels, size: float, colors: Iterable[ColorClass])
 
 def guessed(sketch: Sketch, part: str, colors: Iterable[ColorClass]) -> Floats:
     """Return a part as it is found in the picture; ValueError if it is not."""
-    if part == "outline" and is_cut_out(sketch.image):
+    if part == OUTLINE and is_cut_out(sketch.image):
         return opaque_outline(sketch.image)
     image = over_floor(sketch.image).image
-    if part == "outline":
+    if part == OUTLINE:
         return guess_outline(image)
-    color = dict(zip(PARTS[1:], sketch.marker_colors, strict=True))[part]
-    return guess_marker(image, sketch.outline, color, colors)
+    return guess_marker(image, sketch.outline, part, colors)
 
 
 def cut_out(image: Pixels, square: tuple[float, float, float]) -> Pixels:

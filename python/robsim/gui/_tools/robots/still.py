@@ -8,6 +8,7 @@ from typing import Any
 
 from robsim.gui._hosts.script import words
 from robsim.gui._tools.pictures import Picture
+from robsim.gui._tools.robots.drawing import OUTLINE
 from robsim.gui._tools.still import (
     ACCENT,
     CHOSEN,
@@ -23,7 +24,6 @@ _WIDTH, _HEIGHT = 800, 500
 _SIDE = 455  # of the picture
 _LEFT = 480  # of what stands beside it
 _ROOM = _WIDTH - _LEFT - 12
-_INKS = {"outline": "#ffd500", "red": "#ff5a5f", "blue": "#4f9cff"}
 _SQUARE, _ARROW = "#ffd500", 44.0
 
 
@@ -59,10 +59,10 @@ def robots_still(picture: Picture | None, title: str, state: Mapping[str, Any]) 
 
 def _draw_parts(shown: Shown, state: Mapping[str, Any]) -> None:
     for part, corners in state["parts"].items():
-        shown.line(corners, _INKS[part], closed=len(corners) > 2)
+        shown.line(corners, state["inks"][part], closed=len(corners) > 2)
     part = state["part"]
     for corner in state["parts"][part]:
-        shown.dot(corner, _INKS[part])
+        shown.dot(corner, state["inks"][part])
     # It faces right after a clockwise rotation by the alignment.
     shown.arrow(state["centre"], -math.radians(state["alignment"]), _ARROW, "white")
 
@@ -74,10 +74,11 @@ def _write(sheet: Sheet, state: Mapping[str, Any]) -> None:
         sides = (_LEFT, y, _LEFT + _ROOM, y + 28)
         look = (CHOSEN, ACCENT) if is_chosen else ("white", LINE)
         sheet.box(sides, fill=look[0], line=look[1], radius=5)
-        sheet.dot((_LEFT + 14, y + 14), 5, _INKS[part])
-        sheet.text(
-            (_LEFT + 28, y + 14), words(f"part.{part}"), kind="bold" if is_chosen else "regular"
-        )
+        sheet.dot((_LEFT + 14, y + 14), 5, state["inks"][part])
+        name = words(f"part.{state['roles'].get(part, 'marker')}", color=part)
+        if part == OUTLINE:
+            name = words("part.outline")
+        sheet.text((_LEFT + 28, y + 14), name, kind="bold" if is_chosen else "regular")
         sheet.text((_LEFT + _ROOM - 10, y + 14), f"{len(corners)}", ink=QUIET, right=True)
         y += 34
     y += 14

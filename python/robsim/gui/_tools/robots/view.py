@@ -12,11 +12,12 @@ from typing import Any, ClassVar
 from robsim._base.checks import check_float
 from robsim._base.text import quoted
 from robsim._core import ColorClass
+from robsim.gui._css_colors import css_color
 from robsim.gui._link import Link
 from robsim.gui._messages import Messages
 from robsim.gui._tools.opening import over_floor
 from robsim.gui._tools.pictures import OnePicture, Picture, Pictures
-from robsim.gui._tools.robots.drawing import PARTS, RobotDrawing, Sketch
+from robsim.gui._tools.robots.drawing import OUTLINE, RobotDrawing, Sketch
 from robsim.gui._tools.robots.messages import MESSAGES
 from robsim.gui._tools.robots.sketches import (
     cut_out,
@@ -40,6 +41,8 @@ from robsim.robots._user_robots import check_new_name
 _SQUARE = 0.4  # of the shorter side of a picture
 _SMALLEST = 8.0  # px
 _NAME = "mine"
+_OUTLINE_INK = "#ffd500"
+_OTHER_INK = "#d6409f"  # of a marker whose colour is not known
 
 
 class RobotsView(ToolView):
@@ -75,7 +78,7 @@ class RobotsView(ToolView):
         self._of: str | None = robot.name  # the robot that is drawn on; None = of a picture
         self._first = self._loaded = robot
         self._colors = tuple(colors)
-        self._part = PARTS[0]
+        self._part = OUTLINE
         self._square: tuple[float, float, float] | None = None  # centre and side (px)
         self._has_pictures = source is not None
         drawn = OnePicture(over_floor(robot.image), robot.name)
@@ -126,7 +129,9 @@ class RobotsView(ToolView):
             "name": self.name,
             "robots": robot_names(),
             "part": self._part,
-            "parts": {part: getattr(sketch, part).tolist() for part in PARTS},
+            "parts": {part: corners.tolist() for part, corners in sketch.parts.items()},
+            "roles": sketch.roles,
+            "inks": self._inks(),
             "centre": self.drawing.centre.tolist(),
             "alignment": sketch.alignment,
             "size": sketch.size,
@@ -262,17 +267,21 @@ class RobotsView(ToolView):
         self._begun = sketch
         self.drawing.begin(sketch)
         self.name, self._of = _free_name(name), None
-        self._part = PARTS[0]
+        self._part = OUTLINE
         self._show_drawing()
 
     def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
         return lambda message: self.change(lambda: act(message))
 
     def _choose(self, part: str) -> None:
-        if part not in PARTS:
-            raise ValueError(f"part must be one of {', '.join(PARTS)}")
-        self._part = part
+        self._part = self.drawing.checked(part)
         self.tell_state()
+
+    def _inks(self) -> dict[str, str]:
+        """Return what each part is drawn with: a marker with its colour."""
+        known = {color.name: css_color(color) for color in self._colors}
+        colors = self.drawing.sketch.markers
+        return {OUTLINE: _OUTLINE_INK, **{name: known.get(name, _OTHER_INK) for name in colors}}
 
     def _guess(self, part: str) -> None:
         self.drawing.put(part, guessed(self.drawing.sketch, part, self._colors))

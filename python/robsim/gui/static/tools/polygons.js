@@ -6,7 +6,6 @@ import { distance } from "../base/geometry.js";
 const REACH = { mouse: 10, touch: 22 }; // px on the screen that a corner takes
 const CORNER = 4.5; // px on the screen
 const ARROW = 46; // px on the screen, the heading's
-const PART_INKS = { outline: "#ffd500", red: "#ff5a5f", blue: "#4f9cff" };
 
 /** `picture()` has the lens and asks for paint. What is done is told to Python at once. */
 export function makePolygons(context, picture) {
@@ -91,7 +90,7 @@ export function makePolygons(context, picture) {
         const isIt = part == state().part;
         const shown = isIt && local && held != "heading"
           ? points.map((point, i) => (i == held ? local : point)) : points;
-        drawPolygon(scene, shown, PART_INKS[part], { isIt, chosen });
+        drawPolygon(scene, shown, state().inks[part], { isIt, chosen });
       }
       drawArrow(scene, state(), held == "heading" && local ? local : headingEnd());
     },

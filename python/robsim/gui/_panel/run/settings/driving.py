@@ -105,7 +105,7 @@ class Driving(Choice):
         seen = step.estimate or step.measurement
         if seen is None and step.frame is not None:
             blobs = self._runner.find_blobs(step.frame)
-            if blobs.keys() >= {*self._runner.markers.colors}:
+            if blobs.keys() >= {*self._runner.markers.colors.values()}:
                 seen = locate(blobs, self._runner.markers, step.frame.plane_map)
         if seen is not None:
             return [float(number) for number in seen.pose[:2]]
