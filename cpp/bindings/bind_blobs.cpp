@@ -126,7 +126,7 @@ Masks relative_masks_of(const ImageLike& image, const std::vector<ColorClass>& c
 
 using MarkerColors = std::optional<ByRole<std::string>>;
 
-// The order of names is that of the roles: the first marker, the second.
+// In the order of the roles.
 std::array<std::string, 2> colors_from(const MarkerColors& colors, MarkerRoles roles) {
   if (!colors) return default_marker_colors;
   const std::array<std::string, 2> names = in_order(*colors, roles, "colors");

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "robsim/vision/explain_detection.hpp"
@@ -53,6 +54,32 @@ TEST(Detect, SaysWhyThereIsNone) {
   EXPECT_EQ(found({red}, {blob("blue", 100, 50, 400)}).result, DetectionResult::distance);
   EXPECT_EQ(found({red}, {blob("blue", 100, 70, 100)}).result, DetectionResult::areas);
   EXPECT_EQ(found({red, blob("red", 100, 30, 400)}, {blue}).result, DetectionResult::ambiguous);
+}
+
+TEST(Detect, HasTheSameDigitsWhateverTheRolesAre) {
+  const Blob red = blob("red", 101.3, 112.9, 400), blue = blob("blue", 97.7, 74.1, 400);
+  MarkerLayout markers = layout();
+  markers.first.position = {-9, 20};
+  markers.second.position = {11, -18};
+  MarkerLayout other = markers;
+  std::swap(other.first, other.second);
+  other.roles = MarkerRoles::front_back;
+  const BlobsByColor blobs = {{"red", {red}}, {"blue", {blue}}};
+  const Detection one = detect(blobs, markers, PlaneMap()), two = detect(blobs, other, PlaneMap());
+  ASSERT_TRUE(one.measurement && two.measurement);
+  EXPECT_EQ(one.measurement->pose.x, two.measurement->pose.x);
+  EXPECT_EQ(one.measurement->pose.y, two.measurement->pose.y);
+  EXPECT_EQ(one.measurement->pose.heading, two.measurement->pose.heading);
+}
+
+TEST(MarkerRoles, AreTrueOrContradicted) {
+  for (const MarkerRoles roles : all_marker_roles) {
+    EXPECT_FALSE(contradiction(roles, {9, 9}, {-9, -9}));
+    EXPECT_TRUE(contradiction(roles, {-9, -9}, {9, 9}));
+    EXPECT_TRUE(contradiction(roles, {9, 9}, {9, 9}));
+  }
+  EXPECT_EQ(fitting_roles({0, -9}, {1, 9}).roles, MarkerRoles::right_left);
+  EXPECT_FALSE(fitting_roles({0, -9}, {1, 9}).is_first_right_or_front);
 }
 
 TEST(Detect, WithoutColoursThereAreNoBlobs) {

@@ -41,6 +41,20 @@ class Mouse:
         wait_for(lambda: self.tool._view._part == part)
 
 
+def test_markers_are_called_by_role_and_colour(open_tool, user_folder):
+    with robsim.robot_panel(robot="lab") as tool:
+        tab = open_tool(tool)
+        names = tab.locator(".robsim-segments [role=radio]")
+        expected = ["Outline", "Right marker (red)", "Left marker (blue)"]
+        wait_for(lambda: names.all_text_contents() == expected)
+        tool.turn(90)
+        expected = ["Outline", "Back marker (red)", "Front marker (blue)"]
+        wait_for(lambda: names.all_text_contents() == expected)
+        tool.draw("blue", [])
+        expected = ["Outline", "Marker (red)", "Marker (blue)"]
+        wait_for(lambda: names.all_text_contents() == expected)
+
+
 @pytest.fixture(params=["light", "dark"])
 def mouse(request, open_tool, user_folder):
     with robsim.robot_panel(robot="lab") as tool:

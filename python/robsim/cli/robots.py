@@ -221,13 +221,12 @@ def _parsed_markers(texts: list[str]) -> dict[str, list[tuple[float, float]]]:
     markers = {}
     for text in texts:
         color, equals, points = text.partition("=")
-        polygon = parse_points("--marker", points)
-        if not equals or not color or color in markers or polygon is None:
+        if not equals or not color or color in markers:
             raise ValueError(
                 "--marker must be one for each colour, such as 'red=120,40 180,40 180,90', got "
                 f"{quoted(text)}"
             )
-        markers[color] = polygon
+        markers[color] = parse_points("--marker", points, prefix=f"{color}=") or []
     return markers
 
 
