@@ -135,10 +135,24 @@ class CallbackFolder:
 
         Their modules, and those that they import, share nothing with the ones before.
         """
-        other = CallbackFolder(self.path, self._slots)
-        other._absolute = self._absolute
-        other._modules = FolderModules(self.path, self._absolute, self._modules.sources)
+        return CallbackFolder.of_sources(
+            self.path, self._absolute, self._modules.sources, self._slots
+        )
+
+    @classmethod
+    def of_sources(
+        cls, path: Path, absolute: Path, sources: Mapping[str, bytes], slots: Sequence[str]
+    ) -> tuple[CallbackFolder, Callbacks]:
+        """Return a folder with files that were read before, and its callbacks."""
+        other = cls(path, slots)
+        other._absolute = absolute
+        other._modules = FolderModules(path, absolute, sources)
         return other, other._executed(other._modules)
+
+    @property
+    def sources(self) -> Mapping[str, bytes]:
+        """The files that were loaded last, by name without ``.py``."""
+        return self._modules.sources
 
     def _executed(self, modules: FolderModules) -> Callbacks:
         with modules.importable():
