@@ -2,7 +2,8 @@
 
 What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `trace`,
 `vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
-`capture`, `calibration`, `motors`, `sessions`, `live`, `plotting`, `gui`, `doctor`, `bench`.
+`capture`, `calibration`, `motors`, `sessions`, `campaigns`, `live`, `plotting`, `gui`, `doctor`,
+`bench`.
 """
 
 import importlib as _importlib
@@ -107,7 +108,17 @@ __all__ = [
 
 # Loaded when asked for: `import robsim` needs no matplotlib, and is quick.
 _LATE_ROOMS = (
-    *("bench", "calibration", "digests", "doctor", "gui", "live", "motors", "plotting"),
+    *(
+        "bench",
+        "calibration",
+        "campaigns",
+        "digests",
+        "doctor",
+        "gui",
+        "live",
+        "motors",
+        "plotting",
+    ),
     *("reference", "sessions"),
 )
 _LATE_NAMES = {

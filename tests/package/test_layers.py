@@ -68,6 +68,7 @@ PYTHON = {
     },
     "robots": {"robots"},
     "loop": {"simulation"},
+    "many runs": {"campaigns"},
     "views": {"plotting", "doctor", "bench", "digests", "live"},
     "panels": {"gui"},
     "face": {"__init__"},

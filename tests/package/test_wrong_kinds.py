@@ -153,6 +153,12 @@ EXAMPLES = {
     "plot_camera_check.check": camera_check,
     "check_estimator.make": lambda: lambda: run().estimate_state,
     "check_parameter_estimator.make": lambda: lambda: robsim.RecursiveLeastSquares(5, n_filters=3),
+    "CampaignResult.trace.case": lambda: 0,
+    "CampaignResult.trace.run": lambda: 0,
+    "CampaignSpec.seed_of.run": lambda: 0,
+    "campaign.metrics": lambda: "tracking",
+    "campaign.runs": lambda: 1,
+    "campaign.steps": lambda: 1,
     "ColorClass.from_histograms.histograms": lambda: np.eye(3, 256, 200, int),
     "train_color.images": lambda: [red_square()],
     "train_color.regions": lambda: [(9, 9, 19, 19)],
@@ -327,6 +333,11 @@ def session():
         return robsim.sessions.Session(folder)
 
 
+@cache
+def campaign():
+    return robsim.campaigns.campaign(metrics="tracking", runs=2, steps=2, progress=False)
+
+
 def floor_panel():
     tool = robsim.floor_panel()
     tool.add((230, 160), (300, 300))
@@ -336,6 +347,8 @@ def floor_panel():
 #: What methods are called on, where the class cannot be made of the examples alone.
 OBJECTS = {
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
+    "CampaignResult": campaign,
+    "CampaignSpec": lambda: campaign().spec,
     "ColorPanel": lambda: robsim.color_panel(image()),
     "FloorPanel": floor_panel,
     "Panel": lambda: robsim.panel(run()),

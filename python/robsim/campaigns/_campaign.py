@@ -1,0 +1,196 @@
+"""`campaign`: many runs over seeds and options, in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor
+from contextlib import closing
+from os import PathLike
+from typing import Any, NoReturn
+
+from robsim._base.checks import check_bool, check_choice
+from robsim._base.files import as_path
+from robsim._base.seeds import Seed
+from robsim._base.text import one_line
+from robsim.campaigns._engines.engine import Engine, engine_value, rows_by
+from robsim.campaigns._result import CampaignResult, result_of
+from robsim.campaigns._runs import CaseRuns, Row
+from robsim.campaigns._spec import CampaignSpec
+from robsim.campaigns._store import Store, seed_in_store
+from robsim.simulation import Scenario
+from robsim.simulation._progress import progress_bar
+
+
+def campaign(
+    scenario: Scenario | None = None,
+    *,
+    vary: Mapping[str, Iterable[Any] | Mapping[str, Any]] | None = None,
+    metrics: Iterable[str | Callable[..., Any]] | Mapping[str, Any] | str | Callable[..., Any],
+    runs: int,
+    steps: int,
+    seed: Seed = None,
+    executor: int | str | Executor | None = None,
+    store: str | PathLike[str] | None = None,
+    time_limit: float | None = None,
+    progress: bool = True,
+    on_error: str = "record",
+) -> CampaignResult:
+    """Run a simulation many times, over seeds and options, and compare.
+
+    Parameters
+    ----------
+    scenario : Scenario, optional
+        What the runs have in common. Default: ``Scenario()``.
+    vary : mapping of str to values, optional
+        Options of `Simulation`, and the values that they take: a list, or a mapping of label to
+        value. The cases are all combinations; see Notes for slots. Default: one case.
+    metrics : names or functions of the trace
+        What to compute of each run, one or several: names, functions, or a mapping of name to
+        either. A function returns a number, a dict of numbers, or a `Report`, whose numbers are
+        taken. Names: ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"`` and ``"nees"``
+        (those of the estimate; heading in rad), ``"parameters"`` (the last online estimate),
+        ``"batch"``.
+    runs : int
+        Number of runs of each case.
+    steps : int
+        Number of steps of each run.
+    seed : int, SeedSequence or Generator, optional
+        What the seeds of the runs come from. Run i has the same seed in every case, whatever the
+        number of runs is: ``SeedSequence(seed, spawn_key=(i,))``. Default: that of the scenario,
+        else that of the store, else an unpredictable one.
+    executor : int, "threads" or concurrent.futures.Executor, optional
+        What runs: so many processes, as many threads as there are processors, or an executor, which
+        is used as it is. Default: this thread. The numbers are the same.
+    store : path, optional
+        SQLite file that keeps the rows. What is there already is not run again: the same call goes
+        on where one was ended, and one with more `runs` adds to them. Default: in memory.
+    time_limit : float, optional
+        Maximum duration of a call of a callback (s); a run that exceeds it fails.
+    progress : bool
+        Show a progress bar in a terminal or a notebook: rate, runs that failed, time left.
+    on_error : str
+        ``"record"``: a run that raises an exception is a row with the error and its line.
+        ``"raise"``: the exception is raised.
+
+    Returns
+    -------
+    CampaignResult
+        A row for each run in the order cases x runs, `summary`, `trace`, `to_pandas`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or is out of range, if code cannot be sent to other
+        processes, or if the store has another campaign, or is damaged.
+    OSError
+        If the store cannot be read or written; what was committed to it before is intact.
+
+    Notes
+    -----
+    A value of a slot (``estimate_state``, ``control`` and so on) is, as for `Simulation`, a native
+    component, True or None; or code, as there is:
+
+    - a class, or a function without arguments, that makes the callback of a run: for what has a
+      memory, such as a filter; ``functools.partial(MyFilter, q=2)`` gives it arguments;
+    - a plain function that is the callback, such as ``control(step)``, and remembers nothing;
+    - the path of a folder whose file for the slot is used, loaded anew for each run. The option
+      ``"folder"`` has folders that fill all slots they have files for.
+
+    For other processes code must have a name in a module: neither a lambda nor a function inside
+    another one. A program that is a file must call this below ``if __name__ == "__main__":``. With
+    threads, runs without callbacks in Python go on at the same time, others take turns.
+
+    A process that dies is replaced, and its runs are done again; a run whose process dies whenever
+    it is tried is recorded as failed. In processes of their own, and here, a callback that sleeps
+    is ended by `time_limit`; one that never returns from compiled code is not.
+
+    A store is for one campaign: other steps, seeds, options, metrics or code are refused. Code is
+    told by its own text, not by what it calls. Its view ``results`` has a row for each run.
+
+    Examples
+    --------
+    >>> scenario = robsim.Scenario(area=(300, 300), start="random", measure=True)
+    >>> result = robsim.campaigns.campaign(
+    ...     scenario,
+    ...     vary={"noise": {0: None, 10: robsim.GaussianNoise(10)}},
+    ...     metrics="tracking",
+    ...     runs=20,
+    ...     steps=20,
+    ...     seed=1,
+    ... )
+    >>> result["tracking_rmse_xy"].shape
+    (40,)
+    >>> print(result.summary("noise"))  # doctest: +SKIP
+    """
+    spec = CampaignSpec(
+        scenario=scenario,
+        vary=vary,
+        metrics=metrics,
+        runs=runs,
+        steps=steps,
+        seed=seed,
+        time_limit=time_limit,
+    )
+    engine = engine_value(executor)
+    check_bool("progress", progress)
+    check_choice("on_error", on_error, ("record", "raise"))
+    file = None if store is None else as_path(store, "store")
+    if file is not None and seed is None and (scenario is None or scenario.seed is None):
+        known = seed_in_store(file)
+        spec = spec if known is None else spec._with_seed(known)
+    with closing(Store(file, spec)) as rows:
+        _run(spec, engine, rows, shows=progress, stops=on_error == "raise")
+        return result_of(spec, rows.read())
+
+
+def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops: bool) -> None:
+    """Do the runs that the store does not have."""
+    done = store.done()
+    jobs = [
+        (case.index, run)
+        for case in spec.cases
+        for run in range(spec.runs)
+        if (case.index, run) not in done
+    ]
+    total = len(spec.cases) * spec.runs
+    bar = progress_bar(total=total, initial=total - len(jobs), unit="run") if shows else None
+    failed = 0
+    try:
+        with closing(rows_by(engine, spec, jobs)) as chunks:
+            for rows in chunks:
+                wrong = [row for row in rows if row.error is not None]
+                if wrong and stops:
+                    store.add([row for row in rows if row.error is None])
+                    _raise(spec, wrong[0])
+                store.add(rows)
+                failed += len(wrong)
+                if bar is not None:
+                    bar.set_postfix(failed=failed, refresh=False)
+                    bar.update(len(rows))
+    except BaseException as error:
+        error.add_note(_how_to_go_on(store, total))
+        raise
+    finally:
+        if bar is not None:
+            bar.close()
+
+
+def _raise(spec: CampaignSpec, row: Row) -> NoReturn:
+    """Raise the error of a run, by doing it again here."""
+    case = spec.cases[row.case]
+    where = f"in run {row.run} of the case {case}"
+    try:
+        CaseRuns(spec, case).numbers(row.run)
+    except Exception as error:
+        error.add_note(where)
+        raise
+    raise RuntimeError(f"{where}: {row.error}; done again, the run did not fail")
+
+
+def _how_to_go_on(store: Store, total: int) -> str:
+    if store.path is None:
+        return "the runs done by now are lost: with store=FILE the same call goes on with the rest"
+    return (
+        f"{one_line(store.path)} has {len(store.done())} of {total} runs: the same call goes on "
+        "with the rest"
+    )

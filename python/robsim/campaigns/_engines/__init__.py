@@ -1,0 +1,1 @@
+"""Ways to do the runs of a campaign: here, in threads, in processes, in any executor."""

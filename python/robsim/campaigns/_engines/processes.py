@@ -1,0 +1,182 @@
+"""Runs in processes of their own, which may die."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import threading
+from collections import Counter
+from collections.abc import Generator
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
+from multiprocessing.connection import wait as wait_for
+
+from robsim._base.text import quoted, said_by
+from robsim.campaigns._choices import Callback, Data, Factory, Folder
+from robsim.campaigns._engines.chunks import Chunks
+from robsim.campaigns._runs import Job, Row, rows_of
+from robsim.campaigns._spec import CampaignSpec
+
+_DEATHS = 2  # of a run that is tried alone, before it counts as failed
+_STARTS = 5  # of a pool, before there is something else wrong
+
+_DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
+
+
+def rows_in_processes(
+    spec: CampaignSpec, jobs: list[Job], count: int
+) -> Generator[list[Row], None, None]:
+    """Yield the rows of all jobs, done by a number of processes.
+
+    A process that dies breaks the pool, and with it all chunks in flight. These are few; they are
+    run again alone, by halves, until the run is known that kills its process.
+    """
+    _check_can_be_sent(spec)
+    pool = _Pool(spec, count)
+    try:
+        chunks = Chunks(jobs)
+        while True:
+            lost = yield from _together(pool, chunks)
+            if not lost:
+                return
+            yield from _alone(pool, lost)
+    finally:
+        pool.end()
+
+
+def _together(pool: _Pool, chunks: Chunks) -> Generator[list[Row], None, list[list[Job]]]:
+    """Run all chunks until a process dies; return the chunks that are lost then."""
+    flying: dict[Future[list[Row]], list[Job]] = {}
+    lost: list[list[Job]] = []
+    while True:
+        while not lost and len(flying) <= pool.count and (chunk := chunks.take()):
+            flying[pool.submit(chunk)] = chunk
+        if not flying:
+            return lost
+        done, _ = wait(flying, return_when=FIRST_COMPLETED)
+        for future in done:
+            chunk = flying.pop(future)
+            try:
+                rows = future.result()
+            except BrokenExecutor:
+                lost.append(chunk)
+            else:
+                chunks.note(rows)
+                yield rows
+
+
+def _alone(pool: _Pool, lost: list[list[Job]]) -> Generator[list[Row], None, None]:
+    """Run one chunk after the other; a run that kills its process gets a row with an error."""
+    deaths: Counter[Job] = Counter()
+    while lost:
+        chunk = lost.pop()
+        try:
+            rows = pool.submit(chunk).result()
+        except BrokenExecutor:
+            half = len(chunk) // 2
+            if half:
+                lost += [chunk[half:], chunk[:half]]
+                continue
+            deaths.update(chunk)
+            if deaths[chunk[0]] < _DEATHS:
+                lost.append(chunk)
+                continue
+            rows = [Row(*chunk[0], _DIED, None, 0.0, {})]
+        yield rows
+
+
+class _Pool:
+    """A pool of processes that is made anew when it is broken."""
+
+    def __init__(self, spec: CampaignSpec, count: int) -> None:
+        self.count = count
+        self._spec = spec
+        self._pool: ProcessPoolExecutor | None = None
+
+    def submit(self, jobs: list[Job]) -> Future[list[Row]]:
+        """Hand over a chunk; a broken pool is replaced."""
+        for _ in range(_STARTS):
+            try:
+                if self._pool is None:
+                    self._pool = self._begun()
+                return self._pool.submit(rows_of, self._spec, jobs)
+            except BrokenExecutor:
+                self.end()
+        raise RuntimeError(
+            "executor: the worker processes end as soon as they begin; a program that is a file "
+            "must call campaign below the line `if __name__ == '__main__':`, and what other "
+            "programs define as they run must lie in a module"
+        )
+
+    def _begun(self) -> ProcessPoolExecutor:
+        pool = ProcessPoolExecutor(
+            self.count, mp_context=multiprocessing.get_context("spawn"), initializer=_begin
+        )
+        self._pool = pool
+        pool.submit(_answer, self._spec).result()
+        return pool
+
+    def end(self) -> None:
+        """End the processes, in the middle of their runs if need be."""
+        pool, self._pool = self._pool, None
+        if pool is None:
+            return
+        processes = list((getattr(pool, "_processes", None) or {}).values())
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in processes:
+            process.terminate()
+        pool.shutdown()
+
+
+def _answer(spec: CampaignSpec) -> None:
+    """Do nothing: a process that does it has begun, and knows the campaign's code."""
+
+
+def _begin() -> None:
+    """Begin a worker process: Ctrl-C is for its parent, and it ends with that."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait_for([parent.sentinel])
+        os._exit(1)
+
+
+def _check_can_be_sent(spec: CampaignSpec) -> None:
+    """Raise TypeError for code that other processes cannot be sent."""
+    parts: list[tuple[str, object]] = [
+        (f"vary: {name} {label!r}", _content(choice))
+        for name, choices in spec.vary.items()
+        for label, choice in choices.items()
+    ]
+    parts += [(f"metrics: {name!r}", metric) for name, metric in spec._functions.items()]
+    for what, value in parts:
+        remedy = f"define it in a module, or give executor='threads'; got {quoted(value)}"
+        try:
+            content = pickle.dumps(value)
+        except Exception as error:
+            raise TypeError(
+                f"{what} cannot be sent to other processes ({said_by(error)}): {remedy}"
+            ) from error
+        if b"__main__" in content and not hasattr(sys.modules["__main__"], "__file__"):
+            raise TypeError(f"{what} of a notebook or a prompt cannot be sent to others: {remedy}")
+
+
+def _content(choice: object) -> object:
+    match choice:
+        case Data(value=content) | Callback(function=content) | Factory(make=content):
+            return content
+        case Folder(sources=content):
+            return content
+    return choice

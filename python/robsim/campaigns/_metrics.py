@@ -1,0 +1,190 @@
+"""The metrics of a campaign: what makes numbers of the trace of a run."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import check_name
+from robsim._base.report import Report
+from robsim._base.spelling import suggestion
+from robsim._base.text import quoted
+from robsim.evaluation import pose_consistency, pose_errors
+from robsim.identification import batch_estimate
+from robsim.trace import PARAMETER_NAMES, Trace
+
+#: A number, numbers by name, or a report that has them.
+Numbers = float | Mapping[str, Any] | Report
+Metric = Callable[[Trace], Numbers]
+
+_MOST_NUMBERS = 500  # of a metric; SQLite has at most 2000 columns
+
+
+def _tracking(trace: Trace) -> Numbers:
+    statistics = {one.key: one.value for one in trace.tracking().quantities}
+    del statistics["steps"]
+    return statistics
+
+
+def _errors(trace: Trace, *, of: str) -> Numbers:
+    report = pose_errors(trace, of=of)
+    rmse = {f"{name}_rmse": value for name, value in zip(report.names, report.rmse, strict=True)}
+    bias = {f"{name}_bias": value for name, value in zip(report.names, report.bias, strict=True)}
+    return rmse | bias
+
+
+def _nees(trace: Trace) -> Numbers:
+    report = pose_consistency(trace)
+    return {"mean": report.mean, "inside": report.inside}
+
+
+def _parameters(trace: Trace) -> Numbers:
+    trace.require("parameters")
+    return dict(zip(PARAMETER_NAMES, trace.parameters[-1].ravel(), strict=True))
+
+
+def _batch(trace: Trace) -> Numbers:
+    return dict(zip(PARAMETER_NAMES, batch_estimate(trace).batch.ravel(), strict=True))
+
+
+#: The metrics that have a name.
+METRICS: dict[str, Metric] = {
+    "tracking": _tracking,
+    "measurement_errors": functools.partial(_errors, of="measurement"),
+    "pose_errors": functools.partial(_errors, of="estimate"),
+    "nees": _nees,
+    "parameters": _parameters,
+    "batch": _batch,
+}
+
+
+def metrics_value(metrics: Any) -> dict[str, Metric]:
+    """Return the option ``metrics`` as functions by name; else raise TypeError or ValueError."""
+    if isinstance(metrics, str) or callable(metrics):
+        metrics = (metrics,)
+    if isinstance(metrics, Mapping):
+        named = list(metrics.items())
+    elif isinstance(metrics, Iterable):
+        named = [(_name_of(metric), metric) for metric in metrics]
+    else:
+        raise TypeError(f"metrics must be names or functions of the trace, got {quoted(metrics)}")
+    if not named:
+        raise ValueError("metrics must have at least one metric, got none")
+    found: dict[str, Metric] = {}
+    for name, metric in named:
+        if check_name("metrics", name) in found:
+            raise ValueError(
+                f"metrics must have names of their own, got {quoted(name)} twice: give a mapping "
+                "of name to function"
+            )
+        found[name] = _function_of(metric)
+    return found
+
+
+def _name_of(metric: Any) -> str:
+    if isinstance(metric, str):
+        return metric
+    inner = metric
+    while isinstance(inner, functools.partial):
+        inner = inner.func
+    name = getattr(inner, "__name__", None)
+    if not isinstance(name, str) or name == "<lambda>":
+        raise TypeError(
+            "metrics must have names: give a mapping of name to function, such as "
+            f"{{'final_x': ...}}, got {quoted(metric)}"
+        )
+    return name
+
+
+def _function_of(metric: Any) -> Metric:
+    if isinstance(metric, str):
+        if metric not in METRICS:
+            raise ValueError(
+                f"metrics must be functions of the trace, or among {', '.join(METRICS)}, "
+                f"got {quoted(metric)}{suggestion(metric, METRICS)}"
+            )
+        return METRICS[metric]
+    if not callable(metric):
+        raise TypeError(f"metrics must be names or functions of the trace, got {quoted(metric)}")
+    function: Metric = metric
+    return function
+
+
+def numbers_of(
+    metrics: Mapping[str, Metric], trace: Trace, taken: frozenset[str]
+) -> dict[str, float]:
+    """Return the numbers of all metrics by the names of their columns.
+
+    A metric that gives one number has a column of its name; the others have ``NAME_KEY``.
+
+    Parameters
+    ----------
+    metrics : mapping of str to callable
+        As `metrics_value` returns them.
+    trace : Trace
+        The run.
+    taken : frozenset of str
+        Names of columns that are none of a metric.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a metric returns something else, or two numbers have one name.
+    """
+    numbers: dict[str, float] = {}
+    for name, metric in metrics.items():
+        for column, value in _named(name, metric(trace)):
+            if column in numbers or column in taken:
+                raise ValueError(
+                    f"metric {quoted(name)}: there is a column {quoted(column)} before"
+                )
+            numbers[column] = _as_float(name, value)
+    return numbers
+
+
+def _named(name: str, result: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(result, Report):
+        result = dict(_numbers_in(result))
+    if not isinstance(result, Mapping):
+        yield name, result
+        return
+    if len(result) > _MOST_NUMBERS:
+        raise ValueError(
+            f"metric {quoted(name)} must return at most {_MOST_NUMBERS} numbers, got {len(result)}"
+        )
+    for key, value in result.items():
+        yield f"{name}_{check_name(f'metric {quoted(name)}: the name of a number', key)}", value
+
+
+def _numbers_in(report: Report) -> Iterator[tuple[str, Any]]:
+    """Yield the numbers of a report, without its texts and intervals."""
+    for quantity in report.quantities:
+        if quantity.value is None or _is_number(quantity.value):
+            yield quantity.key, quantity.value
+    for table in report.tables:
+        for row in table.rows:
+            for column, value in zip(table.columns, row.values, strict=True):
+                if value is None or _is_number(value):
+                    yield f"{row.title}_{column.key}", value
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (bool, int, float, np.bool_, np.integer, np.floating))
+
+
+def _as_float(name: str, value: Any) -> float:
+    """Return a number as a float, -0 as 0: a store has only one zero."""
+    if value is None:
+        return math.nan
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if not _is_number(value):
+        raise TypeError(
+            f"metric {quoted(name)} must return a number, a dict of numbers or a Report, "
+            f"got {quoted(value)}"
+        )
+    return float(value) + 0.0

@@ -1,0 +1,247 @@
+"""The store of a campaign: one SQLite file, in memory where no file is given."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._base.files import as_path
+from robsim._base.text import one_line
+from robsim._base.warn import warn_user
+from robsim.campaigns._description import description_of, difference, surroundings
+from robsim.campaigns._runs import Row
+from robsim.campaigns._spec import ROW_COLUMNS, CampaignSpec
+
+_FORMAT = 1
+_APPLICATION = 0x726F6273  # "robs", in the header of the file
+_PATIENCE = 30.0  # s that another program may have the file for itself
+_BATCH = 5000  # rows
+
+
+class Store:
+    """The rows of a campaign.
+
+    Table ``cases`` has the labels of each case, ``runs`` a row for each run, with a column for
+    each number of a metric, ``campaign`` what it is a campaign of, ``columns`` the metrics' columns
+    in their order; the view ``results`` joins cases and runs. Only one process writes.
+
+    Parameters
+    ----------
+    path : path or None
+        The file; None = in memory.
+    spec : CampaignSpec
+        The campaign; a file of another one is refused.
+
+    Attributes
+    ----------
+    path : Path or None
+        The file; None = in memory.
+    """
+
+    def __init__(self, path: str | PathLike[str] | None, spec: CampaignSpec) -> None:
+        self.path = None if path is None else as_path(path)
+        self._spec = spec
+        self._columns: dict[str, str] = {}  # of the metrics: name to that in SQL
+        with self._naming():
+            self._database = sqlite3.connect(
+                ":memory:" if self.path is None else self.path,
+                timeout=_PATIENCE,
+                isolation_level=None,
+            )
+        try:
+            with self._naming():
+                self._open()
+        except BaseException:
+            self._database.close()
+            raise
+
+    def _open(self) -> None:
+        is_new = not self._database.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        if is_new:
+            self._database.execute(f"PRAGMA application_id = {_APPLICATION}")
+            self._database.execute("PRAGMA journal_mode = WAL")  # stays off where it cannot be
+            self._database.execute("PRAGMA synchronous = NORMAL")
+            with self._transaction():
+                self._create()
+            return
+        _check_is_store(self._database, self.path)
+        self._database.execute("PRAGMA synchronous = NORMAL")
+        self._check_fits()
+        rows = self._database.execute("SELECT name, sql_name FROM columns ORDER BY position")
+        self._columns = dict(rows)
+
+    def _create(self) -> None:
+        options = "".join(f", {_quoted(name)}" for name in self._spec.vary)
+        execute = self._database.execute
+        execute("CREATE TABLE campaign (key TEXT PRIMARY KEY, value TEXT)")
+        execute(f"CREATE TABLE cases (case_id INTEGER PRIMARY KEY{options})")
+        execute(
+            "CREATE TABLE runs (case_id INTEGER REFERENCES cases, run INTEGER, error TEXT, "
+            "line TEXT, seconds REAL, PRIMARY KEY (case_id, run)) WITHOUT ROWID"
+        )
+        execute("CREATE TABLE columns (position INTEGER PRIMARY KEY, name TEXT, sql_name TEXT)")
+        execute("CREATE VIEW results AS SELECT * FROM cases JOIN runs USING (case_id)")
+        assert self._spec.scenario is not None
+        content = {
+            "format": _FORMAT,
+            "description": description_of(self._spec) if self.path else {},
+            "surroundings": surroundings(),
+        }
+        for key, value in content.items():
+            execute("INSERT INTO campaign VALUES (?, ?)", (key, json.dumps(value)))
+        places = ", ?" * len(self._spec.vary)
+        self._database.executemany(
+            f"INSERT INTO cases VALUES (?{places})",
+            [(case.index, *case.labels.values()) for case in self._spec.cases],
+        )
+
+    def _check_fits(self) -> None:
+        notes = _notes(self._database)
+        if (other := difference(notes["description"], description_of(self._spec))) is not None:
+            raise ValueError(
+                f"store {one_line(self.path)} has another campaign: {other}; give another file, "
+                "or remove this one"
+            )
+        now, then = surroundings(), notes["surroundings"]
+        if changed := [name for name in now if now[name] != then.get(name)]:
+            name = changed[0]
+            warn_user(
+                f"store {one_line(self.path)} was begun with {name} {then.get(name)}, here is "
+                f"{now[name]}: the last digits may differ"
+            )
+
+    @contextmanager
+    def _naming(self) -> Iterator[None]:
+        """Let an error of SQLite name the file."""
+        try:
+            yield
+        except sqlite3.Error as error:
+            where = "in memory" if self.path is None else one_line(self.path)
+            raise OSError(f"store {where}: {error}") from error
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        self._database.execute("BEGIN IMMEDIATE")
+        try:
+            yield
+        except BaseException:
+            with suppress(sqlite3.Error):  # a full disk has rolled back by itself
+                self._database.execute("ROLLBACK")
+            raise
+        self._database.execute("COMMIT")
+
+    def done(self) -> set[tuple[int, int]]:
+        """Return the runs that are there, as (case, run)."""
+        with self._naming():
+            return set(self._database.execute("SELECT case_id, run FROM runs"))
+
+    def add(self, rows: Sequence[Row]) -> None:
+        """Write rows, all or none; one that is there stays as it is."""
+        before = dict(self._columns)
+        try:
+            with self._naming(), self._transaction():
+                for row in rows:
+                    for name in row.numbers:
+                        if name not in self._columns:
+                            self._add_column(name)
+                self._insert(rows)
+        except BaseException:
+            self._columns = before
+            raise
+
+    def _add_column(self, name: str) -> None:
+        taken = {known.casefold() for known in (*self._columns.values(), *self._spec._taken)}
+        sql_name, number = name, 1
+        while sql_name.casefold() in taken:  # SQL does not tell capitals
+            number += 1
+            sql_name = f"{name}_{number}"
+        self._database.execute(f"ALTER TABLE runs ADD COLUMN {_quoted(sql_name)} REAL")
+        position = len(self._columns)
+        self._database.execute("INSERT INTO columns VALUES (?, ?, ?)", (position, name, sql_name))
+        self._columns[name] = sql_name
+
+    def _insert(self, rows: Sequence[Row]) -> None:
+        names = ", ".join(map(_quoted, (*ROW_COLUMNS, *self._columns.values())))
+        places = ", ?" * (len(ROW_COLUMNS) + len(self._columns) - 1)
+        self._database.executemany(
+            f"INSERT OR IGNORE INTO runs ({names}) VALUES (?{places})",
+            ((*row[:5], *map(row.numbers.get, self._columns)) for row in rows),
+        )
+
+    def read(self) -> dict[str, NDArray[Any]]:
+        """Return the columns of all runs of the campaign, in the order cases x runs.
+
+        The names are those of `ROW_COLUMNS` and of the metrics. Raises LookupError while runs are
+        missing.
+        """
+        spec, count = self._spec, len(self._spec.cases) * self._spec.runs
+        names = list(self._columns)
+        columns = ", ".join(map(_quoted, (*ROW_COLUMNS, *self._columns.values())))
+        numbers = np.full((count, len(names)), np.nan)
+        head: list[tuple[Any, ...]] = []
+        with self._naming():
+            cursor = self._database.execute(
+                f"SELECT {columns} FROM runs WHERE run < ? ORDER BY case_id, run", (spec.runs,)
+            )
+            while batch := cursor.fetchmany(_BATCH):
+                part = [row[len(ROW_COLUMNS) :] for row in batch]
+                numbers[len(head) : len(head) + len(batch)] = np.array(part, float)
+                head += [row[: len(ROW_COLUMNS)] for row in batch]
+        if len(head) != count:
+            raise LookupError(f"the store has {len(head)} of {count} runs")
+        kinds: dict[str, Any] = {"case_id": int, "run": int, "seconds": float}
+        fixed = {
+            name: np.array([row[i] for row in head], kinds.get(name, object))
+            for i, name in enumerate(ROW_COLUMNS)
+        }
+        return fixed | {name: numbers[:, i] for i, name in enumerate(names)}
+
+    def close(self) -> None:
+        """Close the file; what WAL keeps beside it is brought in."""
+        with self._naming():
+            self._database.close()
+
+
+def seed_in_store(path: str | PathLike[str]) -> np.random.SeedSequence | None:
+    """Return the seed of the campaign in a file, None where there is no such file yet."""
+    file = as_path(path)
+    if not file.exists() or not file.stat().st_size:
+        return None
+    try:
+        with closing(sqlite3.connect(file, timeout=_PATIENCE)) as database:
+            if not database.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                return None
+            _check_is_store(database, file)
+            return np.random.SeedSequence(**_notes(database)["description"]["seed"])
+    except sqlite3.Error as error:
+        raise OSError(f"store {one_line(file)}: {error}") from error
+
+
+def _check_is_store(database: sqlite3.Connection, path: Path | None) -> None:
+    """Raise ValueError for a file of another program, or one that is damaged."""
+    if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION:
+        raise ValueError(f"store {one_line(path)} is no store of a campaign: give another file")
+    problem = database.execute("PRAGMA quick_check(1)").fetchone()[0]
+    if problem != "ok":
+        raise ValueError(f"store {one_line(path)} is damaged: {one_line(problem)}")
+    number = _notes(database)["format"]
+    if number != _FORMAT:
+        raise ValueError(
+            f"store {one_line(path)} has format {number}, this version of robsim reads {_FORMAT}"
+        )
+
+
+def _notes(database: sqlite3.Connection) -> dict[str, Any]:
+    return {key: json.loads(value) for key, value in database.execute("SELECT * FROM campaign")}
+
+
+def _quoted(name: str) -> str:
+    return '"' + name.replace('"', '""') + '"'

@@ -1,0 +1,267 @@
+"""The rows of a campaign: which runs, with which seeds, callbacks and metrics."""
+
+import functools
+
+import numpy as np
+import pytest
+
+import robsim
+from campaign_code import Faster, failing_in_some, final, kalman, run_of, steady
+from robsim.campaigns import campaign
+
+SCENARIO = robsim.Scenario(
+    area=(300, 300), start="random", control=robsim.DriveAround(), estimate_parameters=True
+)
+OPTIONS = {"runs": 6, "steps": 20, "seed": 5, "progress": False}
+
+
+def by_hand(run, **options):
+    scenario = SCENARIO.replace(seed=np.random.SeedSequence(5, spawn_key=(run,)))
+    return robsim.Simulation(scenario, **options).run(20)
+
+
+def test_rows_are_those_of_single_simulations_in_the_order_cases_x_runs():
+    vary = {"motor_delay": [0, 1.5], "control": {"mine": Faster, "default": robsim.DriveAround()}}
+    result = campaign(SCENARIO, vary=vary, metrics=[final], **OPTIONS)
+    assert list(result.columns) == [
+        *("case_id", "run", "motor_delay", "control", "final_x", "final_y"),
+        *("error", "line", "seconds"),
+    ]
+    assert len(result) == 24
+    for row in range(24):
+        case, run = divmod(row, 6)
+        delay, control = divmod(case, 2)
+        assert (result["case_id"][row], result["run"][row]) == (case, run)
+        assert result["motor_delay"][row] == (0, 1.5)[delay]
+        assert result["control"][row] == ("mine", "default")[control]
+        made = {} if control else {"control": Faster()}
+        trace = by_hand(run, motor_delay=(0, 1.5)[delay], **made)
+        assert result["final_x"][row] == trace.pose_true[-1, 0]
+        assert result["final_y"][row] == trace.pose_true[-1, 1]
+
+
+def test_run_i_has_the_same_seed_in_every_case_and_whatever_the_number_of_runs():
+    one = campaign(SCENARIO, metrics=[final], **OPTIONS)
+    more = campaign(
+        SCENARIO, vary={"camera_delay": [0, 1]}, metrics=[final], **{**OPTIONS, "runs": 9}
+    )
+    table = more["final_x"].reshape(2, 9)
+    np.testing.assert_array_equal(table[0], table[1])  # the robot is blind
+    np.testing.assert_array_equal(table[0, :6], one["final_x"])
+    assert one.spec.seed_of(3).spawn_key == (3,)
+    assert len(set(one["final_x"])) == 6
+
+
+def test_the_seed_is_that_of_the_scenario_unless_one_is_given():
+    of_scenario = campaign(SCENARIO.replace(seed=5), metrics=[final], **{**OPTIONS, "seed": None})
+    assert of_scenario.checksum == campaign(SCENARIO, metrics=[final], **OPTIONS).checksum
+    unseeded = campaign(SCENARIO, metrics=[final], **{**OPTIONS, "seed": None})
+    again = campaign(SCENARIO, metrics=[final], **{**OPTIONS, "seed": unseeded.spec.seed})
+    assert again.checksum == unseeded.checksum != of_scenario.checksum
+
+
+def test_the_checksum_tells_other_numbers_and_not_other_times():
+    one, same = (campaign(SCENARIO, metrics=[final], **OPTIONS) for _ in range(2))
+    other = campaign(SCENARIO, metrics=[final], **{**OPTIONS, "seed": 6})
+    assert one.checksum == same.checksum
+    assert len(one.checksum) == 64
+    assert one.checksum != other.checksum
+
+
+def test_metrics_are_names_functions_and_reports():
+    waypoints = [(150, 150), (200, 200)]
+    metrics = {
+        "tracking": "tracking",
+        "path": functools.partial(robsim.score_path, waypoints=waypoints),
+        "one": run_of,
+        "parameters": "parameters",
+        "batch": "batch",
+    }
+    result = campaign(SCENARIO.replace(measure=True), metrics=metrics, **OPTIONS)
+    trace = result.trace(0, 2)
+    assert result["tracking_rmse_xy"][2] == trace.tracking().rmse_xy
+    assert result["tracking_seen"][2] == trace.tracking().seen
+    assert result["path_rmse"][2] == robsim.score_path(trace, waypoints).rmse
+    assert result["one"][2] == 2
+    assert result["parameters_b1X"][2] == trace.parameters[-1, 0, 2]
+    batch = robsim.batch_estimate(trace).batch[0, 2]
+    np.testing.assert_equal(result["batch_b1X"][2], batch)
+    assert np.isnan(result["path_completed_step"]).any()  # None in the report
+
+
+def test_the_metrics_of_an_estimate():
+    def make():
+        return lambda step: robsim.Estimate((150, 150, 0), np.diag((1e4, 1e4, 1)))
+
+    vary = {"estimate_state": {"constant": make}}
+    result = campaign(SCENARIO, vary=vary, metrics=["pose_errors", "nees"], **OPTIONS)
+    trace = result.trace({"estimate_state": "constant"}, 1)
+    assert result["pose_errors_x_rmse"][1] == robsim.pose_errors(trace).rmse[0]
+    assert result["nees_mean"][1] == robsim.pose_consistency(trace).mean
+
+
+def test_a_callback_with_a_memory_is_fresh_in_each_run_and_a_plain_function_is_used_as_it_is():
+    vary = {"control": {"fresh": Faster, "plain": steady}}
+    result = campaign(SCENARIO, vary=vary, metrics=[final], **{**OPTIONS, "runs": 2})
+    assert result["final_x"][1] == by_hand(1, control=Faster()).pose_true[-1, 0]
+    assert result["final_x"][3] == by_hand(1, control=steady).pose_true[-1, 0]
+
+
+def test_folders_fill_a_slot_or_all(tmp_path):
+    (tmp_path / "helper.py").write_text("left = 0.5\n")
+    (tmp_path / "control.py").write_text(
+        "import helper\nn = 0\n\n\ndef control(step):\n    global n\n    n += 1\n"
+        "    import helper as again\n    return again.left, 0.01 * n\n"
+    )
+    (tmp_path / "measure.py").write_text("ENABLED = False\n\n\ndef measure(step): ...\n")
+    for vary in ({"control": {"mine": tmp_path}}, {"folder": {"mine": str(tmp_path)}}):
+        result = campaign(SCENARIO, vary=vary, metrics=[final], **OPTIONS)
+        for run in (0, 5):
+            seed = np.random.SeedSequence(5, spawn_key=(run,))
+            scenario = SCENARIO.replace(seed=seed, control=None)
+            sim = robsim.Simulation.from_folder(tmp_path, scenario=scenario)
+            assert result["final_x"][run] == sim.run(20).pose_true[-1, 0]
+    (tmp_path / "control.py").write_text("def control(step):\n    return 0, 0\n")
+    assert result.trace(0, 5).pose_true[-1, 0] == result["final_x"][5]  # as they were then
+
+
+def test_a_run_that_fails_is_a_row_with_the_error_and_its_line():
+    result = campaign(SCENARIO, metrics=["tracking", failing_in_some], **OPTIONS)
+    assert list(np.flatnonzero(result.failed)) == [3]
+    assert result["error"][3] == "ZeroDivisionError: it is one of these"
+    assert result["line"][3].startswith("campaign_code.py:")
+    assert np.isnan(result["failing_in_some"][3])
+    assert result["failing_in_some"][4] == 4
+    assert "run 3 of the case the scenario was the first that failed" in str(result)
+    assert result.summary().n[0, -1] == 5
+
+
+def test_an_error_of_a_run_can_be_raised_as_it_is():
+    with pytest.raises(ZeroDivisionError, match="it is one of these") as caught:
+        campaign(SCENARIO, metrics=[failing_in_some], on_error="raise", **OPTIONS)
+    assert "in run 3 of the case the scenario" in caught.value.__notes__
+
+
+def test_a_callback_that_hangs_ends_by_the_time_limit():
+    def hang(step):
+        while True:
+            pass
+
+    result = campaign(
+        SCENARIO,
+        vary={"control": [hang]},
+        metrics=[final],
+        time_limit=0.05,
+        **{**OPTIONS, "runs": 1},
+    )
+    assert result["error"][0].startswith("TimeoutError: the callback took longer")
+    assert result["line"][0].startswith("test_campaign.py:")
+
+
+def test_a_result_has_all_forms():
+    result = campaign(SCENARIO, vary={"motor_delay": [0, 2]}, metrics=[final], **OPTIONS)
+    frame = result.to_pandas()
+    assert list(frame.columns) == list(result.columns)
+    assert len(frame) == 12
+    assert repr(result).startswith("<CampaignResult: Campaign of 2 x 6 runs of 20 steps")
+    assert "<table" in result._repr_html_()
+    assert result.to_dict()["failed"] == 0
+    with pytest.raises(KeyError, match="did you mean 'final_x'"):
+        result["finalx"]
+    with pytest.raises(ValueError, match="read-only"):
+        result["final_x"][0] = 0
+    summary = result.summary("motor_delay").to_pandas()
+    assert summary.loc[("final_x", "0"), "mean"] == result["final_x"][:6].mean()
+    assert result.summary(metrics="final_y").metrics == ("final_y",)
+    with pytest.raises(ValueError, match="metrics has no 'final'; did you mean 'final_"):
+        result.summary(metrics=["final"])
+    with pytest.raises(ValueError, match="by has no 'noise': there are motor_delay"):
+        result.summary("noise")
+
+
+def test_cases_of_a_group_are_averaged_run_by_run():
+    vary = {"control": {"fast": Faster, "plain": steady}, "motor_delay": [0, 2]}
+    result = campaign(SCENARIO, vary=vary, metrics=[final], **OPTIONS)
+    table = result["final_x"].reshape(2, 2, 6).mean(axis=1)
+    summary = result.summary("control", metrics="final_x")
+    assert summary.groups == ("fast", "plain")
+    np.testing.assert_allclose(summary.mean[:, 0], table.mean(axis=1))
+    np.testing.assert_allclose(summary.sd[1, 0], table[1].std(ddof=1))
+    np.testing.assert_allclose(summary.difference[1, 0], (table[1] - table[0]).mean())
+
+
+def test_the_errors_of_a_kalman_filter_are_those_of_theory():
+    """The mean squared error of the filter of a random walk is P of the Riccati equation."""
+    result = campaign(
+        robsim.Scenario(
+            area=(300, 300),
+            boundary="unlimited",
+            process_noise=robsim.PoseNoise(np.diag((1.0, 0, 0))),
+        ),
+        vary={"evaluate_model": {"random walk": lambda world: world.pose_1}},
+        metrics=[kalman],
+        runs=1000,
+        steps=30,
+        seed=1,
+        progress=False,
+    )
+    # P = (P + q) r / (P + q + r), q = 1, r = 4
+    P = (-1 + np.sqrt(1 + 16)) / 2
+    assert result["kalman_P"][0] == pytest.approx(P, rel=1e-5)
+    summary = result.summary()
+    for name, theory in {"kalman_squared_error": P, "kalman_nees": 1.0}.items():
+        column = summary.metrics.index(name)
+        # 4 standard errors; the variance of a squared error of a Gaussian is 2 P^2
+        assert summary.mean[0, column] == pytest.approx(theory, abs=4 * theory * np.sqrt(2 / 1000))
+        assert summary.sd[0, column] == pytest.approx(np.sqrt(2) * theory, rel=0.25)
+
+
+REFUSED = {
+    "no metrics": ({"metrics": []}, ValueError, "at least one metric"),
+    "unknown metric": ({"metrics": "trackng"}, ValueError, "did you mean 'tracking'"),
+    "lambda metric": ({"metrics": [lambda trace: 0]}, TypeError, "must have names"),
+    "the same metric": ({"metrics": [final, final]}, ValueError, "'final' twice"),
+    "unknown option": ({"vary": {"nois": [1]}}, ValueError, "did you mean 'noise'"),
+    "seed": ({"vary": {"seed": [1]}}, ValueError, "argument of the campaign"),
+    "no values": ({"vary": {"motor_delay": []}}, ValueError, "at least one value"),
+    "one value": ({"vary": {"motor_delay": 3}}, TypeError, "a list of values"),
+    "the same label": ({"vary": {"motor_delay": [1, 1]}}, ValueError, "labels of their own"),
+    "wrong value": ({"vary": {"motor_delay": [-1]}}, ValueError, "motor_delay must"),
+    "instance": ({"vary": {"control": {"a": Faster()}}}, TypeError, "may remember its run"),
+    "class": ({"vary": {"control": [robsim.GoToPoint]}}, TypeError, "function without arguments"),
+    "wrong callback": (
+        {"vary": {"control": {"a": lambda: 3}}},
+        TypeError,
+        "control must be callable",
+    ),
+    "lambda": ({"vary": {"control": [lambda step: (0, 0)]}}, ValueError, "needs labels"),
+    "no folder": ({"vary": {"control": ["nothing"]}}, FileNotFoundError, "nothing"),
+    "runs": ({"runs": 0}, ValueError, "runs must lie within"),
+    "steps": ({"steps": 0}, ValueError, "steps must be at least 1"),
+    "executor": ({"executor": "thread"}, ValueError, "executor must be None"),
+    "on_error": ({"on_error": "ignore"}, ValueError, "on_error must be one of"),
+    "scenario": ({"scenario": "lab"}, TypeError, "scenario must be a robsim.Scenario"),
+}
+
+
+@pytest.mark.parametrize(("wrong", "kind", "message"), REFUSED.values(), ids=REFUSED)
+def test_wrong_arguments_are_refused_before_the_first_run(wrong, kind, message):
+    given = {"scenario": SCENARIO, "metrics": [final], **OPTIONS, **wrong}
+    with pytest.raises(kind, match=message):
+        campaign(**given)
+
+
+@pytest.mark.parametrize("result", ["text", {"a": "text"}, [1, 2], {1: 2}])
+def test_a_metric_that_gives_no_numbers_fails_by_its_name(result):
+    rows = campaign(SCENARIO, metrics={"mine": lambda trace: result}, **{**OPTIONS, "runs": 1})
+    assert "metric 'mine'" in rows["error"][0]
+
+
+def test_a_metric_cannot_have_the_column_of_an_option():
+    rows = campaign(
+        SCENARIO,
+        vary={"motor_delay": [0]},
+        metrics={"motor": lambda trace: {"delay": 1}},
+        **{**OPTIONS, "runs": 1},
+    )
+    assert "there is a column 'motor_delay'" in rows["error"][0]

@@ -1,0 +1,161 @@
+"""Processes that die: nothing is lost, nothing is done twice, and only the guilty run fails."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robsim
+from campaign_code import deadly, final, slow_with_pid
+from robsim.campaigns import campaign
+
+pytestmark = pytest.mark.slow
+
+SCENARIO = robsim.Scenario(area=(300, 300), start="random", control=robsim.DriveAround())
+OPTIONS = {"steps": 5, "seed": 1, "progress": False}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Where the code of a campaign leaves its files."""
+    monkeypatch.setenv("ROBSIM_TEST_FOLDER", str(tmp_path))
+    return tmp_path
+
+
+def test_a_run_that_always_kills_its_process_fails_and_no_other(folder):
+    result = campaign(SCENARIO, metrics=[deadly, final], runs=60, executor=2, **OPTIONS)
+    assert (folder / "killed").exists()
+    assert np.flatnonzero(result.failed).tolist() == [33]
+    assert result["error"][33].startswith("WorkerDied")
+    others = np.delete(result["deadly"], 33)
+    assert others.tolist() == [run for run in range(60) if run != 33]
+    serial = campaign(SCENARIO, metrics=[deadly, final], runs=60, **OPTIONS)
+    np.testing.assert_array_equal(
+        np.delete(result["final_x"], 33), np.delete(serial["final_x"], 33)
+    )
+
+
+def pids(folder):
+    return [int(file.stem) for file in folder.glob("*.pid")]
+
+
+def is_alive(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    # A child that nobody has asked for is no process any more.
+    status = Path(f"/proc/{pid}/stat")
+    return not status.exists() or status.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+@pytest.mark.timeout(300)
+def test_processes_killed_at_random_moments_lose_and_double_nothing(folder, tmp_path):
+    done, rng = threading.Event(), random.Random(1)
+    killed = []
+
+    def kill():
+        while not done.wait(rng.uniform(1.0, 3.0)):
+            alive = [pid for pid in pids(folder) if pid != os.getpid() and is_alive(pid)]
+            if alive:
+                killed.append(rng.choice(alive))
+                os.kill(killed[-1], signal.SIGKILL)
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        result = campaign(
+            SCENARIO,
+            metrics=[slow_with_pid, final],
+            runs=1000,
+            executor=2,
+            store=tmp_path / "store.sqlite",
+            **OPTIONS,
+        )
+    finally:
+        done.set()
+        killer.join()
+    assert killed
+    assert not result.failed.any()
+    assert result["slow_with_pid"].tolist() == list(range(1000))
+    assert (
+        result["final_x"].tolist()
+        == campaign(SCENARIO, metrics=[final], runs=1000, **OPTIONS)["final_x"].tolist()
+    )
+
+
+PROGRAM = """
+import robsim
+from campaign_code import slow_with_pid
+from robsim.campaigns import campaign
+
+if __name__ == "__main__":
+    scenario = robsim.Scenario(area=(300, 300))
+    campaign(scenario, metrics=[slow_with_pid], runs=100000, steps=5, executor=2, progress=False)
+"""
+
+
+def begun(folder):
+    """A program with a campaign, and the numbers of its two processes."""
+    program = folder / "program.py"
+    program.write_text(PROGRAM)
+    support = str(Path(__file__).parents[1] / "support")
+    path = os.pathsep.join([support, *filter(None, [os.environ.get("PYTHONPATH")])])
+    parent = subprocess.Popen(
+        [sys.executable, program],
+        env={**os.environ, "PYTHONPATH": path},
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    while len(pids(folder)) < 2:
+        assert parent.poll() is None, parent.stderr.read()
+        time.sleep(0.05)
+    return parent, pids(folder)
+
+
+def wait_until_gone(processes):
+    while any(map(is_alive, processes)):
+        time.sleep(0.05)
+
+
+def test_processes_end_with_their_parent(folder):
+    parent, processes = begun(folder)
+    parent.kill()
+    parent.communicate()
+    wait_until_gone(processes)
+
+
+def test_ctrl_c_ends_all_and_says_how_to_go_on(folder):
+    parent, processes = begun(folder)
+    os.killpg(parent.pid, signal.SIGINT)  # as a terminal does
+    _, errors = parent.communicate()
+    wait_until_gone(processes)
+    assert errors.count("Traceback") == 1
+    assert errors.rstrip().endswith("with store=FILE the same call goes on with the rest")
+
+
+def test_processes_that_cannot_begin_are_told(folder):
+    program = folder / "program.py"
+    program.write_text(
+        "from campaign_code import final\nfrom robsim.campaigns import campaign\n"
+        "campaign(metrics=[final], runs=2, steps=2, executor=1, progress=False)\n"
+    )
+    support = str(Path(__file__).parents[1] / "support")
+    path = os.pathsep.join([support, *filter(None, [os.environ.get("PYTHONPATH")])])
+    ended = subprocess.run(
+        [sys.executable, program],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode == 1
+    assert "the worker processes end as soon as they begin" in ended.stderr

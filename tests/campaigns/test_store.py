@@ -1,0 +1,219 @@
+"""The SQLite file of a campaign: what is in it, what is refused, what is left after an end."""
+
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robsim
+from campaign_code import Faster, final, run_of, steady
+from robsim.campaigns import _description, campaign
+from robsim.campaigns._store import Store
+
+SCENARIO = robsim.Scenario(area=(300, 300), start="random", control=robsim.DriveAround())
+
+
+def run(store=None, **options):
+    given = {"metrics": [final], "runs": 10, "steps": 10, "seed": 3, "progress": False, **options}
+    given.setdefault("vary", {"motor_delay": [0, 1.5]})
+    return campaign(given.pop("scenario", SCENARIO), store=store, **given)
+
+
+@pytest.fixture
+def store(tmp_path):
+    return tmp_path / "store.sqlite"
+
+
+def rows_in(store):
+    with sqlite3.connect(store) as database:
+        found = database.execute("SELECT * FROM results ORDER BY case_id, run").fetchall()
+    database.close()
+    return found
+
+
+def count_runs(monkeypatch):
+    """A list that gets an entry for each run that is done."""
+    done = []
+    monkeypatch.setattr(
+        "robsim.campaigns._runs.numbers_of",
+        lambda metrics, trace, taken: done.append(1) or {"final_x": 0.0},
+    )
+    return done
+
+
+def test_any_client_can_read_the_rows(store):
+    result = run(store)
+    with sqlite3.connect(store) as database:
+        cursor = database.execute("SELECT * FROM results ORDER BY case_id, run")
+        names = [column[0] for column in cursor.description]
+        rows = cursor.fetchall()
+    database.close()
+    assert names == [
+        *("case_id", "motor_delay", "run", "error", "line", "seconds", "final_x", "final_y"),
+    ]
+    assert [row[names.index("final_x")] for row in rows] == result["final_x"].tolist()
+    assert [row[names.index("motor_delay")] for row in rows] == result["motor_delay"].tolist()
+    assert [file.name for file in store.parent.iterdir()] == ["store.sqlite"]
+
+
+def test_the_same_call_again_runs_nothing(store, monkeypatch):
+    first = run(store)
+    done = count_runs(monkeypatch)
+    assert run(store).checksum == first.checksum
+    assert not done
+
+
+def test_more_runs_are_added_and_fewer_are_chosen(store, monkeypatch):
+    few, all_at_once = run(store, runs=4), run(runs=10)
+    assert run(store, runs=10).checksum == all_at_once.checksum
+    assert run(store, runs=4).checksum == few.checksum
+    done = count_runs(monkeypatch)
+    run(store, runs=11)
+    assert len(done) == 2
+
+
+def test_a_campaign_without_a_seed_goes_on_with_that_of_its_store(store):
+    first = run(store, seed=None)
+    assert run(store, seed=None).checksum == first.checksum
+    assert run(seed=first.spec.seed).checksum == first.checksum
+
+
+def test_a_campaign_that_was_ended_goes_on(store):
+    def interrupt(trace):
+        if run_of(trace) == 7 and not goes_on:
+            raise KeyboardInterrupt
+        return trace.pose_true[-1, 0]
+
+    goes_on = False
+    with pytest.raises(KeyboardInterrupt) as caught:
+        run(store, metrics=[interrupt])
+    left = len(rows_in(store))
+    assert 0 < left < 10
+    assert caught.value.__notes__ == [
+        f"{store} has {left} of 20 runs: the same call goes on with the rest"
+    ]
+    goes_on = True
+    assert run(store, metrics=[interrupt]).checksum == run(metrics=[interrupt]).checksum
+
+
+def test_a_program_that_is_killed_loses_the_chunk_in_hand(store):
+    program = Path(__file__).parents[1] / "support/killed_campaign.py"
+    ended = subprocess.run([sys.executable, program, store], capture_output=True, check=False)
+    assert ended.returncode != 0, ended.stderr
+    left = rows_in(store)
+    assert 0 < len(left) < 1000
+    from killed_campaign import OPTIONS, kills
+
+    result = campaign(**OPTIONS, metrics=[kills], store=store)
+    assert result.checksum == campaign(**OPTIONS, metrics=[kills]).checksum
+
+
+OTHERS = {
+    "steps": ({"steps": 11}, "steps is 10 there, 11 here"),
+    "seed": ({"seed": 4}, "seed is"),
+    "options": ({"vary": {"motor_delay": [0, 2]}}, "options is"),
+    "values": ({"vary": {"motor_delay": {0: 0, 1.5: 1.6}}}, "a value in vary"),
+    "scenario": ({"scenario": SCENARIO.replace(boundary="unlimited")}, "the scenario"),
+    "metrics": ({"metrics": [final, run_of]}, "run_of is not the same metric"),
+}
+
+
+@pytest.mark.parametrize(("other", "message"), OTHERS.values(), ids=OTHERS)
+def test_another_campaign_is_refused(store, other, message):
+    run(store)
+    before = store.read_bytes()
+    with pytest.raises(ValueError, match=f"has another campaign: .*{message}"):
+        run(store, **other)
+    assert store.read_bytes() == before
+
+
+def test_other_code_is_refused(store, tmp_path):
+    (tmp_path / "mine").mkdir()
+    control = tmp_path / "mine/control.py"
+    control.write_text("def control(step):\n    return 0.5, 0.4\n")
+    vary = {"control": {"fresh": Faster, "plain": steady, "folder": tmp_path / "mine"}}
+    run(store, vary=vary)
+    run(store, vary=vary)
+    control.write_text("def control(step):\n    return 0.5, 0.3\n")
+    with pytest.raises(ValueError, match="control 'folder' is not the same code"):
+        run(store, vary=vary)
+    vary["control"] = {**vary["control"], "fresh": steady}
+    with pytest.raises(ValueError, match="control 'fresh' is not the same code"):
+        run(store, vary=vary)
+
+
+def test_a_store_of_another_version_goes_on_with_a_warning(store, monkeypatch):
+    first = run(store, runs=2)
+    here = _description.surroundings()
+    monkeypatch.setattr("robsim.campaigns._store.surroundings", lambda: {**here, "numpy": "9.9"})
+    with pytest.warns(UserWarning, match=r"begun with numpy .*, here is 9\.9"):
+        assert run(store, runs=2).checksum == first.checksum
+
+
+def test_what_is_no_store_is_refused(store):
+    store.write_text("some text that is longer than the header of a database" * 100)
+    with pytest.raises(OSError, match="not a database"):
+        run(store)
+    store.unlink()
+    with sqlite3.connect(store) as database:
+        database.execute("CREATE TABLE mine (x)")
+    database.close()
+    with pytest.raises(ValueError, match="is no store of a campaign"):
+        run(store)
+    with pytest.raises(ValueError, match="is no store of a campaign"):
+        run(store, seed=None)
+
+
+def test_a_damaged_store_is_found(store):
+    run(store, runs=300)
+    content = store.read_bytes()
+    store.write_bytes(content[: len(content) // 2])
+    with pytest.raises((ValueError, OSError), match=r"damaged|malformed"):
+        run(store, runs=300)
+
+
+def test_an_empty_file_is_begun(store):
+    store.touch()
+    assert run(store).checksum == run().checksum
+
+
+def test_a_full_disk_leaves_what_is_there(store, monkeypatch):
+    class Small(Store):
+        def _open(self):
+            super()._open()
+            pages = self._database.execute("PRAGMA page_count").fetchone()[0]
+            self._database.execute(f"PRAGMA max_page_count = {pages + 3}")
+
+    monkeypatch.setattr("robsim.campaigns._campaign.Store", Small)
+    with pytest.raises(OSError, match=r"store\.sqlite: database or disk is full") as caught:
+        run(store, runs=500)
+    assert any("the same call goes on" in note for note in caught.value.__notes__)
+    monkeypatch.undo()
+    assert rows_in(store)
+    assert run(store, runs=500).checksum == run(runs=500).checksum
+
+
+def test_numbers_come_back_as_they_were(store):
+    def strange(trace):
+        return {"inf": np.inf, "tiny": 5e-324, "third": 1 / 3, "zero": -0.0, "whole": 2.0**53}
+
+    metrics = {"m": strange, "M": lambda trace: 1, "m_Inf": lambda trace: 2, "none": lambda t: None}
+    result = run(store, metrics=metrics, runs=1)
+    assert run(store, metrics=metrics, runs=1).checksum == result.checksum
+    assert run(metrics=metrics, runs=1).checksum == result.checksum
+    assert result["m_inf"][0] == np.inf
+    assert result["m_tiny"][0] == 5e-324
+    assert (result["M"][0], result["m_Inf"][0]) == (1, 2)
+    assert np.isnan(result["none"][0])
+
+
+def test_metrics_may_give_numbers_in_some_runs_only(store):
+    def some(trace):
+        return {"always": 1} | ({"odd": 1} if run_of(trace) % 2 else {})
+
+    result = run(store, metrics=[some])
+    np.testing.assert_array_equal(np.isnan(result["some_odd"]), result["run"] % 2 == 0)
+    assert run(store, metrics=[some]).checksum == result.checksum
