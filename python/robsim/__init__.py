@@ -156,8 +156,9 @@ def __getattr__(name: str) -> _Any:
         raise AttributeError(message)
     from robsim._base.spelling import no_attribute, suggestion
 
-    # `reference` is quick to load; `plotting` would load matplotlib.
-    loaded = [__getattr__("reference"), *(globals()[room] for room in _ROOMS if room in globals())]
+    # These are quick to load; `plotting` would load matplotlib.
+    late = map(__getattr__, ("campaigns", "reference"))
+    loaded = [*late, *(globals()[room] for room in _ROOMS if room in globals())]
     for room in loaded:
         if name in room.__all__:
             raise no_attribute(f"{message}: it is {room.__name__}.{name}")

@@ -114,7 +114,7 @@ def test_folders_fill_a_slot_or_all(tmp_path):
         "    import helper as again\n    return again.left, 0.01 * n\n"
     )
     (tmp_path / "measure.py").write_text("ENABLED = False\n\n\ndef measure(step): ...\n")
-    for vary in ({"control": {"mine": tmp_path}}, {"folder": {"mine": str(tmp_path)}}):
+    for vary in ({"control": [tmp_path]}, {"folder": {"mine": str(tmp_path)}}):
         result = campaign(SCENARIO, vary=vary, metrics=[final], **OPTIONS)
         for run in (0, 5):
             seed = np.random.SeedSequence(5, spawn_key=(run,))
@@ -265,3 +265,34 @@ def test_a_metric_cannot_have_the_column_of_an_option():
         **{**OPTIONS, "runs": 1},
     )
     assert "there is a column 'motor_delay'" in rows["error"][0]
+
+
+def test_the_progress_bar_counts_runs_and_those_that_failed(monkeypatch, tmp_path):
+    class Bar:
+        def __init__(self, **options):
+            self.options, self.n, self.failed = options, options["initial"], 0
+            bars.append(self)
+
+        def update(self, n):
+            self.n += n
+
+        def set_postfix(self, failed, refresh):
+            self.failed = failed
+
+        def close(self):
+            self.is_closed = True
+
+    bars = []
+    monkeypatch.setattr("robsim.campaigns._campaign.progress_bar", Bar)
+    for runs in (6, 11):
+        options = {**OPTIONS, "runs": runs, "progress": True, "store": tmp_path / "store"}
+        campaign(SCENARIO, metrics=[failing_in_some], **options)
+    assert [bar.options["total"] for bar in bars] == [bar.n for bar in bars] == [6, 11]
+    assert [bar.options["initial"] for bar in bars] == [0, 6]
+    assert [bar.failed for bar in bars] == [1, 1]
+    assert all(bar.is_closed for bar in bars)
+
+
+def test_the_top_level_says_where_the_campaign_is():
+    with pytest.raises(AttributeError, match=r"it is robsim\.campaigns\.campaign"):
+        _ = robsim.campaign

@@ -159,3 +159,9 @@ def test_processes_that_cannot_begin_are_told(folder):
     )
     assert ended.returncode == 1
     assert "the worker processes end as soon as they begin" in ended.stderr
+
+
+def test_the_error_of_a_deadly_run_is_raised_without_doing_it_here(folder):
+    (folder / "killed").touch()
+    with pytest.raises(RuntimeError, match="in run 33 of the case the scenario: WorkerDied"):
+        campaign(SCENARIO, metrics=[deadly], runs=35, executor=1, on_error="raise", **OPTIONS)

@@ -196,6 +196,20 @@ def test_a_full_disk_leaves_what_is_there(store, monkeypatch):
     assert run(store, runs=500).checksum == run(runs=500).checksum
 
 
+def test_two_programs_with_one_store_do_each_run_once(store):
+    def metric(trace):
+        if run_of(trace) == 3 and not is_begun:
+            is_begun.append(True)
+            others.append(run(store, metrics=[metric]))  # as if from another program
+        return {"x": 1, "y": run_of(trace)}
+
+    is_begun, others = [], []
+    result = run(store, metrics=[metric])
+    assert result.checksum == others[0].checksum
+    assert not result.failed.any()
+    assert len(rows_in(store)) == 20
+
+
 def test_numbers_come_back_as_they_were(store):
     def strange(trace):
         return {"inf": np.inf, "tiny": 5e-324, "third": 1 / 3, "zero": -0.0, "whole": 2.0**53}

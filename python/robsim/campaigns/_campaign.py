@@ -13,6 +13,7 @@ from robsim._base.files import as_path
 from robsim._base.seeds import Seed
 from robsim._base.text import one_line
 from robsim.campaigns._engines.engine import Engine, engine_value, rows_by
+from robsim.campaigns._engines.processes import DIED
 from robsim.campaigns._result import CampaignResult, result_of
 from robsim.campaigns._runs import CaseRuns, Row
 from robsim.campaigns._spec import CampaignSpec
@@ -145,15 +146,11 @@ def campaign(
 
 def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops: bool) -> None:
     """Do the runs that the store does not have."""
-    done = store.done()
-    jobs = [
-        (case.index, run)
-        for case in spec.cases
-        for run in range(spec.runs)
-        if (case.index, run) not in done
-    ]
+    done = {(case, run) for case, run in store.done() if run < spec.runs}
+    every = ((case.index, run) for case in spec.cases for run in range(spec.runs))
+    jobs = (job for job in every if job not in done)
     total = len(spec.cases) * spec.runs
-    bar = progress_bar(total=total, initial=total - len(jobs), unit="run") if shows else None
+    bar = progress_bar(total=total, initial=len(done), unit="run") if shows else None
     failed = 0
     try:
         with closing(rows_by(engine, spec, jobs)) as chunks:
@@ -179,6 +176,8 @@ def _raise(spec: CampaignSpec, row: Row) -> NoReturn:
     """Raise the error of a run, by doing it again here."""
     case = spec.cases[row.case]
     where = f"in run {row.run} of the case {case}"
+    if row.error == DIED:  # as this one would
+        raise RuntimeError(f"{where}: {row.error}")
     try:
         CaseRuns(spec, case).numbers(row.run)
     except Exception as error:

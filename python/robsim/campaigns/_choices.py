@@ -143,8 +143,8 @@ def _label(name: str, label: Any) -> Label:
 
 def _label_of(name: str, value: Any) -> Label:
     """Return the label of a value without one: what is a number stays one."""
-    if isinstance(value, Path):
-        value = fspath(value)
+    if isinstance(value, PathLike) or (isinstance(value, str) and name in (*SLOTS, FOLDER)):
+        value = Path(value).name
     if isinstance(value, (str, float)) or is_int(value):
         return _label(name, value)
     if isinstance(value, (bool, type(None))):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from os import PathLike
 from pathlib import Path
@@ -49,7 +49,6 @@ class Store:
     def __init__(self, path: str | PathLike[str] | None, spec: CampaignSpec) -> None:
         self.path = None if path is None else as_path(path)
         self._spec = spec
-        self._columns: dict[str, str] = {}  # of the metrics: name to that in SQL
         with self._naming():
             self._database = sqlite3.connect(
                 ":memory:" if self.path is None else self.path,
@@ -67,7 +66,8 @@ class Store:
         is_new = not self._database.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
         if is_new:
             self._database.execute(f"PRAGMA application_id = {_APPLICATION}")
-            self._database.execute("PRAGMA journal_mode = WAL")  # stays off where it cannot be
+            with suppress(sqlite3.OperationalError):  # not on every file system
+                self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = NORMAL")
             with self._transaction():
                 self._create()
@@ -75,8 +75,6 @@ class Store:
         _check_is_store(self._database, self.path)
         self._database.execute("PRAGMA synchronous = NORMAL")
         self._check_fits()
-        rows = self._database.execute("SELECT name, sql_name FROM columns ORDER BY position")
-        self._columns = dict(rows)
 
     def _create(self) -> None:
         options = "".join(f", {_quoted(name)}" for name in self._spec.vary)
@@ -145,35 +143,36 @@ class Store:
 
     def add(self, rows: Sequence[Row]) -> None:
         """Write rows, all or none; one that is there stays as it is."""
-        before = dict(self._columns)
-        try:
-            with self._naming(), self._transaction():
-                for row in rows:
-                    for name in row.numbers:
-                        if name not in self._columns:
-                            self._add_column(name)
-                self._insert(rows)
-        except BaseException:
-            self._columns = before
-            raise
+        with self._naming(), self._transaction():
+            columns = self._columns()  # another program may have added some
+            for row in rows:
+                for name in row.numbers:
+                    if name not in columns:
+                        columns[name] = self._add_column(name, columns)
+            self._insert(rows, columns)
 
-    def _add_column(self, name: str) -> None:
-        taken = {known.casefold() for known in (*self._columns.values(), *self._spec._taken)}
+    def _columns(self) -> dict[str, str]:
+        """Return the columns of the metrics: name to that in SQL."""
+        found = self._database.execute("SELECT name, sql_name FROM columns ORDER BY position")
+        return dict(found)
+
+    def _add_column(self, name: str, columns: Mapping[str, str]) -> str:
+        taken = {known.casefold() for known in (*columns.values(), *self._spec._taken)}
         sql_name, number = name, 1
         while sql_name.casefold() in taken:  # SQL does not tell capitals
             number += 1
             sql_name = f"{name}_{number}"
         self._database.execute(f"ALTER TABLE runs ADD COLUMN {_quoted(sql_name)} REAL")
-        position = len(self._columns)
-        self._database.execute("INSERT INTO columns VALUES (?, ?, ?)", (position, name, sql_name))
-        self._columns[name] = sql_name
+        values = (len(columns), name, sql_name)
+        self._database.execute("INSERT INTO columns VALUES (?, ?, ?)", values)
+        return sql_name
 
-    def _insert(self, rows: Sequence[Row]) -> None:
-        names = ", ".join(map(_quoted, (*ROW_COLUMNS, *self._columns.values())))
-        places = ", ?" * (len(ROW_COLUMNS) + len(self._columns) - 1)
+    def _insert(self, rows: Sequence[Row], columns: Mapping[str, str]) -> None:
+        names = ", ".join(map(_quoted, (*ROW_COLUMNS, *columns.values())))
+        places = ", ?" * (len(ROW_COLUMNS) + len(columns) - 1)
         self._database.executemany(
             f"INSERT OR IGNORE INTO runs ({names}) VALUES (?{places})",
-            ((*row[:5], *map(row.numbers.get, self._columns)) for row in rows),
+            ((*row[:5], *map(row.numbers.get, columns)) for row in rows),
         )
 
     def read(self) -> dict[str, NDArray[Any]]:
@@ -183,8 +182,9 @@ class Store:
         missing.
         """
         spec, count = self._spec, len(self._spec.cases) * self._spec.runs
-        names = list(self._columns)
-        columns = ", ".join(map(_quoted, (*ROW_COLUMNS, *self._columns.values())))
+        with self._naming():
+            names = self._columns()
+        columns = ", ".join(map(_quoted, (*ROW_COLUMNS, *names.values())))
         numbers = np.full((count, len(names)), np.nan)
         head: list[tuple[Any, ...]] = []
         with self._naming():

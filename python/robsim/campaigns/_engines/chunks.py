@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterable, Sequence
+from itertools import islice
 
 from robsim.campaigns._runs import Job, Row
 
@@ -15,7 +15,7 @@ class Chunks:
     """The runs that are still to be done, in their order."""
 
     def __init__(self, jobs: Iterable[Job]) -> None:
-        self._jobs = deque(jobs)
+        self._jobs = iter(jobs)
         self._runs, self._seconds = 0, 0.0
 
     def take(self) -> list[Job]:
@@ -23,8 +23,7 @@ class Chunks:
         size = _FIRST
         if self._runs:
             size = int(_SECONDS * self._runs / max(self._seconds, 1e-9))
-        size = min(max(size, 1), _MOST, len(self._jobs))
-        return [self._jobs.popleft() for _ in range(size)]
+        return list(islice(self._jobs, min(max(size, 1), _MOST)))
 
     def note(self, rows: Sequence[Row]) -> None:
         """Learn from the rows of a chunk how long a run takes."""

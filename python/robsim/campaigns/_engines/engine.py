@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from typing import Any
 
@@ -36,7 +36,7 @@ def engine_value(executor: Any) -> Engine:
 
 
 def rows_by(
-    engine: Engine, spec: CampaignSpec, jobs: list[Job]
+    engine: Engine, spec: CampaignSpec, jobs: Iterable[Job]
 ) -> Generator[list[Row], None, None]:
     """Yield the rows of all jobs, in the order in which they are done."""
     if engine is None:
@@ -48,7 +48,7 @@ def rows_by(
     return _rows_in_executor(spec, jobs, engine)
 
 
-def _rows_here(spec: CampaignSpec, jobs: list[Job]) -> Generator[list[Row], None, None]:
+def _rows_here(spec: CampaignSpec, jobs: Iterable[Job]) -> Generator[list[Row], None, None]:
     worker, chunks = Worker(spec), Chunks(jobs)
     while chunk := chunks.take():
         rows = worker.rows(chunk)
@@ -56,7 +56,7 @@ def _rows_here(spec: CampaignSpec, jobs: list[Job]) -> Generator[list[Row], None
         yield rows
 
 
-def _rows_in_threads(spec: CampaignSpec, jobs: list[Job]) -> Generator[list[Row], None, None]:
+def _rows_in_threads(spec: CampaignSpec, jobs: Iterable[Job]) -> Generator[list[Row], None, None]:
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     pool = ThreadPoolExecutor(workers)
     try:
@@ -66,7 +66,7 @@ def _rows_in_threads(spec: CampaignSpec, jobs: list[Job]) -> Generator[list[Row]
 
 
 def _rows_in_executor(
-    spec: CampaignSpec, jobs: list[Job], executor: Executor
+    spec: CampaignSpec, jobs: Iterable[Job], executor: Executor
 ) -> Generator[list[Row], None, None]:
     chunks = Chunks(jobs)
     window = 2 * int(getattr(executor, "_max_workers", None) or _WORKERS_OF_UNKNOWN)

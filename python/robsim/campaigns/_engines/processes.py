@@ -9,7 +9,7 @@ import signal
 import sys
 import threading
 from collections import Counter
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -28,11 +28,12 @@ from robsim.campaigns._spec import CampaignSpec
 _DEATHS = 2  # of a run that is tried alone, before it counts as failed
 _STARTS = 5  # of a pool, before there is something else wrong
 
-_DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
+#: The error of a run whose process dies.
+DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
 
 
 def rows_in_processes(
-    spec: CampaignSpec, jobs: list[Job], count: int
+    spec: CampaignSpec, jobs: Iterable[Job], count: int
 ) -> Generator[list[Row], None, None]:
     """Yield the rows of all jobs, done by a number of processes.
 
@@ -89,7 +90,7 @@ def _alone(pool: _Pool, lost: list[list[Job]]) -> Generator[list[Row], None, Non
             if deaths[chunk[0]] < _DEATHS:
                 lost.append(chunk)
                 continue
-            rows = [Row(*chunk[0], _DIED, None, 0.0, {})]
+            rows = [Row(*chunk[0], DIED, None, 0.0, {})]
         yield rows
 
 
