@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -12,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._base.checks import Floats, check_choice
-from robsim._base.files import as_path, open_whole
+from robsim._base.files import as_path, write_csv
 from robsim._base.report.as_data import import_pandas
 from robsim._base.spelling import check_names, no_attribute, suggestion
-from robsim._base.text import as_cell, is_plain, listed, one_line, quoted
+from robsim._base.text import listed, one_line, quoted
 from robsim._core import TraceGroup, detection_reasons, wrap_angle
 from robsim.trace._columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of, group_of
 from robsim.trace._not_recorded import how_recorded, not_recorded
@@ -428,17 +426,7 @@ class Trace:
             If it cannot be written; an old file of that name is unchanged then.
         """
         columns = self._columns()
-        with open_whole(as_path(path)) as stream:
-            file = io.TextIOWrapper(stream, encoding="utf-8", newline="")
-            writer = csv.writer(file)
-            head = (
-                writer if all(map(is_plain, columns)) else csv.writer(file, quoting=csv.QUOTE_ALL)
-            )
-            head.writerow(map(as_cell, columns))
-            for row in zip(*(values.tolist() for values in columns.values()), strict=True):
-                writer.writerow(["" if value != value else value for value in row])
-            file.flush()
-            file.detach()
+        write_csv(as_path(path), {name: values.tolist() for name, values in columns.items()})
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything into one file, which `load` reads back; no pickle in it.

@@ -10,6 +10,7 @@ from robsim._base.files.reading import (
     read_text,
     read_toml,
 )
+from robsim._base.files.tables import write_csv
 from robsim._base.files.writing import PartialFile, naming, open_whole, sync_folder, write_whole
 
 __all__ = [
@@ -25,5 +26,6 @@ __all__ = [
     "read_text",
     "read_toml",
     "sync_folder",
+    "write_csv",
     "write_whole",
 ]
