@@ -132,13 +132,24 @@ def campaign(
         seed=seed,
         time_limit=time_limit,
     )
+    return run_spec(spec, executor=executor, store=store, progress=progress, on_error=on_error)
+
+
+def run_spec(
+    spec: CampaignSpec,
+    *,
+    executor: int | str | Executor | None,
+    store: str | PathLike[str] | None,
+    progress: bool,
+    on_error: str = "record",
+) -> CampaignResult:
+    """Run what a specification says; the other arguments are those of `campaign`."""
     engine = engine_value(executor)
     check_bool("progress", progress)
     check_choice("on_error", on_error, ("record", "raise"))
     file = None if store is None else as_path(store, "store")
-    if file is not None and seed is None and (scenario is None or scenario.seed is None):
-        known = seed_in_store(file)
-        spec = spec if known is None else spec._with_seed(known)
+    if file is not None and spec._is_unseeded and (known := seed_in_store(file)) is not None:
+        spec = spec._with_seed(known)
     with closing(Store(file, spec)) as rows:
         _run(spec, engine, rows, shows=progress, stops=on_error == "raise")
         return result_of(spec, rows.read())

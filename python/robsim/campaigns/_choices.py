@@ -152,8 +152,10 @@ def _label_of(name: str, value: Any) -> Label:
     if isclass(value) or isroutine(value):
         if value.__name__ != "<lambda>":
             return check_name(f"vary: a label of {name}", value.__name__)
-    elif not callable(value) and len(repr(value)) <= _LONGEST_LABEL:
-        return repr(value)
+    else:
+        is_data = not callable(value) or (name in SLOTS and type(value) in SLOTS[name].native)
+        if is_data and len(repr(value)) <= _LONGEST_LABEL:
+            return repr(value)
     raise ValueError(
         f"vary: {name} needs labels: give a mapping of label to value, such as "
         f"{{'mine': ...}}, for {quoted(value)}"

@@ -6,12 +6,14 @@ import hashlib
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats, check_float, check_int, is_int
+from robsim._base.files import as_path, write_csv
 from robsim._base.report import Quantity, Report, Table, count
 from robsim._base.report.as_data import import_pandas
 from robsim._base.spelling import suggestion
@@ -227,6 +229,24 @@ class CampaignResult(Report):
         """
         frame: pandas.DataFrame = import_pandas().DataFrame(dict(self.columns))
         return frame
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write the rows as CSV; what is not known stays empty.
+
+        A text that a spreadsheet would take for a formula gets a ' before it.
+
+        Parameters
+        ----------
+        path : path
+            The file to write.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; an old file of that name is unchanged then.
+        """
+        columns = {name: values.tolist() for name, values in self.columns.items()}
+        write_csv(as_path(path), columns)
 
 
 def _names(argument: str, given: Any, known: Collection[str]) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -71,12 +71,14 @@ class CampaignSpec:
     steps: int
     seed: Seed = None
     time_limit: float | None = None
+    _is_unseeded: bool = field(default=False, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         scenario = Scenario() if self.scenario is None else self.scenario
         if not isinstance(scenario, Scenario):
             raise TypeError(f"scenario must be a robsim.Scenario, got {quoted(scenario)}")
         seed = scenario.seed if self.seed is None else self.seed
+        object.__setattr__(self, "_is_unseeded", seed is None)
         if self.time_limit is not None:
             check_float("time_limit", self.time_limit, "s", exclusive_minimum=0)
         for name, value in {

@@ -16,7 +16,7 @@ from robsim.cli.calibration import app as calibration
 from robsim.cli.command import Command, Group
 from robsim.cli.live import cameras, live, serving
 from robsim.cli.shared import SWITCH
-from robsim.cli.simulated import demo, gui, run
+from robsim.cli.simulated import campaign, demo, gui, run
 
 app = typer.Typer(
     cls=Group,
@@ -30,6 +30,7 @@ app = typer.Typer(
 app.command(cls=Command, help=demo.HELP, epilog=demo.EXAMPLE)(demo.demo)
 app.command(cls=Command, help=run.NEW_HELP, epilog=run.NEW_EXAMPLE)(run.new)
 app.command(cls=Command, help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
+app.command(cls=Command, help=campaign.HELP, epilog=campaign.EXAMPLE)(campaign.campaign)
 app.command(cls=Command, help=gui.HELP, epilog=gui.EXAMPLE)(gui.gui)
 app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
 app.command(cls=Command, help=track.HELP, epilog=track.EXAMPLE)(track.track)

@@ -392,7 +392,7 @@ def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
     try:
         if len(text) > MOST_BYTES:
             raise ValueError(f"text must have at most {MOST_BYTES >> 20} MB")
-        return cls(**_options(_parsed(text), known=[field.name for field in fields(cls)]))
+        return cls(**options_of(_parsed(text), known=[field.name for field in fields(cls)]))
     except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{one_line(source)}: {error}") from error
 
@@ -404,14 +404,15 @@ def _parsed(text: str) -> dict[str, Any]:
         raise ValueError(f"this is not TOML: {error}") from error
 
 
-def _options(values: dict[str, Any], known: Iterable[str]) -> dict[str, Any]:
+def options_of(values: dict[str, Any], known: Iterable[str]) -> dict[str, Any]:
+    """Return the options of a table, as `Scenario` takes them; raise for what is wrong."""
     if values.pop("format", _FORMAT) != _FORMAT:
         raise ValueError(f"format must be {_FORMAT}: another one is of a newer robsim")
     check_names("a scenario has no option", values, known, ValueError)
-    return {name: _read(name, value) for name, value in values.items()}
+    return {name: read_option(name, value) for name, value in values.items()}
 
 
-def _read(name: str, value: Any) -> Any:
+def read_option(name: str, value: Any) -> Any:
     """Return the value of an option that TOML has given."""
     if name == "colors":
         return _in_table(name, lambda: _colors_of(value))

@@ -1,0 +1,119 @@
+"""The command ``robsim campaign``: many runs over seeds and options."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.shared import Json
+from robsim.cli.text import whole_number
+
+if TYPE_CHECKING:
+    from robsim.campaigns import CampaignResult, CampaignSummary
+
+EXAMPLE = "Example: robsim campaign --example noise.toml"
+HELP = (
+    "Run a simulation many times, over seeds and options, and compare the means.\n\n"
+    "The file says what is run: --example writes one to edit. The table has, for each number, its "
+    "mean with a confidence interval, the difference to the first case, and how many runs more "
+    "decide whether there is one.\n\n"
+    "With --store, the same command goes on where the last one was ended, and one with more "
+    "--runs adds to them. Any SQLite program can read the file: its view results has all rows."
+)
+
+
+def campaign(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="FILE", help="The campaign, a TOML file.")
+    ] = None,
+    example: Annotated[
+        Path | None,
+        typer.Option("--example", metavar="FILE", help="Write an example to a file, and stop."),
+    ] = None,
+    runs: Annotated[
+        int | None,
+        typer.Option(
+            "--runs",
+            parser=whole_number,
+            metavar="N",
+            help="Number of runs of each case. Default: as the file says.",
+        ),
+    ] = None,
+    jobs: Annotated[
+        int,
+        typer.Option("--jobs", parser=whole_number, metavar="N", help="Number of processes."),
+    ] = 1,
+    store: Annotated[
+        Path | None,
+        typer.Option("--store", metavar="FILE", help="SQLite file that keeps the rows."),
+    ] = None,
+    by: Annotated[
+        list[str] | None,
+        typer.Option("--by", metavar="OPTION", help="Compare its values; may be given twice."),
+    ] = None,
+    csv: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE", help="Write all rows to a CSV file.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Run a simulation many times, over seeds and options, and compare the means."""
+    with errors.report_errors():
+        if (file is None) == (example is None):
+            raise ValueError("give the FILE of a campaign, or --example FILE to write one")
+        if example is not None:
+            _write_example(example)
+            return
+        assert file is not None
+        result = _result(file, runs=runs, jobs=jobs, store=store)
+        summary = result.summary(by or None)
+        if csv is not None:
+            result.to_csv(csv)
+    if as_json:
+        errors.show(json.dumps(_record(result, summary), indent=2))
+        return
+    errors.show(result.line)
+    errors.show(summary)
+    for remark in result.remarks:
+        errors.print_note(remark)
+    for what, written in {"rows": csv, "store": store}.items():
+        if written is not None:
+            errors.say(f"{what} written to {written}")
+
+
+def _write_example(file: Path) -> None:
+    from robsim._base.files import write_whole
+    from robsim.campaigns._spec_file import EXAMPLE as CONTENT
+
+    if file.exists():
+        raise FileExistsError(f"{file} exists: give another name")
+    write_whole(file, CONTENT.encode())
+    errors.say(f"written to {file}: edit it, then run it: robsim campaign {file}")
+
+
+def _result(file: Path, *, runs: int | None, jobs: int, store: Path | None) -> CampaignResult:
+    from robsim.campaigns._campaign import run_spec
+    from robsim.campaigns._spec_file import load_spec
+
+    if jobs < 1:
+        raise ValueError(f"--jobs must be at least 1, got {jobs}")
+    spec = load_spec(file, runs=runs)
+    try:
+        return run_spec(spec, executor=jobs if jobs > 1 else None, store=store, progress=True)
+    except KeyboardInterrupt as stop:
+        for note in stop.__notes__:
+            errors.print_note(note)
+        raise
+
+
+def _record(result: CampaignResult, summary: CampaignSummary) -> dict[str, object]:
+    return {
+        "cases": len(result.spec.cases),
+        "runs": result.spec.runs,
+        "failed": int(result.failed.sum()),
+        "checksum": result.checksum,
+        "summary": summary.to_dict(),
+    }

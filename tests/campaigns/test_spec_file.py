@@ -1,0 +1,109 @@
+"""Campaigns as TOML files, and the command that runs them."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import robsim
+from commands import command
+from robsim.campaigns import campaign
+from robsim.campaigns._campaign import run_spec
+from robsim.campaigns._spec_file import EXAMPLE, load_spec
+
+PLAIN = 'runs = 3\nsteps = 5\nseed = 2\nmetrics = ["parameters"]\n'
+SCENARIO = "[scenario]\narea = [300, 300]\nestimate_parameters = true\n"
+
+
+def run(spec):
+    return run_spec(spec, executor=None, store=None, progress=False)
+
+
+def test_the_example_is_the_campaign_that_it_seems(tmp_path):
+    (tmp_path / "example.toml").write_text(EXAMPLE)
+    spec = load_spec(tmp_path / "example.toml", runs=2)
+    noise = robsim.GaussianNoise
+    result = campaign(
+        robsim.Scenario(
+            resolution=(480, 480), start="random", measure=True, control=robsim.DriveAround()
+        ),
+        vary={"camera_delay": [0, 1], "noise": {0: None, 10: noise(10), 20: noise(20)}},
+        metrics=["tracking"],
+        runs=2,
+        steps=50,
+        seed=1,
+        progress=False,
+    )
+    read = run(spec)
+    assert read.checksum == result.checksum
+    np.testing.assert_array_equal(read["noise"], result["noise"])
+
+
+def test_files_functions_and_folders_are_beside_the_file(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.path", [*__import__("sys").path])
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/control.py").write_text("def control(step):\n    return 0.5, 0.4\n")
+    (tmp_path / "metrics_of_mine.py").write_text(
+        "def x(trace):\n    return trace.pose_true[-1, 0]\n"
+    )
+    robsim.Scenario(area=(300, 300)).save(tmp_path / "world.toml")
+    (tmp_path / "campaign.toml").write_text(
+        'runs = 2\nsteps = 5\nmetrics = ["metrics_of_mine:x"]\nscenario = "world.toml"\n'
+        '[vary]\ncontrol = ["mine", {kind = "Spin"}]\nestimate_state = ["none"]\n'
+    )
+    result = run(load_spec(tmp_path / "campaign.toml"))
+    sim = robsim.Simulation(area=(300, 300), control=lambda step: (0.5, 0.4))
+    assert result["x"][0] == sim.run(5).pose_true[-1, 0]
+    assert result["control"].tolist()[:3] == ["mine", "mine", "Spin(voltage=0.05)"]
+
+
+WRONG = {
+    "key": ("runz = 3\n", "did you mean 'runs'"),
+    "missing": ("runs = 3\n", "steps is missing"),
+    "no toml": ("runs =\n", "campaign file"),
+    "scenario": (PLAIN + "[scenario]\nnoize = 3\n", "did you mean 'noise'"),
+    "option": (PLAIN + "[vary]\nnoize = [3]\n", "did you mean 'noise'"),
+    "value": (PLAIN + '[vary]\nmotor_delay = ["a"]\n', "motor_delay must be a number"),
+    "values": (PLAIN + "[vary]\nmotor_delay = 3\n", "motor_delay must be a list of values"),
+    "metric": (PLAIN.replace("parameters", "no_such_module:x"), "there is no 'no_such_module:x'"),
+    "folder": (PLAIN + '[vary]\ncontrol = ["nothing"]\n', "no folder"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), WRONG.values(), ids=WRONG)
+def test_what_is_wrong_in_a_file_is_named(tmp_path, text, message):
+    (tmp_path / "campaign.toml").write_text(text)
+    with pytest.raises((ValueError, FileNotFoundError), match=message):
+        load_spec(tmp_path / "campaign.toml")
+
+
+def test_the_command_runs_a_file_and_goes_on(tmp_path):
+    (tmp_path / "few.toml").write_text(PLAIN + SCENARIO + "[vary]\nmotor_delay = [0, 1]\n")
+    words = ("campaign", "few.toml", "--store", "few.sqlite")
+    first = command(*words, "--csv", "few.csv", cwd=tmp_path)
+    assert first.exit_code == 0, first.stderr
+    assert "Campaign of 2 x 3 runs of 5 steps" in first.stdout
+    assert "Means by motor_delay" in first.stdout
+    with open(tmp_path / "few.csv", newline="") as file:
+        assert len(list(csv.DictReader(file))) == 6
+    more = command(*words, "--runs", "5", "--by", "motor_delay", "--json", cwd=tmp_path)
+    record = json.loads(more.stdout)
+    assert (record["cases"], record["runs"], record["failed"]) == (2, 5, 0)
+    spec = load_spec(tmp_path / "few.toml", runs=5)
+    assert record["checksum"] == run(spec).checksum
+
+
+def test_the_command_writes_an_example_but_not_over_a_file(tmp_path):
+    assert command("campaign", "--example", "mine.toml", cwd=tmp_path).exit_code == 0
+    assert (tmp_path / "mine.toml").read_text() == EXAMPLE
+    again = command("campaign", "--example", "mine.toml", cwd=tmp_path)
+    assert again.exit_code == 2
+    assert "mine.toml exists" in again.stderr
+
+
+@pytest.mark.parametrize("words", [(), ("a.toml", "--example", "b.toml"), ("nothing.toml",)])
+def test_the_command_says_what_is_wrong(tmp_path, words):
+    ended = command("campaign", *words, cwd=tmp_path)
+    assert ended.exit_code == 2
+    assert ended.stderr.strip()
