@@ -106,6 +106,11 @@ def report():
     return robsim.pose_errors(trace())
 
 
+@cache
+def campaign():
+    return robsim.campaigns.campaign(metrics="tracking", runs=2, steps=2, progress=False)
+
+
 #: An example of an argument that has to be given, by name; by callable and name where they differ.
 
 
@@ -150,6 +155,8 @@ EXAMPLES = {
     "Calibration.check_frames.size": lambda: (64, 48),
     "Camera.source": camera,
     "check_camera.camera": lambda: robsim.Camera(camera()),
+    "plot_campaign.result": campaign,
+    "plot_campaign.metric": lambda: "tracking_seen",
     "plot_camera_check.check": camera_check,
     "check_estimator.make": lambda: lambda: run().estimate_state,
     "check_parameter_estimator.make": lambda: lambda: robsim.RecursiveLeastSquares(5, n_filters=3),
@@ -331,11 +338,6 @@ def session():
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "setup.toml").write_text("format = 1")
         return robsim.sessions.Session(folder)
-
-
-@cache
-def campaign():
-    return robsim.campaigns.campaign(metrics="tracking", runs=2, steps=2, progress=False)
 
 
 def floor_panel():

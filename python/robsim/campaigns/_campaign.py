@@ -61,7 +61,8 @@ def campaign(
         else that of the store, else an unpredictable one.
     executor : int, "threads" or concurrent.futures.Executor, optional
         What runs: so many processes, as many threads as there are processors, or an executor, which
-        is used as it is. Default: this thread. The numbers are the same.
+        is used as it is, such as loky's, or ``client.get_executor()`` of Dask. Default: this
+        thread. The numbers are the same.
     store : path, optional
         SQLite file that keeps the rows. What is there already is not run again: the same call goes
         on where one was ended, and one with more `runs` adds to them. Default: in memory.
@@ -70,7 +71,8 @@ def campaign(
     progress : bool
         Show a progress bar in a terminal or a notebook: rate, runs that failed, time left.
     on_error : str
-        ``"record"``: a run that raises an exception is a row with the error and its line.
+        ``"record"``: a run that raises an exception, or a metric of it, is a row with the error
+        and its line.
         ``"raise"``: the exception is raised.
 
     Returns

@@ -6,6 +6,7 @@ downwards, as the camera sees the area; angles are in degrees.
 
 from robsim._base.public import present as _present
 from robsim.plotting._charts.batch import plot_batch
+from robsim.plotting._charts.campaigns import plot_campaign
 from robsim.plotting._charts.color_histograms import plot_color_histograms
 from robsim.plotting._charts.consistency import plot_consistency
 from robsim.plotting._charts.ellipses import plot_ellipses
@@ -24,6 +25,7 @@ __all__ = [
     "play",
     "plot_batch",
     "plot_camera_check",
+    "plot_campaign",
     "plot_color_histograms",
     "plot_consistency",
     "plot_ellipses",

@@ -13,6 +13,7 @@ from robsim._base.checks import Floats, as_float_array
 from robsim._base.spelling import with_article
 from robsim._base.text import quoted
 from robsim._core import Blob, ColorClass, Estimate, Frame, Measurement
+from robsim.campaigns import CampaignResult
 from robsim.evaluation._consistency import ConsistencyReport
 from robsim.evaluation._errors import ErrorReport
 from robsim.identification._batch import BatchEstimate
@@ -35,6 +36,7 @@ _SOURCES: dict[type, str] = {
     ErrorReport: "robsim.pose_errors(trace), or robsim.evaluation.estimation_errors(...)",
     ConsistencyReport: "robsim.pose_consistency(traces), or nees_consistency or nis_consistency "
     "in robsim.evaluation",
+    CampaignResult: "what robsim.campaigns.campaign(...) returns",
     Axes: "axes of matplotlib, such as figure.add_subplot()",
 }
 
