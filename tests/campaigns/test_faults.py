@@ -3,6 +3,7 @@
 import os
 import random
 import signal
+import sqlite3
 import subprocess
 import sys
 import threading
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 import robsim
-from campaign_code import deadly, final, slow_with_pid
+from campaign_code import deadly, final, run_of, slow_with_pid
 from robsim.campaigns import campaign
 
 pytestmark = pytest.mark.slow
@@ -102,15 +103,20 @@ if __name__ == "__main__":
 """
 
 
+def environment():
+    """That of a program which can import the code of campaigns."""
+    support = str(Path(__file__).parents[1] / "support")
+    path = os.pathsep.join([support, *filter(None, [os.environ.get("PYTHONPATH")])])
+    return {**os.environ, "PYTHONPATH": path}
+
+
 def begun(folder):
     """A program with a campaign, and the numbers of its two processes."""
     program = folder / "program.py"
     program.write_text(PROGRAM)
-    support = str(Path(__file__).parents[1] / "support")
-    path = os.pathsep.join([support, *filter(None, [os.environ.get("PYTHONPATH")])])
     parent = subprocess.Popen(
         [sys.executable, program],
-        env={**os.environ, "PYTHONPATH": path},
+        env=environment(),
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
@@ -142,17 +148,63 @@ def test_ctrl_c_ends_all_and_says_how_to_go_on(folder):
     assert errors.rstrip().endswith("with store=FILE the same call goes on with the rest")
 
 
+KILLED = """
+import sys
+import robsim
+from campaign_code import final, slow_with_pid
+from robsim.campaigns import campaign
+
+if __name__ == "__main__":
+    scenario = robsim.Scenario(area=(300, 300), start="random")
+    metrics = [slow_with_pid, final]
+    options = {"runs": 400, "steps": 5, "seed": 1, "executor": 2, "progress": False}
+    print(campaign(scenario, metrics=metrics, store=sys.argv[1], **options).checksum)
+"""
+
+
+@pytest.mark.timeout(300)
+def test_a_program_killed_at_random_moments_comes_to_its_end(folder):
+    (folder / "program.py").write_text(KILLED)
+    rng, rows, n_killed = random.Random(2), 0, 0
+    while True:
+        program = subprocess.Popen(
+            [sys.executable, folder / "program.py", folder / "store.sqlite"],
+            env=environment(),
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            printed, _ = program.communicate(timeout=rng.uniform(1.5, 4.0) + n_killed)
+            break
+        except subprocess.TimeoutExpired:
+            program.kill()
+            program.communicate()
+            n_killed += 1
+        if (folder / "store.sqlite").exists():
+            with sqlite3.connect(folder / "store.sqlite") as database:
+                count = "SELECT count(*) FROM sqlite_master WHERE name = 'runs'"
+                if database.execute(count).fetchone()[0]:
+                    (now,) = database.execute("SELECT count(*) FROM runs").fetchone()
+                    assert rows <= now <= 400
+                    rows = now
+            database.close()
+    assert program.returncode == 0
+    assert n_killed
+    scenario = robsim.Scenario(area=(300, 300), start="random")
+    metrics = {"slow_with_pid": run_of, "final": final}
+    serial = campaign(scenario, metrics=metrics, runs=400, **OPTIONS)
+    assert printed.strip() == serial.checksum
+
+
 def test_processes_that_cannot_begin_are_told(folder):
     program = folder / "program.py"
     program.write_text(
         "from campaign_code import final\nfrom robsim.campaigns import campaign\n"
         "campaign(metrics=[final], runs=2, steps=2, executor=1, progress=False)\n"
     )
-    support = str(Path(__file__).parents[1] / "support")
-    path = os.pathsep.join([support, *filter(None, [os.environ.get("PYTHONPATH")])])
     ended = subprocess.run(
         [sys.executable, program],
-        env={**os.environ, "PYTHONPATH": path},
+        env=environment(),
         capture_output=True,
         text=True,
         check=False,

@@ -154,8 +154,9 @@ def _label_of(name: str, value: Any) -> Label:
             return check_name(f"vary: a label of {name}", value.__name__)
     else:
         is_data = not callable(value) or (name in SLOTS and type(value) in SLOTS[name].native)
-        if is_data and len(repr(value)) <= _LONGEST_LABEL:
-            return repr(value)
+        text = repr(value) if is_data else ""
+        if 0 < len(text) <= _LONGEST_LABEL and text.isprintable():
+            return text
     raise ValueError(
         f"vary: {name} needs labels: give a mapping of label to value, such as "
         f"{{'mine': ...}}, for {quoted(value)}"
