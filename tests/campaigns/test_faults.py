@@ -132,11 +132,14 @@ def wait_until_gone(processes):
         time.sleep(0.05)
 
 
-def test_processes_end_with_their_parent(folder):
+def test_processes_end_with_their_parent_and_leave_nothing(folder, monkeypatch):
+    (folder / "temporary").mkdir()
+    monkeypatch.setenv("TMPDIR", str(folder / "temporary"))
     parent, processes = begun(folder)
     parent.kill()
     parent.communicate()
     wait_until_gone(processes)
+    assert not list((folder / "temporary").iterdir())
 
 
 def test_ctrl_c_ends_all_and_says_how_to_go_on(folder):

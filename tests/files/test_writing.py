@@ -291,6 +291,7 @@ ALLOWED = {
     "sessions/_rows.py": "opens to read",
     "sessions/_writer.py": "appends to new files, so that a killed run is there",
     "simulation/_scenario_file.py": "opens an image in memory",
+    "campaigns/_engines/processes.py": "a temporary file for its own processes",
     "capture/_sources.py": "opens a camera",
     "capture/_devices/jpeg.py": "opens an image in memory",
     "capture/_devices/opencv_process.py": "opens a camera",

@@ -7,25 +7,29 @@ import os
 import pickle
 import signal
 import sys
+import tempfile
 import threading
 from collections import Counter
 from collections.abc import Generator, Iterable
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
+    CancelledError,
     Future,
     ProcessPoolExecutor,
     wait,
 )
+from contextlib import suppress
 from multiprocessing.connection import wait as wait_for
 
 from robsim._base.text import quoted, said_by
 from robsim.campaigns._choices import Callback, Data, Factory, Folder
 from robsim.campaigns._engines.chunks import Chunks
-from robsim.campaigns._runs import Job, Row, rows_of
+from robsim.campaigns._runs import Job, Row, Worker
 from robsim.campaigns._spec import CampaignSpec
 
 _DEATHS = 2  # of a run that is tried alone, before it counts as failed
+_LOST = (BrokenExecutor, CancelledError)
 _STARTS = 5  # of a pool, before there is something else wrong
 
 #: The error of a run whose process dies.
@@ -50,7 +54,7 @@ def rows_in_processes(
                 return
             yield from _alone(pool, lost)
     finally:
-        pool.end()
+        pool.close()
 
 
 def _together(pool: _Pool, chunks: Chunks) -> Generator[list[Row], None, list[list[Job]]]:
@@ -67,7 +71,7 @@ def _together(pool: _Pool, chunks: Chunks) -> Generator[list[Row], None, list[li
             chunk = flying.pop(future)
             try:
                 rows = future.result()
-            except BrokenExecutor:
+            except _LOST:
                 lost.append(chunk)
             else:
                 chunks.note(rows)
@@ -81,7 +85,7 @@ def _alone(pool: _Pool, lost: list[list[Job]]) -> Generator[list[Row], None, Non
         chunk = lost.pop()
         try:
             rows = pool.submit(chunk).result()
-        except BrokenExecutor:
+        except _LOST:
             half = len(chunk) // 2
             if half:
                 lost += [chunk[half:], chunk[:half]]
@@ -99,8 +103,18 @@ class _Pool:
 
     def __init__(self, spec: CampaignSpec, count: int) -> None:
         self.count = count
-        self._spec = spec
         self._pool: ProcessPoolExecutor | None = None
+        # Only what fits into a pipe is sent through one: who sends more waits for the reader, even
+        # if that is dead.
+        descriptor, self._file = tempfile.mkstemp(prefix="robsim-campaign-")
+        with open(descriptor, "wb") as stream:
+            pickle.dump(spec, stream)
+
+    def close(self) -> None:
+        """End for good."""
+        self.end()
+        with suppress(OSError):
+            os.unlink(self._file)
 
     def submit(self, jobs: list[Job]) -> Future[list[Row]]:
         """Hand over a chunk; a broken pool is replaced."""
@@ -108,8 +122,8 @@ class _Pool:
             try:
                 if self._pool is None:
                     self._pool = self._begun()
-                return self._pool.submit(rows_of, self._spec, jobs)
-            except BrokenExecutor:
+                return self._pool.submit(_rows, jobs)
+            except _LOST:
                 self.end()
         raise RuntimeError(
             "executor: the worker processes end as soon as they begin; a program that is a file "
@@ -119,10 +133,13 @@ class _Pool:
 
     def _begun(self) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(
-            self.count, mp_context=multiprocessing.get_context("spawn"), initializer=_begin
+            self.count,
+            mp_context=multiprocessing.get_context("spawn"),
+            initializer=_begin,
+            initargs=(self._file,),
         )
         self._pool = pool
-        pool.submit(_answer, self._spec).result()
+        pool.submit(_rows, []).result()
         return pool
 
     def end(self) -> None:
@@ -137,20 +154,29 @@ class _Pool:
         pool.shutdown()
 
 
-def _answer(spec: CampaignSpec) -> None:
-    """Do nothing: a process that does it has begun, and knows the campaign's code."""
+_worker: Worker | None = None  # of this process, if it is one of a pool
 
 
-def _begin() -> None:
+def _begin(file: str) -> None:
     """Begin a worker process: Ctrl-C is for its parent, and it ends with that."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with_parent, args=(file,), daemon=True).start()
+    global _worker
+    with open(file, "rb") as stream:
+        _worker = Worker(pickle.load(stream))
 
 
-def _end_with_parent() -> None:
+def _rows(jobs: list[Job]) -> list[Row]:
+    assert _worker is not None
+    return _worker.rows(jobs)
+
+
+def _end_with_parent(file: str) -> None:
     parent = multiprocessing.parent_process()
     if parent is not None:
         wait_for([parent.sentinel])
+        with suppress(OSError):
+            os.unlink(file)
         os._exit(1)
 
 
