@@ -5,7 +5,7 @@
 prints for every case of `foreign_frames` and every way to measure: rms error over the poses that
 are found and not false (px of the work area, degrees), misses, false poses, and the mean NEES / 3
 of the covariance that a measurement carries. Ways: "counted", `locate` of the blobs alone;
-"fitted", `locate` with the image as well; "hsv", the same with blobs of an HSV threshold.
+"fitted", `locate` with image and colours as well; "hsv", the same with blobs of an HSV threshold.
 
 The exit status is 1 if the fit is worse than the count in any case, by more than the spread.
 """
@@ -34,9 +34,9 @@ def counted(frame, markers):
 
 
 def fitted(frame, markers):
-    """By the markers' edges in the image."""
+    """By the markers' edges in the image; with a second chance in dim light, as a run measures."""
     blobs = robsim.find_blobs(frame, COLORS, markers=markers)
-    return robsim.locate(blobs, markers, frame.plane_map, image=frame)
+    return robsim.locate(blobs, markers, frame.plane_map, image=frame, colors=COLORS)
 
 
 def hsv(frame, markers):
