@@ -49,7 +49,8 @@ SHORTER = {
     "robsim demo": "robsim demo --steps 100",
     "--seconds 15": "--steps 20 --frame-timeout 30",
     "robsim bench": "robsim bench --rounds 1",
-    "--accuracy": "--accuracy --frames 3",
+    "--rounds 1 --accuracy": "--accuracy --frames 3",
+    "--rounds 1 --panel": "--panel",
 }
 
 
