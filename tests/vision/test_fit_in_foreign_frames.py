@@ -80,3 +80,11 @@ def test_the_covariance_is_that_of_the_errors():
     ]
     # of 72 frames, each the sum of 3 squares: mean 1, standard deviation .1
     assert 0.6 < np.mean([errors.nees for errors in found]) < 1.5
+
+
+def test_large_markers_are_found_in_dim_light_and_strong_noise():
+    """Most of them at the second chance, in a window that is wider than markers alone need."""
+    view = next(iter(NARROW.values()))
+    found = compared("exposure 0.6, Gaussian 40 %", view, 16, {"fitted": fitted})["fitted"]
+    assert np.sum(found.good) >= 12
+    assert not found.false.any()

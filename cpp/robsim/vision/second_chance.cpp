@@ -23,6 +23,11 @@ constexpr double least_level = 1;  // of chroma, whatever the noise is: rounding
 constexpr double noise_to_smooth = 2;
 constexpr int window_in_noise = 3;  // px
 
+// In noise that would hide colours as faint as this (levels of chroma), the window is wider.
+constexpr double faint = 12;
+constexpr double wide_fraction = 0.4;  // of the marker's width
+constexpr double widest_window = 9;    // px
+
 // A floor whose chroma is this part of its brightness lies half-way to the limit of a colour.
 constexpr double colored_floor = 0.07;
 
@@ -76,6 +81,11 @@ void look_again(Detection& detection, const ImageView& image, const std::vector<
   const double noise = pixels::chroma_noise(image);
   BlobOptions options = marker_blobs(detection.markers, plane_map, image);
   if (noise > noise_to_smooth) options.smoothing = std::max(options.smoothing, window_in_noise);
+  if (least_deviations * noise / options.smoothing > faint) {
+    const double width = marker_width(detection.markers, plane_map, image.width, image.height);
+    const double wide = std::fmin(wide_fraction * width, widest_window);
+    options.smoothing = std::max(options.smoothing, 2 * static_cast<int>(wide / 2) + 1);
+  }
   if (smoothing) options.smoothing = *smoothing;
   const std::array<int, 3> floor = light::floor_color(image);
   std::vector<light::Gains> whites = {{1, 1, 1}};
