@@ -200,14 +200,16 @@ def test_nothing_is_left_of_a_closed_camera():
         for _ in range(20):
             with camera_of(server) as camera:
                 camera.read()
-        assert (own_threads(), open_files()) == (threads, files)
+        assert own_threads() <= threads
+        assert open_files() <= files
     with served() as server:
         pass
-    before = own_threads(), open_files()
+    threads, files = own_threads(), open_files()
     for _ in range(10):
         with served() as server, camera_of(server) as camera:
             camera.read()
-    assert (own_threads(), open_files()) == before
+    assert own_threads() <= threads
+    assert open_files() <= files
 
 
 @pytest.mark.slow
