@@ -17,7 +17,14 @@ from robsim._base.checks import as_float_array, check_float, check_mm_per_px, ch
 from robsim._base.files import MOST_TOML, parse_toml, read_toml
 from robsim._base.geometry.marker_roles import given_by_role, taken_roles
 from robsim._base.text import one_line, quoted
-from robsim._core import ColorClass, Intrinsics, MarkerLayout, PlaneMap, RobotModel
+from robsim._core import (
+    ColorClass,
+    Intrinsics,
+    MarkerLayout,
+    PlaneMap,
+    RobotModel,
+    fitting_roles,
+)
 
 FORMAT = 2
 _READABLE = (1, 2)
@@ -32,6 +39,7 @@ _MARKER_KEYS = {
     "area": "areas",
     "polygon": "polygons",
 }
+_OLD_NAMES = ("red", "blue")  # of the markers in format 1, whatever their colours
 
 
 def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str:
@@ -249,6 +257,8 @@ def _colors(name: str, value: Any) -> list[ColorClass]:
 
 def _markers(name: str, value: Any) -> MarkerLayout:
     table = dict(_table(name, value))
+    if table.keys() >= {*_OLD_NAMES}:
+        table = _tables_of_format_1(name, table)
     options: dict[str, Any] = {key: table[key] for key in _LAYOUT_KEYS if key in table}
     try:
         by_role: dict[str, Any] = given_by_role(name, taken_roles(table), _MARKER_KEYS)
@@ -257,6 +267,21 @@ def _markers(name: str, value: Any) -> MarkerLayout:
         return MarkerLayout.from_positions(**options, **by_role)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}: {one_line(error)}") from error
+
+
+def _tables_of_format_1(name: str, table: dict[str, Any]) -> dict[str, Any]:
+    """Return the table of a layout as it is written today: the roles follow from the places."""
+    roles = fitting_roles(*(_numbers(f"{name}.{old}", table[old], (2,)) for old in _OLD_NAMES))
+    colors = table.get("colors", _OLD_NAMES)
+    if not isinstance(colors, (list, tuple)) or len(colors) != len(_OLD_NAMES):
+        raise ValueError(f"{name}.colors must be two names, got {quoted(colors)}")
+    tables = {key: table[key] for key in _LAYOUT_KEYS if key in table}
+    for role, old, color in zip(roles, _OLD_NAMES, colors, strict=True):
+        marker = {"color": color, "position": table[old]}
+        marker |= {key: table.get(f"{old}_{key}") for key in ("area", "polygon")}
+        known = {key: one for key, one in marker.items() if one is not None and not _is_nan(one)}
+        tables[role] = known
+    return tables
 
 
 def _model(name: str, value: Any) -> RobotModel:

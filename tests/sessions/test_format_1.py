@@ -1,0 +1,72 @@
+"""Sessions of format 1, whose markers are called red and blue, can be read."""
+
+import shutil
+
+import numpy as np
+import pytest
+import tomlkit
+
+import robsim
+from robsim.sessions import Session
+from sessions import record
+
+pytest.importorskip("cv2")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("session") / "run"
+    record(folder, 2).close()
+    setup = folder / "setup.toml"
+    setup.write_text(setup.read_text().replace("format = 2", "format = 1"))
+    return folder
+
+
+@pytest.fixture
+def folder(recorded, tmp_path):
+    shutil.copytree(recorded, tmp_path / "run")
+    return tmp_path / "run"
+
+
+def old_table(layout, first, second):
+    """The table of a layout as sessions of format 1 have it."""
+    table = {"distance_tolerance": 0.2, "maximum_blobs": 7}
+    for old, role in (("red", first), ("blue", second)):
+        table[old] = layout.positions[role].tolist()
+        table[f"{old}_area"] = layout.areas[role]
+        table[f"{old}_polygon"] = layout.polygons[role].tolist()
+    return table | {"colors": [layout.colors[first], layout.colors[second]]}
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "second"),
+    [("lab", "right", "left"), ("lab", "left", "right"), ("sheep", "back", "front")],
+)
+def test_markers_of_a_session_of_before_get_their_roles(folder, name, first, second):
+    layout = robsim.load_robot(name).marker_layout()
+    setup = folder / "setup.toml"
+    table = tomlkit.dumps({"markers": old_table(layout, first, second)})
+    setup.write_text(setup.read_text() + "\n" + table)
+    read = Session(folder).markers
+    assert (read.distance_tolerance, read.maximum_blobs) == (0.2, 7)
+    assert read.colors == layout.colors
+    for role in layout.roles:
+        np.testing.assert_array_equal(read.positions[role], layout.positions[role])
+        np.testing.assert_array_equal(read.polygons[role], layout.polygons[role])
+        assert read.areas[role] == layout.areas[role]
+
+
+@pytest.mark.parametrize(
+    ("table", "match"),
+    [
+        ("{red = [0, 1], blue = 3}", r"markers\.blue must be 2 finite numbers"),
+        ("{red = [0, 1], blue = [0, 1]}", "distance between the markers"),
+        ("{red = [0, 1], blue = [0, 9], colors = 3}", r"markers\.colors must be two names, got 3"),
+        ("{red = [0, 1], blue = [0, 9], colors = [1, 2]}", "markers: colors must be"),
+    ],
+)
+def test_wrong_markers_of_a_session_of_before_are_named(folder, table, match):
+    setup = folder / "setup.toml"
+    setup.write_text(f"markers = {table}\n" + setup.read_text())
+    with pytest.raises(ValueError, match=match):
+        Session(folder)
