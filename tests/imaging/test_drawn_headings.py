@@ -66,6 +66,16 @@ def test_of_a_video(tmp_path, suffix):
         assert camera.read().headings == 36
 
 
+def test_of_frames_that_a_calibration_maps():
+    frame = simulation().step().frame
+    floor = robsim.imaging.Calibration(size=AREA, floor=frame.plane_map, area=AREA)
+    given = [frame, robsim.simulation.Observation(frame, t=0.2)]
+    with robsim.Experiment(given, calibration=floor, measure=True) as experiment:
+        trace = experiment.run()
+    assert experiment.last_step.frame.headings == 36
+    assert np.sqrt(trace.covariance_measured[:, 2, 2]) == pytest.approx(ROUNDED, rel=0.02)
+
+
 def test_of_a_video_that_does_not_know(tmp_path):
     pytest.importorskip("cv2")
     frame = simulation().step().frame

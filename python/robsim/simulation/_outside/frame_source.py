@@ -298,6 +298,7 @@ def _mapped(taken: Any, calibration: Calibration) -> Any:
         epoch=taken.epoch,
         index=taken.index,
         plane_map=calibration.plane_map,
+        headings=taken.headings,
     )
 
 
