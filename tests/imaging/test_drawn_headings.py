@@ -72,7 +72,7 @@ def test_of_frames_that_a_calibration_maps():
     given = [frame, robsim.simulation.Observation(frame, t=0.2)]
     with robsim.Experiment(given, calibration=floor, measure=True) as experiment:
         trace = experiment.run()
-    assert experiment.last_step.frame.headings == 36
+    assert experiment.last_step.frame.headings == trace.info.headings == 36
     assert np.sqrt(trace.covariance_measured[:, 2, 2]) == pytest.approx(ROUNDED, rel=0.02)
 
 
@@ -125,6 +125,18 @@ def test_a_session_of_before_can_be_read(tmp_path):
     session = Session(tmp_path)
     assert session.is_complete
     assert [seen.frame.headings for seen in session] == [None, None]
+
+
+def test_the_trace_of_an_experiment_tells_what_its_frames_do():
+    drawing = simulation()
+    first, second = drawing.step().frame, drawing.step().frame
+    plain = robsim.Frame(second.image, t=1.0)
+    with robsim.Experiment([first, second, None, plain], area=AREA, measure=True) as experiment:
+        assert experiment.run(3).info.headings == 36
+        assert "drawn in 36 headings" in str(experiment.trace.tracking())
+        experiment.reset()
+        assert experiment.trace.info.headings is None
+        assert experiment.run().info.headings is None
 
 
 def test_of_a_trace_that_was_saved(tmp_path):

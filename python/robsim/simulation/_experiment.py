@@ -483,6 +483,9 @@ class Experiment(Runner):
     def _mm_per_px(self) -> float | None:
         return self._source.mm_per_px
 
+    def _headings(self) -> int | None:
+        return self._source.headings
+
     def _theta_true(self) -> ArrayLike:
         return np.full((3, 5), np.nan)
 

@@ -93,6 +93,7 @@ class FrameSource:
         self._reading = threading.Lock()
         self._has_begun = False
         self._is_seen = False  # a frame, as yet
+        self._drawn: set[int | None] = set()  # headings that the frames tell
         self._failed_at: int | None = None
         #: Called before each look for a frame.
         self.pulse: Callable[[int], None] | None = None
@@ -120,6 +121,12 @@ class FrameSource:
         return getattr(self._known_calibration or self._frames, "mm_per_px", None)
 
     @property
+    def headings(self) -> int | None:
+        """Number of headings that the robot is drawn in, in all frames taken; None = not known."""
+        drawn = tuple(self._drawn)
+        return drawn[0] if len(drawn) == 1 else None
+
+    @property
     def _known_calibration(self) -> Calibration | None:
         found = self._calibration or getattr(self._frames, "calibration", None)
         return found if isinstance(found, Calibration) else None
@@ -140,6 +147,7 @@ class FrameSource:
     def restart(self) -> None:
         """Start again with the first frame."""
         self._iterator = iter(self._frames)
+        self._drawn = set()
         self._has_begun = False
         self._reader = self._failed_at = None
 
@@ -192,8 +200,9 @@ class FrameSource:
             taken = _mapped(taken, self._calibration)
         if taken is not Arrival.NOTHING_YET:
             self._failed_at = None
-        if not self._is_seen:
-            self._look_at(taken)
+        frame = taken.frame if isinstance(taken, Observation) else taken
+        if isinstance(frame, Frame):
+            self._look_at(frame)
         return taken
 
     @property
@@ -235,10 +244,10 @@ class FrameSource:
         self._since = None
         raise _too_late(timeout)
 
-    def _look_at(self, taken: Any) -> None:
-        """Warn if the first frame cannot be of the work area as it is."""
-        frame = taken.frame if isinstance(taken, Observation) else taken
-        if not isinstance(frame, Frame):
+    def _look_at(self, frame: Frame) -> None:
+        """Note what a frame tells, and warn if the first cannot be of the work area as it is."""
+        self._drawn.add(frame.headings)
+        if self._is_seen:
             return
         self._is_seen = True
         size = frame_size(frame.image)
