@@ -301,6 +301,11 @@ def test_wrong_keys_and_values_of_a_file(folder, key, value, says):
     refuses(folder(**{key: value}), says)
 
 
+def test_markers_without_polygons_are_named(folder):
+    missing = {f"markers.{role}.polygon": None for role in ("right", "left")}
+    refuses(folder(**missing), "markers must have a polygon each, got")
+
+
 @pytest.mark.parametrize(
     "text",
     [

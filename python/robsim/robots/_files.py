@@ -154,7 +154,10 @@ def _image_name(file: FileVersion) -> str:
 @lru_cache(maxsize=16)
 def _definition(file: FileVersion, image: FileVersion) -> RobotDefinition:
     values: dict[str, Any] = read_toml(file.path)
-    values |= given_by_role("markers", values["markers"], _MARKER_KEYS)
+    given = given_by_role("markers", values["markers"], _MARKER_KEYS)
+    if "markers" not in given:
+        raise ValueError(f"markers must have a polygon each, got {quoted(values['markers'])}")
+    values |= given
     return RobotDefinition(**{**values, "image": load_image(image.path, mode="RGBA")})
 
 
