@@ -112,6 +112,7 @@ def test_a_layout_has_all_by_role_in_one_order():
     ("markers", "says"),
     [
         ({"right": (0, -9), "left": (0, 9)}, "the right marker must lie farther to the right than"),
+        ({"front": (-14 + 5e-15, 9), "back": (-14, -9)}, "the front marker must lie farther ahead"),
         ({"front": (-9, 0), "back": (9, 0)}, "front marker must lie farther ahead than the back"),
         (
             {"front": (3, 9), "back": (3, -9)},

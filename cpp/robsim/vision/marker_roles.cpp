@@ -11,6 +11,9 @@ namespace {
 // Markers this near to 45 degrees count as beside each other: polygons in files are rounded.
 constexpr double tie = 0.999;
 
+// px; what is nearer is the same but for rounding
+constexpr double apart = 1e-6;
+
 }  // namespace
 
 const std::array<std::string, 2>& names_of(MarkerRoles roles) {
@@ -31,7 +34,7 @@ std::optional<std::string> contradiction(MarkerRoles roles, const Point& first,
   const bool is_across = roles == MarkerRoles::right_left;
   const double one = is_across ? first.y : first.x;
   const double other = is_across ? second.y : second.x;
-  if (one > other) return std::nullopt;
+  if (one > other + apart) return std::nullopt;
   const auto& [first_name, second_name] = names_of(roles);
   return "the " + first_name + " marker must lie farther " +
          (is_across ? "to the right" : "ahead") + " than the " + second_name + " one, got " +

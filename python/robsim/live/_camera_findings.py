@@ -37,7 +37,7 @@ _WHITE = (0.25, 0.5)  # of the pixels; above the second it is overexposed
 _MARKER_LEVEL = (70, 40)
 _BRIGHT = 235  # level
 _CLIPPED = (0.1, 1.0)  # of a marker's pixels
-_WIDTH = (9.0, 4.5)  # px of the frame
+_WIDTH = 9.0  # px of the frame; how small is too small, the noise tells
 _NOISE = (13.0, math.inf)  # levels: 5 %; whether it is too much, the markers tell
 _SIGNAL_TO_NOISE = (8.0, 4.0)  # below the second, a pose is not to be trusted
 _CONTRAST = (40.0, 20.0)  # levels
@@ -237,7 +237,7 @@ def _markers(look: CameraLook) -> Iterator[CameraFinding]:
         "marker width",
         look.markers.width_in(look.shown[0]),
         "px",
-        (max(_WIDTH[0], 2 * wanted), max(_WIDTH[1], wanted)),
+        (max(_WIDTH, 2 * wanted), wanted),
         f"{_REMEDIES['small markers']}; with this noise poses can be trusted from {wanted:.2g} px "
         "on, in good light",
     )
