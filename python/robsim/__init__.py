@@ -42,8 +42,9 @@ if _TYPE_CHECKING:
     from robsim import doctor as doctor
     from robsim import plotting as plotting
     from robsim import reference as reference
+    from robsim.campaigns import campaign
     from robsim.doctor import check_estimator, check_parameter_estimator
-    from robsim.gui import color_panel, floor_panel, panel, robot_panel
+    from robsim.gui import panel
     from robsim.plotting import (
         play,
         plot_batch,
@@ -83,11 +84,10 @@ __all__ = [
     "WheelNoise",
     "__version__",
     "batch_estimate",
+    "campaign",
     "check_estimator",
     "check_parameter_estimator",
-    "color_panel",
     "find_blobs",
-    "floor_panel",
     "identifiability",
     "load_colors",
     "load_robot",
@@ -101,7 +101,6 @@ __all__ = [
     "plot_traces",
     "pose_consistency",
     "pose_errors",
-    "robot_panel",
     "score_path",
     "wrap_angle",
 ]
@@ -125,7 +124,7 @@ _LATE_NAMES = {
     name: "plotting" if name.startswith("pl") else "doctor"
     for name in __all__
     if name == "play" or name.startswith(("plot_", "check_"))
-} | dict.fromkeys(("color_panel", "floor_panel", "panel", "robot_panel"), "gui")
+} | {"campaign": "campaigns", "panel": "gui"}
 
 _ROOMS = (
     *(
@@ -157,7 +156,7 @@ def __getattr__(name: str) -> _Any:
     from robsim._base.spelling import no_attribute, suggestion
 
     # These are quick to load; `plotting` would load matplotlib.
-    late = map(__getattr__, ("campaigns", "reference"))
+    late = map(__getattr__, ("campaigns", "gui", "reference"))
     loaded = [*late, *(globals()[room] for room in _ROOMS if room in globals())]
     for room in loaded:
         if name in room.__all__:

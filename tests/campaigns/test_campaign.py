@@ -293,6 +293,7 @@ def test_the_progress_bar_counts_runs_and_those_that_failed(monkeypatch, tmp_pat
     assert all(bar.is_closed for bar in bars)
 
 
-def test_the_top_level_says_where_the_campaign_is():
-    with pytest.raises(AttributeError, match=r"it is robsim\.campaigns\.campaign"):
-        _ = robsim.campaign
+def test_the_campaign_is_at_the_top_beside_its_room():
+    assert robsim.campaign is robsim.campaigns.campaign is campaign
+    with pytest.raises(AttributeError, match=r"it is robsim\.campaigns\.CampaignResult"):
+        _ = robsim.CampaignResult

@@ -98,7 +98,7 @@ def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
     front, back = (np.array((x, y)) + offset @ axes for offset in (FRONT, BACK))
     robsim.imaging.save_image(tmp_path / "photo.jpg", world.picture(*place))
 
-    with robsim.color_panel(tmp_path / "photo.jpg", file=tmp_path / "mine.toml") as tool:
+    with robsim.gui.color_panel(tmp_path / "photo.jpg", file=tmp_path / "mine.toml") as tool:
         mouse = Mouse(tool, open_tool(tool))
         for name, middle in (("red", front), ("blue", back)):
             mouse.tab.fill("[name=new_class]", name)
@@ -109,7 +109,7 @@ def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
         mouse.tab.click("[name=save_colors]")
         wait_for((tmp_path / "mine.toml").exists)
 
-    with robsim.robot_panel(tmp_path / "photo.jpg", colors=tmp_path / "mine.toml") as tool:
+    with robsim.gui.robot_panel(tmp_path / "photo.jpg", colors=tmp_path / "mine.toml") as tool:
         mouse = Mouse(tool, open_tool(tool))
         view, tab = tool._view, mouse.tab
         mouse.drag(view._square[:2], (x, y))

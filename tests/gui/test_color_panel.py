@@ -1,4 +1,4 @@
-"""`robsim.color_panel`, as users and scripts have it."""
+"""`robsim.gui.color_panel`, as users and scripts have it."""
 
 import io
 import threading
@@ -32,7 +32,7 @@ def _here(tmp_path, monkeypatch):
 
 
 def test_what_the_mouse_does_is_done_by_a_script(picture):
-    with robsim.color_panel(picture, file="mine.toml") as tool:
+    with robsim.gui.color_panel(picture, file="mine.toml") as tool:
         assert repr(tool) == "<robsim.gui.ColorPanel: no colours yet>"
         made = tool.train("red", REGION)
         assert made == ColorClass.from_region(picture, REGION, name="red")
@@ -52,9 +52,9 @@ def test_what_the_mouse_does_is_done_by_a_script(picture):
 
 def test_it_begins_with_what_the_file_has(picture):
     robsim.vision.save_colors("colors.toml", ColorClass("green", v=(1, 100)))
-    with robsim.color_panel(picture) as tool:
+    with robsim.gui.color_panel(picture) as tool:
         assert tool.value == (ColorClass("green", v=(1, 100)),)
-    with robsim.color_panel(picture, colors=[ColorClass("pink")]) as tool:
+    with robsim.gui.color_panel(picture, colors=[ColorClass("pink")]) as tool:
         assert [color.name for color in tool.value] == ["pink"]
 
 
@@ -73,7 +73,7 @@ def test_whose_pictures_it_shows(kind, picture, tmp_path):
         "simulation": sim,
         "robot": None,
     }[kind]
-    with robsim.color_panel(what) as tool:
+    with robsim.gui.color_panel(what) as tool:
         head, _ = FakeBrowser(tool._view, 80).take("frame")
         expected = {"simulation": [300, 300]}.get(kind, [80, 60])
         assert kind == "robot" or head["size"] == expected
@@ -86,7 +86,7 @@ def test_whose_pictures_it_shows(kind, picture, tmp_path):
 def test_a_panel_that_was_open_stays_open():
     sim = robsim.Simulation(area=(300, 300), measure=True, seed=1)
     with robsim.panel(sim) as panel:
-        with robsim.color_panel(sim) as tool:
+        with robsim.gui.color_panel(sim) as tool:
             browser = FakeBrowser(tool._view, 80)
             panel.step()
             browser.take("frame", k=0)
@@ -97,7 +97,7 @@ def test_a_panel_that_was_open_stays_open():
 def test_a_picture_of_12_megapixels_is_sent_in_few():
     image = np.full((3000, 4000, 3), FLOOR, np.uint8)
     image[1500:1700, 900:1100] = RED
-    with robsim.color_panel(image) as tool:
+    with robsim.gui.color_panel(image) as tool:
         tool.train("red", (910, 1510, 1090, 1690))
         wait_for(lambda: tool._view.picture is not None)
         _, (mask,) = tool._view.head(tool._view.picture)
@@ -114,20 +114,20 @@ def test_a_picture_of_12_megapixels_is_sent_in_few():
 def test_its_picture_for_a_saved_notebook_is_small():
     rng = np.random.default_rng(1)
     noise = rng.integers(0, 255, (1200, 1200, 3), dtype=np.uint8)
-    with robsim.color_panel(noise) as tool:
+    with robsim.gui.color_panel(noise) as tool:
         wait_for(lambda: tool._view.picture is not None)
         assert len(tool.snapshot()) < 150_000
 
 
 def test_the_picture_of_the_robot_shows_the_robot():
-    with robsim.color_panel(robot="lab", colors=load_colors()) as tool:
+    with robsim.gui.color_panel(robot="lab", colors=load_colors()) as tool:
         head, _ = FakeBrowser(tool._view, 80).take("frame")
         assert head["missed"] is None
         assert head["found"] is not None
 
 
 def test_other_light_and_noise(picture):
-    with robsim.color_panel(picture) as tool:
+    with robsim.gui.color_panel(picture) as tool:
         browser = FakeBrowser(tool._view, 80)
         browser.say("score")
         assert "mark a region" in browser.take("note", level="error")[0]["text"]
@@ -153,12 +153,12 @@ def test_other_light_and_noise(picture):
 def test_what_is_wrong_is_refused_by_its_name(arguments, said):
     threads = threading.active_count()
     with pytest.raises((TypeError, ValueError, OSError), match=said):
-        robsim.color_panel(**arguments)
+        robsim.gui.color_panel(**arguments)
     assert threading.active_count() == threads
 
 
 def test_methods_refuse_by_name(picture):
-    with robsim.color_panel(picture) as tool:
+    with robsim.gui.color_panel(picture) as tool:
         for call, said in (
             (lambda: tool.train("red", (0, 0, 99, 9)), "region"),
             (lambda: tool.train("red", (0, 0, 9, 9)), "grey"),

@@ -30,7 +30,7 @@ def image():
 
 @pytest.fixture(params=["light", "dark"])
 def mouse(request, image, open_tool, tmp_path):
-    with robsim.color_panel(image, file=tmp_path / "colors.toml") as tool:
+    with robsim.gui.color_panel(image, file=tmp_path / "colors.toml") as tool:
         yield Mouse(tool, open_tool(tool, theme=request.param), image.shape)
 
 

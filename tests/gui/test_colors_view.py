@@ -202,7 +202,7 @@ def test_a_removed_class_leaves_the_file_and_others_stay(view, browser, tmp_path
 def test_a_source_that_ends_says_why(tmp_path):
     sim = robsim.Simulation(area=(300, 300), seed=1)
     panel = robsim.panel(sim)
-    with robsim.color_panel(sim, file=tmp_path / "c.toml") as tool:
+    with robsim.gui.color_panel(sim, file=tmp_path / "c.toml") as tool:
         browser = FakeBrowser(tool._view, 80)
         panel.close()
         browser.take("state", over="the panel of the run was closed", state="paused")
@@ -212,6 +212,6 @@ def test_a_camera_that_is_closed_says_so(tmp_path):
     save_image(tmp_path / "0.png", picture())
     camera = robsim.Camera(tmp_path, fps=100)
     camera.close()
-    with robsim.color_panel(camera, file=tmp_path / "c.toml") as tool:
+    with robsim.gui.color_panel(camera, file=tmp_path / "c.toml") as tool:
         wait_for(lambda: "closed" in tool._view._over)
         assert "closed" in FakeBrowser(tool._view, 80).take("state")[0]["over"]

@@ -51,14 +51,14 @@ class Hand:
 @pytest.fixture
 def hand(open_tool, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with robsim.floor_panel() as tool:
+    with robsim.gui.floor_panel() as tool:
         yield Hand(tool, open_tool(tool))
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_a_floor_is_calibrated_and_saved(open_tool, tmp_path, monkeypatch, theme):
     monkeypatch.chdir(tmp_path)
-    with robsim.floor_panel() as tool:
+    with robsim.gui.floor_panel() as tool:
         hand = Hand(tool, open_tool(tool, theme=theme))
         tab = hand.tab
         problems = ".robsim-floor-result .robsim-problems"
@@ -187,7 +187,7 @@ def test_the_glass_shows_the_pixels_of_a_picture_of_12_megapixels(open_tool, tmp
     rows, columns = np.indices((3000, 4000))
     image = np.where((rows + columns) % 2, 255, 0).astype(np.uint8)
     image = np.stack([image, 255 - image, np.full_like(image, 60)], axis=-1)
-    with robsim.floor_panel(image) as tool:
+    with robsim.gui.floor_panel(image) as tool:
         hand = Hand(tool, open_tool(tool))
         hand.tab.mouse.move(*hand.at((2000, 1500)))
         own = {"255,0,60", "0,255,60"}
@@ -198,7 +198,7 @@ def test_the_glass_shows_the_pixels_of_a_picture_of_12_megapixels(open_tool, tmp
 
 def test_a_finger_places_a_point_and_drags_it_in_the_glass(open_tool, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with robsim.floor_panel() as tool:
+    with robsim.gui.floor_panel() as tool:
         size = (900, 1200)
         hand = Hand(tool, open_tool(tool, size=size, has_touch=True, is_mobile=True))
         hand.tab.touchscreen.tap(*hand.at(PIXELS[4]))
@@ -222,7 +222,7 @@ def test_sheets_are_found(open_tool, tmp_path, monkeypatch):
     from photographed_sheets import OBLIQUE, floor_picture
 
     monkeypatch.chdir(tmp_path)
-    with robsim.floor_panel(floor_picture(OBLIQUE)) as tool:
+    with robsim.gui.floor_panel(floor_picture(OBLIQUE)) as tool:
         hand = Hand(tool, open_tool(tool))
         hand.tab.click(".robsim-segments [value=sheets]")
         hand.tab.wait_for_selector("text=press Find sheets")
@@ -245,7 +245,7 @@ def test_a_lens_is_taken_and_used(open_tool, tmp_path, monkeypatch):
     (tmp_path / "film").mkdir()
     for number, image in enumerate(board_pictures(Chessboard(9, 6))):
         save_image(tmp_path / "film" / f"{number}.png", image)
-    with robsim.floor_panel("film") as tool:
+    with robsim.gui.floor_panel("film") as tool:
         hand = Hand(tool, open_tool(tool))
         tab = hand.tab
         tab.click(".robsim-segments [value=lens]")

@@ -30,7 +30,7 @@ PIXELS = pixels_of_floor(PLACES)
 @pytest.fixture
 def tool(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with robsim.floor_panel() as tool:
+    with robsim.gui.floor_panel() as tool:
         yield tool
 
 
@@ -147,7 +147,7 @@ def test_it_is_saved_and_loaded_with_the_lens_that_is_there(tool, tmp_path):
     tool.put(PIXELS, PLACES)
     with pytest.raises(ValueError, match="has a lens"):
         tool.save(tmp_path / "lens.toml")
-    with robsim.floor_panel(calibration="lens.toml") as other:
+    with robsim.gui.floor_panel(calibration="lens.toml") as other:
         assert other.value.floor is None
         other.adjust(area=(1000, 900), mm_per_px=2.5, marker_height=80)
         other.put(lens.intrinsics.distorted(PIXELS), PLACES)
@@ -158,7 +158,7 @@ def test_it_is_saved_and_loaded_with_the_lens_that_is_there(tool, tmp_path):
     assert saved.intrinsics is not None
     assert (saved.area, saved.mm_per_px, saved.marker_height) == ((1000, 900), 2.5, 80)
     np.testing.assert_allclose(saved.floor.matrix, value.floor.matrix)
-    with robsim.floor_panel(calibration=saved, file="other.toml") as again:
+    with robsim.gui.floor_panel(calibration=saved, file="other.toml") as again:
         assert again.value == saved
         assert again._view._state()["grid"]["high"] is not None
         again.adjust(mm_per_px=5)
@@ -199,20 +199,20 @@ def test_a_calibration_that_was_not_read_is_not_overwritten(tool, tmp_path):
     tool.put(PIXELS, PLACES)
     floor = tool.value
     save_calibration("camera.toml", floor)
-    with robsim.floor_panel(tiled_floor(), calibration=LENS) as other:
+    with robsim.gui.floor_panel(tiled_floor(), calibration=LENS) as other:
         with pytest.raises(ValueError, match=r"camera.toml is there already, and was not read"):
             other.save()
         with pytest.raises(ValueError, match="there already"):
             tool.save("camera.toml")
         assert load_calibration("camera.toml") == floor
         assert other.save("mine.toml") == other.save()  # which it wrote itself
-    with robsim.floor_panel(tiled_floor(), calibration="mine.toml") as third:
+    with robsim.gui.floor_panel(tiled_floor(), calibration="mine.toml") as third:
         assert third.save(tmp_path / "mine.toml").name == "mine.toml"
         with pytest.raises(ValueError, match="there already"):
             third.save("camera.toml")
         third._view.load("camera.toml")
         assert third.save().name == "camera.toml"
-    with robsim.floor_panel(tiled_floor(), file="camera.toml") as fourth:
+    with robsim.gui.floor_panel(tiled_floor(), file="camera.toml") as fourth:
         assert fourth.save().name == "camera.toml"
 
 
@@ -242,7 +242,7 @@ def test_a_lens_can_be_saved_before_there_is_a_floor(tool, browser):
 def test_that_a_floor_is_dropped_from_a_file_is_said(tool):
     tool.put(PIXELS, PLACES)
     save_calibration("camera.toml", tool.value)
-    with robsim.floor_panel(tiled_floor(), file="camera.toml") as other:
+    with robsim.gui.floor_panel(tiled_floor(), file="camera.toml") as other:
         browser = FakeBrowser(other._view, 200)
         browser.take("frame")
         other._view.ask(lambda: other._view.take(LENS))  # as a lens that was calibrated
@@ -280,7 +280,7 @@ def test_a_live_picture_is_calibrated_while_it_goes_on(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with (
         robsim.Camera(EndlessCamera(np.array(tiled_floor()))) as camera,
-        robsim.floor_panel(camera) as tool,
+        robsim.gui.floor_panel(camera) as tool,
     ):
         browser = FakeBrowser(tool._view, 200)
         browser.take("frame")
@@ -313,7 +313,7 @@ def test_sheets_in_a_picture(tmp_path, monkeypatch):
 
     monkeypatch.chdir(tmp_path)
     lens = Calibration(size=OBLIQUE.size, intrinsics=Intrinsics(OBLIQUE.matrix, OBLIQUE.distortion))
-    with robsim.floor_panel(floor_picture(OBLIQUE), calibration=lens) as tool:
+    with robsim.gui.floor_panel(floor_picture(OBLIQUE), calibration=lens) as tool:
         browser = FakeBrowser(tool._view, 200)
         browser.take("frame")
         browser.say("sheets")
@@ -370,7 +370,7 @@ def test_a_mark_that_is_measured_while_sheets_are_found_counts_for_them(tool, br
 )
 def test_what_is_wrong_is_refused_by_its_name(arguments, said):
     with pytest.raises((TypeError, ValueError, OSError), match=said):
-        robsim.floor_panel(**arguments)
+        robsim.gui.floor_panel(**arguments)
 
 
 @pytest.fixture(scope="module")
@@ -390,7 +390,7 @@ def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypat
     plain = np.full_like(boards[0], 150)
     for number, image in enumerate([*boards, plain]):
         save_image(tmp_path / "film" / f"{number}.png", image)
-    with robsim.floor_panel("film") as tool:
+    with robsim.gui.floor_panel("film") as tool:
         browser = FakeBrowser(tool._view, 200)
         assert "take 4 pictures more" in browser.take("board")[0]["problems"][0]
         lens = tool._view.lens
@@ -438,7 +438,7 @@ def test_a_lens_by_methods(boards, tmp_path, monkeypatch):
     (tmp_path / "film").mkdir()
     for number, image in enumerate([*boards[:4], np.full_like(boards[0], 150)]):
         save_image(tmp_path / "film" / f"{number}.png", image)
-    with robsim.floor_panel("film") as tool:
+    with robsim.gui.floor_panel("film") as tool:
         with pytest.raises(ValueError, match="take 4 pictures more"):
             tool.calibrate_lens()
         for k in range(4):
@@ -455,7 +455,7 @@ def test_live_pictures_of_a_board_are_taken_by_themselves(boards, tmp_path, monk
     monkeypatch.chdir(tmp_path)
     with (
         robsim.Camera(EndlessCamera(boards[0])) as camera,
-        robsim.floor_panel(camera) as tool,
+        robsim.gui.floor_panel(camera) as tool,
     ):
         browser = FakeBrowser(tool._view, 200)
         browser.say("watch", on=True)
@@ -524,7 +524,7 @@ def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, browser
 def test_of_a_picture_that_was_loaded_no_board_is_taken_by_itself(fakes, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     camera = EndlessCamera(np.zeros((60, 80, 3), np.uint8))
-    with robsim.Camera(camera) as device, robsim.floor_panel(device) as tool:
+    with robsim.Camera(camera) as device, robsim.gui.floor_panel(device) as tool:
         lens = tool._view.lens
         tool.load(np.zeros((48, 64, 3), np.uint8))
         looked = []

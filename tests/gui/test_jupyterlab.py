@@ -170,7 +170,7 @@ def ask(server, method, path):
 
 
 TOOL = """import robsim
-tool = robsim.color_panel()
+tool = robsim.gui.color_panel()
 tool"""
 LOADED = ".robsim-tool-source:text-is('photo.png')"
 

@@ -77,7 +77,7 @@ def test_a_callback_may_say_something_and_does_not_wait_for_its_own_run():
 
 
 def test_a_tool_takes_its_messages_too(user_folder):
-    with robsim.robot_panel(robot="lab") as tool:
+    with robsim.gui.robot_panel(robot="lab") as tool:
         before = tool.value.alignment
         tool.message("turn", degrees=10)
         assert tool.value.alignment == pytest.approx(before + 10)

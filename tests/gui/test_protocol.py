@@ -58,14 +58,14 @@ def test_every_message_to_a_browser_stands_there():
 
 
 def test_every_field_of_the_state_of_a_robot_stands_there():
-    with robsim.robot_panel(robot="lab") as tool:
+    with robsim.gui.robot_panel(robot="lab") as tool:
         told = set(re.findall(r"`(\w+)`", ROBOTS)) | rows(TOOLS_TO)["state"]
         assert set(tool._view._state()) - {"type"} <= told
 
 
 def test_every_field_of_the_state_of_a_floor_stands_there():
     told = set(re.findall(r"`(\w+)`", FLOOR)) | rows(TOOLS_TO)["state"]
-    with robsim.floor_panel() as tool:
+    with robsim.gui.floor_panel() as tool:
         tool.put([(230, 160), (569, 160), (634, 492), (165, 492)], PLACES)
         tool.fill(600)
         state = tool._view._state()
@@ -78,7 +78,7 @@ def test_every_field_of_the_state_of_a_floor_stands_there():
 
 def test_every_field_of_what_a_tool_tells_stands_there():
     told = rows(TOOLS_TO)
-    with robsim.color_panel(np.full((9, 9, 3), 90, np.uint8)) as tool:
+    with robsim.gui.color_panel(np.full((9, 9, 3), 90, np.uint8)) as tool:
         assert set(tool._view._state()) - {"type"} <= told["state"]
         tool._view.picture = tool._view.source.at(0)
         head, _ = tool._view.head(tool._view.picture)

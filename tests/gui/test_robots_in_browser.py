@@ -42,7 +42,7 @@ class Mouse:
 
 
 def test_markers_are_called_by_role_and_colour(open_tool, user_folder):
-    with robsim.robot_panel(robot="lab") as tool:
+    with robsim.gui.robot_panel(robot="lab") as tool:
         tab = open_tool(tool)
         names = tab.locator(".robsim-segments [role=radio]")
         expected = ["Outline", "Right marker (red)", "Left marker (blue)"]
@@ -57,7 +57,7 @@ def test_markers_are_called_by_role_and_colour(open_tool, user_folder):
 
 @pytest.fixture(params=["light", "dark"])
 def mouse(request, open_tool, user_folder):
-    with robsim.robot_panel(robot="lab") as tool:
+    with robsim.gui.robot_panel(robot="lab") as tool:
         yield Mouse(tool, open_tool(tool, theme=request.param))
 
 
@@ -149,7 +149,7 @@ def test_a_frame_of_a_recording_is_chosen_and_captured(open_tool, user_folder, t
     for k in range(4):
         frame = robsim.Simulation(robot="lab", start=(300 + 150 * k, 500, 0), seed=k).step().frame
         robsim.imaging.save_image(tmp_path / f"{k}.png", frame.image)
-    with robsim.robot_panel(tmp_path, robot="sheep") as tool:
+    with robsim.gui.robot_panel(tmp_path, robot="sheep") as tool:
         tab = open_tool(tool)
         tab.fill("input[type=range][name=picture]", "2")
         wait_for(lambda: tool._view.picture.k == 2)
@@ -162,7 +162,7 @@ def test_a_frame_of_a_recording_is_chosen_and_captured(open_tool, user_folder, t
 
 def test_a_square_of_a_simulation_is_captured(open_tool, user_folder):
     sim = robsim.Simulation(robot="lab", start=(400, 500, 0.6), headings=None, seed=2)
-    with robsim.robot_panel(sim, robot="sheep") as tool:
+    with robsim.gui.robot_panel(sim, robot="sheep") as tool:
         mouse = Mouse(tool, open_tool(tool))
         u, v, side = tool._view._square
         mouse.drag((u, v), (400, 500))

@@ -132,7 +132,7 @@ def test_a_robot_is_captured_from_a_camera(user_folder):
 
 
 def test_reset_goes_back_to_how_it_began_and_can_be_undone(user_folder):
-    with robsim.robot_panel(robot="lab") as tool:
+    with robsim.gui.robot_panel(robot="lab") as tool:
         begun = tool.value
         tool.turn(20)
         turned = tool.value.alignment

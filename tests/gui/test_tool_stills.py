@@ -52,7 +52,7 @@ def is_near(color, other, far=45):
 
 @pytest.fixture
 def robot_tool(user_folder):
-    with robsim.robot_panel(robot="lab") as tool:
+    with robsim.gui.robot_panel(robot="lab") as tool:
         yield tool
 
 
@@ -91,7 +91,7 @@ def test_the_arrow_points_to_where_the_robot_faces(robot_tool):
 
 def test_the_square_is_drawn_around_what_is_captured(user_folder):
     sim = robsim.Simulation(resolution=(300, 300), seed=1)
-    with robsim.robot_panel(sim) as tool:
+    with robsim.gui.robot_panel(sim) as tool:
         tool.message("square", at=[110, 130], side=60)
         still = Still(tool, (300, 300))
         for place in ((80, 130), (140, 130), (110, 100), (110, 160)):
@@ -103,7 +103,7 @@ def test_the_square_is_drawn_around_what_is_captured(user_folder):
 def color_tool(tmp_path):
     image = np.full((120, 160, 3), FLOOR, np.uint8)
     image[40:60, 40:60] = image[80:90, 100:120] = RED
-    with robsim.color_panel(image, file=tmp_path / "colors.toml") as tool:
+    with robsim.gui.color_panel(image, file=tmp_path / "colors.toml") as tool:
         yield tool
 
 
@@ -179,7 +179,7 @@ def test_a_saved_notebook_gets_it_again_when_something_has_changed(color_tool):
 
 def test_the_still_of_a_floor_has_its_points_and_what_is_wrong_with_them(tmp_path):
     image = np.full((300, 400, 3), FLOOR, np.uint8)
-    with robsim.floor_panel(image, file=tmp_path / "camera.toml") as tool:
+    with robsim.gui.floor_panel(image, file=tmp_path / "camera.toml") as tool:
         pixels = [(20, 20), (380, 20), (380, 280), (20, 280)]
         places = [(0, 0), (1800, 0), (1800, 1300), (0, 1300)]
         tool.put(pixels, places)

@@ -50,7 +50,7 @@ class Fingers:
 
 @pytest.fixture
 def robots(open_tool, user_folder):
-    with robsim.robot_panel(robot="lab") as tool:
+    with robsim.gui.robot_panel(robot="lab") as tool:
         yield tool, Fingers(tool, open_tool)
 
 
@@ -85,7 +85,7 @@ def test_two_fingers_zoom_and_change_nothing(robots):
 
 def test_a_finger_drags_the_square_and_makes_it_larger(open_tool, user_folder):
     sim = robsim.Simulation(robot="lab", headings=None)
-    with robsim.robot_panel(sim, robot="sheep") as tool:
+    with robsim.gui.robot_panel(sim, robot="sheep") as tool:
         fingers = Fingers(tool, open_tool)
         u, v, side = tool._view._square
         fingers.drag((u, v), (u - 90, v + 60))
@@ -99,7 +99,7 @@ def test_a_finger_drags_the_square_and_makes_it_larger(open_tool, user_folder):
 def test_a_finger_marks_a_region(open_tool, tmp_path):
     image = np.full((200, 300, 3), 120, np.uint8)
     image[60:120, 100:180] = (210, 40, 30)
-    with robsim.color_panel(image, file=tmp_path / "colors.toml") as tool:
+    with robsim.gui.color_panel(image, file=tmp_path / "colors.toml") as tool:
         fingers = Fingers(tool, open_tool)
         fingers.drag((105, 65), (170, 110))
         wait_for(lambda: tool.value)

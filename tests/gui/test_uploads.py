@@ -334,7 +334,7 @@ def test_a_transparent_picture_is_no_robot(robots):
 def test_methods_do_what_the_mouse_does(tmp_path, user_folder):
     file = tmp_path / "other.png"
     file.write_bytes(png(OTHER))
-    with robsim.color_panel(FLOOR, file=tmp_path / "c.toml") as tool:
+    with robsim.gui.color_panel(FLOOR, file=tmp_path / "c.toml") as tool:
         tool.load(file)
         np.testing.assert_array_equal(shown(tool._view), OTHER)
         assert tool._view.picture.name == "other.png"
@@ -347,7 +347,7 @@ def test_methods_do_what_the_mouse_does(tmp_path, user_folder):
         with pytest.raises(ValueError, match=r"other\.png is not in an image format"):
             tool.load(file)
     lab = load_robot("lab")
-    with robsim.robot_panel(robot="sheep") as tool:
+    with robsim.gui.robot_panel(robot="sheep") as tool:
         tool.load(lab.image)
         assert tool.value.size == load_robot("sheep").size
         assert tool.value.image.shape == lab.image.shape
@@ -356,7 +356,7 @@ def test_methods_do_what_the_mouse_does(tmp_path, user_folder):
             tool.capture(whole=1)
         tool.capture(whole=True)
         np.testing.assert_array_equal(tool._view.drawing.sketch.image[..., :3], OTHER)
-    with robsim.robot_panel(FLOOR, robot="lab") as tool:
+    with robsim.gui.robot_panel(FLOOR, robot="lab") as tool:
         tool.load(OTHER)
         tool.go_back()
         np.testing.assert_array_equal(shown(tool._view), FLOOR)

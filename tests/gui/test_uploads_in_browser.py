@@ -47,7 +47,7 @@ def plain(tmp_path):
 @pytest.fixture
 def tool(tmp_path):
     floor = np.full((120, 160, 3), FLOOR, np.uint8)
-    with robsim.color_panel(floor, file=tmp_path / "colors.toml") as tool:
+    with robsim.gui.color_panel(floor, file=tmp_path / "colors.toml") as tool:
         yield tool
 
 
@@ -155,7 +155,7 @@ def test_a_large_file_shows_how_far_it_is_and_can_be_given_up(tool, open_tool, t
 
 def test_a_live_picture_comes_back(open_tool, plain, tmp_path):
     sim = robsim.Simulation(area=(300, 300), robot="lab", seed=1)
-    with robsim.color_panel(sim, file=tmp_path / "c.toml") as tool:
+    with robsim.gui.color_panel(sim, file=tmp_path / "c.toml") as tool:
         tab = open_tool(tool)
         drag_file(tab, plain)
         wait_for(lambda: is_painted(tab, PLAIN[0, 0]))
@@ -170,7 +170,7 @@ def test_a_robot_of_a_file_is_drawn_on_or_captured(open_tool, user_folder, tmp_p
     Image.fromarray(np.array(lab.image)).save(tmp_path / "seen.png")
     sim = robsim.Simulation(robot="lab", start=(300, 300, 0.6), area=(600, 600), seed=2)
     save_image(tmp_path / "photo.jpg", sim.step().frame.image)
-    with robsim.robot_panel(robot="sheep") as tool:
+    with robsim.gui.robot_panel(robot="sheep") as tool:
         tab = open_tool(tool)
         choose(tab, tmp_path / "seen.png")
         tab.wait_for_selector(".robsim-tool-source >> text=seen")
@@ -224,7 +224,7 @@ def test_twelve_megapixels(open_tool, user_folder, tmp_path):
     file = io.BytesIO()
     Image.fromarray(pixels.astype(np.uint8)).save(file, "JPEG", quality=92)
     (tmp_path / "large.jpg").write_bytes(file.getvalue())
-    with robsim.color_panel(PLAIN, file=tmp_path / "c.toml") as tool:
+    with robsim.gui.color_panel(PLAIN, file=tmp_path / "c.toml") as tool:
         tab = open_tool(tool)
         drag_file(tab, tmp_path / "large.jpg")
         wait_for(lambda: tool._view.picture.frame.image.shape == (3000, 4000, 3))
@@ -234,7 +234,7 @@ def test_twelve_megapixels(open_tool, user_folder, tmp_path):
         region = tuple(int(side) for side in region)
         tool.train("red", region)
         assert tool.value == (ColorClass.from_region(image, region, name="red"),)
-    with robsim.robot_panel(robot="sheep") as tool:
+    with robsim.gui.robot_panel(robot="sheep") as tool:
         tab = open_tool(tool)
         drag_file(tab, tmp_path / "large.jpg")
         tab.wait_for_selector("[name=capture_whole]")

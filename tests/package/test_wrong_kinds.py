@@ -108,7 +108,7 @@ def report():
 
 @cache
 def campaign():
-    return robsim.campaigns.campaign(metrics="tracking", runs=2, steps=2, progress=False)
+    return robsim.campaign(metrics="tracking", runs=2, steps=2, progress=False)
 
 
 #: An example of an argument that has to be given, by name; by callable and name where they differ.
@@ -341,7 +341,7 @@ def session():
 
 
 def floor_panel():
-    tool = robsim.floor_panel()
+    tool = robsim.gui.floor_panel()
     tool.add((230, 160), (300, 300))
     return tool
 
@@ -351,10 +351,10 @@ OBJECTS = {
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
     "CampaignResult": campaign,
     "CampaignSpec": lambda: campaign().spec,
-    "ColorPanel": lambda: robsim.color_panel(image()),
+    "ColorPanel": lambda: robsim.gui.color_panel(image()),
     "FloorPanel": floor_panel,
     "Panel": lambda: robsim.panel(run()),
-    "RobotPanel": robsim.robot_panel,
+    "RobotPanel": robsim.gui.robot_panel,
     "Identifiability": lambda: robsim.identifiability(trace()),
     "Report": report,
     "Session": session,

@@ -141,7 +141,7 @@ def live_gaps(view, content):
     """Gaps between the frames of a live tool while a picture is loaded into another one."""
     sim = robsim.Simulation(robot="lab", seed=1)
     panel = robsim.panel(sim, speed=6.0)  # 30 frames a second
-    with robsim.color_panel(sim) as live:
+    with robsim.gui.color_panel(sim) as live:
         browser = FakeBrowser(live._view, 500)
         FakeBrowser(panel._view, 500).press("start")
         gaps, is_over = {True: [], False: []}, threading.Event()
@@ -182,14 +182,14 @@ def main():
         green = np.full((90, 120, 3), (10, 200, 10), np.uint8)
         in_color = (0.5, 0.3), "Math.abs(r - g) < 60 && r > 60"
         beside = (0.5, 0.05), "r > 200"  # a robot's picture is square, and grey there
-        with robsim.color_panel(green, file=Path(folder) / "c.toml") as tool:
+        with robsim.gui.color_panel(green, file=Path(folder) / "c.toml") as tool:
             told("colours: drop to picture", drops(chromium, tool, file, in_color, "[name=back]"))
             tool.load(file)
             told("colours: region to mask", regions(chromium, tool, pixels))
             gaps = live_gaps(tool._view, content)
             told("frames of a live tool, alone", gaps[False])
             told("frames of a live tool, while it is loaded", gaps[True])
-        with robsim.robot_panel(robot="sheep") as tool:
+        with robsim.gui.robot_panel(robot="sheep") as tool:
             times = drops(chromium, tool, file, beside, "[name=no_camera]")
             told("robots: drop to picture", times)
             tool.load(file)

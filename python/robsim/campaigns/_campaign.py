@@ -113,7 +113,7 @@ def campaign(
     Examples
     --------
     >>> scenario = robsim.Scenario(area=(300, 300), start="random", measure=True)
-    >>> result = robsim.campaigns.campaign(
+    >>> result = robsim.campaign(
     ...     scenario,
     ...     vary={"noise": {0: None, 10: robsim.GaussianNoise(10)}},
     ...     metrics="tracking",

@@ -36,7 +36,7 @@ _SOURCES: dict[type, str] = {
     ErrorReport: "robsim.pose_errors(trace), or robsim.evaluation.estimation_errors(...)",
     ConsistencyReport: "robsim.pose_consistency(traces), or nees_consistency or nis_consistency "
     "in robsim.evaluation",
-    CampaignResult: "what robsim.campaigns.campaign(...) returns",
+    CampaignResult: "what robsim.campaign(...) returns",
     Axes: "axes of matplotlib, such as figure.add_subplot()",
 }
 

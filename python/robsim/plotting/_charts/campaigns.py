@@ -36,7 +36,7 @@ def plot_campaign(
     Parameters
     ----------
     result : CampaignResult
-        From `robsim.campaigns.campaign`.
+        From `robsim.campaign`.
     metric : str
         One of ``result.metrics``.
     over : str, optional

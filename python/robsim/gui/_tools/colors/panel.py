@@ -62,14 +62,14 @@ def color_panel(
     --------
     In a notebook, as the last lines of a cell, and when all are trained in the next one:
 
-    >>> tool = robsim.color_panel("photo.png")
+    >>> tool = robsim.gui.color_panel("photo.png")
     >>> tool
 
     >>> sim = robsim.Simulation(colors=tool.value, measure=True)
 
     Without a window:
 
-    >>> with robsim.color_panel("photo.png", file="mine.toml") as tool:
+    >>> with robsim.gui.color_panel("photo.png", file="mine.toml") as tool:
     ...     tool.train("red", (20, 20, 29, 29))
     ...     tool.save()
     ColorClass('red', y=(0, 255), u=(0, 154), v=(156, 255))
@@ -84,13 +84,13 @@ def color_panel(
 
 
 class ColorPanel(ToolPanel):
-    """The panel that trains colours; `robsim.color_panel` makes it.
+    """The panel that trains colours; `robsim.gui.color_panel` makes it.
 
     What its mouse does can be done by its methods, from any thread. A context closes it at its end;
     what it looked at stays open.
     """
 
-    _maker = "robsim.color_panel"
+    _maker = "robsim.gui.color_panel"
     _view: ColorsView
 
     def __init__(self, view: ColorsView) -> None:

@@ -71,7 +71,7 @@ def floor_panel(
     --------
     In a notebook, as the last lines of a cell, and when it fits well in the next one:
 
-    >>> tool = robsim.floor_panel("floor.png", calibration="camera.toml")
+    >>> tool = robsim.gui.floor_panel("floor.png", calibration="camera.toml")
     >>> tool
 
     >>> camera = robsim.Camera(0, calibration=tool.value)
@@ -107,13 +107,13 @@ def _draft_of(known: Calibration | None) -> FloorDraft:
 
 
 class FloorPanel(ToolPanel):
-    """The panel that calibrates a floor; `robsim.floor_panel` makes it.
+    """The panel that calibrates a floor; `robsim.gui.floor_panel` makes it.
 
     What its mouse does can be done by its methods, from any thread. A context closes it at its end;
     what it looked at stays open.
     """
 
-    _maker = "robsim.floor_panel"
+    _maker = "robsim.gui.floor_panel"
     _view: FloorView
 
     def __init__(self, view: FloorView) -> None:

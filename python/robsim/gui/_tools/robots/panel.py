@@ -57,7 +57,7 @@ def robot_panel(
     --------
     In a notebook, as the last lines of a cell, and when it is drawn in the next one:
 
-    >>> tool = robsim.robot_panel("photo.png")
+    >>> tool = robsim.gui.robot_panel("photo.png")
     >>> tool
 
     >>> sim = robsim.Simulation(robot=tool.value, measure=True)
@@ -69,13 +69,13 @@ def robot_panel(
 
 
 class RobotPanel(ToolPanel):
-    """The panel that defines a robot; `robsim.robot_panel` makes it.
+    """The panel that defines a robot; `robsim.gui.robot_panel` makes it.
 
     What its mouse does can be done by its methods, from any thread. A context closes it at its end;
     what it looked at stays open.
     """
 
-    _maker = "robsim.robot_panel"
+    _maker = "robsim.gui.robot_panel"
     _view: RobotsView
 
     def __init__(self, view: RobotsView) -> None:
