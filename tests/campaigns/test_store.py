@@ -231,3 +231,73 @@ def test_metrics_may_give_numbers_in_some_runs_only(store):
     result = run(store, metrics=[some])
     np.testing.assert_array_equal(np.isnan(result["some_odd"]), result["run"] % 2 == 0)
     assert run(store, metrics=[some]).checksum == result.checksum
+
+
+# --- traces
+
+
+def no_run(monkeypatch):
+    def refuse(self, run):
+        raise AssertionError("the run was done again")
+
+    monkeypatch.setattr("robsim.campaigns._runs.CaseRuns.trace", refuse)
+
+
+@pytest.mark.parametrize("executor", [None, pytest.param(2, marks=pytest.mark.long)])
+def test_traces_are_read_from_the_store(store, monkeypatch, executor):
+    scenario = SCENARIO.replace(measure=True, resolution=(240, 240))
+    result = run(store, scenario=scenario, keep="traces", executor=executor, runs=3)
+    assert result.checksum == run(scenario=scenario, runs=3).checksum
+    again = run(scenario=scenario, runs=3).trace({"motor_delay": 1.5}, 2)
+    no_run(monkeypatch)
+    monkeypatch.chdir("/")
+    assert result.trace({"motor_delay": 1.5}, 2) == again
+    assert run(store, scenario=scenario, runs=3).trace(1, 2).info == again.info
+
+
+def test_runs_without_a_kept_trace_are_done_again(store, monkeypatch):
+    run(store, runs=2)
+    result = run(store, runs=3, keep="traces")
+    expected = [run(runs=3).trace(0, number) for number in range(3)]
+    assert [result.trace(0, number) for number in range(3)] == expected
+    no_run(monkeypatch)
+    assert result.trace(0, 2) == expected[2]
+    with pytest.raises(AssertionError, match="done again"):
+        result.trace(0, 1)
+    store.unlink()
+    with pytest.raises(AssertionError, match="done again"):
+        result.trace(0, 2)
+    assert not store.exists()
+
+
+def test_a_trace_of_another_campaign_is_not_taken(store):
+    result = run(store, keep="traces", runs=1)
+    store.unlink()
+    run(store, keep="traces", runs=1, seed=4)
+    assert result.trace(0, 0) == run(runs=1).trace(0, 0)
+
+
+def test_a_damaged_trace_is_named(store):
+    result = run(store, keep="traces", runs=1)
+    with sqlite3.connect(store) as database:
+        database.execute("UPDATE traces SET trace = zeroblob(500)")
+    database.close()
+    with pytest.raises(ValueError, match=r"store\.sqlite: run 0 of case 1 is not a trace"):
+        result.trace(1, 0)
+
+
+def test_a_run_that_failed_has_no_trace(store):
+    def fails(trace):
+        raise ValueError("it always does")
+
+    run(store, keep="traces", metrics=[fails], runs=1)
+    with sqlite3.connect(store) as database:
+        assert database.execute("SELECT count(*) FROM traces").fetchone() == (0,)
+    database.close()
+
+
+def test_traces_need_a_file():
+    with pytest.raises(ValueError, match="keep='traces' must have a file"):
+        run(keep="traces")
+    with pytest.raises(ValueError, match="keep must be"):
+        run(keep="trace")

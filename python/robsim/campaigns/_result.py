@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,8 +19,10 @@ from robsim._base.report import Quantity, Report, Table, count
 from robsim._base.report.as_data import import_pandas
 from robsim._base.spelling import suggestion
 from robsim._base.text import listed, quoted
+from robsim.campaigns._description import description_of
 from robsim.campaigns._runs import CaseRuns
 from robsim.campaigns._spec import ROW_COLUMNS, CampaignSpec, Case
+from robsim.campaigns._store import trace_in_store
 from robsim.campaigns._summary import CampaignSummary, summary_of
 from robsim.trace import Trace
 
@@ -42,10 +45,13 @@ class CampaignResult(Report):
     columns : dict of str to array
         All columns by name: ``case_id``, ``run``, the options (their labels), the numbers of the
         metrics, ``error`` and ``line`` (None for a run that did not fail), ``seconds``.
+    store : Path or None
+        The file that has the rows; None = in memory.
     """
 
     spec: CampaignSpec
     columns: Mapping[str, NDArray[Any]]
+    store: Path | None = None
 
     @cached_property
     def metrics(self) -> tuple[str, ...]:
@@ -177,7 +183,7 @@ class CampaignResult(Report):
         return np.stack([self.columns[name].reshape(shape) for name in metrics], axis=-1)
 
     def trace(self, case: int | Mapping[str, Any], run: int) -> Trace:
-        """Return the trace of a run, which is done again.
+        """Return the trace of a run: that in the store, else the run is done again.
 
         Parameters
         ----------
@@ -196,12 +202,22 @@ class CampaignResult(Report):
         ------
         TypeError, ValueError
             If there is no such case or run.
+        OSError
+            If the store cannot be read.
         Exception
             What the run raised, if it failed.
         """
         chosen = self._case(case)
         check_int("run", run, minimum=0, maximum=self.spec.runs - 1)
+        if self.store is not None:
+            kept = trace_in_store(self.store, self._description, chosen.index, int(run))
+            if kept is not None:
+                return kept
         return CaseRuns(self.spec, chosen).trace(int(run))
+
+    @cached_property
+    def _description(self) -> dict[str, Any]:
+        return description_of(self.spec)
 
     def _case(self, case: Any) -> Case:
         cases = self.spec.cases
@@ -264,8 +280,10 @@ def _names(argument: str, given: Any, known: Collection[str]) -> tuple[str, ...]
     return names
 
 
-def result_of(spec: CampaignSpec, stored: Mapping[str, NDArray[Any]]) -> CampaignResult:
-    """Return the result of columns as a store has them."""
+def result_of(
+    spec: CampaignSpec, stored: Mapping[str, NDArray[Any]], file: Path | None
+) -> CampaignResult:
+    """Return the result of columns as a store, or a file of one, has them."""
     case_ids = stored["case_id"]
     options = {
         name: _labels(list(choices))[_places(spec, name)][case_ids]
@@ -282,7 +300,7 @@ def result_of(spec: CampaignSpec, stored: Mapping[str, NDArray[Any]]) -> Campaig
     columns = first | options | columns
     for column in columns.values():
         column.setflags(write=False)
-    return CampaignResult(spec=spec, columns=columns)
+    return CampaignResult(spec=spec, columns=columns, store=file and file.absolute())
 
 
 def _labels(labels: list[Any]) -> NDArray[Any]:

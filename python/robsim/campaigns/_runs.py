@@ -29,6 +29,7 @@ class Row(NamedTuple):
     line: str | None
     seconds: float
     numbers: dict[str, float]
+    trace: bytes | None = None  # packed, where traces are kept
 
 
 class CaseRuns:
@@ -72,17 +73,23 @@ class CaseRuns:
 
     def numbers(self, run: int) -> dict[str, float]:
         """Run, and return the numbers of the metrics."""
-        return numbers_of(self._spec._functions, self.trace(run), self._spec._taken)
+        return self._numbers_of(self.trace(run))
+
+    def _numbers_of(self, trace: Trace) -> dict[str, float]:
+        return numbers_of(self._spec._functions, trace, self._spec._taken)
 
     def row(self, run: int) -> Row:
         """Run, and return the numbers, or the error."""
         begin = time.perf_counter()
         try:
-            numbers = self.numbers(run)
+            trace = self.trace(run)
+            numbers = self._numbers_of(trace)
+            packed = trace._packed() if self._spec.keep == "traces" else None
         except (Exception, SystemExit) as error:  # a callback that ends Python fails as others do
             seconds = time.perf_counter() - begin
             return Row(self.case.index, run, said_by(error), _line_of(error), seconds, {})
-        return Row(self.case.index, run, None, None, time.perf_counter() - begin, numbers)
+        seconds = time.perf_counter() - begin
+        return Row(self.case.index, run, None, None, seconds, numbers, packed)
 
 
 class Worker:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import check_float, check_int
+from robsim._base.checks import check_choice, check_float, check_int
 from robsim._base.seeds import Seed, seed_sequence, seed_value
 from robsim._base.text import quoted
 from robsim.campaigns._choices import Choice, Label, options_value, scenario_of
@@ -62,6 +62,8 @@ class CampaignSpec:
         What the seeds of the runs come from, see `seed_of`.
     time_limit : float or None
         Maximum duration of a call of a callback (s).
+    keep : str
+        What is kept of each run: ``"numbers"``, or its trace, too: ``"traces"``.
     """
 
     scenario: Scenario | None = None
@@ -71,6 +73,7 @@ class CampaignSpec:
     steps: int
     seed: Seed = None
     time_limit: float | None = None
+    keep: str = "numbers"
     _is_unseeded: bool = field(default=False, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -81,6 +84,7 @@ class CampaignSpec:
         object.__setattr__(self, "_is_unseeded", seed is None)
         if self.time_limit is not None:
             check_float("time_limit", self.time_limit, "s", exclusive_minimum=0)
+        check_choice("keep", self.keep, ("numbers", "traces"))
         for name, value in {
             "scenario": scenario.replace(seed=None),
             "vary": options_value(self.vary),

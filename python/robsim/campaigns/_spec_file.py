@@ -26,6 +26,7 @@ runs = 20 # of each combination of what [vary] has
 steps = 50 # of each run
 seed = 1 # run i has the same seed in every case
 metrics = ["tracking"] # or "mine:final": the function final(trace) in mine.py beside this file
+# keep = "traces" # with --store: not only the numbers of each run
 
 # What the runs have in common, as in a file of robsim run --scenario; or scenario = "FILE".
 [scenario]
@@ -47,7 +48,7 @@ camera_delay = [0, 1]
 20 = { kind = "GaussianNoise", percent = 20 }
 """
 
-_KEYS = ("runs", "steps", "seed", "metrics", "time_limit", "scenario", "vary")
+_KEYS = ("runs", "steps", "seed", "metrics", "time_limit", "keep", "scenario", "vary")
 _NONE = "none"  # TOML has no None
 
 

@@ -19,8 +19,9 @@ from robsim._base.warn import warn_user
 from robsim.campaigns._description import description_of, difference, surroundings
 from robsim.campaigns._runs import Row
 from robsim.campaigns._spec import ROW_COLUMNS, CampaignSpec
+from robsim.trace import Trace
 
-_FORMAT = 1
+_FORMAT = 2
 _APPLICATION = 0x726F6273  # "robs", in the header of the file
 _PATIENCE = 30.0  # s that another program may have the file for itself
 _BATCH = 5000  # rows
@@ -31,7 +32,8 @@ class Store:
 
     Table ``cases`` has the labels of each case, ``runs`` a row for each run, with a column for
     each number of a metric, ``campaign`` what it is a campaign of, ``columns`` the metrics' columns
-    in their order; the view ``results`` joins cases and runs. Only one process writes.
+    in their order; the view ``results`` joins cases and runs. Where traces are kept, table
+    ``traces`` has them as bytes of the file that `Trace.save` writes. Only one process writes.
 
     Parameters
     ----------
@@ -86,6 +88,10 @@ class Store:
             "line TEXT, seconds REAL, PRIMARY KEY (case_id, run)) WITHOUT ROWID"
         )
         execute("CREATE TABLE columns (position INTEGER PRIMARY KEY, name TEXT, sql_name TEXT)")
+        execute(
+            "CREATE TABLE traces (case_id INTEGER, run INTEGER, trace BLOB, "
+            "PRIMARY KEY (case_id, run))"
+        )
         execute("CREATE VIEW results AS SELECT * FROM cases JOIN runs USING (case_id)")
         assert self._spec.scenario is not None
         content = {
@@ -174,6 +180,8 @@ class Store:
             f"INSERT OR IGNORE INTO runs ({names}) VALUES (?{places})",
             ((*row[:5], *map(row.numbers.get, columns)) for row in rows),
         )
+        kept = [(row.case, row.run, row.trace) for row in rows if row.trace is not None]
+        self._database.executemany("INSERT OR IGNORE INTO traces VALUES (?, ?, ?)", kept)
 
     def read(self) -> dict[str, NDArray[Any]]:
         """Return the columns of all runs of the campaign, in the order cases x runs.
@@ -225,9 +233,41 @@ def seed_in_store(path: str | PathLike[str]) -> np.random.SeedSequence | None:
         raise OSError(f"store {one_line(file)}: {error}") from error
 
 
+def trace_in_store(path: Path, description: Mapping[str, Any], case: int, run: int) -> Trace | None:
+    """Return the trace that the store of a campaign has of a run.
+
+    None where it has none, or there is no such store any more.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If the trace is damaged.
+    """
+    if not path.exists():
+        return None
+    try:
+        with closing(sqlite3.connect(path, timeout=_PATIENCE)) as database:
+            if not _is_store(database) or _notes(database)["description"] != description:
+                return None
+            found = database.execute(
+                "SELECT trace FROM traces WHERE case_id = ? AND run = ?", (case, run)
+            ).fetchone()
+    except sqlite3.Error as error:
+        raise OSError(f"store {one_line(path)}: {error}") from error
+    if found is None:
+        return None
+    return Trace._unpacked(found[0], f"store {one_line(path)}: run {run} of case {case}")
+
+
+def _is_store(database: sqlite3.Connection) -> bool:
+    return bool(database.execute("PRAGMA application_id").fetchone()[0] == _APPLICATION)
+
+
 def _check_is_store(database: sqlite3.Connection, path: Path | None) -> None:
     """Raise ValueError for a file of another program, or one that is damaged."""
-    if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION:
+    if not _is_store(database):
         raise ValueError(f"store {one_line(path)} is no store of a campaign: give another file")
     problem = database.execute("PRAGMA quick_check(1)").fetchone()[0]
     if problem != "ok":

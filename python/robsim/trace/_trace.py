@@ -438,7 +438,28 @@ class Trace:
         """
         from robsim.trace._trace_file import write_trace
 
-        write_trace(as_path(path), (self._groups, self.info, self._first_step))
+        write_trace(as_path(path), self._content)
+
+    @property
+    def _content(self) -> tuple[Mapping[str, Floats], RunInfo, int]:
+        return self._groups, self.info, self._first_step
+
+    def _packed(self) -> bytes:
+        """Return the bytes of the file that `save` would write."""
+        from robsim.trace._trace_file import pack_trace
+
+        return pack_trace(self._content)
+
+    @staticmethod
+    def _unpacked(packed: bytes, name: str) -> Trace:
+        """Return the trace of the bytes of a file; an error calls them by the name."""
+        from robsim.trace._trace_file import unpack_trace
+
+        return unpack_trace(packed, name, Trace._of_content)
+
+    @staticmethod
+    def _of_content(content: tuple[Mapping[str, Floats], RunInfo, int]) -> Trace:
+        return Trace(*content[:2], first_step=content[2])
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Trace:
@@ -458,4 +479,4 @@ class Trace:
         """
         from robsim.trace._trace_file import read_trace
 
-        return read_trace(as_path(path), lambda content: Trace(*content[:2], first_step=content[2]))
+        return read_trace(as_path(path), Trace._of_content)

@@ -11,7 +11,7 @@ import zipfile
 import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,11 @@ Content = tuple[Mapping[str, Floats], RunInfo, int]
 
 def write_trace(path: Path, content: Content) -> None:
     """Write the content of a trace into one file."""
+    write_whole(path, pack_trace(content))
+
+
+def pack_trace(content: Content) -> bytes:
+    """Return the content of a trace as the bytes of a file."""
     groups, run_info, first_step = content
     info = {
         "format": FORMAT,
@@ -48,7 +53,7 @@ def write_trace(path: Path, content: Content) -> None:
     if sum(array.nbytes for array in members.values()) > _most_unpacked(len(archive)):
         # A robot that stands still: what is packed too well would not be read.
         archive = _archive_of(members, zipfile.ZIP_STORED)
-    write_whole(path, archive)
+    return archive
 
 
 def _archive_of(members: Mapping[str, NDArray[Any]], compression: int) -> bytes:
@@ -69,16 +74,23 @@ def _most_unpacked(size: int) -> int:
 def read_trace(path: Path, build: Callable[[Content], T]) -> T:
     """Return what `build` makes of a file that `write_trace` wrote; else a ValueError names it."""
     with path.open("rb") as file:
-        try:
-            if not zipfile.is_zipfile(file):
-                raise ValueError("it is not an archive of arrays")
-            with zipfile.ZipFile(file) as archive:
-                return build(_content_of(archive, size=os.fstat(file.fileno()).st_size))
-        except _BROKEN as error:
-            message = cut(error) or type(error).__name__
-            raise ValueError(
-                f"{one_line(path)} is not a trace of robsim, or damaged: {message}"
-            ) from error
+        return _built(file, one_line(path), build)
+
+
+def unpack_trace(packed: bytes, name: str, build: Callable[[Content], T]) -> T:
+    """Return what `build` makes of what `pack_trace` returned; else a ValueError has the name."""
+    return _built(io.BytesIO(packed), name, build)
+
+
+def _built(file: BinaryIO, name: str, build: Callable[[Content], T]) -> T:
+    try:
+        if not zipfile.is_zipfile(file):
+            raise ValueError("it is not an archive of arrays")
+        with zipfile.ZipFile(file) as archive:
+            return build(_content_of(archive, size=file.seek(0, os.SEEK_END)))
+    except _BROKEN as error:
+        message = cut(error) or type(error).__name__
+        raise ValueError(f"{name} is not a trace of robsim, or damaged: {message}") from error
 
 
 # What reading a broken archive raises, beside the errors of our own checks.
