@@ -20,6 +20,7 @@ from robsim._base.report.as_data import import_pandas
 from robsim._base.spelling import suggestion
 from robsim._base.text import listed, quoted
 from robsim.campaigns._description import description_of
+from robsim.campaigns._export import write_npz, write_parquet
 from robsim.campaigns._runs import CaseRuns
 from robsim.campaigns._spec import ROW_COLUMNS, CampaignSpec, Case
 from robsim.campaigns._store import trace_in_store
@@ -263,6 +264,43 @@ class CampaignResult(Report):
         """
         columns = {name: values.tolist() for name, values in self.columns.items()}
         write_csv(as_path(path), columns)
+
+    def to_parquet(self, path: str | PathLike[str]) -> None:
+        """Write the rows as a Parquet file; what is not known is null.
+
+        Parameters
+        ----------
+        path : path
+            The file to write.
+
+        Raises
+        ------
+        ImportError
+            If pyarrow is not installed.
+        OSError
+            If it cannot be written; an old file of that name is unchanged then.
+        """
+        write_parquet(path, self.columns)
+
+    def to_npz(self, folder: str | PathLike[str]) -> None:
+        """Write a file for each case into a folder: ``case_000.npz`` and so on.
+
+        ``numpy.load`` reads them, without pickle. A file has an array for each of `columns`: with a
+        number for each run, and one label for each option. Texts of runs that did not fail are "".
+
+        Parameters
+        ----------
+        folder : path
+            The folder; it is made, or is empty.
+
+        Raises
+        ------
+        FileExistsError, NotADirectoryError
+            If there is something in it, or it is a file.
+        OSError
+            If they cannot be written; nothing is left of them then.
+        """
+        write_npz(folder, self.columns, tuple(self.spec.vary))
 
 
 def _names(argument: str, given: Any, known: Collection[str]) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.checks import Floats
-from robsim._base.files import write_whole
+from robsim._base.files import packed_arrays, write_whole
 from robsim._base.text import cut, listed, one_line, quoted
 from robsim.trace._columns import check_group_name
 from robsim.trace._run_info import RunInfo
@@ -49,21 +49,11 @@ def pack_trace(content: Content) -> bytes:
         **run_info.as_record(),
     }
     members = {_INFO: np.array(json.dumps(info)), **groups}
-    archive = _archive_of(members, zipfile.ZIP_DEFLATED)
+    archive = packed_arrays(members)
     if sum(array.nbytes for array in members.values()) > _most_unpacked(len(archive)):
         # A robot that stands still: what is packed too well would not be read.
-        archive = _archive_of(members, zipfile.ZIP_STORED)
+        archive = packed_arrays(members, compress=False)
     return archive
-
-
-def _archive_of(members: Mapping[str, NDArray[Any]], compression: int) -> bytes:
-    """Return arrays as a file that `numpy.load` reads."""
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", compression) as archive:
-        for name, array in members.items():
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, array, allow_pickle=False)
-    return content.getvalue()
 
 
 def _most_unpacked(size: int) -> int:

@@ -1,5 +1,6 @@
 """Reading files within limits; writing them whole."""
 
+from robsim._base.files.arrays import packed_arrays
 from robsim._base.files.copies import copy_files
 from robsim._base.files.reading import (
     MOST_TOML,
@@ -22,6 +23,7 @@ __all__ = [
     "copy_files",
     "naming",
     "open_whole",
+    "packed_arrays",
     "parse_toml",
     "read_text",
     "read_toml",

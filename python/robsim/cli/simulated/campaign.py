@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
+from robsim.cli.results import check_file, check_folder
 from robsim.cli.shared import Json
 from robsim.cli.text import whole_number
 
@@ -58,6 +59,16 @@ def campaign(
     csv: Annotated[
         Path | None, typer.Option("--csv", metavar="FILE", help="Write all rows to a CSV file.")
     ] = None,
+    parquet: Annotated[
+        Path | None,
+        typer.Option("--parquet", metavar="FILE", help="Write all rows to a Parquet file."),
+    ] = None,
+    npz: Annotated[
+        Path | None,
+        typer.Option(
+            "--npz", metavar="FOLDER", help="Write a file for each case that numpy reads."
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Run a simulation many times, over seeds and options, and compare the means."""
@@ -68,10 +79,15 @@ def campaign(
             _write_example(example)
             return
         assert file is not None
+        _check_exports(csv=csv, parquet=parquet, npz=npz)
         result = _result(file, runs=runs, jobs=jobs, store=store)
         summary = result.summary(by or None)
         if csv is not None:
             result.to_csv(csv)
+        if parquet is not None:
+            result.to_parquet(parquet)
+        if npz is not None:
+            result.to_npz(npz)
     if as_json:
         errors.show(json.dumps(_record(result, summary), indent=2))
         return
@@ -79,9 +95,25 @@ def campaign(
     errors.show(summary)
     for remark in result.remarks:
         errors.print_note(remark)
-    for what, written in {"rows": csv, "store": store}.items():
+    for written in (csv, parquet, npz):
         if written is not None:
-            errors.say(f"{what} written to {written}")
+            errors.say(f"rows written to {written}")
+    if store is not None:
+        errors.say(f"store written to {store}")
+
+
+def _check_exports(*, csv: Path | None, parquet: Path | None, npz: Path | None) -> None:
+    """Raise what cannot be written, before what takes long."""
+    from robsim.campaigns._export import check_is_empty, import_arrow
+
+    for file in (csv, parquet):
+        if file is not None:
+            check_file(file)
+    if parquet is not None:
+        import_arrow()
+    if npz is not None:
+        check_is_empty(npz)
+        check_folder(npz)
 
 
 def _write_example(file: Path) -> None:
