@@ -28,9 +28,12 @@ HELP = (
     "a camera of 1200 or 480 px with a noise: 1200_gaussian_10 is that of 1200 x 1200 px with "
     "Gaussian noise of 10 %, and shows the root mean square of the errors in place (px of an area "
     "of 1200 x 1200) of those poses that are found and not false. Two more tables have the "
-    "headings, and how many frames were missed or gave a false pose. It takes some minutes."
+    "headings, and how many frames were missed or gave a false pose. It takes some minutes.\n\n"
+    "With --campaign: what campaigns cost beside the same loops by hand, in one process and in "
+    "two, by the number of runs, and on paper with 1000 workers. It takes about a minute."
 )
 _ROUNDS = 25
+_ROUNDS_OF_CAMPAIGNS = 3
 _FRAMES = 200  # of each case of --accuracy
 
 
@@ -41,7 +44,8 @@ def bench(
             "--rounds",
             parser=whole_number,
             metavar="N",
-            help=f"Number of timings of each case; the median is reported. Default: {_ROUNDS}.",
+            help="Number of timings of each case; the median is reported, with --campaign the "
+            f"shortest. Default: {_ROUNDS}, with --campaign {_ROUNDS_OF_CAMPAIGNS}.",
         ),
     ] = None,
     panel: Annotated[
@@ -68,6 +72,14 @@ def bench(
             help="Measure the errors of poses instead, in frames of known ones.",
         ),
     ] = False,
+    campaign: Annotated[
+        bool,
+        typer.Option(
+            "--campaign",
+            metavar=SWITCH,
+            help="Measure what campaigns cost instead, beside loops by hand.",
+        ),
+    ] = False,
     frames: Annotated[
         int | None,
         typer.Option(
@@ -89,7 +101,8 @@ def bench(
 ) -> None:
     """Measure how fast, or how exact, robsim is on this machine."""
     with errors.report_errors():
-        _check_choice({"--panel": panel, "--camera": camera, "--accuracy": accuracy})
+        chosen = {"--panel": panel, "--camera": camera, "--accuracy": accuracy}
+        _check_choice({**chosen, "--campaign": campaign})
         if not accuracy:
             _refuse_without_accuracy(frames=frames, figure=figure)
         if rounds is not None and (panel or accuracy):
@@ -97,6 +110,8 @@ def bench(
         timings = _ROUNDS if rounds is None else rounds
         if panel:
             result = _measured_panel()
+        elif campaign:
+            result = _measured_campaigns(_ROUNDS_OF_CAMPAIGNS if rounds is None else rounds)
         elif accuracy:
             result = _measured_accuracy(_FRAMES if frames is None else frames, figure)
         else:
@@ -137,6 +152,12 @@ def _measured_accuracy(frames: int, figure: Path | None) -> Report:
 
         save_figure(figure, plot_accuracy(result))
     return result
+
+
+def _measured_campaigns(rounds: int) -> Report:
+    from robsim.bench._campaign.run import run_campaign_bench
+
+    return run_campaign_bench(rounds=rounds)
 
 
 def _measured_camera(rounds: int) -> Report:

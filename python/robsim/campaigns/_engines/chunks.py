@@ -7,8 +7,13 @@ from itertools import islice
 
 from robsim.campaigns._runs import Job, Row
 
-_SECONDS = 0.25  # of a chunk: what is lost when a worker, or the whole program, is killed
+SECONDS = 0.25  # of a chunk: what is lost when a worker, or the whole program, is killed
 _FIRST, _MOST = 4, 500  # runs
+
+
+def size_for(seconds: float) -> int:
+    """Return how many runs of a duration (s) make a chunk."""
+    return min(max(int(SECONDS / max(seconds, 1e-9)), 1), _MOST)
 
 
 class Chunks:
@@ -20,10 +25,8 @@ class Chunks:
 
     def take(self) -> list[Job]:
         """Take the next chunk; empty = nothing is left."""
-        size = _FIRST
-        if self._runs:
-            size = int(_SECONDS * self._runs / max(self._seconds, 1e-9))
-        return list(islice(self._jobs, min(max(size, 1), _MOST)))
+        size = size_for(self._seconds / self._runs) if self._runs else _FIRST
+        return list(islice(self._jobs, size))
 
     def note(self, rows: Sequence[Row]) -> None:
         """Learn from the rows of a chunk how long a run takes."""
