@@ -33,6 +33,7 @@ def test_there_are_notebooks():
         "04_state_estimation.ipynb",
         "05_latency.ipynb",
         "06_live.ipynb",
+        "07_is_it_better.ipynb",
         f"{MANUAL}.ipynb",
     ]
 
