@@ -2,6 +2,8 @@
 
 import csv
 import json
+import sqlite3
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -68,6 +70,7 @@ WRONG = {
     "values": (PLAIN + "[vary]\nmotor_delay = 3\n", "motor_delay must be a list of values"),
     "metric": (PLAIN.replace("parameters", "no_such_module:x"), "there is no 'no_such_module:x'"),
     "folder": (PLAIN + '[vary]\ncontrol = ["nothing"]\n', "no folder"),
+    "keep": (PLAIN + 'keep = "all"\n', "keep must be"),
 }
 
 
@@ -92,6 +95,16 @@ def test_the_command_runs_a_file_and_goes_on(tmp_path):
     assert (record["cases"], record["runs"], record["failed"]) == (2, 5, 0)
     spec = load_spec(tmp_path / "few.toml", runs=5)
     assert record["checksum"] == run(spec).checksum
+
+
+def test_a_file_may_ask_for_traces_which_need_a_store(tmp_path):
+    (tmp_path / "few.toml").write_text(PLAIN + 'keep = "traces"\n' + SCENARIO)
+    refused = command("campaign", "few.toml", cwd=tmp_path)
+    assert (refused.exit_code, "give store" in refused.stderr) == (2, True)
+    ended = command("campaign", "few.toml", "--store", "few.sqlite", cwd=tmp_path)
+    assert ended.exit_code == 0, ended.stderr
+    with closing(sqlite3.connect(tmp_path / "few.sqlite")) as database:
+        assert database.execute("SELECT count(*) FROM traces").fetchone() == (3,)
 
 
 def test_the_command_writes_an_example_but_not_over_a_file(tmp_path):
