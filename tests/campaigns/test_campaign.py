@@ -132,7 +132,11 @@ def test_a_run_that_fails_is_a_row_with_the_error_and_its_line():
     assert result["line"][3].startswith("campaign_code.py:")
     assert np.isnan(result["failing_in_some"][3])
     assert result["failing_in_some"][4] == 4
-    assert "run 3 of the case the scenario was the first that failed" in str(result)
+    first = "run 3 of the scenario: ZeroDivisionError: it is one of these (campaign_code.py:"
+    assert f"the first run that failed: {first}" in " ".join(str(result).split())
+    assert f"1 run failed and did not count; the first: {first}" in " ".join(
+        str(result.summary()).split()
+    )
     assert result.summary().n[0, -1] == 5
 
 

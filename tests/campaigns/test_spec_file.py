@@ -120,3 +120,11 @@ def test_the_command_says_what_is_wrong(tmp_path, words):
     ended = command("campaign", *words, cwd=tmp_path)
     assert ended.exit_code == 2
     assert ended.stderr.strip()
+
+
+def test_the_command_ends_with_1_if_all_runs_failed(tmp_path):
+    (tmp_path / "all.toml").write_text(PLAIN.replace("parameters", "nees") + SCENARIO)
+    ended = command("campaign", "all.toml", cwd=tmp_path)
+    assert ended.exit_code == 1
+    assert "3 runs failed and did not count; the first: run 0 of" in ended.stdout
+    assert command("campaign", "all.toml", "--json", cwd=tmp_path).exit_code == 1

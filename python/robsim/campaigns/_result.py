@@ -117,15 +117,19 @@ class CampaignResult(Report):
         more = () if is_all else ("summary() has the means of all metrics and cases",)
         if not self.failed.any():
             return more
+        return *more, f"the first run that failed: {self._first_error}"
+
+    @property
+    def _first_error(self) -> str:
+        """The error of the first run that failed, with its place; empty if none did."""
+        if not self.failed.any():
+            return ""
         row = int(np.argmax(self.failed))
         case = self.spec.cases[self.columns["case_id"][row]]
         line = self.columns["line"][row]
         place = f" ({line})" if line else ""
-        return (
-            *more,
-            f"run {self.columns['run'][row]} of the case {case} was the first that failed: "
-            f"{self.columns['error'][row]}{place}",
-        )
+        run = f"run {self.columns['run'][row]} of {case}"
+        return f"{run}: {self.columns['error'][row]}{place}"
 
     def summary(
         self,
@@ -174,6 +178,7 @@ class CampaignResult(Report):
             metrics=columns,
             level=level,
             failed=int(self.failed.sum()),
+            first_error=self._first_error,
         )
 
     def _numbers(self, metrics: tuple[str, ...]) -> Floats:

@@ -21,6 +21,7 @@ _COLUMNS = (
     *("n", "mean", "half_width", "sd"),
     *("n_pairs", "difference", "difference_half_width", "more_runs"),
 )
+_WIDEST = 12  # label of a group, in letters, that stands at the head of a column
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -56,6 +57,8 @@ class CampaignSummary(Report):
         Level of confidence of all intervals.
     failed : int
         Number of runs that failed.
+    first_error : str
+        The error of the first of them, with its run and case.
 
     Notes
     -----
@@ -79,6 +82,7 @@ class CampaignSummary(Report):
     more_runs: Floats
     level: float
     failed: int = 0
+    first_error: str = ""
 
     @property
     def title(self) -> str:
@@ -100,7 +104,7 @@ class CampaignSummary(Report):
         ]
         if len(self.groups) > 1:
             columns += [
-                Column("difference", f"minus {self.groups[0]}", "", ".3g"),
+                Column("difference", f"minus {self._first}", "", ".3g"),
                 Column("difference_half_width", f"+- ({text})", "", ".2g"),
                 Column("more_runs", "runs more", "", _runs),
             ]
@@ -110,6 +114,11 @@ class CampaignSummary(Report):
         ]
         name = self.metrics[index]
         return Table(key=name, columns=columns, rows=rows, row_title=name)
+
+    @property
+    def _first(self) -> str:
+        """The first group, in the width of a column."""
+        return self.groups[0] if len(self.groups[0]) <= _WIDEST else "the first"
 
     def _values(self, group: int, index: int) -> list[object]:
         at = group, index
@@ -132,14 +141,15 @@ class CampaignSummary(Report):
     def remarks(self) -> tuple[str, ...]:
         """What is compared, and what is missing."""
         remarks = []
-        if len(self.groups) > 1:
+        if len(self.groups) > 1 and self.metrics:
             remarks.append("differences are those of runs with the same seed")
             remarks.append(
                 "runs more: how many more let the interval of the difference exclude 0, if mean "
                 "and spread stay what they are; decided: it does"
             )
         if self.failed:
-            remarks.append(f"{self.failed} runs failed and do not count")
+            runs = "1 run" if self.failed == 1 else f"{self.failed} runs"
+            remarks.append(f"{runs} failed and did not count; the first: {self.first_error}")
         return tuple(remarks)
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -171,6 +181,7 @@ def summary_of(
     metrics: Sequence[str],
     level: float,
     failed: int,
+    first_error: str = "",
 ) -> CampaignSummary:
     """Return the summary of numbers.
 
@@ -184,6 +195,8 @@ def summary_of(
         Level of confidence.
     failed : int
         Number of runs that failed.
+    first_error : str
+        The error of the first of them.
     """
     n, mean, sd, half_width = _statistics(values, level)
     with np.errstate(invalid="ignore"):  # inf - inf
@@ -203,6 +216,7 @@ def summary_of(
         more_runs=_more_runs(n_pairs, difference, spread, level),
         level=level,
         failed=failed,
+        first_error=first_error,
     )
 
 

@@ -23,7 +23,8 @@ HELP = (
     "mean with a confidence interval, the difference to the first case, and how many runs more "
     "decide whether there is one.\n\n"
     "With --store, the same command goes on where the last one was ended, and one with more "
-    "--runs adds to them. Any SQLite program can read the file: its view results has all rows."
+    "--runs adds to them. Any SQLite program can read the file: its view results has all rows.\n\n"
+    "A run that fails is a row with its error. The exit status is 1 if all did."
 )
 
 
@@ -90,16 +91,21 @@ def campaign(
             result.to_npz(npz)
     if as_json:
         errors.show(json.dumps(_record(result, summary), indent=2))
+        _exit_unless_any_succeeded(result)
         return
     errors.show(result.line)
     errors.show(summary)
-    for remark in result.remarks:
-        errors.print_note(remark)
     for written in (csv, parquet, npz):
         if written is not None:
             errors.say(f"rows written to {written}")
     if store is not None:
         errors.say(f"store written to {store}")
+    _exit_unless_any_succeeded(result)
+
+
+def _exit_unless_any_succeeded(result: CampaignResult) -> None:
+    if result.failed.all():
+        raise typer.Exit(1)
 
 
 def _check_exports(*, csv: Path | None, parquet: Path | None, npz: Path | None) -> None:
