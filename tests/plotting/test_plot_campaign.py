@@ -47,20 +47,34 @@ def test_boxes_have_the_quartiles_of_each_case(result):
     ax.figure.canvas.draw()
 
 
+def test_long_labels_do_not_cover_each_other():
+    noise = [robsim.GaussianNoise(percent) for percent in (1, 2, 5, 10, 20)]
+    result = campaign(
+        robsim.Scenario(area=(300, 300), start="random"),
+        vary={"noise": noise},
+        metrics={"x": lambda trace: trace.pose_true[-1, 0]},
+        runs=2,
+        steps=2,
+        progress=False,
+    )
+    labels = plot_campaign(result, "x").get_xticklabels()
+    assert {label.get_rotation() for label in labels} == {30}
+
+
 def test_failed_runs_leave_gaps():
     def fails(trace):
         raise ValueError
 
     metrics = {"x": lambda trace: trace.pose_true[-1, 0], "y": fails}
     nothing = campaign(metrics=metrics, runs=2, steps=2, progress=False)
-    with pytest.raises(ValueError, match="metric must be one of"):
+    with pytest.raises(ValueError, match="no numbers to draw: all runs failed"):
         plot_campaign(nothing, "x")
 
 
 def test_what_cannot_be_drawn_is_refused(result):
     with pytest.raises(ValueError, match="metric must be one of 'x', got 'y'"):
         plot_campaign(result, "y")
-    with pytest.raises(ValueError, match="labels are numbers, got 'control'"):
+    with pytest.raises(ValueError, match=r"got 'control', with the labels \$fast, slow; in vary"):
         plot_campaign(result, "x", over="control")
     with pytest.raises(TypeError, match=r"give what robsim\.campaigns\.campaign"):
         plot_campaign(result.columns, "x")

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from robsim._base.checks import check_choice
 from robsim._base.report import percent
-from robsim._base.text import no_formula, quoted
+from robsim._base.text import listed, no_formula, quoted
 from robsim.campaigns import CampaignResult
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_kind
@@ -20,6 +20,7 @@ _COLORS = (
 )
 _MARKS = "os^Dv<>"
 _MOST_PAIRS = 100  # runs whose pairs are drawn
+_MOST_LETTERS = 70  # of labels that stand side by side
 _LEVEL = 0.95
 
 
@@ -52,15 +53,21 @@ def plot_campaign(
     Raises
     ------
     TypeError, ValueError
-        If `result` is not a CampaignResult, has no such metric or option, or if the labels of the
-        option are no numbers.
+        If `result` is not a CampaignResult, has no such metric or option, no run that did not fail,
+        or if the labels of the option are no numbers.
     """
     check_kind("result", result, CampaignResult)
+    if not result.metrics:
+        raise ValueError("result has no numbers to draw: all runs failed; print(result) says why")
     check_choice("metric", metric, result.metrics)
     if over is not None:
         check_choice("over", over, tuple(result.spec.vary))
         if result[over].dtype.kind not in "iuf":
-            raise ValueError(f"over must be an option whose labels are numbers, got {quoted(over)}")
+            raise ValueError(
+                f"over must be an option whose labels are numbers, got {quoted(over)}, with the "
+                f"labels {listed(map(str, result.spec.vary[over]))}; in vary, a dict of number to "
+                "value gives labels, such as {10: robsim.GaussianNoise(10), 20: ...}"
+            )
     ax = style.panel(ax, (6, 3.6))
     if over is None:
         _draw_boxes(ax, result, metric)
@@ -105,5 +112,10 @@ def _draw_boxes(ax: Axes, result: CampaignResult, metric: str) -> None:
         flierprops={"marker": ".", "markersize": 4, "markerfacecolor": style.FITTED},
     )
     labels = ["\n".join(map(no_formula, case.labels.values())) for case in result.spec.cases]
-    ax.set_xticks(places, labels)
+    widest = max(len(line) for label in labels for line in label.split("\n"))
+    if widest * cases <= _MOST_LETTERS:
+        ax.set_xticks(places, labels)
+    else:
+        labels = [label.replace("\n", ", ") for label in labels]
+        ax.set_xticks(places, labels, rotation=30, ha="right", rotation_mode="anchor")
     ax.set_xlabel(no_formula(", ".join(result.spec.vary)))
