@@ -244,3 +244,9 @@ def test_an_edge_that_tells_no_place_along_it_has_no_bound():
     half = [(-1000, 0), (1000, 0), (1000, 1000), (-1000, 1000)]  # forward, right
     with pytest.raises(ValueError, match="robot must have markers from which place and heading"):
         measurement_bound(grey_frame(image), (59.5, 60, -np.pi / 2), [half])
+
+
+def test_a_wrong_pose_is_suspected():
+    frame, robot = shown(480, (500, 600, 0.3))
+    assert not measurement_bound(frame, (500, 600, 0.3), robot).remarks
+    assert "not at this pose?" in measurement_bound(frame, (500, 600, 2), robot).remarks[0]

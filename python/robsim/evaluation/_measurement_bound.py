@@ -79,9 +79,23 @@ class MeasurementBound(Report):
             Quantity(
                 "rmse_heading_deg", "rmse of the heading", self.rmse_heading_deg, "deg", ".4f"
             ),
-            Quantity("signal_to_noise", "signal to noise", self.signal_to_noise, "", ".3g"),
+            Quantity("signal_to_noise", "signal to noise", self.signal_to_noise, "", _ratio),
             Quantity("edge_width", width, self.edge_width, "", ".2f"),
         )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """A doubt about the pose."""
+        if self.edge_width < 0.9 * _EDGE_WIDTHS[1]:
+            return ()
+        return (
+            f"no blur up to {_EDGE_WIDTHS[1]:g} px fits the markers' edges: is the frame that "
+            "blurred, or the robot not at this pose?",
+        )
+
+
+def _ratio(value: float) -> str:
+    return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
 
 
 def measurement_bound(
