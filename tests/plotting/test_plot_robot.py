@@ -58,6 +58,22 @@ def test_the_line_between_the_markers_has_their_distance(axes):
     assert f"{distance:.1f} px" in {text.get_text() for text in axes.texts}
 
 
+def test_nothing_covers_anything_with_markers_in_front_and_behind():
+    front, back = box(80, 180, 119, 219), box(280, 180, 319, 219)
+    values = {"name": "toy", "image": painted(front, back), "size": 100.0, "centre": (200, 200)}
+    values |= {"alignment": 180.0, "outline": box(0, 0, 399, 399)}
+    toy = from_colors({"fluorescent green": front, "orange": back}, **values)
+    drawn = plot_robot(toy)
+    drawn.figure.canvas.draw()
+    (distance,) = [text for text in drawn.texts if text.get_text() == "50.0 px"]
+    box_of_text = distance.get_window_extent()
+    line = drawn.transData.transform((200, 199.5))[1]
+    assert not box_of_text.y0 - 2 < line < box_of_text.y1 + 2  # beside the arrow
+    legend = drawn.get_legend().get_window_extent()
+    assert legend.x0 >= 0
+    assert legend.x1 <= drawn.figure.bbox.width
+
+
 @pytest.mark.parametrize(
     ("alignment", "forward"),
     [(0, (1, 0)), (90, (0, -1)), (180, (-1, 0)), (-90, (0, 1)), (30, (np.cos(np.pi / 6), -0.5))],

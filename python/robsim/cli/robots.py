@@ -309,6 +309,8 @@ def _described(robot: RobotDefinition) -> str:
     right, down = robot.centre
     side = "behind" if markers.offset >= 0 else "ahead of"
     offset = f"{abs(markers.offset):.1f} px {side} the centre"
+    if abs(markers.offset) < 0.05:
+        offset = "their midpoint level with the centre"
     return (
         f"{robot.name}: image of {width} x {height} px, {robot.size:g} px wide on the work area\n"
         f"  alignment  {_alignment(robot)}\n"

@@ -59,7 +59,7 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
         parse_math=False,
         wrap=True,
     )
-    style.legend_below(ax, ncols=5, columnspacing=1.2, handlelength=1.5)
+    style.legend_below(ax, ncols=3, columnspacing=1.2, handlelength=1.5)
     return ax
 
 
@@ -104,13 +104,18 @@ def _draw_distance(axes: Axes, robot: RobotDefinition) -> None:
         path_effects=style.haloed(1.4),
         label="marker centroids",
     )
-    text = f"{robot.marker_layout().distance:.1f} px"
+    first, last = centroids
+    (along_x, along_y), forward = (last - first) / np.linalg.norm(last - first), _forward(robot)
+    beside = np.array((along_y, -along_x))
+    beside *= -1 if beside @ forward > 0 else 1  # where the arrow is not
+    away = 5 + np.abs(beside) @ (20, 6)  # points: half the text's width and height, and a gap
     axes.annotate(
-        text,
+        f"{robot.marker_layout().distance:.1f} px",
         centroids.mean(axis=0),
-        (0, 9),
+        away * beside * (1, -1),
         textcoords="offset points",
         ha="center",
+        va="center",
         bbox=style.BOX,
     )
 
@@ -118,9 +123,7 @@ def _draw_distance(axes: Axes, robot: RobotDefinition) -> None:
 def _draw_heading(axes: Axes, robot: RobotDefinition) -> None:
     """Draw the centre, and the arrow to the side that faces right after the alignment."""
     assert robot.centre is not None
-    # The alignment rotates the image clockwise, so its front lies anticlockwise by that angle.
-    angle = -np.deg2rad(robot.alignment)
-    forward = np.array((np.cos(angle), np.sin(angle)))
+    forward = _forward(robot)
     length = min(0.8 * robot.radius / robot.unit, 0.95 * _reach(axes, robot.centre, forward))
     tip = robot.centre + length * forward
     axes.annotate(
@@ -144,6 +147,13 @@ def _draw_heading(axes: Axes, robot: RobotDefinition) -> None:
         path_effects=style.haloed(0.5),
         label="centre, heading",
     )
+
+
+def _forward(robot: RobotDefinition) -> Floats:
+    """Return the direction in the image in which the robot faces, (right, down)."""
+    # The alignment rotates the image clockwise, so its front lies anticlockwise by that angle.
+    angle = -np.deg2rad(robot.alignment)
+    return np.array((np.cos(angle), np.sin(angle)))
 
 
 def _reach(axes: Axes, start: Floats, direction: Floats) -> float:
