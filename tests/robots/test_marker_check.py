@@ -68,7 +68,7 @@ def test_other_colours(picture):
     assert "V 240..255" in problem
     (problem,) = check_colors(robot(picture), load_colors()[:1]).sentences
     assert problem.startswith(
-        "left marker (blue): there is no colour blue, only red: the colour class of"
+        "left marker (blue): there is no colour blue, only red: give colours that have a blue"
     )
 
 

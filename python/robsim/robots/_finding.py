@@ -197,9 +197,10 @@ def marker_in(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Float
     """Return a polygon with the centroid, the area and about the shape of the largest blob."""
     found = [color for color in colors if color.name == name]
     if not found:
+        known = ", ".join(color.name for color in colors)
         raise ValueError(
-            f"{name} marker: there is no colour {name}: give the marker's polygon, call the colour "
-            f"{name}, or give other marker_colors"
+            f"{name} marker: there is no colour {name}, only {known}: give colours that have a "
+            f"{name}, other marker_colors, or the marker's polygon"
         )
     pixels = over_grey(image)
     blobs = find_blobs(pixels, found, minimum_area=MINIMUM_AREA, maximum_count=1)[name]

@@ -77,8 +77,7 @@ def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:
         if name not in classes:
             problems.append(
                 f"{role} marker ({name}): there is no colour {name}, only {', '.join(classes)}: "
-                f"the colour class of this marker must be called {name}, or marker_colors of the "
-                "robot differ"
+                f"give colours that have a {name}, or give the robot other marker_colors"
             )
         elif problem := view.problem(robot.markers[role], classes[name]):
             problems.append(f"{role} marker ({name}): {problem}")

@@ -345,9 +345,8 @@ class Runner(Slotted):
         if missing and self._callbacks["measure"] is True:
             names = ", ".join(color.name for color in colors)
             raise ValueError(
-                f"colors must have {' and '.join(needed)} for the default measurement: the names "
-                "of the two markers' colours, as marker_colors of the robot, or colors of its "
-                f"MarkerLayout, say them; got {names}"
+                f"colors must have {' and '.join(needed)} for the default measurement: the "
+                f"colours of the robot's markers; got {names}"
             )
 
     def _check_stages(self) -> None:
