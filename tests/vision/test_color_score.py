@@ -190,3 +190,11 @@ def test_the_shipped_colours_on_the_simulators_frame():
         print(score)
         assert score.widened_rate == 1
         assert rates(score)["shadow"] == (1, 1, 1)
+
+
+def test_a_region_beside_the_colour_is_suspected():
+    image = scene((40, 40, 60, 60))
+    red = load_colors()[0]
+    assert not score_color(image, red, [(40, 40, 60, 60)], repeats=1).remarks
+    (doubt,) = score_color(image, red, [(5, 5, 20, 20)], repeats=1).remarks
+    assert "is there a box of red pixels in each region" in doubt

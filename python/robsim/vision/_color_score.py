@@ -130,6 +130,16 @@ class ColorScore(Report):
         ]
         return (Table(key="levels", columns=columns, rows=rows, row_title="detection rate"),)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """A doubt about the regions."""
+        if any(rate for sweep in self.sweeps for rate in sweep.rates):
+            return ()
+        return (
+            f"nothing was detected at all: is there a box of {self.color.name} pixels in each "
+            "region, and are they within the ranges of the colour?",
+        )
+
 
 def _percent(rate: float) -> str:
     return percent(rate, 0)
