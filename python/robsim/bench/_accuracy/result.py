@@ -166,7 +166,8 @@ class AccuracyResult(Report):
     @property
     def title(self) -> str:
         """What was measured."""
-        return f"Errors of measured poses, {self.frames} frames a case"
+        frames = "1 frame" if self.frames == 1 else f"{self.frames} frames"
+        return f"Errors of measured poses, {frames} a case"
 
     @property
     def tables(self) -> tuple[Table, ...]:
