@@ -193,6 +193,11 @@ def test_slow_lossy_and_noisy_labs_are_named():
 
 
 @pytest.mark.slow
+def test_colours_that_lack_those_of_the_markers_are_refused():
+    with pytest.raises(ValueError, match="colors must have red and blue for the check: "):
+        check(picture(), colors=robsim.load_colors()[:1])
+
+
 def test_a_silent_camera_is_an_error():
     with (
         SimulatedLab(robsim.Scenario(robot="lab", area=SIZE, resolution=SIZE), fps=20) as lab,

@@ -30,7 +30,7 @@ from robsim.live._camera_findings import (
 from robsim.live._camera_look import CameraLook
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
-from robsim.simulation._options import colors_value, smoothing_value
+from robsim.simulation._options import check_marker_colors, colors_value, smoothing_value
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -147,7 +147,7 @@ def check_camera(
     robsim.motors.LineError
         If the line to the robot fails.
     TypeError, ValueError
-        If an argument has the wrong type or is out of range.
+        If an argument has the wrong type or is out of range, or `colors` lack that of a marker.
 
     Examples
     --------
@@ -161,7 +161,9 @@ def check_camera(
     seconds = check_float("seconds", seconds, "s", exclusive_minimum=0, maximum=3600)
     smoothing = smoothing_value(smoothing)
     definition = as_robot(robot)
-    look = CameraLook(definition, colors_value(colors, smoothing), smoothing)
+    classes = colors_value(colors, smoothing)
+    check_marker_colors(definition.marker_layout(), classes, "the check")
+    look = CameraLook(definition, classes, smoothing)
     before = camera.counts
     if motors is not None:
         motors.stop()

@@ -177,6 +177,16 @@ def colors_value(colors: Colors, smoothing: int | None = None) -> tuple[ColorCla
     return classes
 
 
+def check_marker_colors(markers: MarkerLayout, colors: Iterable[ColorClass], purpose: str) -> None:
+    """Raise ValueError unless the colours of both markers are among `colors`."""
+    known, needed = [color.name for color in colors], [*markers.colors.values()]
+    if not set(needed) <= set(known):
+        raise ValueError(
+            f"colors must have {' and '.join(needed)} for {purpose}: the colours of the robot's "
+            f"markers; got {', '.join(known)}"
+        )
+
+
 def markers_value(markers: Markers) -> MarkerLayout | None:
     """Return the option ``markers`` as a layout; None = that of the robot."""
     if markers is None or isinstance(markers, MarkerLayout):

@@ -23,7 +23,7 @@ from robsim.simulation._callbacks.errors import callback_of
 from robsim.simulation._callbacks.memory import held
 from robsim.simulation._callbacks.missing_data import note_missing_data, unmet_needs
 from robsim.simulation._callbacks.misused_values import note_misuse
-from robsim.simulation._options import colors_value
+from robsim.simulation._options import check_marker_colors, colors_value
 from robsim.simulation._run_info import run_info
 from robsim.simulation._slots import SLOTS
 from robsim.simulation._slotted import Slotted
@@ -340,14 +340,8 @@ class Runner(Slotted):
         self._run_info = []
 
     def _check_colors(self, colors: tuple[ColorClass, ...]) -> None:
-        needed = [*self.markers.colors.values()]
-        missing = set(needed) - {color.name for color in colors}
-        if missing and self._callbacks["measure"] is True:
-            names = ", ".join(color.name for color in colors)
-            raise ValueError(
-                f"colors must have {' and '.join(needed)} for the default measurement: the "
-                f"colours of the robot's markers; got {names}"
-            )
+        if self._callbacks["measure"] is True:
+            check_marker_colors(self.markers, colors, "the default measurement")
 
     def _check_stages(self) -> None:
         self._check_colors(self.colors)
