@@ -190,6 +190,11 @@ def singular(covariance):
     return np.outer(deviation, deviation)
 
 
+def in_degrees(covariance):
+    unit = np.array((1, 1, np.rad2deg(1)))
+    return covariance * np.outer(unit, unit)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "verdict", "kinds", "remark"),
@@ -198,6 +203,7 @@ def singular(covariance):
         (lambda P: P / 3, "optimistic", [], "the errors are 1.7 times as large as they say"),
         (lambda P: P / 16, "optimistic", ["optimistic"], None),
         (lambda P: 9 * P, "conservative", [], "conservative: the errors are 0.32 times"),
+        (in_degrees, "consistent", [], "deviation of the heading is"),
         (lambda P: 0 * P, None, ["covariance not positive"], None),
         (singular, None, ["covariance not positive"], None),
     ],

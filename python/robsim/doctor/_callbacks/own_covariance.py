@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim._base.check_report import Problem
+from robsim._base.checks import Floats
 from robsim._base.report import Column, Row, Table
 from robsim.doctor._callbacks.pose_mistakes import are_right
 from robsim.doctor._covariance import fault_of_covariance
@@ -18,6 +19,8 @@ from robsim.evaluation import nees
 _FEWEST = 12  # measurements
 _USUAL = (0.5, 2.0)  # mean NEES / 3 of 30 measurements: 1 +- 0.15, and frames are not all noise
 _WRONG = 4.0  # the same, where a filter would follow its measurements to wrong places
+
+_LARGE = 0.1  # mean squared error of a coordinate over its variance: 1 is expected, of 30 +- 0.26
 
 _ADVICE = (
     "give the covariance that belongs to the pose, in px^2 and rad^2: robsim.locate(step.blobs, "
@@ -88,9 +91,11 @@ def covariance_findings(
     is_right = given & are_right(trial.outputs, trial.situation.poses[: len(seen)])
     if is_right.sum() < _FEWEST:
         return
-    values = nees(trial.trace.error[: len(seen)][is_right], covariances[is_right])
-    judged = _Judged(int(is_right.sum()), float(np.mean(values)))
+    errors, stated = trial.trace.error[: len(seen)][is_right], covariances[is_right]
+    judged = _Judged(int(is_right.sum()), float(np.mean(nees(errors, stated))))
     yield from _judgement(measurement, trial, judged)
+    if judged.verdict != "conservative":
+        yield from _large_variances(errors, stated)
     yield _table(judged)
 
 
@@ -118,6 +123,19 @@ def _judgement(
         situation=trial.situation.name,
         line=measurement.line,
     )
+
+
+def _large_variances(errors: Floats, covariances: Floats) -> Iterator[str]:
+    """Yield which coordinates have far too large variances, for which the others make up."""
+    variances = np.diagonal(covariances, axis1=1, axis2=2)
+    # An exact measurement may have no error, and no variance.
+    ratios = np.mean(np.square(errors) / np.maximum(variances, 1e-30), axis=0)
+    for name, ratio in zip(("x", "y", "the heading"), ratios, strict=True):
+        if ratio < _LARGE:
+            yield (
+                f"its standard deviation of {name} is {1 / math.sqrt(max(ratio, 1e-12)):.2g} times "
+                "the errors, so a filter makes too little of that: variances are in px^2 and rad^2"
+            )
 
 
 def _table(judged: _Judged) -> Table:
