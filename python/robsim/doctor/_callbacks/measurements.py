@@ -380,7 +380,8 @@ def _camera_problems(measurement: EstimatorUnderTest, scene: Scene) -> Iterator[
     if is_seen.mean() < _SEEN:
         yield (
             f"before a camera of {width} x {height} px it sees the robot in {is_seen.sum()} of "
-            f"{len(measured)} frames: are its sizes and distances in pixels of the frame?"
+            f"{len(measured)} frames: are its sizes and distances in pixels of the frame? "
+            "robsim.locate without image=step.frame needs plane_map=step.frame.plane_map"
         )
         return
     pixels = PlaneMap.scaled(scene.resolution, AREA).to_pixel(true[:, :2])
