@@ -127,4 +127,6 @@ def test_the_command_ends_with_1_if_all_runs_failed(tmp_path):
     ended = command("campaign", "all.toml", cwd=tmp_path)
     assert ended.exit_code == 1
     assert "3 runs failed and did not count; the first: run 0 of" in ended.stdout
-    assert command("campaign", "all.toml", "--json", cwd=tmp_path).exit_code == 1
+    as_json = command("campaign", "all.toml", "--json", cwd=tmp_path)
+    assert as_json.exit_code == 1
+    assert "NotRecordedError" in json.loads(as_json.stdout)["first_error"]

@@ -152,6 +152,7 @@ def _record(result: CampaignResult, summary: CampaignSummary) -> dict[str, objec
         "cases": len(result.spec.cases),
         "runs": result.spec.runs,
         "failed": int(result.failed.sum()),
+        "first_error": summary.first_error or None,
         "checksum": result.checksum,
         "summary": summary.to_dict(),
     }
