@@ -92,7 +92,7 @@ def test_mjpeg_over_http(back_end, has_length):
 
     with (
         MjpegServer(parts) as server,
-        robsim.Camera(server.url, back_end=back_end, area=AREA) as camera,
+        robsim.Camera(server.url, back_end=back_end, area=AREA, open_timeout=60) as camera,
     ):
         for _ in range(6):
             frame = camera.read(10)
