@@ -77,10 +77,10 @@ def test_an_overexposed_picture_is_named():
 
 
 def test_small_markers_are_named():
-    report = check(picture(resolution=(64, 64)))
+    report = check(picture(resolution=(32, 32)))
     assert report["marker width"].verdict == "bad"
     assert "print larger markers" in str(report)
-    assert check(picture(resolution=(120, 120)))["marker width"].verdict == "poor"
+    assert check(picture(resolution=(64, 64)))["marker width"].verdict == "poor"
 
 
 @pytest.mark.parametrize(
