@@ -241,8 +241,8 @@ def test_the_warning_comes_once_and_names_size_noise_figure_limit_and_remedy():
     for words in (
         "the markers are 3.8 px wide in the frame, and its noise is 76.5 grey levels (30 %)",
         "a signal-to-noise figure of 3.0 in good light",
-        "poses need a figure of 4 and markers of 2 px: here, markers of 4.3 px",
-        "Give the camera more pixels",
+        "Poses can be trusted from 4 on: in this noise, with markers of 4.3 px or more. Give",
+        "the camera more pixels",
     ):
         assert words in message
     assert warning.filename == __file__

@@ -91,9 +91,9 @@ std::string small_markers(double width, double noise) {
          number(noise, 1) + " grey levels (" + number(noise / 2.55, 0) +
          " %): a signal-to-noise figure of " +
          number(rounded_down(expected_signal_to_noise(width, noise)), 1) +
-         " in good light. To be trusted, poses need a figure of " +
-         number(trusted_signal_to_noise, 0) + " and markers of 2 px: here, markers of " +
-         px(rounded_up(trusted_width(noise))) +
+         " in good light. Poses can be trusted from " + number(trusted_signal_to_noise, 0) +
+         " on: in this noise, with markers of " + px(rounded_up(trusted_width(noise))) +
+         " or more" +
          ". Give the camera more pixels, bring it nearer, make the markers larger, or give more "
          "light for less noise";
 }

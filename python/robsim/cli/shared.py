@@ -65,7 +65,7 @@ CalibrationFile = Annotated[
     typer.Option(
         "--calibration",
         metavar="FILE",
-        help="Calibration of the camera, of robsim calibrate; in place of --pixels.",
+        help="Calibration of the camera, of robsim calibrate: it tells where pixels lie.",
     ),
 ]
 Unit = Annotated[
