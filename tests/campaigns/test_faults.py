@@ -93,11 +93,14 @@ def test_processes_killed_at_random_moments_lose_and_double_nothing(folder, tmp_
 
 
 PROGRAM = """
+import signal
+
 import robsim
 from campaign_code import slow_with_pid
 from robsim.campaigns import campaign
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
     scenario = robsim.Scenario(area=(300, 300))
     campaign(scenario, metrics=[slow_with_pid], runs=100000, steps=5, executor=2, progress=False)
 """

@@ -76,5 +76,5 @@ def test_what_cannot_be_drawn_is_refused(result):
         plot_campaign(result, "y")
     with pytest.raises(ValueError, match=r"got 'control', with the labels \$fast, slow; in vary"):
         plot_campaign(result, "x", over="control")
-    with pytest.raises(TypeError, match=r"give what robsim\.campaigns\.campaign"):
+    with pytest.raises(TypeError, match=r"give what robsim\.campaign"):
         plot_campaign(result.columns, "x")

@@ -106,9 +106,10 @@ class _Pool:
         self._pool: ProcessPoolExecutor | None = None
         # Only what fits into a pipe is sent through one: who sends more waits for the reader, even
         # if that is dead.
+        content = pickle.dumps(spec)
         descriptor, self._file = tempfile.mkstemp(prefix="robsim-campaign-")
         with open(descriptor, "wb") as stream:
-            pickle.dump(spec, stream)
+            stream.write(content)
 
     def close(self) -> None:
         """End for good."""
