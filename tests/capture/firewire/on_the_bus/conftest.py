@@ -6,7 +6,6 @@ import os
 import pytest
 
 from bus_cameras import wait_until
-from robsim import _firewire
 from robsim.live import VirtualBus, VirtualCamera
 
 VENDOR = "robsim virtual bus"
@@ -21,6 +20,9 @@ class OnTheBus:
     """Labs, and the bus that this process sees."""
 
     def __init__(self, cameras, options):
+        # Here, as pytest reads this file where the extension is not built, too.
+        from robsim import _firewire
+
         self.bus = VirtualBus(cameras, **options)
         os.environ["ROBSIM_VIRTUAL_BUS"] = self.bus.environment["ROBSIM_VIRTUAL_BUS"]
         wait_until(lambda: len(_firewire.cameras()) == len(cameras))
