@@ -14,6 +14,7 @@
 
 #include "robsim/simd/cpu_path.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
+#include "robsim/vision/fit/light_step.hpp"
 #include "robsim/vision/fit/weighted_centroid.hpp"
 
 namespace robsim {
@@ -42,6 +43,10 @@ struct Picture {
 struct Options {
   double noise = 0;        // standard deviation, levels
   int hidden_columns = 0;  // of the red marker's left side, grey
+  double hidden_disc = 0;  // radius of a grey disc on its left rim
+  double shade = 1;        // brightness beyond a line through the point:
+  Point shade_at{};
+  double shade_angle = 0;  // of its normal
 };
 
 // Red and blue discs on a grey floor, each pixel the mean of 16 x 16 points.
@@ -55,24 +60,34 @@ Picture picture(const Pose& pose, const Options& options = {}) {
     const double y = v - pose.y - place.x * sin - place.y * cos;
     return x * x + y * y < radius * radius;
   };
+  const Point rim{pose.x + red_place.x * cos - red_place.y * sin - radius,
+                  pose.y + red_place.x * sin + red_place.y * cos};
   const double hidden =
       pose.x + red_place.x * cos - red_place.y * sin - radius + options.hidden_columns;
+  const auto is_shaded = [&](double u, double v) {
+    return (u - options.shade_at.x) * std::cos(options.shade_angle) +
+               (v - options.shade_at.y) * std::sin(options.shade_angle) >
+           0;
+  };
   constexpr int grid = 16;
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      double red = 0, blue = 0;
+      double red = 0, blue = 0, light = 0;
       for (int i = 0; i < grid * grid; ++i) {
         const double x = u + (i % grid + 0.5) / grid - 0.5;
         const double y = v + (i / grid + 0.5) / grid - 0.5;
-        red += x > hidden && in_disc(x, y, red_place);
+        const bool is_hidden = x < hidden || std::hypot(x - rim.x, y - rim.y) < options.hidden_disc;
+        red += !is_hidden && in_disc(x, y, red_place);
         blue += in_disc(x, y, blue_place);
+        light += is_shaded(x, y) ? options.shade : 1;
       }
+      light /= grid * grid;
       red /= grid * grid;
       blue /= grid * grid;
       const double levels[3] = {170 + 40 * red - 140 * blue, 170 - 130 * red - 90 * blue,
                                 170 - 130 * red + 30 * blue};
       for (int c = 0; c < 3; ++c) {
-        const double level = levels[c] + options.noise * noise(random);
+        const double level = light * levels[c] + options.noise * noise(random);
         picture.rgb[static_cast<std::size_t>(3 * (v * width + u) + c)] =
             static_cast<std::uint8_t>(std::clamp(std::lround(level), 0L, 255L));
       }
@@ -132,15 +147,105 @@ TEST(PoseFit, DoesNotMindADefinitionThatIsSomewhatWrong) {
   EXPECT_LT(distance(found->pose, pose), 0.02);
 }
 
-TEST(PoseFit, SaysThatAMarkerIsPartlyHidden) {
+// Where the middle of the red marker is in the picture.
+Point red_in_picture(const Pose& pose) {
+  const double cos = std::cos(pose.heading), sin = std::sin(pose.heading);
+  return {pose.x + red_place.x * cos - red_place.y * sin,
+          pose.y + red_place.x * sin + red_place.y * cos};
+}
+
+class LightSteps : public testing::TestWithParam<double> {};
+
+TEST_P(LightSteps, OnAMarkerDoNotPullAtThePose) {
+  const Pose pose{81.3, 58.6, 0.7};
+  Options options;
+  options.shade = 0.7;
+  options.shade_at = red_in_picture(pose);
+  options.shade_at.x += 2.3;
+  options.shade_angle = GetParam();
+  const auto found = fit(picture(pose, options), pose);
+  ASSERT_TRUE(found);
+  EXPECT_LT(distance(found->pose, pose), 0.02);  // 0.2 to 0.4 with one light for all pixels
+  EXPECT_LT(found->misfit, 1.5);
+  options.noise = 12;
+  const auto noisy = fit(picture(pose, options), pose);
+  ASSERT_TRUE(noisy);
+  EXPECT_LT(distance(noisy->pose, pose), 0.15);
+}
+
+INSTANTIATE_TEST_SUITE_P(AtAngles, LightSteps, testing::Values(0, 0.6, 1.57, 2.2));
+
+TEST(LightStep, IsFoundWhereItIs) {
+  const Pose pose{81.3, 58.6, 0.7};
+  const MarkerShape red(disc(red_place), "red");
+  Options options;
+  options.shade_at = red_in_picture(pose);
+  for (const double angle : {0.0, 0.9, 2.2}) {
+    options.shade_angle = angle;
+    for (const double shade : {1.0, 0.7}) {
+      options.shade = shade;
+      const Picture drawn = picture(pose, options);
+      fit::EdgeFit marker;
+      fit::gather(drawn.view(), PlaneMap(), red, pose, fit::Ring{}, marker.pixels);
+      fit::EdgeShift shift;
+      shift.blur = 0.4;
+      ASSERT_TRUE(marker.update(shift));
+      EXPECT_EQ(fit::has_light_slope(marker), shade < 1) << angle;
+      const auto step = fit::find_light_step(marker);
+      ASSERT_EQ(step.has_value(), shade < 1) << angle;
+      if (!step) continue;
+      // the normal may point to either side
+      const double along =
+          std::fabs(step->normal_u * std::cos(angle) + step->normal_v * std::sin(angle));
+      EXPECT_GT(along, std::cos(0.2)) << angle;
+      const double off =
+          options.shade_at.x * step->normal_u + options.shade_at.y * step->normal_v - step->offset;
+      EXPECT_LT(std::fabs(off), 1.5) << angle;
+      const auto sides = fit::divided(marker.pixels, *step);
+      EXPECT_GT(sides[0].count, 50);
+      EXPECT_GT(sides[1].count, 50);
+      EXPECT_LT(sides[0].count + sides[1].count, marker.pixels.count);
+    }
+  }
+}
+
+TEST(PoseFit, TakesTheRestOfAMarkerThatIsPartlyHidden) {
   const Pose pose{81.3, 58.6, 0.1};
   const auto whole = fit(picture(pose), pose);
   const auto hidden = fit(picture(pose, {0, 3}), pose);
   ASSERT_TRUE(whole && hidden);
   EXPECT_LT(whole->misfit, 1.5);
-  EXPECT_GT(hidden->misfit, 2);
-  EXPECT_LT(distance(hidden->pose, pose), 0.3);  // the blob's centroid is off by 1.2 px
+  EXPECT_LT(distance(hidden->pose, pose), 0.05);  // the blob's centroid is off by 1.2 px
   EXPECT_GT(hidden->covariance(0, 0), whole->covariance(0, 0));
+}
+
+TEST(PoseFit, TakesTheRestOfAMarkerThatSomethingRoundHides) {
+  const Pose pose{81.3, 58.6, 0.1};
+  Options options;
+  options.hidden_disc = 5;
+  const auto hidden = fit(picture(pose, options), pose);
+  ASSERT_TRUE(hidden);
+  EXPECT_LT(distance(hidden->pose, pose), 0.1);
+}
+
+TEST(PoseFit, SaysThatTheMarkersAreOfAnotherShape) {
+  const Pose pose{81.3, 58.6, 0.1};
+  const auto square = [](const Point& centre) {
+    const double half = radius * std::sqrt(pi) / 2;  // of the same area
+    return Polygon{{centre.x - half, centre.y - half},
+                   {centre.x + half, centre.y - half},
+                   {centre.x + half, centre.y + half},
+                   {centre.x - half, centre.y + half}};
+  };
+  const MarkerShape red(square(red_place), "red");
+  const MarkerShape blue(square(blue_place), "blue");
+  const Picture discs = picture(pose);
+  const auto as_squares = fit_pose(discs.view(), PlaneMap(), red, blue, pose);
+  const auto as_discs = fit(discs, pose);
+  ASSERT_TRUE(as_squares && as_discs);
+  EXPECT_LT(as_discs->misfit, 1.5);
+  EXPECT_GT(as_squares->misfit, 2);
+  EXPECT_GT(as_squares->covariance(0, 0), as_discs->covariance(0, 0));
 }
 
 TEST(PoseFit, ThereIsNoneWithoutAnEdge) {

@@ -9,8 +9,7 @@ namespace robsim::fit {
 
 namespace {
 
-constexpr double rounding = 1.0 / 12;  // variance of a rounded level
-constexpr double shading = 10;         // levels by which all channels may be lighter at once
+constexpr double shading = 10;  // levels by which all channels may be lighter at once
 
 // Residuals that are further from 0 than about this have little weight: in standard deviations, and
 // as a share of the contrast for pictures without noise.
@@ -26,34 +25,34 @@ float median_of(std::vector<float>& values) {
 }  // namespace
 
 bool EdgeFit::update(const EdgeShift& shift) {
+  weights.gain = 0;
   if (pixels.count < 12 || !cover(pixels, shift, appearance)) return false;
-  sums = sums_of(pixels, shift, appearance);
   // C: covariance of the residuals over R, G, B. Two numbers are fitted to each channel.
-  Eigen::Matrix3d covariance;
-  for (int c = 0; c < 3; ++c) {
-    for (int d = 0; d < 3; ++d) {
-      covariance(c, d) = sums.residuals[static_cast<std::size_t>(c)][static_cast<std::size_t>(d)] /
-                         std::max(1.0, sums.count - 2);
-    }
-    covariance(c, c) += rounding;
-  }
+  using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  Eigen::Matrix3d covariance =
+      Eigen::Map<const Matrix>(appearance.residuals[0].data()) / std::max(1.0, appearance.ones - 2);
+  covariance.diagonal().array() += rounding;
   // weights = (C + shading^2 1 1')^-1 contrast: light and shadow change all channels alike.
   const Eigen::Map<const Eigen::Vector3d> contrast(appearance.contrast.data());
-  Eigen::Map<Eigen::Vector3d> m(weights.data());
+  const Eigen::Map<const Eigen::Vector3d> level(appearance.level.data());
+  Eigen::Map<Eigen::Vector3d> m(weights.of.data());
   m = (covariance + Eigen::Matrix3d::Constant(shading * shading)).inverse() * contrast;
-  gain = contrast.dot(m);
   variance = m.dot(covariance * m);
-  return variance > 0 && std::isfinite(gain) && gain > 0;
+  const double gain = contrast.dot(m);
+  if (!(variance > 0 && std::isfinite(gain) && gain > 0)) return false;
+  weights.gain = gain;
+  weights.constant = level.dot(m);
+  sums = sums_of(pixels, shift, appearance, weights);
+  return true;
 }
 
 std::vector<float> EdgeFit::residuals() const {
   std::vector<float> all(pixels.blocks.size() * EdgeBlock::size);
   float* z = all.data();
   const auto number = [](double value) { return static_cast<float>(value); };
-  const float m[3] = {number(weights[0]), number(weights[1]), number(weights[2])};
-  float constant = 0;  // z = m . y - m . level - gain T
-  for (std::size_t c = 0; c < 3; ++c) constant += m[c] * number(appearance.level[c]);
-  const float rise = number(gain);
+  const float m[3] = {number(weights.of[0]), number(weights.of[1]), number(weights.of[2])};
+  const float constant = number(weights.constant);
+  const float rise = number(weights.gain);  // z = m . y - m . level - gain T
   for (const EdgeBlock& block : pixels.blocks) {
     for (int i = 0; i < EdgeBlock::size; ++i) {
       const float y =
@@ -70,14 +69,14 @@ double EdgeFit::usual_residual() const {
   std::vector<float> sizes = residuals();
   sizes.resize(static_cast<std::size_t>(pixels.count));
   for (float& size : sizes) size = std::fabs(size);
-  return static_cast<double>(median_of(sizes)) / gain;
+  return static_cast<double>(median_of(sizes)) / weights.gain;
 }
 
 void EdgeFit::weigh_by_residual() {
   const std::vector<float> z = residuals();
   // The median of |z| of a normal distribution is 0.6745 standard deviations.
   const double deviation = std::max(usual_residual() / 0.6745, robust_contrast);
-  const auto limit = static_cast<float>(robust_deviations * deviation * gain);
+  const auto limit = static_cast<float>(robust_deviations * deviation * weights.gain);
   for (std::size_t i = 0; i < static_cast<std::size_t>(pixels.count); ++i) {
     // root of the weight 1 / (1 + (z/limit)^2)^2
     const float share = z[i] / limit;

@@ -1,5 +1,6 @@
 #include "robsim/vision/fit/edge_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "robsim/simd/cpu_path.hpp"
@@ -14,10 +15,6 @@ using simd::LanesOf;
 using Floats = LanesOf<float>;
 
 constexpr float steepness = 0.27F;  // of the step, by q
-
-// Columns of numbers per pixel, for a block.
-constexpr int most_columns = 10;
-using Columns = float[most_columns][EdgeBlock::size];
 
 struct Shift {
   Floats x, y, turn, grow, per_px;
@@ -38,23 +35,10 @@ struct Shift {
   }
 };
 
-// The sums of the products of columns [begin, end) with [other, others).
-template <int begin, int end, int other, int others>
-ROBSIM_INLINE void add_products(const Columns& columns, Floats (*sums)[most_columns]) {
-  for (int i = begin; i < end; ++i) {
-    for (int j = i > other ? i : other; j < others; ++j) {
-      Floats sum = sums[i][j];
-      for (int k = 0; k < EdgeBlock::size; k += Floats::count) {
-        sum = sum + Floats::load(columns[i] + k) * Floats::load(columns[j] + k);
-      }
-      sums[i][j] = sum;
-    }
-  }
-}
-
 struct CoverSums {
   double ones, coverage, squares;      // 1, T, T^2
   double color[3], color_coverage[3];  // y, y T
+  double products[3][3];               // y y', c <= d
 };
 
 ROBSIM_INLINE void cover_all(EdgePixels& pixels, const EdgeShift& edge_shift, CoverSums& result) {
@@ -63,6 +47,10 @@ ROBSIM_INLINE void cover_all(EdgePixels& pixels, const EdgeShift& edge_shift, Co
   Floats ones = zero, coverage = zero, squares = zero;
   Floats color[3] = {zero, zero, zero};
   Floats color_coverage[3] = {zero, zero, zero};
+  Floats products[3][3];
+  for (auto& row : products) {
+    for (Floats& sum : row) sum = zero;
+  }
   for (EdgeBlock& block : pixels.blocks) {
     for (int i = 0; i < EdgeBlock::size; i += Floats::count) {
       // T = 6 t^5 - 15 t^4 + 10 t^3,  T' = steepness 30 t^2 (1 - t)^2,  t = 1/2 + steepness q
@@ -74,14 +62,16 @@ ROBSIM_INLINE void cover_all(EdgePixels& pixels, const EdgeShift& edge_shift, Co
       (Floats::all(30 * steepness) * t2 * (rest * rest)).store(block.slope + i);
       const Floats root = Floats::load(block.weight + i);
       const Floats weight = root * root;
-      const Floats weighted = weight * step;
       ones = ones + weight;
-      coverage = coverage + weighted;
-      squares = squares + weighted * step;
+      coverage = coverage + weight * step;
+      squares = squares + weight * step * step;
       for (int c = 0; c < 3; ++c) {
-        const Floats y = Floats::load(block.color[c] + i);
-        color[c] = color[c] + weight * y;
-        color_coverage[c] = color_coverage[c] + weighted * y;
+        const Floats y = weight * Floats::load(block.color[c] + i);
+        color[c] = color[c] + y;
+        color_coverage[c] = color_coverage[c] + y * step;
+        for (int d = c; d < 3; ++d) {
+          products[c][d] = products[c][d] + y * Floats::load(block.color[d] + i);
+        }
       }
     }
   }
@@ -91,18 +81,29 @@ ROBSIM_INLINE void cover_all(EdgePixels& pixels, const EdgeShift& edge_shift, Co
   for (int c = 0; c < 3; ++c) {
     result.color[c] = sum_of(color[c]);
     result.color_coverage[c] = sum_of(color_coverage[c]);
+    for (int d = c; d < 3; ++d) result.products[c][d] = sum_of(products[c][d]);
   }
 }
 
-// The columns of a block: T' times the derivatives of q; residuals; 1 and T. All times the root of
-// the weight.
-constexpr int first_residual = parameters;
-constexpr int first_known = first_residual + 3;
+// The columns of a block: T' times the derivatives of q; z; 1 and T. All times the root of the
+// weight.
+constexpr int z_column = parameters, one_column = parameters + 1, t_column = parameters + 2;
+constexpr int columns_count = parameters + 3;
+using Columns = float[columns_count][EdgeBlock::size];
 
-using Line = std::array<float, 3>;
+struct Line {
+  Floats weights[3], gain, constant;
 
-ROBSIM_INLINE void fill(const EdgeBlock& block, const Shift& shift, const Line& level,
-                        const Line& contrast, Columns& columns) {
+  ROBSIM_INLINE explicit Line(const ChannelWeights& channels)
+      : gain(Floats::all(static_cast<float>(channels.gain))),
+        constant(Floats::all(static_cast<float>(channels.constant))) {
+    for (std::size_t c = 0; c < 3; ++c)
+      weights[c] = Floats::all(static_cast<float>(channels.of[c]));
+  }
+};
+
+ROBSIM_INLINE void fill(const EdgeBlock& block, const Shift& shift, const Line& line,
+                        Columns& columns) {
   for (int i = 0; i < EdgeBlock::size; i += Floats::count) {
     const Floats root = Floats::load(block.weight + i);
     const Floats coverage = Floats::load(block.coverage + i);
@@ -112,35 +113,41 @@ ROBSIM_INLINE void fill(const EdgeBlock& block, const Shift& shift, const Line& 
     (slope * Floats::load(block.turn + i)).store(columns[2] + i);
     slope.store(columns[3] + i);
     (slope * shift.q(block, i)).store(columns[4] + i);
-    for (int c = 0; c < 3; ++c) {
-      const auto k = static_cast<std::size_t>(c);
-      // r = y - level - contrast T
-      const Floats line = Floats::all(level[k]) + Floats::all(contrast[k]) * coverage;
-      (root * (Floats::load(block.color[c] + i) - line)).store(columns[first_residual + c] + i);
-    }
-    root.store(columns[first_known] + i);
-    (root * coverage).store(columns[first_known + 1] + i);
+    // z = m . y - m . level - gain T
+    Floats z = Floats::all(0) - line.constant - line.gain * coverage;
+    for (int c = 0; c < 3; ++c) z = z + line.weights[c] * Floats::load(block.color[c] + i);
+    (root * z).store(columns[z_column] + i);
+    root.store(columns[one_column] + i);
+    (root * coverage).store(columns[t_column] + i);
   }
 }
 
-using Products = double[most_columns][most_columns];
+// The products of the first columns with themselves and all others.
+using Products = double[parameters][columns_count];
 
 ROBSIM_INLINE void multiply(const EdgePixels& pixels, const EdgeShift& edge_shift,
-                            const Line& level, const Line& contrast, Products& products) {
+                            const ChannelWeights& weights, Products& products) {
   const Shift shift(pixels, edge_shift);
-  Floats sums[most_columns][most_columns];
+  const Line line(weights);
+  Floats sums[parameters][columns_count];
   for (auto& row : sums) {
     for (Floats& sum : row) sum = Floats::all(0);
   }
   alignas(32) Columns columns;
   for (const EdgeBlock& block : pixels.blocks) {
-    fill(block, shift, level, contrast, columns);
-    add_products<0, parameters, 0, most_columns>(columns, sums);
-    add_products<first_residual, first_known, first_residual, first_known>(columns, sums);
-    add_products<first_known, most_columns, first_known, most_columns>(columns, sums);
+    fill(block, shift, line, columns);
+    for (int i = 0; i < parameters; ++i) {
+      for (int j = i; j < columns_count; ++j) {
+        Floats sum = sums[i][j];
+        for (int k = 0; k < EdgeBlock::size; k += Floats::count) {
+          sum = sum + Floats::load(columns[i] + k) * Floats::load(columns[j] + k);
+        }
+        sums[i][j] = sum;
+      }
+    }
   }
-  for (int i = 0; i < most_columns; ++i) {
-    for (int j = i; j < most_columns; ++j) products[i][j] = sum_of(sums[i][j]);
+  for (int i = 0; i < parameters; ++i) {
+    for (int j = i; j < columns_count; ++j) products[i][j] = sum_of(sums[i][j]);
   }
 }
 
@@ -148,9 +155,9 @@ void cover_baseline(EdgePixels& pixels, const EdgeShift& shift, CoverSums& sums)
   cover_all(pixels, shift, sums);
 }
 
-void multiply_baseline(const EdgePixels& pixels, const EdgeShift& shift, const Line& level,
-                       const Line& contrast, Products& products) {
-  multiply(pixels, shift, level, contrast, products);
+void multiply_baseline(const EdgePixels& pixels, const EdgeShift& shift,
+                       const ChannelWeights& weights, Products& products) {
+  multiply(pixels, shift, weights, products);
 }
 
 #if ROBSIM_HAS_AVX2_CODE
@@ -159,9 +166,9 @@ ROBSIM_AVX2 void cover_avx2(EdgePixels& pixels, const EdgeShift& shift, CoverSum
   cover_all(pixels, shift, sums);
 }
 
-ROBSIM_AVX2 void multiply_avx2(const EdgePixels& pixels, const EdgeShift& shift, const Line& level,
-                               const Line& contrast, Products& products) {
-  multiply(pixels, shift, level, contrast, products);
+ROBSIM_AVX2 void multiply_avx2(const EdgePixels& pixels, const EdgeShift& shift,
+                               const ChannelWeights& weights, Products& products) {
+  multiply(pixels, shift, weights, products);
 }
 
 #endif
@@ -171,6 +178,9 @@ ROBSIM_AVX2 void multiply_avx2(const EdgePixels& pixels, const EdgeShift& shift,
 bool cover(EdgePixels& pixels, const EdgeShift& shift, Appearance& appearance) {
   CoverSums sums;
   ROBSIM_PICK(cover_baseline, cover_avx2)(pixels, shift, sums);
+  appearance.ones = sums.ones;
+  appearance.coverage = sums.coverage;
+  appearance.coverage_squares = sums.squares;
   // The line y = level + contrast T with the least squares.
   const double determinant = sums.ones * sums.squares - sums.coverage * sums.coverage;
   if (!(determinant > 1e-3 * sums.ones * sums.ones)) return false;
@@ -180,40 +190,39 @@ bool cover(EdgePixels& pixels, const EdgeShift& shift, Appearance& appearance) {
     appearance.contrast[c] = (sums.ones * yt - sums.coverage * y) / determinant;
     appearance.level[c] = (sums.squares * y - sums.coverage * yt) / determinant;
   }
+  // r'r = y'y - level 1'y - contrast T'y. The levels are whole numbers from the middle of their
+  // range, so that little is lost in the difference.
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t d = c; d < 3; ++d) {
+      const double explained =
+          appearance.level[c] * sums.color[d] + appearance.contrast[c] * sums.color_coverage[d];
+      appearance.residuals[c][d] = appearance.residuals[d][c] = sums.products[c][d] - explained;
+    }
+    appearance.residuals[c][c] = std::max(0.0, appearance.residuals[c][c]);
+  }
   return true;
 }
 
-EdgeSums sums_of(const EdgePixels& pixels, const EdgeShift& shift, const Appearance& appearance) {
-  Line level, contrast;
-  for (std::size_t c = 0; c < 3; ++c) {
-    level[c] = static_cast<float>(appearance.level[c]);
-    contrast[c] = static_cast<float>(appearance.contrast[c]);
-  }
+EdgeSums sums_of(const EdgePixels& pixels, const EdgeShift& shift, const Appearance& appearance,
+                 const ChannelWeights& weights) {
   Products products;
-  ROBSIM_PICK(multiply_baseline, multiply_avx2)(pixels, shift, level, contrast, products);
+  ROBSIM_PICK(multiply_baseline, multiply_avx2)(pixels, shift, weights, products);
   EdgeSums sums;
-  constexpr int one = first_known, t = first_known + 1;
-  sums.count = products[one][one];
   sums.slope = products[3][3];
-  const double determinant =
-      products[one][one] * products[t][t] - products[one][t] * products[one][t];
+  const double ones = appearance.ones, t = appearance.coverage,
+               squares = appearance.coverage_squares;
+  const double determinant = ones * squares - t * t;
   for (std::size_t i = 0; i < parameters; ++i) {
     for (std::size_t j = i; j < parameters; ++j) {
       // D'PD = D'D - D'K (K'K)^-1 K'D,  K = (1, T)
-      const double known = (products[t][t] * products[i][one] * products[j][one] -
-                            products[one][t] * (products[i][one] * products[j][t] +
-                                                products[i][t] * products[j][one]) +
-                            products[one][one] * products[i][t] * products[j][t]) /
+      const double known = (squares * products[i][one_column] * products[j][one_column] -
+                            t * (products[i][one_column] * products[j][t_column] +
+                                 products[i][t_column] * products[j][one_column]) +
+                            ones * products[i][t_column] * products[j][t_column]) /
                            determinant;
       sums.information[i][j] = sums.information[j][i] = products[i][j] - known;
     }
-    for (std::size_t c = 0; c < 3; ++c) sums.gradient[i][c] = products[i][first_residual + c];
-  }
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t d = c; d < 3; ++d) {
-      sums.residuals[c][d] = sums.residuals[d][c] =
-          products[first_residual + c][first_residual + d];
-    }
+    sums.gradient[i] = products[i][z_column];
   }
   return sums;
 }

@@ -188,27 +188,36 @@ int in_ring(const MarkerShape::Table& table, const std::vector<Run>& runs, int c
   return found;
 }
 
-// The block for one pixel more, in which other places have no weight.
-EdgeBlock& block_for_next(EdgePixels& pixels) {
-  if (pixels.count % EdgeBlock::size == 0) pixels.blocks.emplace_back();  // all zero
-  return pixels.blocks.back();
-}
-
 void add(EdgePixels& pixels, float distance, const Cell& cell, float x, float y,
          const std::uint8_t* rgb, int place) {
-  EdgeBlock& block = block_for_next(pixels);
-  const int k = pixels.count++ % EdgeBlock::size;
-  block.distance[k] = distance;
-  block.normal_x[k] = cell.slope_x;
-  block.normal_y[k] = cell.slope_y;
+  const auto [block, k] = pixels.next();
+  block->distance[k] = distance;
+  block->normal_x[k] = cell.slope_x;
+  block->normal_y[k] = cell.slope_y;
   // d distance / d heading = normal . (y, -x)
-  block.turn[k] = cell.slope_x * y - cell.slope_y * x;
-  for (int c = 0; c < 3; ++c) block.color[c][k] = static_cast<float>(rgb[c]) - EdgePixels::grey;
-  block.weight[k] = 1;
-  block.place[k] = place;
+  block->turn[k] = cell.slope_x * y - cell.slope_y * x;
+  for (int c = 0; c < 3; ++c) block->color[c][k] = static_cast<float>(rgb[c]) - EdgePixels::grey;
+  block->weight[k] = 1;
+  block->place[k] = place;
 }
 
 }  // namespace
+
+std::pair<EdgeBlock*, int> EdgePixels::next() {
+  if (count % EdgeBlock::size == 0) blocks.emplace_back();  // all zero
+  return {&blocks.back(), count++ % EdgeBlock::size};
+}
+
+void EdgePixels::add(const EdgeBlock& from, int i) {
+  const auto [block, k] = next();
+  block->distance[k] = from.distance[i];
+  block->normal_x[k] = from.normal_x[i];
+  block->normal_y[k] = from.normal_y[i];
+  block->turn[k] = from.turn[i];
+  for (int c = 0; c < 3; ++c) block->color[c][k] = from.color[c][i];
+  block->weight[k] = from.weight[i];
+  block->place[k] = from.place[i];
+}
 
 void gather(const ImageView& image, const PlaneMap& map, const MarkerShape& shape, const Pose& pose,
             const Ring& ring, EdgePixels& pixels) {
@@ -217,6 +226,8 @@ void gather(const ImageView& image, const PlaneMap& map, const MarkerShape& shap
   const Placed robot(pose);
   const PixelBox box = box_around(image, map, shape, robot, ring.outside + 1);
   const int width = box.right - box.left;
+  pixels.left = box.left;
+  pixels.top = box.top;
   pixels.stride = width + EdgePixels::gap;
   pixels.height = box.bottom - box.top;
   const Point centre = map.to_pixel(robot.to_world(shape.centroid()));

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "robsim/imaging/image.hpp"
@@ -33,11 +34,17 @@ struct EdgePixels {
 
   EdgePixels() { blocks.reserve(24); }
 
+  /// The block in which the next pixel is, and its place there; it is all zero.
+  std::pair<EdgeBlock*, int> next();
+  /// Adds a pixel of other pixels in the same box.
+  void add(const EdgeBlock& block, int k);
+
   std::vector<EdgeBlock> blocks;
   int count = 0;
-  int stride = 0;    // of the rows of the box around them (px), `gap` columns of it free
-  int height = 0;    // px
-  double scale = 0;  // frame px per work-area px
+  int left = 0, top = 0;  // of the box around them, in the picture (px)
+  int stride = 0;         // of its rows (px), `gap` columns of it free
+  int height = 0;         // px
+  double scale = 0;       // frame px per work-area px
 };
 
 /// How far the ring of pixels reaches (frame px).

@@ -2,12 +2,16 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "robsim/elementary/exponential.hpp"
 #include "robsim/elementary/polar.hpp"
 #include "robsim/elementary/sine.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
+#include "robsim/vision/fit/light_step.hpp"
 
 namespace robsim {
 
@@ -30,16 +34,19 @@ constexpr double growth_spread = 0.5;  // frame px
 constexpr int most_steps = 4;
 constexpr int most_robust_steps = 8;
 constexpr int most_blur_steps = 10;
-constexpr double blur_found = 0.1;       // change of the logarithm of the blur in a step
-constexpr double longest_step = 1.5;     // frame px
-constexpr double still = 0.005;          // a step that is the last one
-constexpr double negligible = 0.4;       // the same, in standard deviations of the unknowns
-constexpr double converged = 0.1;        // a step that may be the last one
-constexpr double gather_again = 0.8;     // moves of which the distances are out of date
-constexpr double correlated = 2;         // misfit above which pixels are weighed
-constexpr double visible = 0.05;         // residuals above which it pays: share of the contrast
-constexpr double clearly_better = 0.8;   // ratio of residuals with weights to those without
-constexpr double picture_error = 0.008;  // frame px a marker: pictures are not drawn more exactly
+constexpr double blur_found = 0.1;        // change of the logarithm of the blur in a step
+constexpr double longest_step = 1.5;      // frame px
+constexpr double still = 0.005;           // a step that is the last one
+constexpr double negligible = 0.4;        // the same, in standard deviations of the unknowns
+constexpr double converged = 0.1;         // a step that may be the last one
+constexpr double gather_again = 0.8;      // moves of which the distances are out of date
+constexpr double mostly_explained = 0.3;  // of the misfit, what a step of light may leave
+constexpr int least_part = 30;            // pixels of a marker in a light of their own
+constexpr double suspicious = 1.5;        // misfit above which steps of light are looked for
+constexpr double correlated = 2;          // misfit above which pixels are weighed
+constexpr double visible = 0.05;          // residuals above which it pays: share of the contrast
+constexpr double clearly_better = 0.8;    // ratio of residuals with weights to those without
+constexpr double picture_error = 0.008;   // frame px a marker: pictures are not drawn more exactly
 
 struct Unknowns {
   Pose pose;
@@ -64,32 +71,60 @@ class Fit {
 
   std::optional<PoseFit> run() {
     if (!gather_edges() || !iterate(most_steps)) return std::nullopt;
-    double factor = misfit();
-    if (factor > correlated && largest_residual() > visible) {
-      const Fit plain = *this;
-      is_robust_ = true;
-      // Of a marker that is partly hidden, the rest fits much better without that part.
-      if (!iterate(most_robust_steps) || !fits_better_than(plain)) return plain.result(factor);
-      factor = std::max(factor, misfit());
+    const double factor = misfit();
+    if (find_light_steps(factor > suspicious)) {
+      Fit in_two_lights = *this;
+      in_two_lights.divide_by_light();
+      if (in_two_lights.iterate(most_robust_steps)) {
+        const double left = in_two_lights.misfit();
+        if (left - 1 <= mostly_explained * (factor - 1))
+          return in_two_lights.result_without_hidden_pixels(left);
+      }
+      light_steps_ = {};
     }
-    return result(factor);
+    return result_without_hidden_pixels(factor);
   }
 
  private:
-  double scale() const { return (markers_[0].pixels.scale + markers_[1].pixels.scale) / 2; }
-
-  double misfit() const { return variance_factor(markers_[0], markers_[1]); }
-
-  // The standard deviation of the residuals, as a share of the contrast.
-  double largest_residual() const {
-    return 1 / std::sqrt(std::min(markers_[0].precision(), markers_[1].precision()));
+  // Of a marker that is partly hidden, the rest fits much better without that part.
+  std::optional<PoseFit> result_without_hidden_pixels(double factor) {
+    if (factor <= correlated || largest_residual() <= visible) return result(factor);
+    const Fit plain = *this;
+    is_robust_ = true;
+    if (!iterate(most_robust_steps) || !fits_better_than(plain)) return plain.result(factor);
+    return result(std::max(factor, misfit()));
   }
 
+  double scale() const { return (parts_.front().pixels.scale + parts_.back().pixels.scale) / 2; }
+
+  double misfit() const { return variance_factor(parts_); }
+
+  // (contrast to noise)^2 of the marker where it is less, each in its best light.
+  double least_precision() const {
+    double best[2] = {0, 0};
+    for (const EdgeFit& part : parts_) {
+      best[part.marker] = std::max(best[part.marker], part.precision());
+    }
+    return std::min(best[0], best[1]);
+  }
+
+  // The standard deviation of the residuals, as a share of the contrast.
+  double largest_residual() const { return 1 / std::sqrt(least_precision()); }
+
   bool fits_better_than(const Fit& other) const {
-    const auto falls = [&](std::size_t k) {
-      return markers_[k].usual_residual() < clearly_better * other.markers_[k].usual_residual();
-    };
-    return falls(0) || falls(1);
+    if (parts_.size() != other.parts_.size()) return false;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const double usual = other.parts_[i].usual_residual();
+      if (parts_[i].usual_residual() < clearly_better * usual) return true;
+    }
+    return false;
+  }
+
+  bool find_light_steps(bool is_suspicious) {
+    for (const EdgeFit& part : parts_) {
+      if (is_suspicious || has_light_slope(part)) light_steps_[part.marker] = find_light_step(part);
+    }
+    return light_steps_[0] || light_steps_[1];
   }
 
   bool gather_edges() {
@@ -97,10 +132,44 @@ class Fit {
     // A blurred edge is as wide as its blur.
     const double wider = 1.5 * std::max(0.0, at_.blur() - 0.8);
     const Ring ring{Ring{}.outside + wider, Ring{}.inside + wider};
+    parts_.resize(2);
     for (std::size_t k = 0; k < 2; ++k) {
-      gather(image_, map_, *shapes_[k], gathered_, ring, markers_[k].pixels);
-      if (markers_[k].pixels.count == 0) return false;
+      parts_[k].marker = k;
+      gather(image_, map_, *shapes_[k], gathered_, ring, parts_[k].pixels);
+      if (parts_[k].pixels.count == 0) return false;
     }
+    divide_by_light();
+    return true;
+  }
+
+  void divide_by_light() {
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (light_steps_[k]) divide(k, *light_steps_[k]);
+    }
+  }
+
+  // Puts the pixels of marker k beyond a step of light into a part of their own.
+  void divide(std::size_t k, const LightStep& step) {
+    auto [near, beyond] = divided(parts_[k].pixels, step);
+    if (near.count < least_part) std::swap(near, beyond);
+    if (near.count < least_part) return;
+    parts_[k].pixels = std::move(near);
+    if (beyond.count < least_part) return;
+    EdgeFit part;
+    part.marker = k;
+    part.pixels = std::move(beyond);
+    parts_.push_back(std::move(part));
+  }
+
+  // False if the edge of a marker is in none of its parts.
+  bool update_parts() {
+    bool has_edge[2] = {false, false};
+    for (EdgeFit& part : parts_) {
+      if (part.update(shift_of(part.marker))) has_edge[part.marker] = true;
+    }
+    if (!has_edge[0] || !has_edge[1]) return false;
+    const auto tells_nothing = [](const EdgeFit& part) { return part.weights.gain == 0; };
+    parts_.erase(std::remove_if(parts_.begin(), parts_.end(), tells_nothing), parts_.end());
     return true;
   }
 
@@ -118,16 +187,17 @@ class Fit {
     return shift;
   }
 
-  // From the unknowns to the parameters of marker k's edge.
-  Eigen::Matrix<double, parameters, unknowns> jacobian(std::size_t k) const {
+  // From the unknowns to the parameters of the edge of a part.
+  Eigen::Matrix<double, parameters, unknowns> jacobian(const EdgeFit& part) const {
+    const Point& from_middle = from_middle_[part.marker];
     const auto [sin, cos] = elementary::sin_cos(gathered_.heading);
     Eigen::Matrix<double, parameters, unknowns> j;
-    j << -cos, -sin, 0, 0, -from_middle_[k].x, 0,  //
-        sin, -cos, 0, 0, -from_middle_[k].y, 0,    //
-        0, 0, 1, 0, 0, 0,                          //
-        0, 0, 0, 0, 0, 1,                          //
+    j << -cos, -sin, 0, 0, -from_middle.x, 0,  //
+        sin, -cos, 0, 0, -from_middle.y, 0,    //
+        0, 0, 1, 0, 0, 0,                      //
+        0, 0, 0, 0, 0, 1,                      //
         0, 0, 0, 0, 0, 0;
-    j *= markers_[k].pixels.scale / at_.blur();
+    j *= part.pixels.scale / at_.blur();
     j(4, 3) = -1;  // dq / d ln blur = -q
     return j;
   }
@@ -143,19 +213,17 @@ class Fit {
     information_ = precision.asDiagonal();
     gradient = -precision.cwiseProduct(deviation);
     signal_ = 0;
-    for (std::size_t k = 0; k < 2; ++k) {
-      EdgeFit& marker = markers_[k];
-      if (!marker.update(shift_of(k))) return false;
-      const Eigen::Matrix<double, parameters, unknowns> j = jacobian(k);
+    if (!update_parts()) return false;
+    for (const EdgeFit& part : parts_) {
+      const Eigen::Matrix<double, parameters, unknowns> j = jacobian(part);
       const Eigen::Map<const Eigen::Matrix<double, parameters, parameters, Eigen::RowMajor>> sums(
-          marker.sums.information[0].data());
-      const Eigen::Map<const Eigen::Matrix<double, parameters, 3, Eigen::RowMajor>> residuals(
-          marker.sums.gradient[0].data());
-      const Eigen::Map<const Eigen::Vector3d> weights(marker.weights.data());
+          part.sums.information[0].data());
+      const Eigen::Map<const Eigen::Matrix<double, parameters, 1>> residuals(
+          part.sums.gradient.data());
       // N = sum_k gain^2/v J'D'PD J,  g = sum_k gain/v J'D'P z
-      information_ += marker.precision() * (j.transpose() * sums * j);
-      gradient += marker.gain / marker.variance * (j.transpose() * (residuals * weights));
-      signal_ += marker.precision() * marker.sums.slope;
+      information_ += part.precision() * (j.transpose() * sums * j);
+      gradient += part.weights.gain / part.variance * (j.transpose() * residuals);
+      signal_ += part.precision() * part.sums.slope;
     }
     return true;
   }
@@ -184,10 +252,8 @@ class Fit {
   }
 
   bool weigh_pixels() {
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (!markers_[k].update(shift_of(k))) return false;
-      markers_[k].weigh_by_residual();
-    }
+    if (!update_parts()) return false;
+    for (EdgeFit& part : parts_) part.weigh_by_residual();
     return true;
   }
 
@@ -252,8 +318,7 @@ class Fit {
       j << 1, 0, -(at.x * sin + at.y * cos), 0, 1, at.x * cos - at.y * sin;
       sum += j.transpose() * j;
     }
-    const double left =
-        (1 - 1 / factor) / std::min(markers_[0].precision(), markers_[1].precision());
+    const double left = (1 - 1 / factor) / least_precision();
     const double variance = picture_error * picture_error + left * at_.blur() * at_.blur();
     return variance / (scale() * scale()) * sum.inverse();
   }
@@ -261,8 +326,9 @@ class Fit {
   const ImageView& image_;
   const PlaneMap& map_;
   const MarkerShape* shapes_[2];
-  Point from_middle_[2];  // work-area px, in the robot's frame
-  EdgeFit markers_[2];
+  Point from_middle_[2];        // work-area px, in the robot's frame
+  std::vector<EdgeFit> parts_;  // one of each marker in each light
+  std::array<std::optional<LightStep>, 2> light_steps_;
   Pose start_;
   Pose gathered_;
   Unknowns at_;

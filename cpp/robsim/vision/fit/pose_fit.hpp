@@ -24,8 +24,10 @@ struct PoseFit {
 /// Fits the pose of a robot to the edges of its two markers: weighted least squares over the RGB
 /// pixels around the outlines, by Gauss and Newton. Level and contrast of each marker and channel
 /// are free, and so are the blur and, within limits, the distance of the markers and their size: a
-/// definition that is somewhat wrong does not pull at the pose. Where what is left is not like
-/// noise, pixels that do not fit count less. Nothing if an edge is not in the picture.
+/// definition that is somewhat wrong does not pull at the pose. Where the light changes across a
+/// marker, at the edge of a shadow or of what hides a part of it, the pixels on either side of that
+/// line have levels and contrasts of their own. Where what is left is still not like noise, pixels
+/// that do not fit count less. Nothing if an edge is not in the picture.
 /// Error propagation: the inverse of the information of the pixels, times the misfit and a factor
 /// for the second order in the noise.
 std::optional<PoseFit> fit_pose(const ImageView& image, const PlaneMap& map,

@@ -94,6 +94,12 @@ double product_with(const Grid& grid, const Lag& lag) {
   return ROBSIM_PICK(product_baseline, product_avx2)(grid, lag.v * grid.stride() + lag.u);
 }
 
+double product_with(const std::vector<Grid>& grids, const Lag& lag) {
+  double sum = 0;
+  for (const Grid& grid : grids) sum += product_with(grid, lag);
+  return sum;
+}
+
 Grid ones_of(const EdgePixels& pixels) {
   return Grid(pixels, [](const EdgeBlock&, std::int16_t* numbers) {
     std::fill_n(numbers, EdgeBlock::size, std::int16_t{1});
@@ -125,17 +131,13 @@ Grid slopes_of(const EdgePixels& pixels) {
 // same: an edge hardly turns in 2 px.
 class SlopeCorrelation {
  public:
-  explicit SlopeCorrelation(const EdgeFit* const (&markers)[2]) {
-    for (const EdgeFit* marker : markers) {
-      grids_.push_back(slopes_of(marker->pixels));
+  explicit SlopeCorrelation(const std::vector<EdgeFit>& parts) {
+    for (const EdgeFit& part : parts) {
+      grids_.push_back(slopes_of(part.pixels));
       all_ += product_with(grids_.back(), {0, 0});
     }
   }
-  double at(const Lag& lag) const {
-    double sum = 0;
-    for (const Grid& grid : grids_) sum += product_with(grid, lag);
-    return sum / all_;
-  }
+  double at(const Lag& lag) const { return product_with(grids_, lag) / all_; }
 
  private:
   std::vector<Grid> grids_;
@@ -144,25 +146,29 @@ class SlopeCorrelation {
 
 }  // namespace
 
-double variance_factor(const EdgeFit& first, const EdgeFit& second) {
-  const EdgeFit* const markers[2] = {&first, &second};
-  const Grid residuals[2] = {residuals_of(first), residuals_of(second)};
-  const auto count = static_cast<double>(first.pixels.count + second.pixels.count);
-  const double variance =
-      (product_with(residuals[0], {0, 0}) + product_with(residuals[1], {0, 0})) / count;
+double variance_factor(const std::vector<EdgeFit>& parts) {
+  std::vector<Grid> residuals;
+  double count = 0;
+  for (const EdgeFit& part : parts) {
+    residuals.push_back(residuals_of(part));
+    count += part.pixels.count;
+  }
+  const double variance = product_with(residuals, {0, 0}) / count;
   if (!(variance > 0)) return 1;
   double factor = 1;
   std::vector<Grid> ones;  // made if they are needed
   std::vector<SlopeCorrelation> slopes;
   for (const Lag& lag : lags) {
-    const double sum = product_with(residuals[0], lag) + product_with(residuals[1], lag);
+    const double sum = product_with(residuals, lag);
     // In a ring of this width at least 6 in 10 pixels have a neighbour there.
     if (std::fabs(sum) < significant * variance * std::sqrt(0.6 * count)) continue;
-    if (ones.empty()) ones = {ones_of(first.pixels), ones_of(second.pixels)};
-    const double pairs = product_with(ones[0], lag) + product_with(ones[1], lag);
+    if (ones.empty()) {
+      for (const EdgeFit& part : parts) ones.push_back(ones_of(part.pixels));
+    }
+    const double pairs = product_with(ones, lag);
     const double correlation = sum / (pairs * variance);
     if (!(std::fabs(correlation) * std::sqrt(pairs) > significant)) continue;
-    if (slopes.empty()) slopes.emplace_back(markers);
+    if (slopes.empty()) slopes.emplace_back(parts);
     // var(D'z) = sum_ij D_i D_j cov(z_i, z_j)
     factor += 2 * correlation * slopes.front().at(lag);
   }
