@@ -1027,7 +1027,8 @@ class Measurement:
     misfit : float, optional
         Factor on the variance, because what the fit of the markers leaves is not noise alone: 1 = it
         is. In clean frames up to 2, from how the picture is drawn; above, the markers look otherwise
-        than their outlines: moved, compressed, partly hidden. Not the `misfit` of a `Detection`, which is that of the pair.
+        than their outlines: moved, compressed, partly hidden. Not the `misfit` of a `Detection`,
+        which is that of the pair.
     signal_to_noise : float, optional
         How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
         3 there is none.

@@ -14,6 +14,7 @@
 
 #include "robsim/simd/cpu_path.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
+#include "robsim/vision/fit/light_slope.hpp"
 #include "robsim/vision/fit/light_step.hpp"
 #include "robsim/vision/fit/weighted_centroid.hpp"
 

@@ -15,10 +15,6 @@ struct LightStep {
   double offset = 0;
 };
 
-/// Whether the light changes clearly from one side of a marker to the other: a quick look at what
-/// the fit leaves. The fit must have been updated.
-bool has_light_slope(const EdgeFit& marker);
-
 /// The line that divides the pixels of a marker into two sides that fit much better with levels
 /// and contrasts of their own. Nothing where no line does, by more than chance. The fit must have
 /// been updated.

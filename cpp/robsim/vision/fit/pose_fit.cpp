@@ -11,6 +11,7 @@
 #include "robsim/elementary/polar.hpp"
 #include "robsim/elementary/sine.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
+#include "robsim/vision/fit/light_slope.hpp"
 #include "robsim/vision/fit/light_step.hpp"
 
 namespace robsim {
