@@ -17,6 +17,7 @@ void bind_capture(py::module_& module);
 void bind_model(py::module_& module);
 void bind_world(py::module_& module);
 void bind_color(py::module_& module);
+void bind_markers(py::module_& module);
 void bind_blobs(py::module_& module);
 void bind_locate(py::module_& module);
 void bind_estimation(py::module_& module);
@@ -68,6 +69,7 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   bind_model(module);
   bind_world(module);
   bind_color(module);
+  bind_markers(module);
   bind_blobs(module);
   bind_locate(module);
   bind_estimation(module);
