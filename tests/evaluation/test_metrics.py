@@ -297,7 +297,7 @@ def test_white_noise_lies_in_the_band_as_often_as_the_band_says():
 
 
 def test_the_nees_of_single_runs_of_a_right_filter_lies_in_the_band():
-    errors, P, _, _ = filtered(400, 200, seed=1)
+    errors, P, _, _ = filtered(400, 200, rng=np.random.default_rng(1))
     (low, high), values = chi_square_band(2), nees(errors, P)
     fractions = np.mean((values >= low) & (values <= high), axis=1)
     assert (fractions >= 0.8).sum() >= 399
@@ -309,14 +309,14 @@ def test_the_nees_of_single_runs_of_a_right_filter_lies_in_the_band():
 
 
 def test_the_mean_nees_in_time_would_fail_right_filters():
-    errors, P, _, _ = filtered(400, 200, seed=2)
+    errors, P, _, _ = filtered(400, 200, rng=np.random.default_rng(2))
     low, high = chi_square_band(2, runs=200)
     means = nees(errors, P).mean(axis=1)
     assert 0.25 < np.mean((means < low) | (means > high)) < 0.5
 
 
 def test_the_mean_nis_fails_five_percent():
-    _, _, innovations, S = filtered(400, 200, seed=3)
+    _, _, innovations, S = filtered(400, 200, rng=np.random.default_rng(3))
     (low, high), means = chi_square_band(1, runs=200), nis(innovations, S).mean(axis=1)
     is_right = (means >= low) & (means <= high)
     # 3.2 standard deviations of a fraction of 5 % in 400 trials
@@ -337,7 +337,7 @@ def test_the_mean_nis_fails_five_percent():
     ],
 )
 def test_a_wrong_q_or_r_is_called(q, r, verdict):
-    errors, P, innovations, S = filtered(100, 200, q=q, r=r, seed=4)
+    errors, P, innovations, S = filtered(100, 200, q=q, r=r, rng=np.random.default_rng(4))
     for runs in np.split(np.arange(100), 5):
         report = nees_consistency(errors[runs], P)
         assert report.verdict == verdict, str(report)
@@ -346,7 +346,7 @@ def test_a_wrong_q_or_r_is_called(q, r, verdict):
 
 
 def test_one_run_cannot_show_a_cautious_filter_and_says_so():
-    errors, P, innovations, S = filtered(1, 200, r=4, seed=5)
+    errors, P, innovations, S = filtered(1, 200, r=4, rng=np.random.default_rng(5))
     report = nees_consistency(errors[0], P)
     assert report.verdict == "consistent"
     assert "conservative filter shows only over 20 runs" in str(report)
@@ -403,7 +403,7 @@ def test_what_is_not_white_is_called():
     for values in (noise[1:] + 0.5 * noise[:-1], noise + 0.5, np.cumsum(noise, axis=0)):
         assert not whiteness(values).is_white
     assert "not white" in str(whiteness(noise + 0.5))
-    _, _, innovations, S = filtered(1, 500, q=1 / 64, seed=10)
+    _, _, innovations, S = filtered(1, 500, q=1 / 64, rng=np.random.default_rng(10))
     assert not nis_consistency(innovations[0], S).whiteness.is_white
 
 
@@ -554,7 +554,7 @@ def information_form(seen):
 
 
 def test_the_posterior_bound_of_a_linear_system_is_the_kalman_covariance():
-    _, P, _, _ = filtered(1, 200)
+    _, P, _, _ = filtered(1, 200, rng=np.random.default_rng(0))
     bounds = posterior_cramer_rao_bound(F, H, Q=Q, R=R, P0=P0, seen=np.ones(200, dtype=bool))
     np.testing.assert_allclose(bounds, P, rtol=1e-10)
     each = posterior_cramer_rao_bound(np.tile(F, (199, 1, 1)), H, Q=Q, R=R, P0=P0)

@@ -1,17 +1,21 @@
 """Every statistical verdict is given as often as the documentation promises."""
 
 import json
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+import robsim
+from nees_of_runs import nees_by_step, reports
 from robsim.evaluation import _consistency, _whiteness
-from size_and_power import Row, as_json, as_markdown, counted, family_names, measured
-from size_and_power.families import nees, whiteness
+from size_and_power import Row, as_json, as_markdown, family_names, measured
+from size_and_power.families import doctor
 
 # With this probability of a false alarm a row, nobody sees one.
 NEVER = 1e-6
 
-SEEDS = {"nees": 30, "nis": 60, "whiteness": 60}
+TRIALS = {"nees": 30, "nis": 60, "whiteness": 60}
 
 
 @pytest.mark.slow
@@ -20,7 +24,7 @@ SEEDS = {"nees": 30, "nis": 60, "whiteness": 60}
     "family", [name for name in family_names() if name != "doctor"]
 )  # test_zoo
 def test_the_promises_hold(family):
-    rows = measured(SEEDS.get(family, 40), [family], processes=1)
+    rows = measured(TRIALS.get(family, 40), [family])
     broken = [row for row in rows if row.p_value < NEVER]
     assert not broken, as_markdown(broken)
 
@@ -28,18 +32,20 @@ def test_the_promises_hold(family):
 @pytest.mark.long
 def test_a_verdict_that_is_too_strict_is_found(monkeypatch):
     monkeypatch.setattr(_consistency, "FRACTION_IN_BAND", 0.98)
-    assert min(row.p_value for row in nees.rows(range(4))) < NEVER
+    assert min(row.p_value for row in measured(4, ["nees"])) < NEVER
 
 
 @pytest.mark.long
 def test_a_verdict_without_power_is_found(monkeypatch):
     monkeypatch.setattr(_whiteness, "_LEVEL", 1e-12)
-    assert min(row.p_value for row in whiteness.rows(range(6))) < NEVER
+    assert min(row.p_value for row in measured(6, ["whiteness"])) < NEVER
 
 
 def row(hits, trials, promised):
-    answers = [True] * hits + [False] * (trials - hits)
-    return counted("NEES", "right", "1 run", "rejected", promised, answers)
+    one = Row(
+        verdict="NEES", hypothesis="right", record="1 run", answer="rejected", promised=promised
+    )
+    return one.counted([True] * hits + [False] * (trials - hits))
 
 
 @pytest.mark.parametrize(
@@ -72,22 +78,61 @@ def test_only_what_cannot_be_chance_is_a_broken_promise():
     assert row(2, 30, (0.0, 1)).p_value == 1
 
 
-def test_rows_add_up_are_kept_and_are_written(tmp_path):
-    rows = measured(22, ["whiteness"], processes=1, kept=tmp_path)
-    assert {one.trials for one in rows} == {22}
-    assert len(list(tmp_path.iterdir())) == 2
-    kept = sorted(tmp_path.iterdir())[0]
-    changed = json.loads(kept.read_text())
-    changed[0]["hits"] += 1
-    kept.write_text(json.dumps(changed))
-    again = measured(22, ["whiteness"], processes=1, kept=tmp_path)
-    assert again[0].hits == rows[0].hits + 1
-    assert again[1:] == rows[1:]
-    assert len(as_markdown(rows).splitlines()) == len(rows) + 2
-    assert [entry["hits"] for entry in json.loads(as_json(rows))] == [one.hits for one in rows]
+def test_trials_are_kept_gone_on_with_and_are_written(tmp_path):
+    rows = measured(6, ["whiteness"], keep=tmp_path)
+    assert {one.trials for one in rows} == {6}
+    assert [file.name for file in tmp_path.iterdir()] == ["whiteness-ljung-box.sqlite"]
+    more = measured(9, ["whiteness"], keep=tmp_path)
+    assert more == measured(9, ["whiteness"])
+    assert len(as_markdown(more).splitlines()) == len(more) + 2
+    assert [entry["hits"] for entry in json.loads(as_json(more))] == [one.hits for one in more]
 
 
-def test_rows_of_different_things_do_not_add_up():
-    other = Row(**{**row(1, 2, (0, 1)).__dict__, "hypothesis": "wrong"})
-    with pytest.raises(AssertionError, match="is not"):
-        row(1, 2, (0, 1)).with_more(other)
+def test_another_seed_gives_other_trials():
+    rows, others = (measured(20, ["whiteness"], seed=seed) for seed in (1, 2))
+    assert [one.hits for one in rows] != [one.hits for one in others]
+
+
+def test_a_trial_of_several_runs_is_counted_once():
+    values = np.full((6, 5), 3.0)
+    values[3:] = 300.0
+    first, second = reports(values, 3)
+    assert first.verdict != second.verdict
+    assert second.verdict == "optimistic"
+
+
+def test_the_nees_by_step_leads_to_the_verdict_on_the_runs_themselves():
+    traces = [
+        robsim.Simulation(
+            robot="lab",
+            measure=True,
+            resolution=(240, 240),
+            estimate_state=robsim.reference.ExtendedKalmanFilter(robsim.RobotModel()),
+            seed=seed,
+        ).run(30)
+        for seed in range(3)
+    ]
+    values = np.array([list(nees_by_step(trace).values()) for trace in traces])
+    (report,) = reports(values, 3)
+    expected = robsim.pose_consistency(traces)
+    assert report.verdict == expected.verdict
+    np.testing.assert_allclose(report.values, expected.values, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("problems", "remarks", "faults", "expected"),
+    [
+        ([], [], [""], ""),
+        (["windup"], [], [""], "windup"),
+        (["late", "windup"], [], ["windup"], "windup"),
+        (["windup"], [], ["diverges"], "windup"),
+        (["never heard of"], [], ["windup"], "another"),
+        ([], ["it never uses step.dt"], ["remark:it never uses step.dt"], "remark:it never uses"),
+        ([], [], ["windup"], ""),
+    ],
+)
+def test_a_finding_is_that_of_the_fault_or_the_first(problems, remarks, faults, expected):
+    report = SimpleNamespace(problems=[SimpleNamespace(kind=k) for k in problems], remarks=remarks)
+    found = doctor.FINDINGS[doctor.finding(report, faults)]
+    assert found.startswith(expected)
+    assert bool(found) == bool(expected)

@@ -12,9 +12,8 @@ R = np.array([[1.0]])
 P0 = np.eye(2)
 
 
-def filtered(trials, steps, *, q=1.0, r=1.0, seed=0):
+def filtered(trials, steps, *, q=1.0, r=1.0, rng):
     """Errors (trials, steps, 2), P, innovations, S of a Kalman filter that assumes q Q and r R."""
-    rng = np.random.default_rng(seed)
     x = rng.normal(size=(trials, 2)) @ np.linalg.cholesky(P0).T
     process_noise = rng.normal(size=(steps, trials, 2)) @ np.linalg.cholesky(Q).T
     estimate, P = np.zeros((trials, 2)), P0
@@ -30,3 +29,9 @@ def filtered(trials, steps, *, q=1.0, r=1.0, seed=0):
         estimate, P = estimate + innovations[:, k] @ K.T, (np.eye(2) - K @ H) @ P
         errors[:, k], covariances[k] = estimate - x, P
     return errors, covariances, innovations, S
+
+
+def factors(q, r):
+    """What is wrong with Q and R, in words."""
+    parts = [f"{name} x {factor:g}" for name, factor in (("Q", q), ("R", r)) if factor != 1]
+    return ", ".join(parts) or "right"

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import ArrayLike
 from scipy import special
 
 
@@ -33,8 +34,8 @@ class Row:
     record: str
     answer: str
     promised: tuple[float, float]
-    trials: int
-    hits: int
+    trials: int = 0
+    hits: int = 0
 
     @property
     def key(self) -> tuple[str, str, str, str]:
@@ -70,28 +71,7 @@ class Row:
             return float(special.bdtr(self.hits, self.trials, low))
         return 1.0
 
-    def with_more(self, other: Row) -> Row:
-        """Return the row with the trials of another one of the same key."""
-        assert other.key == self.key, f"{other.key} is not {self.key}"
-        return replace(self, trials=self.trials + other.trials, hits=self.hits + other.hits)
-
-
-def counted(
-    verdict: str,
-    hypothesis: str,
-    record: str,
-    answer: str,
-    promised: tuple[float, float],
-    answers: Iterable[bool],
-) -> Row:
-    """Return a row from the answers of the trials."""
-    given = [bool(one) for one in answers]
-    return Row(
-        verdict=verdict,
-        hypothesis=hypothesis,
-        record=record,
-        answer=answer,
-        promised=promised,
-        trials=len(given),
-        hits=sum(given),
-    )
+    def counted(self, answers: ArrayLike) -> Row:
+        """Return the row with the answers of the trials: whether this one was given."""
+        given = np.asarray(answers, bool)
+        return replace(self, trials=given.size, hits=int(given.sum()))

@@ -1,19 +1,17 @@
-"""The table of all families: its rows measured on all cores, and written."""
+"""The table of all families: its rows measured, and written."""
 
 from __future__ import annotations
 
 import json
-import os
 import pkgutil
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Sequence
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
 
 from size_and_power.row import Row
+from size_and_power.trials import Trials
 
-_CHUNK = 20  # seeds that a process takes at a time, fewer of a family with slow trials
 _HEADS = ("verdict", "what is true", "record", "answer", "trials", "rate", "95 % interval")
 _ENDS = ("promised", "")
 
@@ -25,70 +23,44 @@ def family_names() -> list[str]:
 
 
 def measured(
-    seeds: int,
+    trials: int,
     names: Sequence[str],
     *,
-    first: int = 0,
-    processes: int | None = None,
-    kept: Path | None = None,
+    seed: int = 0,
+    executor: int | None = None,
+    keep: Path | None = None,
 ) -> list[Row]:
     """Return the rows of some families.
 
     Parameters
     ----------
-    seeds : int
-        Number of seeds; a family with slow trials takes its share of them.
+    trials : int
+        Number of trials; of slow ones a share of them.
     names : sequence of str
         The families.
-    first : int
-        The first seed; those of a table that has been looked at should not be used again.
-    processes : int, optional
-        Number of processes. Default: one for each core that there is for us; 1 = this one.
-    kept : Path, optional
-        A folder where what is done is kept, so that the next call with it goes on from there.
+    seed : int
+        What the seeds of the trials come from; that of a table that has been looked at should not
+        be used again.
+    executor : int, optional
+        Number of processes. Default: this one.
+    keep : Path, optional
+        A folder where the trials are kept, so that the next call with it goes on from there.
     """
-    jobs = [(name, chunk) for name in names for chunk in _chunks(name, first, seeds)]
-    done: dict[tuple[str, range], list[Row]] = {}
-    if processes == 1:
-        done = {job: _rows(*job, kept) for job in jobs}
-    else:
-        with ProcessPoolExecutor(processes or len(os.sched_getaffinity(0))) as pool:
-            futures = {pool.submit(_rows, *job, kept): job for job in jobs}
-            for future in as_completed(futures):
-                done[futures[future]] = future.result()
-    return [row for name in names for row in _sum([done[job] for job in jobs if job[0] == name])]
+    if keep:
+        keep.mkdir(parents=True, exist_ok=True)
+    return [
+        row
+        for name in names
+        for one in trials_of(name)
+        for row in one.counted(
+            trials, seed=seed, executor=executor, keep=keep and keep / f"{name}-{one.name}.sqlite"
+        )
+    ]
 
 
-def _chunks(name: str, first: int, seeds: int) -> Iterator[range]:
-    share = getattr(_module(name), "SHARE", 1.0)
-    end = first + max(1, round(seeds * share))
-    chunk = max(1, round(_CHUNK * share))
-    for start in range(first, end, chunk):
-        yield range(start, min(start + chunk, end))
-
-
-def _rows(name: str, seeds: range, kept: Path | None) -> list[Row]:
-    file = kept and kept / f"{name}-{seeds.start}-{seeds.stop}.json"
-    if file and file.is_file():
-        rows = json.loads(file.read_text())
-        return [Row(**row | {"promised": tuple(row["promised"])}) for row in rows]
-    rows = _module(name).rows(seeds)
-    if file:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.with_suffix(".part").write_text(json.dumps([asdict(row) for row in rows]))
-        file.with_suffix(".part").replace(file)
-    return rows
-
-
-def _module(name: str):
-    return import_module(f"size_and_power.families.{name}")
-
-
-def _sum(chunks: Sequence[list[Row]]) -> list[Row]:
-    total = chunks[0]
-    for chunk in chunks[1:]:
-        total = [row.with_more(more) for row, more in zip(total, chunk, strict=True)]
-    return total
+def trials_of(name: str) -> Sequence[Trials]:
+    """Return the campaigns of a family."""
+    return import_module(f"size_and_power.families.{name}").TRIALS
 
 
 def as_markdown(rows: Sequence[Row]) -> str:

@@ -1,1 +1,1 @@
-"""One module for each family of verdicts, with a function ``rows(seeds)``."""
+"""One module for each family of verdicts, with its campaigns in ``TRIALS``."""

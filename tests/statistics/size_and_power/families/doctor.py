@@ -1,70 +1,69 @@
-"""The doctor's verdicts on the estimators of the zoo, in situations of other seeds."""
+"""The doctor's findings on the estimators of the zoo, in situations of other seeds.
 
-from collections.abc import Callable, Iterator
+What is kept of an estimator in a run is one number: the place of what the doctor says of it in
+`FINDINGS`, 0 if nothing.
+"""
+
 from contextlib import contextmanager
 from functools import partial
-from typing import NamedTuple
+
+import numpy as np
 
 import parameter_estimators
 import state_estimators
 from robsim.doctor import _situations, check_estimator, check_parameter_estimator
-from size_and_power.row import Row, counted
-
-SHARE = 0.02  # the whole zoo takes more than a minute
+from size_and_power.row import Row
+from size_and_power.trials import Trials, random_of
 
 _ZOOS = {
     "state": (state_estimators, check_estimator),
     "parameters": (parameter_estimators, check_parameter_estimator),
 }
 _DRAWN = (_situations.weaving, _situations.turning, _situations.excited, _situations.resting)
+_RIGHT = ""  # the fault of a right one
+_REMARK = "remark:"
+
+#: Estimators by kind and name: what makes them, and their faults, each of which counts as named.
+ESTIMATORS = {
+    kind: {name: (make, [_RIGHT]) for name, make in zoo.RIGHT.items()} | zoo.BROKEN
+    for kind, (zoo, _) in _ZOOS.items()
+}
+FINDINGS = (
+    *dict.fromkeys(faults[0] for zoo in ESTIMATORS.values() for _, faults in zoo.values()),
+    "another",
+)
 
 
-class _Case(NamedTuple):
-    kind: str
-    name: str
-    make: Callable
-    answer: str
-    promised: tuple[float, float]
-    is_given: Callable  # of the report
-
-
-def rows(seeds: range, every: int = 1) -> list[Row]:
-    """Return the rates of right estimators that are called ill, and of faults that are found.
-
-    `every`: which estimators, 3 for every third.
-    """
-    cases = [case for kind in _ZOOS for case in _cases(kind)][::every]
-    given: list[list[bool]] = [[] for _ in cases]
-    for seed in seeds:
-        with _seeded(seed):
-            for case, answers in zip(cases, given, strict=True):
-                _, check = _ZOOS[case.kind]
-                answers.append(case.is_given(check(case.make, budget=10.0)))
-    return [
-        counted(f"doctor, {case.kind}", case.name, "its own runs", case.answer, case.promised, one)
-        for case, one in zip(cases, given, strict=True)
-    ]
-
-
-def _cases(kind: str) -> Iterator[_Case]:
-    zoo, _ = _ZOOS[kind]
-    for name, make in zoo.RIGHT.items():
-        yield _Case(kind, name, make, "ill", (0, 0.01), lambda report: not report)
-    for name, (make, faults) in zoo.BROKEN.items():
-        yield _Case(kind, name, make, faults[0], (0.95, 1), partial(_names, faults))
-
-
-def _names(faults, report) -> bool:
+def finding(report, faults):
+    """Return the place in `FINDINGS` of what a report says: the fault, if that is among it."""
     told = [problem.kind for problem in report.problems]
-    remarks = " ".join(report.remarks)
-    return any(
-        one.removeprefix("remark:") in (remarks if one.startswith("remark:") else told)
-        for one in faults
-    )
+    if any(_is_told(fault, told, report.remarks) for fault in faults if fault):
+        return FINDINGS.index(faults[0])
+    first = told[0] if told else _RIGHT
+    return FINDINGS.index(first if first in FINDINGS else "another")
+
+
+def _is_told(fault, problems, remarks):
+    if fault.startswith(_REMARK):
+        return fault.removeprefix(_REMARK) in " ".join(remarks)
+    return fault in problems
+
+
+def _findings(trace, kind, every):
+    _, check = _ZOOS[kind]
+    with _seeded(int(random_of(trace).integers(2**31))):
+        return {
+            name: finding(check(make, budget=10.0), faults)
+            for name, (make, faults) in _some(kind, every).items()
+        }
+
+
+def _some(kind, every):
+    return dict(list(ESTIMATORS[kind].items())[::every])
 
 
 @contextmanager
-def _seeded(seed: int) -> Iterator[None]:
+def _seeded(seed):
     """Let the doctor's situations be drawn with another seed."""
     usual = _situations._SEED
     _forget()
@@ -76,6 +75,50 @@ def _seeded(seed: int) -> Iterator[None]:
         _forget()
 
 
-def _forget() -> None:
+def _forget():
     for situation in _DRAWN:
         situation.cache_clear()
+
+
+def _names(kind, every):
+    """Return the names of the estimators by fault."""
+    names = {}
+    for name, (_, faults) in _some(kind, every).items():
+        names.setdefault(faults[0], []).append(name)
+    return names
+
+
+def _answers(numbers, kind, every):
+    """Whether a fault was named; of right estimators, whether anything was."""
+    given = {}
+    for fault, names in _names(kind, every).items():
+        said = np.array([numbers[name] for name in names])
+        given[fault] = said == FINDINGS.index(fault) if fault else said > 0
+    return given
+
+
+def _row(kind, fault, number):
+    return Row(
+        verdict=f"doctor, {kind}",
+        hypothesis=fault.removeprefix(_REMARK) or "right",
+        record=f"{number} estimator{'s' if number > 1 else ''}",
+        answer="named" if fault else "ill",
+        promised=(0.95, 1) if fault else (0, 0.01),
+    )
+
+
+def trials(kind, every=1):
+    """Return the trials of every so many estimators of a kind."""
+    return Trials(
+        name=kind,
+        metric=partial(_findings, kind=kind, every=every),
+        answers=partial(_answers, kind=kind, every=every),
+        rows={
+            ("", fault): _row(kind, fault, len(names))
+            for fault, names in _names(kind, every).items()
+        },
+        share=0.02,  # the whole zoo takes more than a minute
+    )
+
+
+TRIALS = tuple(trials(kind) for kind in _ZOOS)

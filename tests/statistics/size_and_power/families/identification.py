@@ -4,82 +4,115 @@ import numpy as np
 
 import robsim
 from robsim.identification import parameter_convergence
-from size_and_power.row import Row, counted
+from size_and_power.row import Row
+from size_and_power.trials import Trials, random_of
 
-SHARE = 0.2
-
+_SHARE = 0.2
 _STEPS = 400
 _SIGMA = np.array([0.3, 0.3, 0.01])  # of a measured pose (px, px, rad)
-_DRIVE = {"robot": "lab", "boundary": "unlimited"}
+_DRIVE = robsim.Scenario(robot="lab", boundary="unlimited", control=robsim.DriveAround())
 _METHODS = ("instrumental_variables", "output_error")
+_CONTROLS = {"Spin": robsim.Spin(), "DriveAround": robsim.DriveAround()}
 
 
-def rows(seeds: range) -> list[Row]:
-    """Return how often intervals have the true value, and how often verdicts are right."""
-    return [*_intervals(seeds), *_excitation(seeds), *_convergence(seeds)]
+def _within(trace, times):
+    """Whether b1X is within so many half intervals of its true value, by method."""
+    given = {}
+    for method in _METHODS:
+        fit = robsim.batch_estimate(trace, identify_from="measurement", method=method)
+        z = (fit.batch - fit.theta_true) / fit.standard_errors
+        given[method] = abs(z[0, 2]) <= times * 1.96
+    return given
 
 
-def _intervals(seeds: range) -> list[Row]:
-    found = []
-    record = f"1 run of {_STEPS} steps"
-    for camera, promised in ((False, (0.9, 0.98)), (True, (0.9, 1))):
-        distances = {method: [] for method in _METHODS}
-        for seed in seeds:
-            trace = _camera_run(seed) if camera else _white_run(seed)
-            for method in _METHODS:
-                fit = robsim.batch_estimate(trace, identify_from="measurement", method=method)
-                z = (fit.batch - fit.theta_true) / fit.standard_errors
-                distances[method].append(abs(z[0, 2]))
-        times = 4 if camera else 1
-        errors = "of a camera" if camera else "independent"
-        for method in _METHODS:
-            within = [distance <= times * 1.96 for distance in distances[method]]
-            name = f"standard error, {method.replace('_', ' ')}"
-            answer = f"b1X within {times} x 1.96 of them"
-            found.append(counted(name, f"errors {errors}", record, answer, promised, within))
-    return found
+def _within_of_independent(trace):
+    """The same, on poses with independent errors."""
+    poses = trace.pose_true + random_of(trace).normal(size=(len(trace), 3)) * _SIGMA
+    again = _DRIVE.replace(control=robsim.Replay(trace.u))
+    sim = robsim.Simulation(again, measure=lambda step: poses[step.k])
+    return _within(sim.run(len(trace)), 1)
 
 
-def _white_run(seed: int) -> robsim.Trace:
-    rng = np.random.default_rng(seed)
-    path = robsim.Simulation(**_DRIVE, control=robsim.DriveAround(), seed=seed).run(_STEPS)
-    poses = path.pose_true + rng.normal(size=(_STEPS, 3)) * _SIGMA
-    sim = robsim.Simulation(
-        **_DRIVE, control=robsim.Replay(path.u), measure=lambda step: poses[step.k], seed=seed
-    )
-    return sim.run(_STEPS)
+def _within_of_camera(trace):
+    return _within(trace, 4)
 
 
-def _camera_run(seed: int) -> robsim.Trace:
-    sim = robsim.Simulation(
-        **_DRIVE, control=robsim.DriveAround(), measure=True, headings=None, seed=seed
-    )
-    return sim.run(_STEPS)
-
-
-def _excitation(seeds: range) -> list[Row]:
-    found = []
-    for control, verdict in ((robsim.Spin(), "not excited"), (robsim.DriveAround(), "well")):
-        given = []
-        for seed in seeds:
-            sim = robsim.Simulation(
-                **_DRIVE, control=control, estimate_parameters=True, seed=seed, headings=None
-            )
-            given.append(robsim.identifiability(sim.run(1200)).verdict == verdict)
-        name = type(control).__name__
-        found.append(counted("excitation", name, "1 run of 1200 steps", verdict, (0.99, 1), given))
-    return found
-
-
-def _convergence(seeds: range) -> list[Row]:
-    found = []
-    for control, promised in ((robsim.Spin(), (0, 0.01)), (robsim.DriveAround(), (0.99, 1))):
-        given = []
-        for seed in seeds:
-            sim = robsim.Simulation(**_DRIVE, control=control, estimate_parameters=True, seed=seed)
-            given.append(parameter_convergence(sim.run(300)).verdict == "converged")
-        name = type(control).__name__
-        found.append(
-            counted("convergence", name, "1 run of 300 steps", "converged", promised, given)
+def _interval(errors, times, promised):
+    return {
+        ("", method): Row(
+            verdict=f"standard error, {method.replace('_', ' ')}",
+            hypothesis=f"errors {errors}",
+            record=f"1 run of {_STEPS} steps",
+            answer=f"b1X within {times} x 1.96 of them",
+            promised=promised,
         )
-    return found
+        for method in _METHODS
+    }
+
+
+def _excitation(trace):
+    verdict = robsim.identifiability(trace).verdict
+    return {"not excited": verdict == "not excited", "well": verdict == "well"}
+
+
+def _convergence(trace):
+    return {"converged": parameter_convergence(trace).verdict == "converged"}
+
+
+def _by_control(verdict, steps, answers):
+    return {
+        (control, answer): Row(
+            verdict=verdict,
+            hypothesis=control,
+            record=f"1 run of {steps} steps",
+            answer=answer,
+            promised=promised,
+        )
+        for control, (answer, promised) in answers.items()
+    }
+
+
+TRIALS = (
+    Trials(
+        name="independent-errors",
+        scenario=_DRIVE,
+        metric=_within_of_independent,
+        rows=_interval("independent", 1, (0.9, 0.98)),
+        steps=_STEPS,
+        share=_SHARE,
+    ),
+    Trials(
+        name="camera-errors",
+        scenario=_DRIVE.replace(measure=True, headings=None),
+        metric=_within_of_camera,
+        rows=_interval("of a camera", 4, (0.9, 1)),
+        steps=_STEPS,
+        share=_SHARE,
+    ),
+    Trials(
+        name="excitation",
+        scenario=_DRIVE.replace(estimate_parameters=True),
+        vary={"control": _CONTROLS},
+        metric=_excitation,
+        rows=_by_control(
+            "excitation",
+            1200,
+            {"Spin": ("not excited", (0.99, 1)), "DriveAround": ("well", (0.99, 1))},
+        ),
+        steps=1200,
+        share=_SHARE,
+    ),
+    Trials(
+        name="convergence",
+        scenario=_DRIVE.replace(estimate_parameters=True),
+        vary={"control": _CONTROLS},
+        metric=_convergence,
+        rows=_by_control(
+            "convergence",
+            300,
+            {"Spin": ("converged", (0, 0.01)), "DriveAround": ("converged", (0.99, 1))},
+        ),
+        steps=300,
+        share=_SHARE,
+    ),
+)

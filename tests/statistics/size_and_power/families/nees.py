@@ -1,8 +1,9 @@
 """The NEES of a linear Kalman filter, right and with a Q or R that is wrong."""
 
 from robsim.evaluation import nees_consistency
-from size_and_power.linear_filter import filtered
-from size_and_power.row import Row, counted
+from size_and_power.linear_filter import factors, filtered
+from size_and_power.row import Row
+from size_and_power.trials import Trials, random_of
 
 STEPS = 100
 
@@ -26,27 +27,40 @@ _REJECTED = {
 _AT_LIMIT = {(20, 1, 1): (0, 0.1), (20, 1.45, 1): (0.4, 0.8), (20, 0.65, 1): (0.4, 0.8)}
 
 
-def rows(seeds: range) -> list[Row]:
-    """Return the rates of rejections, and of verdicts at the limit."""
-    reports = {case: [_report(case, seed) for seed in seeds] for case in _REJECTED | _AT_LIMIT}
-    found = []
-    for case, promised in _REJECTED.items():
-        given = [verdict != "consistent" for verdict, _ in reports[case]]
-        found.append(counted("NEES", *_texts(case), "rejected", promised, given))
-    for case, promised in _AT_LIMIT.items():
-        given = [at_limit for _, at_limit in reports[case]]
-        found.append(counted("NEES", *_texts(case), "at the limit", promised, given))
-    return found
+def _key(case, answer):
+    return " ".join(f"{number:g}" for number in case) + f" {answer}"
 
 
-def _report(case: tuple[int, float, float], seed: int) -> tuple[str, bool]:
+def _verdicts(trace):
+    given = {}
+    for case in _REJECTED | _AT_LIMIT:
+        runs, q, r = case
+        errors, P, _, _ = filtered(runs, STEPS, q=q, r=r, rng=random_of(trace, runs))
+        report = nees_consistency(errors, P)
+        given[_key(case, "rejected")] = report.verdict != "consistent"
+        given[_key(case, "at the limit")] = report.at_limit
+    return given
+
+
+def _row(case, answer, promised):
     runs, q, r = case
-    errors, P, _, _ = filtered(runs, STEPS, q=q, r=r, seed=[seed, runs])
-    report = nees_consistency(errors, P)
-    return report.verdict, report.at_limit
+    return Row(
+        verdict="NEES",
+        hypothesis=factors(q, r),
+        record=f"{runs} run{'s' if runs > 1 else ''} of {STEPS} steps",
+        answer=answer,
+        promised=promised,
+    )
 
 
-def _texts(case: tuple[int, float, float]) -> tuple[str, str]:
-    runs, q, r = case
-    parts = [f"{name} x {factor:g}" for name, factor in (("Q", q), ("R", r)) if factor != 1]
-    return ", ".join(parts) or "right", f"{runs} run{'s' if runs > 1 else ''} of {STEPS} steps"
+TRIALS = (
+    Trials(
+        name="linear-filter",
+        metric=_verdicts,
+        rows={
+            ("", _key(case, answer)): _row(case, answer, promised)
+            for answer, cases in (("rejected", _REJECTED), ("at the limit", _AT_LIMIT))
+            for case, promised in cases.items()
+        },
+    ),
+)

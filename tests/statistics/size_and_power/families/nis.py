@@ -1,8 +1,9 @@
 """The NIS of a linear Kalman filter, right and with a Q or R that is wrong."""
 
 from robsim.evaluation import nis_consistency
-from size_and_power.linear_filter import filtered
-from size_and_power.row import Row, counted
+from size_and_power.linear_filter import factors, filtered
+from size_and_power.row import Row
+from size_and_power.trials import Trials, random_of
 
 # steps, factor of Q, factor of R -> rate of rejections
 _REJECTED = {
@@ -15,23 +16,44 @@ _REJECTED = {
     (200, 4, 1): (0.08, 1),
 }
 
-
-def rows(seeds: range) -> list[Row]:
-    """Return the rates of rejections, and of verdicts at the limit."""
-    found, right = [], []
-    for (steps, q, r), promised in _REJECTED.items():
-        reports = [_report(steps, q, r, seed) for seed in seeds]
-        parts = [f"{name} x {factor:g}" for name, factor in (("Q", q), ("R", r)) if factor != 1]
-        texts = (", ".join(parts) or "right", f"1 run of {steps} steps")
-        given = [report.verdict != "consistent" for report in reports]
-        found.append(counted("NIS", *texts, "rejected", promised, given))
-        if not parts:
-            # 1 to 3 standard deviations off: 31 % of a normal distribution
-            edge = [report.at_limit for report in reports]
-            right.append(counted("NIS", *texts, "at the limit", (0.25, 0.4), edge))
-    return found + right
+# 1 to 3 standard deviations off: 31 % of a normal distribution
+_AT_LIMIT = {case: (0.25, 0.4) for case in _REJECTED if case[1:] == (1, 1)}
 
 
-def _report(steps: int, q: float, r: float, seed: int):
-    _, _, innovations, S = filtered(1, steps, q=q, r=r, seed=[seed, steps])
-    return nis_consistency(innovations[0], S)
+def _key(case, answer):
+    return " ".join(f"{number:g}" for number in case) + f" {answer}"
+
+
+def _verdicts(trace):
+    given = {}
+    for case in _REJECTED:
+        steps, q, r = case
+        _, _, innovations, S = filtered(1, steps, q=q, r=r, rng=random_of(trace, steps))
+        report = nis_consistency(innovations[0], S)
+        given[_key(case, "rejected")] = report.verdict != "consistent"
+        given[_key(case, "at the limit")] = report.at_limit
+    return given
+
+
+def _row(case, answer, promised):
+    steps, q, r = case
+    return Row(
+        verdict="NIS",
+        hypothesis=factors(q, r),
+        record=f"1 run of {steps} steps",
+        answer=answer,
+        promised=promised,
+    )
+
+
+TRIALS = (
+    Trials(
+        name="linear-filter",
+        metric=_verdicts,
+        rows={
+            ("", _key(case, answer)): _row(case, answer, promised)
+            for answer, cases in (("rejected", _REJECTED), ("at the limit", _AT_LIMIT))
+            for case, promised in cases.items()
+        },
+    ),
+)
