@@ -1,60 +1,62 @@
 """How far parameters identified from tracked poses are off, in units of their standard errors.
 
-    python tests/support/tracked_standard_errors.py --seeds 12 --steps 800 [--jobs 2]
+    python tests/support/tracked_standard_errors.py --runs 12 --steps 800 [--jobs 2]
 
 prints for each world and method the rms of (estimate - truth) / standard error over all parameters
 that a robot that drives around determines, per axis: 1 where the standard errors are right.
 """
 
 import argparse
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 
 import numpy as np
 
 import robsim
 
 METHODS = ("least_squares", "instrumental_variables", "output_error")
+AXES = ("X", "Y", "P")
+SCENARIO = robsim.Scenario(
+    boundary="unlimited", control=robsim.DriveAround(), measure=True, identify_from="measurement"
+)
 WORLDS = {
-    "36 headings": (36, None),
-    "any heading, clean": (None, None),
-    "any heading, 2 %": (None, robsim.GaussianNoise(2)),
-    "any heading, 10 %": (None, robsim.GaussianNoise(10)),
+    "headings": {"36 headings": 36, "any heading": None},
+    "noise": {0: None, 2: robsim.GaussianNoise(2), 10: robsim.GaussianNoise(10)},
 }
 
 
-def deviations(seed, *, world, steps):
-    """Deviations in standard errors (methods, 3, 5)."""
-    headings, noise = WORLDS[world]
-    sim = robsim.Simulation(
-        headings=headings,
-        noise=noise,
-        boundary="unlimited",
-        control=robsim.DriveAround(),
-        measure=True,
-        identify_from="measurement",
-        seed=seed,
-    )
-    trace = sim.run(steps)
-    reports = [robsim.batch_estimate(trace, method=method) for method in METHODS]
-    return np.array([(one.batch - one.theta_true) / one.standard_errors for one in reports])
+def deviations(trace):
+    """Mean squared deviation in standard errors by method and axis; NaN: not determined."""
+    found = {}
+    for method in METHODS:
+        fit = robsim.batch_estimate(trace, method=method)
+        z = (fit.batch - fit.theta_true) / fit.standard_errors
+        z[~np.isfinite(z)] = np.nan
+        means = np.nanmean(np.square(z), axis=1)
+        found |= {f"{method}_{axis}": mean for axis, mean in zip(AXES, means, strict=True)}
+    return found
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("--seeds", type=int, default=12)
+    parser.add_argument("--runs", type=int, default=12)
     parser.add_argument("--steps", type=int, default=800)
     parser.add_argument("--jobs", type=int, default=2)
-    options = parser.parse_args()
-    for world in WORLDS:
-        print(f"\n{world}, {options.seeds} runs of {options.steps} steps: rms of X / Y / P")
-        with ProcessPoolExecutor(options.jobs) as pool:
-            job = partial(deviations, world=world, steps=options.steps)
-            z = np.array(list(pool.map(job, range(options.seeds))))
-        z[~np.isfinite(z)] = np.nan
-        for name, rows in zip(METHODS, z.swapaxes(0, 1), strict=True):
-            rms = np.sqrt(np.nanmean(np.square(rows), axis=(0, 2)))
-            print(f"{name:24}", " / ".join(f"{value:.2f}" for value in rms))
+    given = parser.parse_args()
+    result = robsim.campaign(
+        SCENARIO,
+        vary=WORLDS,
+        metrics={"z2": deviations},
+        runs=given.runs,
+        steps=given.steps,
+        seed=0,
+        executor=given.jobs,
+        on_error="raise",
+    )
+    summary = result.summary()
+    print(f"{given.runs} runs of {given.steps} steps: rms of {' / '.join(AXES)}")
+    for world, means in zip(summary.groups, np.sqrt(summary.mean), strict=True):
+        print(f"\n{world} % noise")
+        for method, rms in zip(METHODS, means.reshape(len(METHODS), -1), strict=True):
+            print(f"{method:24}", " / ".join(f"{value:.2f}" for value in rms))
 
 
 if __name__ == "__main__":
