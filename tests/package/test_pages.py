@@ -25,7 +25,7 @@ def programs(page):
 
 
 def test_there_are_pages():
-    assert [page.name for page in PAGES] == ["measurement.md"]
+    assert [page.name for page in PAGES] == ["measurement.md", "sensitivity.md"]
 
 
 @each
