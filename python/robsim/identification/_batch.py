@@ -79,7 +79,7 @@ class BatchEstimate(Report):
         methods are valid for measured poses with independent errors. Those of a camera are in part
         a function of the pose, and alike in neighbouring steps: the estimates are then further off
         than their standard errors say. Of the default measurement in 800 steps, 1 to 1.3 times with
-        36 drawn headings; with any heading 1.2 to 2.7 times at 10 % of noise, 2 to 5.5 times
+        36 drawn headings; with any heading 1.2 to 3.1 times at 10 % of noise, 2 to 5.5 times
         without.
     standard_errors_unscaled : array (3, 5)
         Standard errors for noise of standard deviation 1 (x, y in `unit`, heading in rad).
