@@ -35,3 +35,8 @@ def factors(q, r):
     """What is wrong with Q and R, in words."""
     parts = [f"{name} x {factor:g}" for name, factor in (("Q", q), ("R", r)) if factor != 1]
     return ", ".join(parts) or "right"
+
+
+def key_of(case, answer):
+    """The key of an answer in a case: length of the record, factors of Q and R."""
+    return " ".join(f"{number:g}" for number in case) + f" {answer}"

@@ -81,13 +81,3 @@ def random_of(trace: robsim.Trace, *place: int) -> np.random.Generator:
     """Return random numbers of a run, others for each place."""
     seed = trace.info.seed  # that of the campaign, and the number of the run
     return np.random.default_rng([seed["entropy"], *seed["spawn_key"], *place])
-
-
-def by_answer(*rows: Row) -> Mapping[tuple[str, str], Row]:
-    """Return the rows of a campaign of one case, by their answers."""
-    return {("", row.answer): row for row in rows}
-
-
-def by_case(*rows: Row) -> Mapping[tuple[str, str], Row]:
-    """Return the rows by their hypothesis, which is the label of the case, and answer."""
-    return {(row.hypothesis, row.answer): row for row in rows}

@@ -1,7 +1,7 @@
 """The NEES of a linear Kalman filter, right and with a Q or R that is wrong."""
 
 from robsim.evaluation import nees_consistency
-from size_and_power.linear_filter import factors, filtered
+from size_and_power.linear_filter import factors, filtered, key_of
 from size_and_power.row import Row
 from size_and_power.trials import Trials, random_of
 
@@ -27,18 +27,14 @@ _REJECTED = {
 _AT_LIMIT = {(20, 1, 1): (0, 0.1), (20, 1.45, 1): (0.4, 0.8), (20, 0.65, 1): (0.4, 0.8)}
 
 
-def _key(case, answer):
-    return " ".join(f"{number:g}" for number in case) + f" {answer}"
-
-
 def _verdicts(trace):
     given = {}
     for case in _REJECTED | _AT_LIMIT:
         runs, q, r = case
         errors, P, _, _ = filtered(runs, STEPS, q=q, r=r, rng=random_of(trace, runs))
         report = nees_consistency(errors, P)
-        given[_key(case, "rejected")] = report.verdict != "consistent"
-        given[_key(case, "at the limit")] = report.at_limit
+        given[key_of(case, "rejected")] = report.verdict != "consistent"
+        given[key_of(case, "at the limit")] = report.at_limit
     return given
 
 
@@ -58,7 +54,7 @@ TRIALS = (
         name="linear-filter",
         metric=_verdicts,
         rows={
-            ("", _key(case, answer)): _row(case, answer, promised)
+            ("", key_of(case, answer)): _row(case, answer, promised)
             for answer, cases in (("rejected", _REJECTED), ("at the limit", _AT_LIMIT))
             for case, promised in cases.items()
         },

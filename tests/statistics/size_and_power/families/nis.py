@@ -1,7 +1,7 @@
 """The NIS of a linear Kalman filter, right and with a Q or R that is wrong."""
 
 from robsim.evaluation import nis_consistency
-from size_and_power.linear_filter import factors, filtered
+from size_and_power.linear_filter import factors, filtered, key_of
 from size_and_power.row import Row
 from size_and_power.trials import Trials, random_of
 
@@ -20,18 +20,14 @@ _REJECTED = {
 _AT_LIMIT = {case: (0.25, 0.4) for case in _REJECTED if case[1:] == (1, 1)}
 
 
-def _key(case, answer):
-    return " ".join(f"{number:g}" for number in case) + f" {answer}"
-
-
 def _verdicts(trace):
     given = {}
     for case in _REJECTED:
         steps, q, r = case
         _, _, innovations, S = filtered(1, steps, q=q, r=r, rng=random_of(trace, steps))
         report = nis_consistency(innovations[0], S)
-        given[_key(case, "rejected")] = report.verdict != "consistent"
-        given[_key(case, "at the limit")] = report.at_limit
+        given[key_of(case, "rejected")] = report.verdict != "consistent"
+        given[key_of(case, "at the limit")] = report.at_limit
     return given
 
 
@@ -51,7 +47,7 @@ TRIALS = (
         name="linear-filter",
         metric=_verdicts,
         rows={
-            ("", _key(case, answer)): _row(case, answer, promised)
+            ("", key_of(case, answer)): _row(case, answer, promised)
             for answer, cases in (("rejected", _REJECTED), ("at the limit", _AT_LIMIT))
             for case, promised in cases.items()
         },
