@@ -101,11 +101,10 @@ class TrackingStatistics(Report):
         return (Quantity("not_seen", "not seen", missed, format=lambda n: f"{n}{text}"),)
 
     def _errors(self) -> tuple[Quantity, ...]:
-        """Return the errors; nothing if the truth is not known."""
-        if self._is_truth_unknown:
-            return ()
+        """Return the errors, whose truth may not be known."""
+        false_poses = None if self._is_truth_unknown else self.false_poses
         return (
-            Quantity("false_poses", "false poses", self.false_poses),
+            Quantity("false_poses", "false poses", false_poses),
             *self._pair("rmse", "rmse"),
             *self._pair("median", "median error"),
             *self._pair("largest", "largest error"),
