@@ -240,10 +240,10 @@ def test_markers_that_nobody_sees_have_no_bound():
 
 
 def test_an_edge_that_tells_no_place_along_it_has_no_bound():
-    image = np.where(np.arange(120) < 60, 70.0, 200.0) * np.ones((120, 1))
-    half = [(-150, 0), (150, 0), (150, 150), (-150, 150)]  # forward, right
+    image = np.where(np.arange(40) < 20, 70.0, 200.0) * np.ones((40, 1))
+    half = [(-50, 0), (50, 0), (50, 50), (-50, 50)]  # forward, right
     with pytest.raises(ValueError, match="robot must have markers from which place and heading"):
-        measurement_bound(grey_frame(image), (59.5, 60, -np.pi / 2), [half])
+        measurement_bound(grey_frame(image), (19.5, 20, -np.pi / 2), [half])
 
 
 def test_a_wrong_pose_is_suspected():
