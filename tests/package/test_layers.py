@@ -69,6 +69,7 @@ PYTHON = {
     "robots": {"robots"},
     "loop": {"simulation"},
     "many runs": {"campaigns"},
+    "submissions": {"grading"},
     "views": {"plotting", "doctor", "bench", "digests", "live"},
     "panels": {"gui"},
     "face": {"__init__"},

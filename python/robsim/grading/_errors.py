@@ -1,0 +1,79 @@
+"""Whose fault it is: errors of a submission, of an assignment, of the grader itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+
+class GradingError(Exception):
+    """What kept something from being graded, and where; its classes say whose fault it is.
+
+    Parameters
+    ----------
+    message : str
+        The whole sentence, with its place in it.
+    slot : str or None
+        The slot.
+    step : int or None
+        The step of the run; None = at the start, or before it.
+    file : str or None
+        The file; ``"s003.ipynb, cell 5"`` of a notebook.
+    line : int or None
+        The line in it, from 1.
+
+    Attributes
+    ----------
+    slot, step, file, line
+        The same.
+    whose : str
+        ``"submission"``, ``"assignment"`` or ``"grader"``.
+    """
+
+    whose: str
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        slot: str | None = None,
+        step: int | None = None,
+        file: str | None = None,
+        line: int | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.slot = slot
+        self.step = step
+        self.file = file
+        self.line = line
+
+    @property
+    def message(self) -> str:
+        """The whole sentence."""
+        return str(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        places = {name: getattr(self, name) for name in ("slot", "step", "file", "line")}
+        return _restored, (type(self), str(self), places)
+
+
+class SubmissionError(GradingError):
+    """The submission is at fault: it cannot be read or loaded, or it failed in a run."""
+
+    whose = "submission"
+
+
+class AssignmentError(GradingError):
+    """The assignment is at fault: a file of the teacher's, its key, its options."""
+
+    whose = "assignment"
+
+
+class GraderError(GradingError):
+    """The grader is at fault, or the machine that it runs on; the submission is not to blame."""
+
+    whose = "grader"
+
+
+def _restored(kind: type[GradingError], message: str, places: Mapping[str, Any]) -> GradingError:
+    return kind(message, **places)

@@ -1,0 +1,18 @@
+"""Workers: processes in which submissions run, shut in, limited, and certainly ended."""
+
+from robsim.grading._isolation._ending import Ending
+from robsim.grading._isolation._limits import Limits
+from robsim.grading._isolation._process import WorkerProcess
+from robsim.grading._isolation._request import Isolation
+from robsim.grading._isolation._start import IsolationError, start_worker
+from robsim.grading._isolation._zygotes import close_zygotes
+
+__all__ = [
+    "Ending",
+    "Isolation",
+    "IsolationError",
+    "Limits",
+    "WorkerProcess",
+    "close_zygotes",
+    "start_worker",
+]

@@ -1,0 +1,85 @@
+"""What a layer of the isolation did, as the report says it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer: its name, whether it holds, and how, or why it does not."""
+
+    name: str
+    holds: bool
+    text: str
+
+    @property
+    def phrase(self) -> str:
+        """The layer in the line of the report: ``"files (Landlock 7)"``."""
+        named = f"{self.name} {self.text}" if self.name == "user" else f"{self.name} ({self.text})"
+        return named if self.holds and self.text else self.name
+
+
+PROCESS, LIMITS, USER, MEMORY = "process", "limits", "user", "memory"
+FILES, CALLS, PIDS, NETWORK = "files", "system calls", "own process numbers", "own network"
+
+
+def attempt(name: str, act: Callable[[], str]) -> Layer:
+    """Return the layer that an action makes; what the action returns says how it holds."""
+    try:
+        return Layer(name, True, act())
+    except OSError as error:
+        return Layer(name, False, error.strerror or str(error))
+
+
+@dataclass(frozen=True)
+class Layers:
+    """All layers of a worker, in the order in which they were made."""
+
+    layers: tuple[Layer, ...]
+
+    def __getitem__(self, name: str) -> Layer:
+        for layer in self.layers:
+            if layer.name == name:
+                return layer
+        return Layer(name, False, "not asked for")
+
+    def holds(self, *names: str) -> bool:
+        """Return whether all of these hold."""
+        return all(self[name].holds for name in names)
+
+    @property
+    def closed(self) -> Mapping[str, bool]:
+        """What is closed to the worker: files, processes, network, the grader's memory."""
+        calls, user = self.holds(CALLS), self.holds(USER)
+        return {
+            "files": self.holds(FILES) and (calls or user),
+            "processes": calls or (user and self.holds(PIDS)),
+            "network": calls or self.holds(NETWORK),
+            "the grader's memory": self.holds(MEMORY) and (calls or user),
+        }
+
+    @property
+    def certain_end(self) -> bool:
+        """Whether nothing can outlive the worker."""
+        return self.holds(CALLS) or self.holds(PIDS) or self.holds(USER)
+
+    @property
+    def line(self) -> str:
+        """What holds and what does not, in one line."""
+        shown = [layer for layer in self.layers if layer.name not in (LIMITS, MEMORY)]
+        held = [layer.phrase for layer in shown if layer.holds]
+        missing = [layer.name for layer in shown if not layer.holds]
+        text = f"isolation: {', '.join(held) or 'none'}"
+        return f"{text}; not: {', '.join(missing)}" if missing else text
+
+    def to_message(self) -> list[list[Any]]:
+        """Return plain values."""
+        return [[layer.name, layer.holds, layer.text] for layer in self.layers]
+
+    @classmethod
+    def from_message(cls, message: list[list[Any]]) -> Layers:
+        """Return the layers that plain values tell of."""
+        return cls(tuple(Layer(*values) for values in message))

@@ -1,0 +1,63 @@
+"""What a worker may take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robsim._base.checks import check_float, check_int
+
+_MI = 1 << 20
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What one run of a submission may take: time, memory, output, files, threads.
+
+    Parameters
+    ----------
+    call : float, default: 1.0
+        One callback (s), by the grader's clock.
+    first_call : float, default: 10.0
+        Loading the submission, and the first call (s).
+    run : float, default: 60.0
+        The whole run (s).
+    cpu : float, default: 60.0
+        Processor time of all threads together (s); counted in whole seconds, rounded up.
+    memory : int, default: 1 GiB
+        Address space (bytes), with some 0.4 GiB that Python, numpy and robsim take of it.
+    output : int, default: 64 KiB
+        What is kept of the text that it prints (bytes); the rest is read and dropped.
+    file_size : int, default: 1 MiB
+        The largest file that it may write (bytes), in its scratch folder.
+    open_files : int, default: 64
+        Open files, with the few that it begins with.
+    threads : int, default: 32
+        Threads, its first one among them. Kept only where the worker has a user of its own.
+    """
+
+    call: float = 1.0
+    first_call: float = 10.0
+    run: float = 60.0
+    cpu: float = 60.0
+    memory: int = 1024 * _MI
+    output: int = 64 << 10
+    file_size: int = _MI
+    open_files: int = 64
+    threads: int = 32
+
+    def __post_init__(self) -> None:
+        for name in ("call", "first_call", "run", "cpu"):
+            check_float(name, getattr(self, name), "s", exclusive_minimum=0, maximum=1e6)
+        check_int("memory", self.memory, minimum=64 * _MI, maximum=1 << 46)
+        check_int("output", self.output, minimum=0, maximum=1 << 30)
+        check_int("file_size", self.file_size, minimum=0, maximum=1 << 40)
+        check_int("open_files", self.open_files, minimum=16, maximum=1 << 16)
+        check_int("threads", self.threads, minimum=1, maximum=1 << 12)
+
+    @property
+    def memory_text(self) -> str:
+        """The limit of the memory as a reader knows it: ``"1 GiB"``."""
+        for unit, size in (("GiB", 1 << 30), ("MiB", _MI)):
+            if self.memory >= size:
+                return f"{self.memory / size:.4g} {unit}"
+        raise AssertionError("memory is at least 64 MiB")

@@ -1,0 +1,169 @@
+"""A worker as the grader sees it: what it prints, how it ends, and its end."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import socket
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from types import TracebackType
+from typing import Any, Self
+
+from robsim.grading._errors import GraderError
+from robsim.grading._isolation._ending import GRADER_LOST_IT, STILL_RUNS, Ending, ending_of
+from robsim.grading._isolation._layers.layer import Layers
+from robsim.grading._isolation._request import Request
+
+_START = 30.0  # s that a worker may take to shut itself in
+_AT_ONCE = 1 << 16  # bytes
+
+
+class WorkerLost(Exception):
+    """The process that starts workers was killed before it told of one."""
+
+
+class WorkerProcess:
+    """A worker that runs, or has run. Its methods may be called from any thread.
+
+    A context manager, which ends it. Made by `start_worker`.
+
+    Attributes
+    ----------
+    layers : Layers
+        What shuts it in.
+    output : str
+        What it has printed, cut.
+    """
+
+    def __init__(
+        self,
+        request: Request,
+        life: socket.socket,
+        output: int,
+        *,
+        on_end: Callable[[Ending], None] = lambda ending: None,
+    ) -> None:
+        self._request = request
+        self._life = life
+        self._pipe = output
+        self._kept = bytearray()
+        self._dropped = 0
+        self._killed = False
+        self._ending: Ending | None = None
+        self._over = threading.Event()
+        self._on_end = on_end
+        self._sending = threading.Lock()
+        try:
+            self.layers = self._first_report()
+        except BaseException:
+            self._life.close()
+            os.close(self._pipe)
+            raise
+        self._watcher = threading.Thread(target=self._watch, name="robsim worker", daemon=True)
+        self._watcher.start()
+
+    def _first_report(self) -> Layers:
+        self._life.settimeout(_START)
+        try:
+            report = self._life.recv(_AT_ONCE)
+        except TimeoutError:
+            message = f"a worker did not shut itself in within {_START:g} s"
+            raise GraderError(message) from None
+        except OSError:
+            report = b""
+        self._life.settimeout(None)
+        if not report:
+            raise WorkerLost
+        content = json.loads(report)
+        if "layers" not in content:
+            raise GraderError(f"a worker could not be started: {self._failure(content)}")
+        return Layers.from_message(content["layers"])
+
+    def _failure(self, content: dict[str, Any]) -> str:
+        if "failed" in content:
+            return str(content["failed"])
+        self._read_what_is_there()
+        return self.output.strip().rpartition("\n")[2] or "it ended by itself"
+
+    def _watch(self) -> None:
+        """Read what it prints, until it has ended."""
+        waiting = [self._life.fileno(), self._pipe]
+        while True:
+            ready, _, _ = select.select(waiting, [], [])
+            if self._pipe in ready and not self._read():
+                waiting.remove(self._pipe)
+            if self._life.fileno() in ready:
+                break
+        ending = self._last_report()
+        self._read_what_is_there()
+        os.close(self._pipe)
+        with self._sending:
+            self._life.close()
+        self._ending = ending
+        try:
+            self._on_end(ending)
+        finally:
+            self._over.set()
+
+    def _read(self) -> bool:
+        """Read some of the output; return False at its end."""
+        part = os.read(self._pipe, _AT_ONCE)
+        room = max(0, self._request.limits.output - len(self._kept))
+        self._kept += part[:room]
+        self._dropped += len(part) - len(part[:room])
+        return bool(part)
+
+    def _read_what_is_there(self) -> None:
+        """Read what is in the pipe, which a process that is left may keep open."""
+        for _ in range(64):
+            if not select.select([self._pipe], [], [], 0)[0] or not self._read():
+                return
+
+    def _last_report(self) -> Ending:
+        try:
+            report = self._life.recv(_AT_ONCE)
+        except OSError:
+            report = b""
+        if not report:
+            return GRADER_LOST_IT
+        told = json.loads(report)
+        return ending_of(
+            *(told["status"], told["cpu"], told["max_rss"]),
+            limits=self._request.limits,
+            killed=self._killed,
+            left=told["left"],
+        )
+
+    @property
+    def output(self) -> str:
+        """What it has printed, with a line that says where it was cut. It may be anything."""
+        text = bytes(self._kept).decode("utf-8", "replace")
+        if not self._dropped:
+            return text
+        return f"{text}\n... cut after {self._request.limits.output} bytes"
+
+    def kill(self) -> None:
+        """End it, and whatever it has started, without asking; return when nothing is left."""
+        self._killed = True
+        with self._sending, suppress(OSError):  # it has ended
+            self._life.shutdown(socket.SHUT_WR)
+        self._over.wait()
+
+    def wait(self, timeout: float | None = None) -> Ending:
+        """Return how it ended, or, after a time (s), that it still runs."""
+        self._over.wait(timeout)
+        return self._ending or STILL_RUNS
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.kill()

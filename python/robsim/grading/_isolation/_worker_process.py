@@ -1,0 +1,131 @@
+"""From a fresh process to a worker that is shut in and does its work; in the worker."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import json
+import os
+import select
+import signal
+import socket
+import sys
+import tempfile
+import traceback
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import NoReturn, TextIO
+
+from robsim.grading._isolation._ending import NO_MEMORY, NOT_SHUT_IN
+from robsim.grading._isolation._layers.layer import PROCESS, Layer, Layers
+from robsim.grading._isolation._request import Request
+
+#: A descriptor of a path and what is granted below it (`_layers.landlock`).
+Grants = Sequence[tuple[int, int]]
+
+
+def become_worker(
+    request: Request,
+    descriptors: Sequence[int],
+    *,
+    scratch: str,
+    grants: Grants = (),
+    alive: int | None = None,
+    made: Sequence[Layer] = (),
+) -> NoReturn:
+    """Turn this process into the worker that is asked for; never return.
+
+    Parameters
+    ----------
+    request : Request
+        What it is to be.
+    descriptors : sequence of int
+        Its channel, what it prints to, what it reports to, and its memory.
+    scratch : str
+        Its folder.
+    grants : sequence
+        What it may read.
+    alive : int, optional
+        A pipe that ends with the process that started this one.
+    made : sequence of Layer
+        Layers that are there already.
+    """
+    code = NOT_SHUT_IN
+    try:
+        channel, output, life, *memory = descriptors
+        _be_alone(output, [channel, life, *memory, *(g[0] for g in grants)], scratch, alive)
+        with socket.socket(fileno=life) as report:
+            layers = Layers((Layer(PROCESS, True, ""), *made, *_shut_in(request, grants)))
+            report.send(json.dumps({"layers": layers.to_message()}).encode())
+        if request.isolation != "strict" or all(layers.closed.values()):
+            code = _work(request, channel, memory)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        os._exit(code)
+
+
+def _be_alone(output: int, keep: Sequence[int], scratch: str, alive: int | None) -> None:
+    """Leave the session, the descriptors, the folder and the signals of the process before."""
+    signal.set_wakeup_fd(-1)
+    for number in (signal.SIGCHLD, signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, signal.SIG_DFL)
+    if os.getsid(0) != os.getpid():
+        os.setsid()
+    if alive is not None and select.select([alive], [], [], 0)[0]:
+        raise RuntimeError("the process that started this one is gone")
+    null = os.open(os.devnull, os.O_RDWR)
+    os.dup2(null, 0)
+    os.dup2(output, 1)
+    os.dup2(output, 2)
+    _close_all_but({0, 1, 2, *keep})
+    sys.stdout, sys.stderr = _unbuffered(1), _unbuffered(2)
+    os.chdir(scratch)
+    for name in ("HOME", "TMPDIR", "TMP", "TEMP", "MPLCONFIGDIR"):
+        os.environ[name] = scratch
+    tempfile.tempdir = scratch
+
+
+def _unbuffered(descriptor: int) -> TextIO:
+    """Return a stream in which what is printed is there, however the process ends."""
+    raw = open(descriptor, "wb", buffering=0, closefd=False)  # noqa: SIM115
+    return io.TextIOWrapper(raw, "utf-8", "backslashreplace", write_through=True)
+
+
+def _close_all_but(keep: set[int]) -> None:
+    try:
+        opened = [int(name) for name in os.listdir("/dev/fd")]
+    except OSError:
+        opened = list(range(256))
+    for number in set(opened) - keep:
+        with suppress(OSError):  # that of the list itself
+            os.close(number)
+
+
+def _shut_in(request: Request, grants: Grants) -> list[Layer]:
+    if request.isolation == "none":
+        return []
+    if sys.platform == "linux":
+        from robsim.grading._isolation._layers.shut_in import shut_in
+
+        return shut_in(request, grants)
+    from robsim.grading._isolation._layers.elsewhere import shut_in_elsewhere
+
+    return shut_in_elsewhere(request)
+
+
+def _work(request: Request, channel: int, memory: list[int]) -> int:
+    """Call the entry; return the exit code."""
+    module, _, function = request.entry.partition(":")
+    try:
+        work = getattr(importlib.import_module(module), function)
+        with socket.socket(fileno=channel) as connection:
+            work(connection, tuple(memory))
+    except MemoryError:
+        return NO_MEMORY
+    except SystemExit as error:
+        return error.code if isinstance(error.code, int) else int(error.code is not None)
+    except BaseException:
+        traceback.print_exc()
+        return 1
+    return 0

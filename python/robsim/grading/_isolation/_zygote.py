@@ -1,0 +1,224 @@
+"""The zygote: a trusted process that has imported what workers need, and forks them.
+
+It has one thread, reads requests from the grader, and never runs a student's code. Its end is
+that of its workers: each asks for SIGKILL when its parent dies.
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import json
+import os
+import selectors
+import signal
+import socket
+import sys
+import traceback
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from robsim.grading._isolation import _scratch
+from robsim.grading._isolation._descendants import end_strays
+from robsim.grading._isolation._layers import calls, landlock, users
+from robsim.grading._isolation._layers.layer import Layer
+from robsim.grading._isolation._layers.namespaces import leave_network, own_pids
+from robsim.grading._isolation._layers.shut_in import readable_trees
+from robsim.grading._isolation._request import Request
+from robsim.grading._isolation._worker_process import become_worker
+
+#: Longest request (bytes).
+LONGEST = 1 << 16
+_MOST_DESCRIPTORS = 16
+
+
+@dataclass
+class _Child:
+    process: int
+    life: socket.socket
+    user: int | None
+    scratch: str
+    own_pids: bool
+
+
+class Zygote:
+    """The loop that forks workers, ends them, and tells how they ended."""
+
+    def __init__(self, control: socket.socket, *, base: str, made: list[Layer], shut: bool) -> None:
+        self._control = control
+        self._base = base
+        self._made = made
+        self._shut = shut
+        self._children: dict[int, _Child] = {}
+        self._grants: dict[tuple[str, ...], list[landlock.Grant]] = {}
+        self._selector = selectors.DefaultSelector()
+        self._alive = os.pipe()
+        self._signals, self._signalled = socket.socketpair()
+        self._open = True
+
+    def serve(self) -> None:
+        """Serve until the grader is gone; then end all workers."""
+        self._signals.setblocking(False)
+        self._signalled.setblocking(False)
+        signal.set_wakeup_fd(self._signalled.fileno(), warn_on_full_buffer=False)
+        signal.signal(signal.SIGCHLD, lambda number, frame: None)
+        self._selector.register(self._control, selectors.EVENT_READ, self._hear)
+        self._selector.register(self._signals, selectors.EVENT_READ, self._reap)
+        while self._open:
+            for key, _ in self._selector.select():
+                key.data()
+        for child in list(self._children.values()):
+            self._kill(child)
+            os.waitpid(child.process, 0)
+            self._clean(child)
+
+    def _hear(self) -> None:
+        """Take a request of the grader's, or notice that it is gone."""
+        try:
+            message, descriptors, _, _ = socket.recv_fds(self._control, LONGEST, _MOST_DESCRIPTORS)
+        except ConnectionError:
+            message, descriptors = b"", []
+        if not message:
+            self._open = False
+            return
+        content = json.loads(message)
+        if "end user" in content:
+            users.end_all_of(content["end user"])
+        else:
+            self._start(Request.from_message(content), descriptors)
+
+    def _start(self, request: Request, descriptors: list[int]) -> None:
+        """Fork a worker."""
+        _, _, number, *_ = descriptors
+        life = socket.socket(fileno=number)
+        try:
+            scratch = _scratch.make_scratch(self._base, request.user)
+            process, pids = self._fork(request, descriptors, scratch)
+        except OSError as error:  # no memory, too many processes
+            with suppress(OSError):
+                life.send(json.dumps({"failed": str(error)}).encode())
+            life.close()
+            return
+        finally:
+            for descriptor in set(descriptors) - {number}:
+                os.close(descriptor)
+        child = _Child(process, life, request.user, scratch, pids)
+        self._children[process] = child
+        self._selector.register(life, selectors.EVENT_READ, partial(self._hear_of, child))
+
+    def _fork(self, request: Request, descriptors: list[int], scratch: str) -> tuple[int, bool]:
+        """Return the number of the worker's process, and whether it has numbers of its own."""
+        if not request.shut:
+            return self._forked(request, descriptors, scratch, [], []), False
+        grants = self._grants_for(request.hidden)
+        with own_pids() as pids:
+            made = [*self._made, pids]
+            return self._forked(request, descriptors, scratch, grants, made), pids.holds
+
+    def _forked(
+        self,
+        request: Request,
+        descriptors: list[int],
+        scratch: str,
+        grants: list[landlock.Grant],
+        made: list[Layer],
+    ) -> int:
+        process = os.fork()
+        if process == 0:
+            os.close(self._alive[1])
+            alive = self._alive[0]
+            become_worker(
+                request, descriptors, scratch=scratch, grants=grants, alive=alive, made=made
+            )
+        return process
+
+    def _grants_for(self, hidden: tuple[str, ...]) -> list[landlock.Grant]:
+        if hidden not in self._grants:
+            trees = readable_trees(list(sys.modules))
+            self._grants[hidden] = landlock.open_grants(trees, [Path(path) for path in hidden])
+        return self._grants[hidden]
+
+    def _hear_of(self, child: _Child) -> None:
+        """End a worker: the grader asks for it, or is not interested in it any more."""
+        self._selector.unregister(child.life)
+        self._kill(child)
+
+    def _kill(self, child: _Child) -> None:
+        with suppress(ProcessLookupError):  # not reaped yet, so that the number is its own
+            os.kill(child.process, signal.SIGKILL)
+
+    def _reap(self) -> None:
+        """Take leave of the workers that have ended."""
+        with suppress(BlockingIOError):
+            while self._signals.recv(4096):
+                pass
+        with suppress(ChildProcessError):
+            while True:
+                process, status, usage = os.wait4(-1, os.WNOHANG)
+                if process == 0:
+                    return
+                if child := self._children.pop(process, None):
+                    left = self._clean(child)
+                    self._tell(
+                        child, status, usage.ru_utime + usage.ru_stime, usage.ru_maxrss, left
+                    )
+
+    def _clean(self, child: _Child) -> list[str]:
+        """Remove what a worker may have left; return what is still there."""
+        left: list[str] = []
+        if not child.own_pids:  # else the kernel has ended all that was in there
+            if child.user is not None:
+                users.end_all_of(child.user)
+            strays = end_strays(set(self._children))
+            left += [f"process {process}" for process in strays]
+        _scratch.remove(child.scratch)
+        if os.path.lexists(child.scratch):
+            left.append(f"folder {child.scratch}")
+        return left
+
+    def _tell(self, child: _Child, status: int, cpu: float, rss: int, left: list[str]) -> None:
+        ending = {"status": status, "cpu": cpu, "max_rss": rss * 1024, "left": left}
+        with suppress(OSError):  # the grader is not interested
+            child.life.send(json.dumps(ending).encode())
+        with suppress(KeyError, ValueError):
+            self._selector.unregister(child.life)
+        child.life.close()
+
+
+def main(descriptor: int) -> None:
+    """Be the zygote of the grader at the other end of a socket."""
+    control = socket.socket(fileno=descriptor)
+    setup = json.loads(control.recv(LONGEST))
+    base = setup["base"]
+    try:
+        try:
+            zygote = _prepared(control, setup)
+        except BaseException as error:
+            traceback.print_exc()
+            control.send(json.dumps({"failed": f"{type(error).__name__}: {error}"[:2000]}).encode())
+            return
+        control.send(json.dumps({"ready": os.getpid()}).encode())
+        zygote.serve()
+    finally:
+        _scratch.remove(base)
+
+
+def _prepared(control: socket.socket, setup: dict[str, object]) -> Zygote:
+    shut, base = bool(setup["shut"]), str(setup["base"])
+    made = [leave_network()] if shut else []
+    calls.prctl(calls.PR_SET_CHILD_SUBREAPER, 1)
+    modules, path = setup["modules"], setup["path"]
+    assert isinstance(modules, list)
+    assert isinstance(path, list)
+    sys.path.extend(path)
+    for module in modules:
+        importlib.import_module(module)
+    if (threads := len(os.listdir("/proc/self/task"))) > 1:
+        raise RuntimeError(f"{', '.join(modules)} start {threads - 1} threads when imported")
+    if shut:
+        calls.prctl(calls.PR_SET_DUMPABLE, 0)
+    gc.collect()
+    gc.freeze()
+    return Zygote(control, base=base, made=made, shut=shut)

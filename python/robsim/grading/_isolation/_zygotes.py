@@ -1,0 +1,171 @@
+"""The grader's zygotes: started when the first worker is asked for, replaced when they die."""
+
+from __future__ import annotations
+
+import atexit
+import json
+import os
+import socket
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from robsim.grading._errors import GraderError
+from robsim.grading._isolation import _scratch
+from robsim.grading._isolation._request import Request
+
+_START = 60.0  # s that the imports of a zygote may take
+_END = 10.0  # s that its workers and folders may take to be removed
+
+# What a worker keeps of the grader's environment: how numbers are computed, and nothing else.
+_KEPT = ("OPENBLAS_CORETYPE", "GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES", "ROBSIM_CPU")
+_SET = {
+    "PATH": "/usr/bin:/bin",
+    "LANG": "C.UTF-8",
+    "MPLBACKEND": "agg",
+    "MALLOC_ARENA_MAX": "2",  # an arena for each thread takes 128 MiB of addresses
+    **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"),
+}
+
+
+@dataclass(frozen=True)
+class ZygoteSetup:
+    """What a zygote is like: the modules it imports, where it looks for them, what it shuts."""
+
+    modules: tuple[str, ...]
+    path: tuple[str, ...]
+    shut: bool
+
+
+class ZygoteProcess:
+    """A zygote, as the grader sees it."""
+
+    def __init__(self, setup: ZygoteSetup) -> None:
+        self.base = _scratch.make_base()
+        try:
+            self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+            with theirs:
+                self._process = _started(theirs.fileno(), self.base)
+            self._prepare(setup)
+        except BaseException:
+            self.close()
+            raise
+
+    def _prepare(self, setup: ZygoteSetup) -> None:
+        message = {"modules": setup.modules, "path": setup.path, "shut": setup.shut}
+        self._control.settimeout(_START)
+        try:
+            self._control.send(json.dumps({**message, "base": self.base}).encode())
+            answer = json.loads(self._control.recv(1 << 16) or b"{}")
+        except TimeoutError:
+            answer = {"failed": f"not ready within {_START:g} s"}
+        except OSError as error:
+            answer = {"failed": str(error)}
+        self._control.settimeout(None)
+        if "ready" not in answer:
+            reason = answer.get("failed", "it ended by itself")
+            raise GraderError(f"the process that starts workers could not be prepared: {reason}")
+
+    @property
+    def process(self) -> int:
+        """Its process number."""
+        return self._process.pid
+
+    @property
+    def alive(self) -> bool:
+        """Whether it runs."""
+        return self._process.poll() is None
+
+    def ask(self, request: Request, descriptors: list[int]) -> None:
+        """Ask for a worker, from any thread; OSError if the zygote is gone."""
+        message = json.dumps(request.to_message()).encode()
+        socket.send_fds(self._control, [message], descriptors)
+
+    def end_user(self, user: int) -> None:
+        """End all that a user runs: what workers of a zygote that was killed may have left."""
+        self._control.send(json.dumps({"end user": user}).encode())
+
+    def let_go(self) -> None:
+        """Forget it, in a forked process."""
+        self._control.close()
+
+    def close(self) -> None:
+        """End it, its workers, and all their folders."""
+        if hasattr(self, "_control"):
+            self._control.close()
+        if hasattr(self, "_process"):
+            try:
+                self._process.wait(_END)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+        _scratch.remove(self.base)
+
+
+def _started(descriptor: int, base: str) -> subprocess.Popen[bytes]:
+    package = str(Path(__file__).parents[3])
+    code = (
+        f"import sys; sys.path.append({package!r}); "
+        f"from robsim.grading._isolation._zygote import main; main({descriptor})"
+    )
+    kept = {name: os.environ[name] for name in _KEPT if name in os.environ}
+    return subprocess.Popen(
+        [sys.executable, "-I", "-c", code],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        pass_fds=[descriptor],
+        env={**_SET, "HOME": base, **kept},
+        cwd="/",
+        start_new_session=True,  # Ctrl-C is for the grader
+    )
+
+
+_zygotes: dict[ZygoteSetup, ZygoteProcess] = {}
+_lost_users: list[int] = []
+_lock = threading.Lock()
+
+
+def zygote_for(setup: ZygoteSetup) -> ZygoteProcess:
+    """Return the zygote of a set-up; start it where there is none, or it was killed."""
+    with _lock:
+        zygote = _zygotes.get(setup)
+        if zygote is None or not zygote.alive:
+            if zygote is not None:
+                zygote.close()
+            zygote = _zygotes[setup] = ZygoteProcess(setup)
+            while _lost_users:
+                zygote.end_user(_lost_users.pop())
+        return zygote
+
+
+def lose_user(user: int) -> None:
+    """Let the next zygote end all of a user whose worker's zygote was killed."""
+    with _lock:
+        _lost_users.append(user)
+
+
+def close_zygotes() -> None:
+    """End all zygotes of this process with their workers; the next worker gets a new one."""
+    with _lock:
+        while _zygotes:
+            _, zygote = _zygotes.popitem()
+            zygote.close()
+
+
+def _forget_zygotes() -> None:
+    """They are those of the parent: a forked process has none."""
+    global _lock
+    _lock = threading.Lock()
+    for zygote in _zygotes.values():
+        with suppress(OSError):
+            zygote.let_go()
+    _zygotes.clear()
+    _lost_users.clear()
+
+
+atexit.register(close_zygotes)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget_zygotes)

@@ -1,0 +1,124 @@
+"""A worker is started, does its work, is limited, and ends; how it ended is said in words."""
+
+import os
+import socket
+import sys
+import threading
+
+import pytest
+
+from robsim.grading._isolation import Limits, start_worker
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
+
+LEVELS = ["none", "process", "auto"]
+
+
+@pytest.mark.parametrize("isolation", LEVELS)
+def test_the_entry_gets_the_channel_and_the_memory(worker, isolation):
+    memory = os.memfd_create("frames")
+    os.write(memory, b"pixels")
+    source = "import os; channel.sendall(b'%d ' % len(memory) + os.pread(memory[0], 9, 0))"
+    with worker(source, isolation=isolation, memory=[memory]) as (started, channel):
+        assert channel.recv(99) == b"1 pixels"
+        assert started.wait(60).text == "the worker ended by itself (exit code 0)"
+        assert channel.recv(99) == b""
+    os.close(memory)
+
+
+@pytest.mark.parametrize(
+    ("source", "text"),
+    [
+        ("raise SystemExit(3)", "the worker ended by itself (exit code 3)"),
+        ("import os; os._exit(0)", "the worker ended by itself (exit code 0)"),
+        ("1 / 0", "the worker ended by itself (exit code 1)"),
+        ("import ctypes; ctypes.string_at(0)", "the worker was ended by signal SIGSEGV"),
+        ("bytearray(2 << 30)", "the worker asked for more than 1 GiB of memory"),
+    ],
+)
+def test_how_a_worker_ended_is_said_in_words(ended, source, text):
+    ending, _ = ended(source)
+    assert ending.text == text
+    assert ending.over
+    assert ending.cpu_seconds >= 0
+    assert ending.max_rss > 1 << 20
+    assert not ending.left
+
+
+def test_processor_time_of_all_threads_is_limited_and_counted(ended):
+    spin = """
+import threading
+def spin():
+    while True: pass
+for _ in range(3): threading.Thread(target=spin, daemon=True).start()
+spin()
+"""
+    ending, _ = ended(spin, cpu=1)
+    assert ending.text == "the worker used more than 1 s of processor time"
+    assert ending.cpu_seconds >= 0.9
+
+
+def test_output_is_cut_and_the_rest_dropped(ended):
+    ending, output = ended("for _ in range(300): print('x' * 9999)", output=1000)
+    assert ending.text == "the worker ended by itself (exit code 0)"
+    assert output == "x" * 1000 + "\n... cut after 1000 bytes"
+
+
+def test_a_worker_that_runs_says_so_and_is_ended(worker):
+    with worker("import time; print('here'); channel.sendall(b'x'); time.sleep(99)") as (
+        w,
+        channel,
+    ):
+        assert channel.recv(1) == b"x"
+        assert not w.wait(0).over
+        w.kill()
+        assert w.wait(0).text == "the worker was ended by the grader"
+        assert w.output == "here\n"
+        assert channel.recv(1) == b""
+        w.kill()  # once more does no harm
+
+
+def test_workers_of_many_threads_at_once(worker):
+    outputs = []
+
+    def one(number):
+        with worker(f"print({number})") as (started, _):
+            started.wait(60)
+        outputs.append(started.output)
+
+    threads = [threading.Thread(target=one, args=(number,)) for number in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(outputs) == [f"{number}\n" for number in range(6)]
+
+
+def test_nothing_of_the_grader_is_in_a_worker(ended, monkeypatch):
+    monkeypatch.setenv("ROBSIM_SECRET", "7")
+    _, output = ended(
+        "import os, sys; print([*os.environ], sys.argv, sorted(map(int, os.listdir('/dev/fd'))))",
+        isolation="process",
+    )
+    assert "ROBSIM_SECRET" not in output
+    assert "['-c']" in output
+    assert "[0, 1, 2, 3" in output
+    assert output.count(",") < 30
+
+
+def test_each_worker_is_fresh(ended):
+    source = "import robsim; print(hasattr(robsim, 'mark')); robsim.mark = 1"
+    assert [ended(source)[1] for _ in range(2)] == ["False\n"] * 2
+
+
+def test_wrong_arguments_are_refused():
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        with pytest.raises(ValueError, match="isolation must be one of 'auto'"):
+            start_worker(entry="a:b", channel=theirs, isolation="Auto")
+        with pytest.raises(ValueError, match="entry must be 'module:function'"):
+            start_worker(entry="a", channel=theirs)
+    with pytest.raises(ValueError, match="memory must lie within"):
+        Limits(memory=1)
+    with pytest.raises(TypeError, match="call must be a number"):
+        Limits(call="1")
