@@ -34,7 +34,7 @@ def worker(entries):
     """Start a worker that runs a source; gives it, and the grader's end of its channel."""
 
     @contextmanager
-    def start(source, *, isolation="auto", memory=(), hidden=(), **limits):
+    def start(source, *, isolation="auto", memory=(), hidden=(), without=(), **limits):
         ours, theirs = socket.socketpair()
         with ours:
             with theirs:
@@ -44,6 +44,7 @@ def worker(entries):
                     memory=memory,
                     isolation=isolation,
                     hidden=hidden,
+                    without=without,
                     path=(entries,),
                     limits=Limits(**limits),
                 )

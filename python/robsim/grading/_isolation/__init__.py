@@ -1,5 +1,6 @@
 """Workers: processes in which submissions run, shut in, limited, and certainly ended."""
 
+from robsim.grading._isolation._check import IsolationReport, check_isolation
 from robsim.grading._isolation._ending import Ending
 from robsim.grading._isolation._limits import Limits
 from robsim.grading._isolation._process import WorkerProcess
@@ -11,8 +12,10 @@ __all__ = [
     "Ending",
     "Isolation",
     "IsolationError",
+    "IsolationReport",
     "Limits",
     "WorkerProcess",
+    "check_isolation",
     "close_zygotes",
     "start_worker",
 ]

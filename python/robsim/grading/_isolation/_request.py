@@ -27,8 +27,8 @@ class Request:
         Folders and files that it must not read.
     user : int or None
         The number of the user that it is to become.
-    memory : int
-        How many descriptors of memory come with it.
+    without : tuple of str
+        Names of layers to leave out.
     """
 
     entry: str
@@ -36,7 +36,7 @@ class Request:
     isolation: Isolation
     hidden: tuple[str, ...] = ()
     user: int | None = None
-    memory: int = 0
+    without: tuple[str, ...] = ()
 
     @property
     def shut(self) -> bool:
@@ -55,5 +55,6 @@ class Request:
                 **message,
                 "limits": Limits(**message["limits"]),
                 "hidden": tuple(message["hidden"]),
+                "without": tuple(message["without"]),
             }
         )

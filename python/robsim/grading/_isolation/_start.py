@@ -12,6 +12,7 @@ from robsim._base.spelling import suggestion
 from robsim._base.text import quoted
 from robsim.grading._errors import GraderError
 from robsim.grading._isolation._ending import GRADER_LOST_IT, Ending
+from robsim.grading._isolation._layers.layer import NETWORK, USER
 from robsim.grading._isolation._limits import Limits
 from robsim.grading._isolation._process import WorkerLost, WorkerProcess
 from robsim.grading._isolation._request import LEVELS, Isolation, Request
@@ -34,6 +35,7 @@ def start_worker(
     hidden: Sequence[str] = (),
     modules: Sequence[str] = ("numpy", "robsim"),
     path: Sequence[str] = (),
+    without: Sequence[str] = (),
 ) -> WorkerProcess:
     """Start a process that is shut in, and there calls trusted code, which runs a submission.
 
@@ -59,6 +61,8 @@ def start_worker(
         seen a submission: what these modules do when imported, they do with the grader's rights.
     path : sequence of str
         Further folders in which modules are looked for.
+    without : sequence of str
+        Names of layers to leave out, as the report has them: to try what the others hold.
 
     Raises
     ------
@@ -79,11 +83,16 @@ def start_worker(
         limits=limits or Limits(),
         isolation=isolation,
         hidden=tuple(map(os.path.abspath, hidden)),
-        memory=len(memory),
+        without=tuple(without),
     )
     descriptors = [channel.fileno(), *memory]
     if sys.platform == "linux":
-        setup = ZygoteSetup(tuple(dict.fromkeys((*modules, module))), tuple(path), request.shut)
+        setup = ZygoteSetup(
+            tuple(dict.fromkeys((*modules, module))),
+            tuple(path),
+            shut=request.shut,
+            network=NETWORK in request.without,
+        )
         worker = _from_zygote(setup, request, descriptors)
     else:
         from robsim.grading._isolation._fresh import fresh_worker
@@ -95,7 +104,7 @@ def start_worker(
 
 
 def _from_zygote(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> WorkerProcess:
-    if request.shut:
+    if request.isolation != "none":
         _close_own_memory()
     for _ in range(_TRIES):
         try:
@@ -112,7 +121,7 @@ def _asked(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> Work
     from robsim.grading._isolation._layers import users
 
     zygote = zygote_for(setup)
-    user = users.take_user() if request.shut else None
+    user = users.take_user() if request.shut and USER not in request.without else None
     request = replace(request, user=user)
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     reading, writing = os.pipe()

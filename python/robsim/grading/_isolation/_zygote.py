@@ -23,9 +23,9 @@ from pathlib import Path
 from robsim.grading._isolation import _scratch
 from robsim.grading._isolation._descendants import end_strays
 from robsim.grading._isolation._layers import calls, landlock, users
-from robsim.grading._isolation._layers.layer import Layer
+from robsim.grading._isolation._layers.layer import PIDS, Layer
 from robsim.grading._isolation._layers.namespaces import leave_network, own_pids
-from robsim.grading._isolation._layers.shut_in import readable_trees
+from robsim.grading._isolation._layers.shut_in import readable_trees, way_to
 from robsim.grading._isolation._request import Request
 from robsim.grading._isolation._worker_process import become_worker
 
@@ -93,8 +93,9 @@ class Zygote:
         """Fork a worker."""
         _, _, number, *_ = descriptors
         life = socket.socket(fileno=number)
+        user = request.user if way_to(request.user, request)[0] else None
         try:
-            scratch = _scratch.make_scratch(self._base, request.user)
+            scratch = _scratch.make_scratch(self._base, user)
             process, pids = self._fork(request, descriptors, scratch)
         except OSError as error:  # no memory, too many processes
             with suppress(OSError):
@@ -104,7 +105,7 @@ class Zygote:
         finally:
             for descriptor in set(descriptors) - {number}:
                 os.close(descriptor)
-        child = _Child(process, life, request.user, scratch, pids)
+        child = _Child(process, life, user, scratch, pids)
         self._children[process] = child
         self._selector.register(life, selectors.EVENT_READ, partial(self._hear_of, child))
 
@@ -113,7 +114,7 @@ class Zygote:
         if not request.shut:
             return self._forked(request, descriptors, scratch, [], []), False
         grants = self._grants_for(request.hidden)
-        with own_pids() as pids:
+        with own_pids(leave=PIDS not in request.without) as pids:
             made = [*self._made, pids]
             return self._forked(request, descriptors, scratch, grants, made), pids.holds
 
@@ -207,7 +208,7 @@ def main(descriptor: int) -> None:
 
 def _prepared(control: socket.socket, setup: dict[str, object]) -> Zygote:
     shut, base = bool(setup["shut"]), str(setup["base"])
-    made = [leave_network()] if shut else []
+    made = [leave_network(leave=not setup["network"])] if shut else []
     calls.prctl(calls.PR_SET_CHILD_SUBREAPER, 1)
     modules, path = setup["modules"], setup["path"]
     assert isinstance(modules, list)

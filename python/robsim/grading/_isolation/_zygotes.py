@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from robsim.grading._errors import GraderError
@@ -33,11 +33,12 @@ _SET = {
 
 @dataclass(frozen=True)
 class ZygoteSetup:
-    """What a zygote is like: the modules it imports, where it looks for them, what it shuts."""
+    """What a zygote is like: the modules it imports, where it looks for them, what it leaves."""
 
     modules: tuple[str, ...]
     path: tuple[str, ...]
     shut: bool
+    network: bool  # keep it
 
 
 class ZygoteProcess:
@@ -55,10 +56,9 @@ class ZygoteProcess:
             raise
 
     def _prepare(self, setup: ZygoteSetup) -> None:
-        message = {"modules": setup.modules, "path": setup.path, "shut": setup.shut}
         self._control.settimeout(_START)
         try:
-            self._control.send(json.dumps({**message, "base": self.base}).encode())
+            self._control.send(json.dumps({**asdict(setup), "base": self.base}).encode())
             answer = json.loads(self._control.recv(1 << 16) or b"{}")
         except TimeoutError:
             answer = {"failed": f"not ready within {_START:g} s"}

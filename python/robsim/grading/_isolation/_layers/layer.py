@@ -15,6 +15,11 @@ class Layer:
     holds: bool
     text: str
 
+    @classmethod
+    def left_out(cls, name: str) -> Layer:
+        """Return a layer that nobody has asked for."""
+        return cls(name, False, "left out")
+
     @property
     def phrase(self) -> str:
         """The layer in the line of the report: ``"files (Landlock 7)"``."""
@@ -44,7 +49,7 @@ class Layers:
         for layer in self.layers:
             if layer.name == name:
                 return layer
-        return Layer(name, False, "not asked for")
+        return Layer.left_out(name)
 
     def holds(self, *names: str) -> bool:
         """Return whether all of these hold."""

@@ -19,9 +19,9 @@ from robsim.grading._isolation._layers.layer import NETWORK, PIDS, Layer, attemp
 _OWN_PIDS = "/proc/self/ns/pid"
 
 
-def leave_network() -> Layer:
+def leave_network(*, leave: bool = True) -> Layer:
     """Give this process, and what it starts, a network without any device; needs one thread."""
-    return attempt(NETWORK, _leave_network)
+    return attempt(NETWORK, _leave_network) if leave else Layer.left_out(NETWORK)
 
 
 def _leave_network() -> str:
@@ -40,8 +40,11 @@ def _write(name: str, text: str) -> None:
 
 
 @contextmanager
-def own_pids() -> Iterator[Layer]:
+def own_pids(*, leave: bool = True) -> Iterator[Layer]:
     """Let the process that is forked within be the first of a namespace, which ends with it."""
+    if not leave:
+        yield Layer.left_out(PIDS)
+        return
     try:
         unshare(CLONE_NEWPID)
     except OSError as error:

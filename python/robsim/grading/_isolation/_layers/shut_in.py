@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 import sysconfig
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from robsim.grading._isolation._layers import calls, landlock, seccomp, users
@@ -32,19 +32,25 @@ _SYSTEM = (
 
 def shut_in(request: Request, grants: Sequence[landlock.Grant]) -> list[Layer]:
     """Shut this process in: limits, user, memory, files, system calls. Return what held."""
-    layers = [limit(request.limits, own_user=request.user is not None and request.shut)]
+    layers = [
+        limit(request.limits, own_user=request.shut and bool(way_to(request.user, request)[0]))
+    ]
     if request.shut:
-        layers.append(_change_user(request.user, landlocked=bool(landlock.landlock_abi())))
+        layers.append(_change_user(request))
         layers.append(attempt(MEMORY, _close_memory))
         calls.prctl(calls.PR_SET_PDEATHSIG, signal.SIGKILL)  # a change of user has cleared it
-        layers.append(attempt(FILES, lambda: f"Landlock {_keep_to(grants)}"))
+        layers.append(_made(FILES, request, lambda: f"Landlock {_keep_to(grants)}"))
         for descriptor, _ in grants:
             os.close(descriptor)
-        layers.append(attempt(CALLS, _refuse_calls))
+        layers.append(_made(CALLS, request, _refuse_calls))
     else:
         calls.drop_capabilities()
         calls.prctl(calls.PR_SET_PDEATHSIG, signal.SIGKILL)
     return layers
+
+
+def _made(name: str, request: Request, act: Callable[[], str]) -> Layer:
+    return Layer.left_out(name) if name in request.without else attempt(name, act)
 
 
 def readable_trees(modules: Iterable[str]) -> list[Path]:
@@ -77,33 +83,36 @@ def _refuse_calls() -> str:
     return "seccomp"
 
 
-def _change_user(user: int | None, *, landlocked: bool) -> Layer:
-    """Become a user of one's own; where its Python is closed to others, only with Landlock.
+def way_to(user: int | None, request: Request) -> tuple[str, str]:
+    """Return how a process of root becomes a user, and, where there is no way, why not.
 
-    Who may read all files reads those alone that Landlock grants.
+    Where its Python is closed to others it keeps the right to read all files, if Landlock lets it
+    read but those that it is granted.
     """
-    if user is None:
-        calls.drop_capabilities()
-        reason = "needs root" if os.geteuid() else "root lacks some of its rights here"
-        return Layer(USER, False, reason)
+    if USER in request.without or user is None:
+        return "", "left out" if USER in request.without else users.reason()
     homes = {str(tree) for tree in readable_trees(["robsim"]) if tree.is_dir()}
     closed = [home for home in homes if not users.can_read(user, home)]
-    reader = calls.CAP_DAC_READ_SEARCH
+    if not closed:
+        return "plainly", ""
+    landlocked = FILES not in request.without and landlock.landlock_abi()
+    if landlocked and calls.has_capability(calls.CAP_DAC_READ_SEARCH):
+        return "as a reader", ""
+    return "", f"others cannot read {closed[0]}"
+
+
+def _change_user(request: Request) -> Layer:
+    """Become a user of one's own, and lose all rights of root."""
+    way, reason = way_to(request.user, request)
+    reader = calls.CAP_DAC_READ_SEARCH if way == "as a reader" else None
     try:
-        if not closed:
-            users.become(user)
-            calls.drop_capabilities()
-        elif landlocked and calls.has_capability(reader):
-            calls.prctl(calls.PR_SET_KEEPCAPS, 1)
-            users.become(user)
-            calls.drop_capabilities(keep=reader)
-        else:
-            calls.drop_capabilities()
-            return Layer(USER, False, f"others cannot read {closed[0]}")
+        if way and request.user is not None:
+            calls.prctl(calls.PR_SET_KEEPCAPS, int(reader is not None))
+            users.become(request.user)
     except OSError as error:
-        calls.drop_capabilities()
-        return Layer(USER, False, error.strerror or str(error))
-    return Layer(USER, True, str(user))
+        way, reason = "", error.strerror or str(error)
+    calls.drop_capabilities(keep=reader if way else None)
+    return Layer(USER, bool(way), reason or str(request.user))
 
 
 def _close_memory() -> str:

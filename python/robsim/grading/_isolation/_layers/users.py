@@ -42,6 +42,15 @@ def take_user() -> int | None:
     return None
 
 
+def reason() -> str:
+    """Return why there is no user for a worker."""
+    if os.geteuid() != 0:
+        return "needs root"
+    if not all(map(has_capability, _NEEDED)):
+        return "root lacks some of its rights here"
+    return "all are taken"
+
+
 def give_back(user: int) -> None:
     """Say that a worker is gone, and all that it started."""
     with _lock:

@@ -1,0 +1,136 @@
+"""What a worker tries in order to find out how it is shut in; each attempt does no harm."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import socket
+import sys
+from collections.abc import Callable
+from typing import Any
+
+_PTRACE_SEIZE, _PTRACE_DETACH = 0x4206, 17
+
+
+def run(channel: socket.socket, memory: tuple[int, ...]) -> None:
+    """Read what to try on, try everything, and send what came of it."""
+    target = json.loads(channel.recv(1 << 16))
+    answers = {name: _outcome(act, target) for name, act in ATTEMPTS.items()}
+    channel.sendall(json.dumps(answers).encode() + b"\n")
+
+
+def _outcome(act: Callable[[dict[str, Any]], str], target: dict[str, Any]) -> list[Any]:
+    """Return whether it was refused, and in which words."""
+    try:
+        return [False, act(target)]
+    except (OSError, AttributeError, RuntimeError) as error:
+        return [True, getattr(error, "strerror", None) or str(error)]
+
+
+def _read_file(target: dict[str, Any]) -> str:
+    with open(target["file"], "rb") as file:
+        return f"read {len(file.read())} bytes of a file of the grader's"
+
+
+def _read_hidden(target: dict[str, Any]) -> str:
+    with open(target["hidden"], "rb") as file:
+        return f"read {len(file.read())} bytes of a hidden file"
+
+
+def _change_file(target: dict[str, Any]) -> str:
+    os.chmod(target["file"], 0o644)
+    return "changed the rights of a file of the grader's"
+
+
+def _write_outside(target: dict[str, Any]) -> str:
+    with open(os.path.join(target["folder"], "left"), "w") as file:
+        file.write("left")
+    return "left a file in a folder that all may write to"
+
+
+def _read_memory(target: dict[str, Any]) -> str:
+    with open(f"/proc/{target['process']}/mem", "rb") as file:
+        file.seek(target["address"])
+        return f"read {len(file.read(8))} bytes of the grader's memory"
+
+
+class _Piece(ctypes.Structure):
+    _fields_ = (("base", ctypes.c_void_p), ("length", ctypes.c_size_t))
+
+
+def _copy_memory(target: dict[str, Any]) -> str:
+    own = ctypes.create_string_buffer(8)
+    to = _Piece(ctypes.addressof(own), 8)
+    of = _Piece(target["address"], 8)
+    libc = ctypes.CDLL(None, use_errno=True)
+    words = (ctypes.byref(to), ctypes.c_ulong(1), ctypes.byref(of), ctypes.c_ulong(1))
+    count = libc.process_vm_readv(ctypes.c_int(target["process"]), *words, ctypes.c_ulong(0))
+    return f"copied {_checked(count)} bytes of the grader's memory"
+
+
+def _trace(target: dict[str, Any]) -> str:
+    libc = ctypes.CDLL(None, use_errno=True)
+    process = ctypes.c_long(target["process"])
+    _checked(libc.ptrace(ctypes.c_long(_PTRACE_SEIZE), process, None, None))
+    libc.ptrace(ctypes.c_long(_PTRACE_DETACH), process, None, None)
+    return "traced the grader"
+
+
+def _connect(target: dict[str, Any]) -> str:
+    with socket.create_connection(("127.0.0.1", target["port"]), timeout=5):
+        return "connected to a server of this machine"
+
+
+def _send(target: dict[str, Any]) -> str:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.sendto(b"x", ("127.0.0.1", target["port"]))
+    return "sent a packet"
+
+
+def _fork(target: dict[str, Any]) -> str:
+    child = os.fork()
+    if child == 0:
+        os._exit(0)
+    os.waitpid(child, 0)
+    return "started a process"
+
+
+def _execute(target: dict[str, Any]) -> str:
+    """Try to run a program that is not there: where that may be tried, others can be run."""
+    try:
+        os.execv("/nonexistent/robsim", ["robsim"])
+    except FileNotFoundError:
+        return "may run programs"
+    return "ran a program"
+
+
+def _signal(target: dict[str, Any]) -> str:
+    os.kill(target["process"], 0)
+    return "may signal the grader"
+
+
+def _checked(result: int) -> int:
+    if result < 0:
+        number = ctypes.get_errno()
+        raise OSError(number, os.strerror(number))
+    return int(result)
+
+
+ATTEMPTS: dict[str, Callable[[dict[str, Any]], str]] = {
+    "read a file": _read_file,
+    "read what is hidden": _read_hidden,
+    "change a file": _change_file,
+    "write outside its folder": _write_outside,
+    "connect": _connect,
+    "send a packet": _send,
+    "start a process": _fork,
+    "run a program": _execute,
+    "signal the grader": _signal,
+}
+if sys.platform == "linux":
+    ATTEMPTS |= {
+        "open the grader's memory": _read_memory,
+        "copy the grader's memory": _copy_memory,
+        "trace the grader": _trace,
+    }

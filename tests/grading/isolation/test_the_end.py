@@ -1,0 +1,138 @@
+"""Whatever a worker has done, nothing of it is left when it has ended."""
+
+import os
+import sys
+import time
+
+import pytest
+
+from robsim.grading._isolation._layers.layer import CALLS, FILES, PIDS, USER
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
+
+# Layers that are left out, so that each of the others has to hold alone. With all that is left out
+# in the last, processes of the worker are found by whose children they were.
+WITHOUT = {
+    "all layers": (),
+    "by process numbers": (CALLS, USER),
+    "by user": (CALLS, PIDS),
+    "by search": (CALLS, PIDS, USER),
+}
+
+DAEMON = """
+import os, signal, sys, time
+if os.fork() == 0:
+    os.setsid()
+    if os.fork() == 0:
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+            signal.signal(number, signal.SIG_IGN)
+        channel.sendall(b"x")
+        time.sleep(600)
+    os._exit(0)
+time.sleep(600 if {stay} else 0.2)
+"""
+
+STOPPED = """
+import os, signal
+channel.sendall(b"x")
+os.kill(os.getpid(), signal.SIGSTOP)
+while True: pass
+"""
+
+BOMB = """
+import os, time
+for _ in range(200):
+    try:
+        if os.fork() == 0:
+            time.sleep(600)
+    except OSError:
+        break
+channel.sendall(b"x")
+time.sleep(600)
+"""
+
+THREADS = """
+import threading, time
+for _ in range(8): threading.Thread(target=time.sleep, args=(600,)).start()
+channel.sendall(b"x")
+"""
+
+
+def marked():
+    """The processes that share our workers' standard output: those forked by our zygotes."""
+    found = set()
+    for name in os.listdir("/proc"):
+        if name.isdigit() and int(name) != os.getpid():
+            try:
+                with open(f"/proc/{name}/stat") as file:
+                    fields = file.read().rpartition(")")[2].split()
+                with open(f"/proc/{name}/cmdline") as file:
+                    command = file.read()
+            except OSError:
+                continue
+            if "grading._isolation._zygote import main" in command and fields[0] != "Z":
+                found.add(int(name))
+    return found
+
+
+@pytest.mark.parametrize("without", WITHOUT.values(), ids=WITHOUT)
+@pytest.mark.parametrize("ends_itself", [True, False], ids=["ends", "killed"])
+@pytest.mark.parametrize(
+    "source",
+    [DAEMON.format(stay=False), DAEMON.format(stay=True), STOPPED, BOMB, THREADS],
+    ids=["daemon", "daemon of one that stays", "stopped", "200 children", "threads"],
+)
+def test_no_process_is_left(worker, source, ends_itself, without):
+    before = marked()
+    with worker(source, without=without) as (started, channel):
+        channel.settimeout(2)
+        try:
+            answer = channel.recv(1)
+        except TimeoutError:
+            answer = b""
+        if CALLS in without:
+            assert answer == b"x"
+        if ends_itself:
+            started.wait(1)
+        started.kill()
+        ending = started.wait()
+    assert ending.over
+    assert not ending.left
+    assert len(marked() - before) <= 1  # the zygote, if this was its first worker
+
+
+@pytest.mark.parametrize("without", [(), (CALLS,), (CALLS, FILES)], ids=["", "files", "user"])
+def test_no_file_is_left(ended, worker, without, tmp_path):
+    source = f"""
+import os
+for folder in ("/dev/shm", "/tmp", "/var/tmp", {str(tmp_path)!r}):
+    try:
+        open(os.path.join(folder, "left-by-a-worker-{os.getpid()}"), "w").close()
+        print("left in", folder)
+    except OSError as error:
+        pass
+os.makedirs("a/b"); open("a/b/c", "w").write("c")
+os.symlink("/etc", "a/etc") if {CALLS in without and FILES in without} else None
+os.chmod("a", 0) if {CALLS in without} else None
+print(os.getcwd())
+"""
+    ending, output = ended(source, without=without)
+    assert ending.text.endswith("(exit code 0)"), output
+    *left, scratch = output.splitlines()
+    assert not os.path.exists(scratch)
+    assert os.path.isdir("/etc")
+    mine = f"left-by-a-worker-{os.getpid()}"
+    if FILES in without:  # nothing but Landlock closes the folders that are open to all
+        for line in left:
+            os.remove(os.path.join(line.removeprefix("left in "), mine))
+    else:
+        assert not left
+
+
+def test_a_flood_is_ended(worker):
+    with worker("while True: print('x' * 9999)", output=1000) as (started, _):
+        deadline = time.monotonic() + 20
+        while len(started.output) < 1000 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        started.kill()
+    assert started.output.startswith("x" * 1000 + "\n... cut after")
