@@ -55,7 +55,7 @@ spin()
 """
     ending, _ = ended(spin, cpu=1)
     assert ending.text == "the worker used more than 1 s of processor time"
-    assert ending.cpu_seconds >= 0.9
+    assert ending.cpu_seconds >= 0.5
 
 
 def test_output_is_cut_and_the_rest_dropped(ended):

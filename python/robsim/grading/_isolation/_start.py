@@ -16,7 +16,7 @@ from robsim.grading._isolation._layers.layer import NETWORK, USER
 from robsim.grading._isolation._limits import Limits
 from robsim.grading._isolation._process import WorkerLost, WorkerProcess
 from robsim.grading._isolation._request import LEVELS, Isolation, Request
-from robsim.grading._isolation._zygotes import ZygoteSetup, lose_user, zygote_for
+from robsim.grading._isolation._zygotes import ZygoteSetup, lose_user, retire, zygote_for
 
 _TRIES = 5  # zygotes that may be killed under one request
 
@@ -109,8 +109,8 @@ def _from_zygote(setup: ZygoteSetup, request: Request, descriptors: list[int]) -
     for _ in range(_TRIES):
         try:
             return _asked(setup, request, descriptors)
-        except (WorkerLost, BrokenPipeError, ConnectionError):  # it was killed: with the next one
-            continue
+        except (WorkerLost, ConnectionError):  # it was killed: with the next one
+            retire(setup)
     raise GraderError(f"the process that starts workers was killed {_TRIES} times")
 
 
@@ -120,14 +120,15 @@ def _asked(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> Work
 
     from robsim.grading._isolation._layers import users
 
-    zygote = zygote_for(setup)
     user = users.take_user() if request.shut and USER not in request.without else None
     request = replace(request, user=user)
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     reading, writing = os.pipe()
     try:
         with theirs:
-            zygote.ask(request, [descriptors[0], writing, theirs.fileno(), *descriptors[1:]])
+            zygote_for(setup).ask(
+                request, [descriptors[0], writing, theirs.fileno(), *descriptors[1:]]
+            )
     except BaseException:
         ours.close()
         os.close(reading)

@@ -24,7 +24,7 @@ from robsim.grading._isolation import _scratch
 from robsim.grading._isolation._descendants import end_strays
 from robsim.grading._isolation._layers import calls, landlock, users
 from robsim.grading._isolation._layers.layer import PIDS, Layer
-from robsim.grading._isolation._layers.namespaces import leave_network, own_pids
+from robsim.grading._isolation._layers.namespaces import be_first, leave_network, own_pids
 from robsim.grading._isolation._layers.shut_in import readable_trees, way_to
 from robsim.grading._isolation._request import Request
 from robsim.grading._isolation._worker_process import become_worker
@@ -143,8 +143,9 @@ class Zygote:
 
     def _hear_of(self, child: _Child) -> None:
         """End a worker: the grader asks for it, or is not interested in it any more."""
-        self._selector.unregister(child.life)
-        self._kill(child)
+        if child.process in self._children:  # it may have ended since the selector was asked
+            self._selector.unregister(child.life)
+            self._kill(child)
 
     def _kill(self, child: _Child) -> None:
         with suppress(ProcessLookupError):  # not reaped yet, so that the number is its own
@@ -209,6 +210,8 @@ def main(descriptor: int) -> None:
 def _prepared(control: socket.socket, setup: dict[str, object]) -> Zygote:
     shut, base = bool(setup["shut"]), str(setup["base"])
     made = [leave_network(leave=not setup["network"])] if shut else []
+    if made and made[0].holds and os.geteuid() != 0:
+        be_first(before=control.close)
     calls.prctl(calls.PR_SET_CHILD_SUBREAPER, 1)
     modules, path = setup["modules"], setup["path"]
     assert isinstance(modules, list)

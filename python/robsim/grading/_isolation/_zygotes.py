@@ -79,6 +79,16 @@ class ZygoteProcess:
         """Whether it runs."""
         return self._process.poll() is None
 
+    @property
+    def answers(self) -> bool:
+        """Whether the line to it is open."""
+        try:
+            return self.alive and bool(self._control.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT))
+        except BlockingIOError:
+            return True
+        except OSError:
+            return False
+
     def ask(self, request: Request, descriptors: list[int]) -> None:
         """Ask for a worker, from any thread; OSError if the zygote is gone."""
         message = json.dumps(request.to_message()).encode()
@@ -139,6 +149,15 @@ def zygote_for(setup: ZygoteSetup) -> ZygoteProcess:
             while _lost_users:
                 zygote.end_user(_lost_users.pop())
         return zygote
+
+
+def retire(setup: ZygoteSetup) -> None:
+    """End a zygote that does not answer, unless it has been replaced by one that is alive."""
+    with _lock:
+        zygote = _zygotes.get(setup)
+        if zygote is not None and not zygote.answers:
+            del _zygotes[setup]
+            zygote.close()
 
 
 def lose_user(user: int) -> None:

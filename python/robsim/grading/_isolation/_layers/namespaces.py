@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+import signal
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from robsim.grading._isolation._layers.calls import (
@@ -11,6 +12,8 @@ from robsim.grading._isolation._layers.calls import (
     CLONE_NEWNET,
     CLONE_NEWPID,
     CLONE_NEWUSER,
+    PR_SET_PDEATHSIG,
+    prctl,
     setns,
     unshare,
 )
@@ -26,12 +29,29 @@ def leave_network(*, leave: bool = True) -> Layer:
 
 def _leave_network() -> str:
     user, group = os.geteuid(), os.getegid()
-    unshare(CLONE_NEWNET | CLONE_NEWIPC | (CLONE_NEWUSER if user else 0))
-    if user:  # the user remains who it is, and has no right over anything outside
+    if not user:
+        unshare(CLONE_NEWNET | CLONE_NEWIPC)
+    else:  # the user remains who it is, and has no right over anything outside
+        unshare(CLONE_NEWNET | CLONE_NEWIPC | CLONE_NEWPID | CLONE_NEWUSER)
         for name, text in (("setgroups", "deny"), ("uid_map", f"{user} {user} 1")):
             _write(name, text)
         _write("gid_map", f"{group} {group} 1")
     return ""
+
+
+def be_first(before: Callable[[], None]) -> None:
+    """Go on in a child, the first of the namespace of processes that `leave_network` has made.
+
+    Who is not root can make further such namespaces from within one alone. This process waits,
+    after a last act, and ends as its child does; the child ends with it.
+    """
+    child = os.fork()
+    if child == 0:
+        prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        return
+    before()
+    _, status = os.waitpid(child, 0)
+    os._exit(status and 1)
 
 
 def _write(name: str, text: str) -> None:
