@@ -22,7 +22,7 @@ _AT_ONCE = 1 << 16  # bytes
 
 
 class WorkerLost(Exception):
-    """The process that starts workers was killed before it told of one."""
+    """A worker, or the process that starts workers, was killed before the worker was shut in."""
 
 
 class WorkerProcess:
@@ -78,6 +78,8 @@ class WorkerProcess:
         if not report:
             raise WorkerLost
         content = json.loads(report)
+        if os.WIFSIGNALED(content.get("status", 0)):
+            raise WorkerLost
         if "layers" not in content:
             raise GraderError(f"a worker could not be started: {self._failure(content)}")
         return Layers.from_message(content["layers"])

@@ -18,7 +18,7 @@ from robsim.grading._isolation._process import WorkerLost, WorkerProcess
 from robsim.grading._isolation._request import LEVELS, Isolation, Request
 from robsim.grading._isolation._zygotes import ZygoteSetup, lose_user, retire, zygote_for
 
-_TRIES = 5  # zygotes that may be killed under one request
+_TRIES = 5  # of which others may kill all but one
 
 
 class IsolationError(GraderError):
@@ -111,7 +111,7 @@ def _from_zygote(setup: ZygoteSetup, request: Request, descriptors: list[int]) -
             return _asked(setup, request, descriptors)
         except (WorkerLost, ConnectionError):  # it was killed: with the next one
             retire(setup)
-    raise GraderError(f"the process that starts workers was killed {_TRIES} times")
+    raise GraderError(f"a worker was killed {_TRIES} times while it was started")
 
 
 def _asked(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> WorkerProcess:

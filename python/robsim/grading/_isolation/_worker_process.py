@@ -73,7 +73,7 @@ def _be_alone(output: int, keep: Sequence[int], scratch: str, alive: int | None)
     if os.getsid(0) != os.getpid():
         os.setsid()
     if alive is not None and select.select([alive], [], [], 0)[0]:
-        raise RuntimeError("the process that started this one is gone")
+        os._exit(NOT_SHUT_IN)  # who started this one is gone, and will not be told
     null = os.open(os.devnull, os.O_RDWR)
     os.dup2(null, 0)
     os.dup2(output, 1)

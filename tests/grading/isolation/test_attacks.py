@@ -1,0 +1,302 @@
+"""What a submission tries against the grader and the machine, and what each layer holds alone."""
+
+import ctypes
+import os
+import socket
+import sys
+from pathlib import Path
+
+import pytest
+
+import robsim
+from robsim.grading._isolation import IsolationError, check_isolation
+from robsim.grading._isolation._layers.layer import CALLS, FILES, NETWORK, PIDS, USER
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="layers are for Linux")
+
+ALL = (CALLS, FILES, USER, PIDS, NETWORK)
+
+
+def only(*names):
+    """The layers to leave out so that these alone are made."""
+    return tuple(name for name in ALL if name not in names)
+
+
+@pytest.fixture
+def tried(worker):
+    """Run a source whose last line prints what it reached; return the layers and the output."""
+
+    def run(source, **options):
+        with worker(source, **options) as (started, _):
+            started.wait(60)
+        return started.layers, started.output
+
+    return run
+
+
+# Prints that it has reached what it tried, or the number of the error.
+def attempt(code):
+    lines = "\n    ".join(code.strip().splitlines())
+    return f"""
+import os, socket, sys, ctypes, signal
+libc = ctypes.CDLL(None, use_errno=True)
+def call(*a):
+    r = libc.syscall(*[ctypes.c_long(x) if isinstance(x, int) else x for x in a])
+    if r < 0: raise OSError(ctypes.get_errno(), "")
+    return r
+try:
+    {lines}
+    print("reached")
+except BaseException as error:
+    # Python says ValueError where the kernel refuses a higher limit.
+    number = 1 if isinstance(error, ValueError) else getattr(error, "errno", None)
+    print("refused", number, type(error).__name__)
+"""
+
+
+GRADER = os.getpid()
+
+BY_CALLS = {
+    "fork": "os.fork() or os._exit(0)",
+    "vfork by number": "call(58) or os._exit(0)",
+    "clone of a process": "call(56, 17, 0, 0, 0, 0) or os._exit(0)",
+    "clone with a namespace": "call(56, 0x10000100 | 17, 0, 0, 0, 0) or os._exit(0)",
+    "clone3": "call(435, b'\\0' * 88, 88)",
+    "x32": "call(0x40000000 | 39)",
+    "execve": "os.execv('/bin/true', ['true'])",
+    "signal": f"os.kill({GRADER}, 0)",
+    "signal to a group": "os.killpg(os.getpgid(0), 0)",
+    "signal to a thread": f"call(234, {GRADER}, {GRADER}, 0)",
+    "signal by a descriptor": f"signal.pidfd_send_signal(os.pidfd_open({GRADER}), 0)",
+    "signal by a file's owner": f"import fcntl; fcntl.fcntl(channel, fcntl.F_SETOWN, {GRADER})",
+    "which signal": "import fcntl; fcntl.fcntl(channel, 10, 9)",
+    "keys into a terminal": "import fcntl; fcntl.ioctl(0, 0x5412, b'x')",
+    "trace": f"call(101, 0x4206, {GRADER}, 0, 0)",
+    "a server": "socket.create_server(('127.0.0.1', 0))",
+    "a packet": "socket.socket(socket.AF_INET, socket.SOCK_DGRAM)",
+    "a socket by name": "socket.socket(socket.AF_UNIX)",
+    "raw socket": "socket.socket(socket.AF_PACKET, socket.SOCK_RAW)",
+    "netlink": "socket.socket(socket.AF_NETLINK, socket.SOCK_RAW)",
+    "SysV memory": "call(29, 7, 4096, 0o1666)",
+    "memfd": "os.memfd_create('x')",
+    "message queue": "call(240, b'/robsim', 0o102, 0o600, 0)",
+    "new user": "call(272, 0x10000000)",
+    "mount": "call(165, 0, b'/', 0, 0, 0)",
+    "io_uring": "call(425, 8, b'\\0' * 120)",
+    "bpf": "call(321, 0, b'\\0' * 72, 72)",
+    "perf": "call(298, b'\\0' * 128, 0, -1, -1, 0)",
+    "userfaultfd": "call(323, 1)",
+    "keys": "call(250, 0, -3, 1)",
+    "dumpable again": "assert libc.prctl(4, 1, 0, 0, 0) == 0 or call(157, 4, 1, 0, 0, 0) == 0",
+    "death signal off": "call(157, 1, 0, 0, 0, 0)",
+    "more memory": "import resource; resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))",
+    "limits of others": f"import resource; resource.prlimit({GRADER}, resource.RLIMIT_AS, (1, 1))",
+    "chmod": "os.chmod('.', 0o777)",
+    "priority": "os.setpriority(os.PRIO_PROCESS, 0, 19)",
+    "affinity": "os.sched_setaffinity(0, {0})",
+}
+
+
+@pytest.mark.skipif(os.uname().machine != "x86_64", reason="by the numbers of x86-64")
+@pytest.mark.parametrize("without", [(), only(CALLS)], ids=["all layers", "system calls alone"])
+def test_calls_are_refused(tried, without):
+    source = "\n".join(
+        attempt(code) + f"print({name!r}, flush=True)" for name, code in BY_CALLS.items()
+    )
+    layers, output = tried(source, without=without)
+    if not layers.holds(CALLS):
+        pytest.skip(layers[CALLS].text)
+    lines = output.splitlines()
+    results = dict(zip(lines[1::2], lines[::2], strict=True))
+    assert list(results) == list(BY_CALLS)
+    assert results.pop("clone3").startswith("refused 38 ")  # so that libc takes clone
+    assert {name: t for name, t in results.items() if not t.startswith("refused 1 ")} == {}
+
+
+HONEST = """
+import threading, tempfile, math, time, os, resource
+import numpy as np
+done = []
+threads = [threading.Thread(target=done.append, args=(i,)) for i in range(8)]
+[t.start() for t in threads]; [t.join() for t in threads]
+assert len(done) == 8
+a = np.random.default_rng(1).normal(size=(300, 300)); np.linalg.svd(a)
+with tempfile.NamedTemporaryFile() as file:
+    file.write(b"x"); file.flush()
+np.save("mine.npy", a); assert np.load("mine.npy").shape == a.shape
+os.mkdir("d"); os.rename("mine.npy", "d/mine.npy"); os.remove("d/mine.npy"); os.rmdir("d")
+resource.getrlimit(resource.RLIMIT_AS); os.cpu_count(); os.sched_getaffinity(0); time.sleep(0.01)
+import fractions, decimal, statistics, html.parser, concurrent.futures
+with concurrent.futures.ThreadPoolExecutor(2) as pool: assert sum(pool.map(abs, [-1, 2])) == 3
+import robsim.reference, scipy.linalg
+open(os.devnull, "w").write("x")
+np.random.default_rng().random()
+sim = __import__("robsim").Simulation(control=lambda step: (1, 1), seed=1)
+assert len(sim.run(20)) == 20
+print("fine")
+"""
+
+
+@pytest.mark.parametrize("isolation", ["process", "auto"])
+def test_honest_code_runs(tried, isolation):
+    _, output = tried(HONEST, isolation=isolation)
+    assert output == "fine\n"
+
+
+def test_matplotlib_and_pandas_find_room(tried):
+    pytest.importorskip("pandas")
+    source = """
+import matplotlib.pyplot as plt, pandas
+plt.plot([1, 2]); plt.savefig("a.png"); pandas.DataFrame({"a": [1]}).describe()
+print("fine")
+"""
+    _, output = tried(source)
+    assert output.endswith("fine\n"), output
+
+
+@pytest.mark.parametrize("without", [(), only(FILES)], ids=["all layers", "files alone"])
+def test_files_are_closed(tried, without, tmp_path):
+    secret = tmp_path / "truth.txt"
+    secret.write_text("truth")
+    secret.chmod(0o666)
+    tmp_path.chmod(0o777)
+    codes = [
+        f"open({str(secret)!r}).read()",
+        f"open({str(secret)!r}, 'a')",
+        f"os.truncate({str(secret)!r}, 0)",
+        f"os.remove({str(secret)!r})",
+        f"os.rename({str(secret)!r}, 'mine')",
+        f"os.link({str(secret)!r}, 'mine')",
+        f"os.symlink({str(secret)!r}, 'mine'); open('mine').read()",
+        f"os.listdir({str(tmp_path)!r})",
+        f"open({str(tmp_path / 'new')!r}, 'w')",
+        "os.mkfifo('fifo')",
+        "open('/dev/shm/robsim-left', 'w')",
+        "open('/etc/passwd').read()",
+        f"open('/proc/{GRADER}/mem', 'rb')",
+        f"open('/proc/{GRADER}/environ', 'rb')",
+        f"open('/proc/{GRADER}/cmdline', 'rb')",
+        f"os.listdir('/proc/{GRADER}/fd')",
+        "open('/proc/self/mem', 'rb')",
+        "os.execv('/bin/true', ['true'])",
+        f"open({__file__!r}).read()",
+    ]
+    source = "\n".join(attempt(code) for code in codes)
+    layers, output = tried(source, without=without)
+    if not layers.holds(FILES):
+        pytest.skip(layers[FILES].text)
+    lines = output.splitlines()
+    assert [c for c, line in zip(codes, lines, strict=True) if "refused" not in line] == []
+    assert secret.read_text() == "truth"
+    assert os.listdir(tmp_path) == ["truth.txt"]
+
+
+def test_what_is_hidden_cannot_be_read(tried):
+    package = Path(robsim.__file__).parent
+    folder, file = package / "reference", package / "evaluation" / "_errors.py"
+    source = "\n".join(
+        attempt(f"open({str(path)!r}, 'rb').read(1)")
+        for path in (folder / "__init__.py", file, package / "control" / "__init__.py")
+    )
+    layers, output = tried(source + "import robsim.doctor", hidden=[str(folder), str(file)])
+    if not layers.holds(FILES):
+        pytest.skip(layers[FILES].text)
+    hidden, also, beside = output.splitlines()[:3]
+    assert "refused 13" in hidden
+    assert "refused 13" in also
+    assert beside == "reached"
+
+
+@pytest.mark.parametrize("alone", [CALLS, NETWORK])
+def test_the_network_is_closed(tried, alone):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        code = f"socket.create_connection(('127.0.0.1', {port}), timeout=5)"
+        layers, output = tried(attempt(code), without=only(alone))
+    if not layers.holds(alone):
+        pytest.skip(layers[alone].text)
+    assert "refused" in output
+
+
+@pytest.mark.parametrize("alone", [CALLS, USER, PIDS, FILES])
+def test_the_memory_of_the_grader_is_closed(tried, alone):
+    secret = ctypes.create_string_buffer(b"truth")
+    where = ctypes.addressof(secret)
+    opened = f"f = open('/proc/{GRADER}/mem', 'rb'); f.seek({where}); f.read(5)"
+    copied = f"""
+to = ctypes.create_string_buffer(5)
+import struct
+a = struct.pack('QQ', ctypes.addressof(to), 5); b = struct.pack('QQ', {where}, 5)
+if libc.process_vm_readv({GRADER}, a, 1, b, 1, 0) < 0: raise OSError(ctypes.get_errno(), '')
+"""
+    _, output = tried(attempt(opened) + attempt(copied), without=only(alone))
+    assert output.count("refused") == 2, output
+
+
+def test_own_numbers_and_a_user_hold_a_bomb(tried):
+    source = """
+import os, time
+count = 0
+for _ in range(200):
+    try:
+        if os.fork() == 0: time.sleep(600)
+        count += 1
+    except OSError:
+        break
+print(count)
+"""
+    layers, output = tried(source, without=(CALLS,), threads=8)
+    if not layers.holds(USER):
+        pytest.skip(layers[USER].text)
+    assert int(output) < 8
+
+
+def test_the_check_tries_all_and_says_what_held():
+    report = check_isolation()
+    text = str(report)
+    assert "isolation: process" in text
+    assert set(report.closed) == {"files", "processes", "network", "the grader's memory"}
+    held = {name: refused for name, (refused, _) in report.attempts.items()}
+    if report.closed["files"]:
+        assert held["read a file"]
+        assert held["change a file"]
+        assert held["write outside its folder"]
+        assert held["read what is hidden"]
+    if report.closed["processes"]:
+        assert held["signal the grader"]
+    if report.closed["network"]:
+        assert held["connect"]
+        assert held["send a packet"]
+    assert held["open the grader's memory"]
+    assert held["copy the grader's memory"]
+    assert held["trace the grader"]
+    assert bool(report) == report.strict == (report.verdict == "closed")
+    assert report.to_dict()["title"] == "Isolation of submissions"
+
+
+def test_the_check_sees_what_a_bare_process_leaves_open():
+    report = check_isolation(isolation="process")
+    assert not report
+    assert not report.attempts["read a file"][0]
+    assert not report.attempts["start a process"][0]
+    assert report.verdict.startswith("open: files, processes, network")
+
+
+def test_strict_is_refused_where_something_is_open(worker):
+    for left_out in ((CALLS,), (CALLS, NETWORK), ALL):
+        with (
+            pytest.raises(IsolationError, match="isolation='strict' needs files, processes"),
+            worker("print(1)", isolation="strict", without=(*left_out, NETWORK, FILES)),
+        ):
+            pass
+
+
+def test_all_layers_hold_on_a_machine_that_has_them(tried):
+    layers, _ = tried("print(1)", isolation="auto")
+    from robsim.grading._isolation._layers.landlock import landlock_abi
+
+    assert layers.holds(FILES) == (landlock_abi() > 0)
+    if os.uname().machine in ("x86_64", "aarch64"):
+        assert layers.holds(CALLS)
+    if all(layers.closed.values()):
+        assert layers.certain_end
