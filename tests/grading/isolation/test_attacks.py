@@ -143,6 +143,7 @@ def test_honest_code_runs(tried, isolation):
     assert output == "fine\n"
 
 
+@pytest.mark.slow
 def test_matplotlib_and_pandas_find_room(tried):
     pytest.importorskip("pandas")
     source = """

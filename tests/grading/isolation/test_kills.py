@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from robsim.grading._isolation import _zygotes, close_zygotes
+from robsim.grading._isolation import close_zygotes
+from robsim.grading._isolation._processes import zygotes as _zygotes
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
 
@@ -80,7 +81,8 @@ def test_closing_ends_workers_and_folders(worker):
 
 GRADER = """
 import os, socket, sys, threading
-from robsim.grading._isolation import start_worker, _zygotes
+from robsim.grading._isolation import start_worker
+from robsim.grading._isolation._processes import zygotes as _zygotes
 ours, theirs = socket.socketpair()
 worker = start_worker(entry="isolation_entry:run", channel=theirs, path=(sys.argv[1],))
 theirs.close()

@@ -70,19 +70,35 @@ def marked():
                     command = file.read()
             except OSError:
                 continue
-            if "grading._isolation._zygote import main" in command and fields[0] != "Z":
+            if "grading._isolation._processes.zygote import main" in command and fields[0] != "Z":
                 found.add(int(name))
     return found
 
 
+SOURCES = {
+    "daemon": DAEMON.format(stay=False),
+    "daemon of one that stays": DAEMON.format(stay=True),
+    "stopped": STOPPED,
+    "200 children": BOMB,
+    "threads": THREADS,
+}
+
+
+@pytest.mark.parametrize("without", WITHOUT.values(), ids=WITHOUT)
+def test_no_daemon_is_left(worker, without):
+    end_of(worker, SOURCES["daemon of one that stays"], False, without)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("without", WITHOUT.values(), ids=WITHOUT)
 @pytest.mark.parametrize("ends_itself", [True, False], ids=["ends", "killed"])
-@pytest.mark.parametrize(
-    "source",
-    [DAEMON.format(stay=False), DAEMON.format(stay=True), STOPPED, BOMB, THREADS],
-    ids=["daemon", "daemon of one that stays", "stopped", "200 children", "threads"],
-)
+@pytest.mark.parametrize("source", SOURCES.values(), ids=SOURCES)
 def test_no_process_is_left(worker, source, ends_itself, without):
+    end_of(worker, source, ends_itself, without)
+
+
+def end_of(worker, source, ends_itself, without):
+    """End a worker, or let it end, and look for what it has left."""
     before = marked()
     with worker(source, without=without) as (started, channel):
         channel.settimeout(2)

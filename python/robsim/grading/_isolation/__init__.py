@@ -4,9 +4,9 @@ from robsim.grading._isolation._check import IsolationReport, check_isolation
 from robsim.grading._isolation._ending import Ending
 from robsim.grading._isolation._limits import Limits
 from robsim.grading._isolation._process import WorkerProcess
+from robsim.grading._isolation._processes.zygotes import close_zygotes
 from robsim.grading._isolation._request import Isolation
 from robsim.grading._isolation._start import IsolationError, start_worker
-from robsim.grading._isolation._zygotes import close_zygotes
 
 __all__ = [
     "Ending",

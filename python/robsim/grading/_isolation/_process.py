@@ -48,6 +48,7 @@ class WorkerProcess:
     ) -> None:
         self._request = request
         self._life = life
+        self._lines = life.makefile("rb")
         self._pipe = output
         self._kept = bytearray()
         self._dropped = 0
@@ -59,8 +60,7 @@ class WorkerProcess:
         try:
             self.layers = self._first_report()
         except BaseException:
-            self._life.close()
-            os.close(self._pipe)
+            self._close()
             raise
         self._watcher = threading.Thread(target=self._watch, name="robsim worker", daemon=True)
         self._watcher.start()
@@ -68,7 +68,7 @@ class WorkerProcess:
     def _first_report(self) -> Layers:
         self._life.settimeout(_START)
         try:
-            report = self._life.recv(_AT_ONCE)
+            report = self._lines.readline()
         except TimeoutError:
             message = f"a worker did not shut itself in within {_START:g} s"
             raise GraderError(message) from None
@@ -101,14 +101,18 @@ class WorkerProcess:
                 break
         ending = self._last_report()
         self._read_what_is_there()
-        os.close(self._pipe)
-        with self._sending:
-            self._life.close()
+        self._close()
         self._ending = ending
         try:
             self._on_end(ending)
         finally:
             self._over.set()
+
+    def _close(self) -> None:
+        os.close(self._pipe)
+        with self._sending:
+            self._lines.close()
+            self._life.close()
 
     def _read(self) -> bool:
         """Read some of the output; return False at its end."""
@@ -126,7 +130,7 @@ class WorkerProcess:
 
     def _last_report(self) -> Ending:
         try:
-            report = self._life.recv(_AT_ONCE)
+            report = self._lines.readline()
         except OSError:
             report = b""
         if not report:

@@ -15,9 +15,10 @@ from robsim.grading._isolation._ending import GRADER_LOST_IT, Ending
 from robsim.grading._isolation._layers.layer import NETWORK, USER
 from robsim.grading._isolation._limits import Limits
 from robsim.grading._isolation._process import WorkerLost, WorkerProcess
+from robsim.grading._isolation._processes.zygotes import ZygoteSetup, lose_user, retire, zygote_for
 from robsim.grading._isolation._request import LEVELS, Isolation, Request
-from robsim.grading._isolation._zygotes import ZygoteSetup, lose_user, retire, zygote_for
 
+HAS_ZYGOTE = sys.platform == "linux"
 _TRIES = 5  # of which others may kill all but one
 
 
@@ -86,18 +87,19 @@ def start_worker(
         without=tuple(without),
     )
     descriptors = [channel.fileno(), *memory]
-    if sys.platform == "linux":
+    modules = tuple(dict.fromkeys((*modules, module)))
+    if HAS_ZYGOTE:
         setup = ZygoteSetup(
-            tuple(dict.fromkeys((*modules, module))),
+            modules,
             tuple(path),
             shut=request.shut,
             network=NETWORK in request.without,
         )
         worker = _from_zygote(setup, request, descriptors)
     else:
-        from robsim.grading._isolation._fresh import fresh_worker
+        from robsim.grading._isolation._processes.fresh import fresh_worker
 
-        worker = fresh_worker(request, descriptors, tuple(path))
+        worker = fresh_worker(request, descriptors, modules, path)
     if isolation == "strict":
         _refuse_open(worker)
     return worker
@@ -122,7 +124,7 @@ def _asked(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> Work
 
     user = users.take_user() if request.shut and USER not in request.without else None
     request = replace(request, user=user)
-    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    ours, theirs = socket.socketpair()
     reading, writing = os.pipe()
     try:
         with theirs:

@@ -20,14 +20,14 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from robsim.grading._isolation import _scratch
-from robsim.grading._isolation._descendants import end_strays
 from robsim.grading._isolation._layers import calls, landlock, users
 from robsim.grading._isolation._layers.layer import PIDS, Layer
 from robsim.grading._isolation._layers.namespaces import be_first, leave_network, own_pids
 from robsim.grading._isolation._layers.shut_in import readable_trees, way_to
+from robsim.grading._isolation._processes import scratch
+from robsim.grading._isolation._processes.become_worker import become_worker
+from robsim.grading._isolation._processes.descendants import end_strays
 from robsim.grading._isolation._request import Request
-from robsim.grading._isolation._worker_process import become_worker
 
 #: Longest request (bytes).
 LONGEST = 1 << 16
@@ -39,7 +39,7 @@ class _Child:
     process: int
     life: socket.socket
     user: int | None
-    scratch: str
+    folder: str
     own_pids: bool
 
 
@@ -95,34 +95,34 @@ class Zygote:
         life = socket.socket(fileno=number)
         user = request.user if way_to(request.user, request)[0] else None
         try:
-            scratch = _scratch.make_scratch(self._base, user)
-            process, pids = self._fork(request, descriptors, scratch)
+            folder = scratch.make_scratch(self._base, user)
+            process, pids = self._fork(request, descriptors, folder)
         except OSError as error:  # no memory, too many processes
             with suppress(OSError):
-                life.send(json.dumps({"failed": str(error)}).encode())
+                life.sendall(json.dumps({"failed": str(error)}).encode() + b"\n")
             life.close()
             return
         finally:
             for descriptor in set(descriptors) - {number}:
                 os.close(descriptor)
-        child = _Child(process, life, user, scratch, pids)
+        child = _Child(process, life, user, folder, pids)
         self._children[process] = child
         self._selector.register(life, selectors.EVENT_READ, partial(self._hear_of, child))
 
-    def _fork(self, request: Request, descriptors: list[int], scratch: str) -> tuple[int, bool]:
+    def _fork(self, request: Request, descriptors: list[int], folder: str) -> tuple[int, bool]:
         """Return the number of the worker's process, and whether it has numbers of its own."""
         if not request.shut:
-            return self._forked(request, descriptors, scratch, [], []), False
+            return self._forked(request, descriptors, folder, [], []), False
         grants = self._grants_for(request.hidden)
         with own_pids(leave=PIDS not in request.without) as pids:
             made = [*self._made, pids]
-            return self._forked(request, descriptors, scratch, grants, made), pids.holds
+            return self._forked(request, descriptors, folder, grants, made), pids.holds
 
     def _forked(
         self,
         request: Request,
         descriptors: list[int],
-        scratch: str,
+        folder: str,
         grants: list[landlock.Grant],
         made: list[Layer],
     ) -> int:
@@ -131,7 +131,7 @@ class Zygote:
             os.close(self._alive[1])
             alive = self._alive[0]
             become_worker(
-                request, descriptors, scratch=scratch, grants=grants, alive=alive, made=made
+                request, descriptors, scratch=folder, grants=grants, alive=alive, made=made
             )
         return process
 
@@ -175,15 +175,15 @@ class Zygote:
                 users.end_all_of(child.user)
             strays = end_strays(set(self._children))
             left += [f"process {process}" for process in strays]
-        _scratch.remove(child.scratch)
-        if os.path.lexists(child.scratch):
-            left.append(f"folder {child.scratch}")
+        scratch.remove(child.folder)
+        if os.path.lexists(child.folder):
+            left.append(f"folder {child.folder}")
         return left
 
     def _tell(self, child: _Child, status: int, cpu: float, rss: int, left: list[str]) -> None:
         ending = {"status": status, "cpu": cpu, "max_rss": rss * 1024, "left": left}
         with suppress(OSError):  # the grader is not interested
-            child.life.send(json.dumps(ending).encode())
+            child.life.sendall(json.dumps(ending).encode() + b"\n")
         with suppress(KeyError, ValueError):
             self._selector.unregister(child.life)
         child.life.close()
@@ -204,7 +204,7 @@ def main(descriptor: int) -> None:
         control.send(json.dumps({"ready": os.getpid()}).encode())
         zygote.serve()
     finally:
-        _scratch.remove(base)
+        scratch.remove(base)
 
 
 def _prepared(control: socket.socket, setup: dict[str, object]) -> Zygote:

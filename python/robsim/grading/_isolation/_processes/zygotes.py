@@ -7,28 +7,17 @@ import json
 import os
 import socket
 import subprocess
-import sys
 import threading
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 from robsim.grading._errors import GraderError
-from robsim.grading._isolation import _scratch
+from robsim.grading._isolation._processes import scratch
+from robsim.grading._isolation._processes.environment import command_for, environment_for
 from robsim.grading._isolation._request import Request
 
 _START = 60.0  # s that the imports of a zygote may take
 _END = 10.0  # s that its workers and folders may take to be removed
-
-# What a worker keeps of the grader's environment: how numbers are computed, and nothing else.
-_KEPT = ("OPENBLAS_CORETYPE", "GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES", "ROBSIM_CPU")
-_SET = {
-    "PATH": "/usr/bin:/bin",
-    "LANG": "C.UTF-8",
-    "MPLBACKEND": "agg",
-    "MALLOC_ARENA_MAX": "2",  # an arena for each thread takes 128 MiB of addresses
-    **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"),
-}
 
 
 @dataclass(frozen=True)
@@ -45,7 +34,7 @@ class ZygoteProcess:
     """A zygote, as the grader sees it."""
 
     def __init__(self, setup: ZygoteSetup) -> None:
-        self.base = _scratch.make_base()
+        self.base = scratch.make_base()
         try:
             self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             with theirs:
@@ -112,22 +101,16 @@ class ZygoteProcess:
             except subprocess.TimeoutExpired:
                 self._process.kill()
                 self._process.wait()
-        _scratch.remove(self.base)
+        scratch.remove(self.base)
 
 
 def _started(descriptor: int, base: str) -> subprocess.Popen[bytes]:
-    package = str(Path(__file__).parents[3])
-    code = (
-        f"import sys; sys.path.append({package!r}); "
-        f"from robsim.grading._isolation._zygote import main; main({descriptor})"
-    )
-    kept = {name: os.environ[name] for name in _KEPT if name in os.environ}
     return subprocess.Popen(
-        [sys.executable, "-I", "-c", code],
+        command_for("robsim.grading._isolation._processes.zygote:main", descriptor),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         pass_fds=[descriptor],
-        env={**_SET, "HOME": base, **kept},
+        env=environment_for(base),
         cwd="/",
         start_new_session=True,  # Ctrl-C is for the grader
     )

@@ -1,0 +1,58 @@
+"""Workers without a zygote, as on macOS: they start, are limited, end, and say what is missing."""
+
+import sys
+import threading
+
+import pytest
+
+from robsim.grading._isolation import IsolationError, _start, check_isolation
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="not on Windows")
+
+
+@pytest.fixture(autouse=True)
+def _no_zygote(monkeypatch):
+    monkeypatch.setattr(_start, "HAS_ZYGOTE", False)
+    yield
+    for thread in threading.enumerate():
+        if thread.name == "robsim keeper":
+            thread.join(60)
+            assert not thread.is_alive()
+
+
+def test_a_fresh_worker_runs_is_limited_and_ends(ended):
+    ending, output = ended("import os, resource; print(os.getcwd() == os.environ['HOME'])")
+    assert output == "True\n"
+    assert ending.text == "the worker ended by itself (exit code 0)"
+    assert ending.max_rss > 1 << 20
+    assert not ending.left
+
+
+def test_a_fresh_worker_is_ended_with_what_is_in_its_group(worker):
+    source = "import os, time; os.fork(); channel.sendall(b'x'); time.sleep(600)"
+    with worker(source) as (started, channel):
+        channel.recv(1)
+        started.kill()
+        assert started.wait().text == "the worker was ended by the grader"
+        while channel.recv(9):  # both have closed their ends
+            pass
+
+
+def test_what_is_missing_is_said(worker):
+    report = check_isolation()
+    assert not report
+    assert (
+        "not: user, files, system calls, own process numbers, own network" in report.isolation_line
+    )
+    assert not report.certain_end
+    with (
+        pytest.raises(IsolationError, match="isolation='strict' needs"),
+        worker("", isolation="strict"),
+    ):
+        pass
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="macOS limits no addresses")
+def test_limits_hold_without_a_zygote(ended):
+    ending, _ = ended("bytearray(2 << 30)")
+    assert ending.text == "the worker asked for more than 1 GiB of memory"
