@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from robsim.grading._isolation import close_zygotes
+from robsim.grading._isolation import _process, close_zygotes
 from robsim.grading._isolation._processes import zygotes as _zygotes
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
@@ -68,6 +68,17 @@ def test_a_killed_worker_is_said(worker):
         (process,) = [c for zygote in zygotes() for c in children_of(zygote.process)]
         os.kill(process, signal.SIGKILL)
         assert started.wait(60).text == "the worker was ended by signal SIGKILL"
+
+
+def test_a_zygote_that_hangs_is_killed_and_replaced(worker, ended, monkeypatch):
+    monkeypatch.setattr(_process, "_END", 0.2)
+    with worker(WAITS) as (started, channel):
+        channel.recv(1)
+        for zygote in zygotes():
+            os.kill(zygote.process, signal.SIGSTOP)
+        started.kill()
+        assert "the process that starts workers was killed" in started.wait().text
+    assert ended("print(1)")[1] == "1\n"
 
 
 def test_closing_ends_workers_and_folders(worker):

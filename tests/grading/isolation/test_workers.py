@@ -64,6 +64,26 @@ def test_output_is_cut_and_the_rest_dropped(ended):
     assert output == "x" * 1000 + "\n... cut after 1000 bytes"
 
 
+def test_the_size_of_a_file_is_limited(ended):
+    source = """
+try:
+    with open("big", "wb") as file: file.write(bytes(2000))
+except OSError as error: print(type(error).__name__, error.errno)
+import os; print(os.path.getsize("big"))
+"""
+    assert ended(source, file_size=1000)[1] == "OSError 27\n1000\n"
+
+
+def test_all_files_together_are_limited(ended):
+    source = """
+import time
+for number in range(400): open(str(number), "wb").write(bytes(10))
+time.sleep(600)
+"""
+    ending, _ = ended(source, folder_size=1 << 20)
+    assert ending.text == "the worker wrote more than 1 MiB of files"
+
+
 def test_a_worker_that_runs_says_so_and_is_ended(worker):
     with worker("import time; print('here'); channel.sendall(b'x'); time.sleep(99)") as (
         w,

@@ -7,7 +7,7 @@ import os
 import signal
 from dataclasses import dataclass
 
-from robsim.grading._isolation._limits import Limits
+from robsim.grading._isolation._limits import Limits, as_size
 
 #: Exit codes of a worker's own: it could not shut itself in; it found no more memory.
 NOT_SHUT_IN, NO_MEMORY = 70, 71
@@ -44,17 +44,27 @@ GRADER_LOST_IT = Ending("the worker was lost: the process that starts workers wa
 
 
 def ending_of(
-    status: int, cpu_seconds: float, max_rss: int, *, limits: Limits, killed: bool, left: list[str]
+    status: int,
+    cpu_seconds: float,
+    max_rss: int,
+    *,
+    limits: Limits,
+    killed: bool,
+    too_much_written: bool,
+    left: list[str],
 ) -> Ending:
     """Return the ending that a wait status tells of; `killed` = the grader asked for it."""
-    text = _text_of(os.waitstatus_to_exitcode(status), cpu_seconds, limits, killed)
+    if too_much_written:
+        text = f"the worker wrote more than {as_size(limits.folder_size)} of files"
+    else:
+        text = _text_of(os.waitstatus_to_exitcode(status), cpu_seconds, limits, killed)
     return Ending(text, cpu_seconds, max_rss, left=tuple(left))
 
 
 def _text_of(code: int, cpu_seconds: float, limits: Limits, killed: bool) -> str:
     if code >= 0:
         if code == NO_MEMORY:
-            return f"the worker asked for more than {limits.memory_text} of memory"
+            return f"the worker asked for more than {as_size(limits.memory)} of memory"
         if code == NOT_SHUT_IN:
             return "the worker could not shut itself in (exit code 70)"
         return f"the worker ended by itself (exit code {code})"

@@ -29,6 +29,9 @@ class Limits:
         What is kept of the text that it prints (bytes); the rest is read and dropped.
     file_size : int, default: 1 MiB
         The largest file that it may write (bytes), in its scratch folder.
+    folder_size : int, default: 64 MiB
+        All its files together (bytes), each counted with at least 4 KiB. Looked after four times a
+        second, so that more may be there for a moment.
     open_files : int, default: 64
         Open files, with the few that it begins with.
     threads : int, default: 32
@@ -42,6 +45,7 @@ class Limits:
     memory: int = 1024 * _MI
     output: int = 64 << 10
     file_size: int = _MI
+    folder_size: int = 64 * _MI
     open_files: int = 64
     threads: int = 32
 
@@ -51,13 +55,14 @@ class Limits:
         check_int("memory", self.memory, minimum=64 * _MI, maximum=1 << 46)
         check_int("output", self.output, minimum=0, maximum=1 << 30)
         check_int("file_size", self.file_size, minimum=0, maximum=1 << 40)
+        check_int("folder_size", self.folder_size, minimum=0, maximum=1 << 40)
         check_int("open_files", self.open_files, minimum=16, maximum=1 << 16)
         check_int("threads", self.threads, minimum=1, maximum=1 << 12)
 
-    @property
-    def memory_text(self) -> str:
-        """The limit of the memory as a reader knows it: ``"1 GiB"``."""
-        for unit, size in (("GiB", 1 << 30), ("MiB", _MI)):
-            if self.memory >= size:
-                return f"{self.memory / size:.4g} {unit}"
-        raise AssertionError("memory is at least 64 MiB")
+
+def as_size(count: int) -> str:
+    """Return a number of bytes as a reader knows it: ``"1 GiB"``."""
+    for unit, size in (("GiB", 1 << 30), ("MiB", _MI), ("KiB", 1 << 10)):
+        if count >= size:
+            return f"{count / size:.4g} {unit}"
+    return f"{count} bytes"

@@ -15,9 +15,11 @@ from typing import Any, Self
 from robsim.grading._errors import GraderError
 from robsim.grading._isolation._ending import GRADER_LOST_IT, STILL_RUNS, Ending, ending_of
 from robsim.grading._isolation._layers.layer import Layers
+from robsim.grading._isolation._limits import as_size
 from robsim.grading._isolation._request import Request
 
 _START = 30.0  # s that a worker may take to shut itself in
+_END = 20.0  # s that its end, and that of all it has left, may take
 _AT_ONCE = 1 << 16  # bytes
 
 
@@ -45,6 +47,7 @@ class WorkerProcess:
         output: int,
         *,
         on_end: Callable[[Ending], None] = lambda ending: None,
+        on_hang: Callable[[], None] = lambda: None,
     ) -> None:
         self._request = request
         self._life = life
@@ -56,6 +59,7 @@ class WorkerProcess:
         self._ending: Ending | None = None
         self._over = threading.Event()
         self._on_end = on_end
+        self._on_hang = on_hang
         self._sending = threading.Lock()
         try:
             self.layers = self._first_report()
@@ -70,6 +74,7 @@ class WorkerProcess:
         try:
             report = self._lines.readline()
         except TimeoutError:
+            self._on_hang()
             message = f"a worker did not shut itself in within {_START:g} s"
             raise GraderError(message) from None
         except OSError:
@@ -140,6 +145,7 @@ class WorkerProcess:
             *(told["status"], told["cpu"], told["max_rss"]),
             limits=self._request.limits,
             killed=self._killed,
+            too_much_written=told.get("too much written", False),
             left=told["left"],
         )
 
@@ -149,14 +155,16 @@ class WorkerProcess:
         text = bytes(self._kept).decode("utf-8", "replace")
         if not self._dropped:
             return text
-        return f"{text}\n... cut after {self._request.limits.output} bytes"
+        return f"{text}\n... cut after {as_size(self._request.limits.output)}"
 
     def kill(self) -> None:
         """End it, and whatever it has started, without asking; return when nothing is left."""
         self._killed = True
         with self._sending, suppress(OSError):  # it has ended
             self._life.shutdown(socket.SHUT_WR)
-        self._over.wait()
+        if not self._over.wait(_END):  # even its zygote hangs
+            self._on_hang()
+            self._over.wait()
 
     def wait(self, timeout: float | None = None) -> Ending:
         """Return how it ended, or, after a time (s), that it still runs."""

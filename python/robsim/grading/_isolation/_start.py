@@ -128,9 +128,8 @@ def _asked(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> Work
     reading, writing = os.pipe()
     try:
         with theirs:
-            zygote_for(setup).ask(
-                request, [descriptors[0], writing, theirs.fileno(), *descriptors[1:]]
-            )
+            zygote = zygote_for(setup)
+            zygote.ask(request, [descriptors[0], writing, theirs.fileno(), *descriptors[1:]])
     except BaseException:
         ours.close()
         os.close(reading)
@@ -139,7 +138,9 @@ def _asked(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> Work
     finally:
         os.close(writing)
     try:
-        return WorkerProcess(request, ours, reading, on_end=partial(_give_back, user))
+        return WorkerProcess(
+            request, ours, reading, on_end=partial(_give_back, user), on_hang=zygote.kill
+        )
     except BaseException:
         _give_back(user, GRADER_LOST_IT)
         raise
@@ -151,8 +152,9 @@ def _give_back(user: int | None, ending: Ending) -> None:
     if user is None:
         return
     if ending is GRADER_LOST_IT:
-        lose_user(user)
-    users.give_back(user)
+        lose_user(user)  # it may have left something
+    else:
+        users.give_back(user)
 
 
 def _close_own_memory() -> None:

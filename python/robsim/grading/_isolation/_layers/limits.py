@@ -6,7 +6,7 @@ import math
 import resource
 
 from robsim.grading._isolation._layers.layer import LIMITS, Layer
-from robsim.grading._isolation._limits import Limits
+from robsim.grading._isolation._limits import Limits, as_size
 
 
 def limit(limits: Limits, *, own_user: bool) -> Layer:
@@ -24,7 +24,7 @@ def limit(limits: Limits, *, own_user: bool) -> Layer:
         wanted["RLIMIT_NPROC"] = limits.threads
     if refused := [name for name, value in wanted.items() if not _set(name, value)]:
         return Layer(LIMITS, False, f"the system refused {', '.join(refused)}")
-    return Layer(LIMITS, True, f"memory {limits.memory_text}, processor time {limits.cpu:g} s")
+    return Layer(LIMITS, True, f"memory {as_size(limits.memory)}, processor time {limits.cpu:g} s")
 
 
 def _set(name: str, value: int) -> bool:

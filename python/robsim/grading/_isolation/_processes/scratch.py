@@ -9,6 +9,8 @@ import stat
 import tempfile
 from contextlib import suppress
 
+_BLOCK = 4096  # bytes
+
 
 def make_base() -> str:
     """Make the folder of a grader's scratch folders: others may pass through, not list it."""
@@ -24,6 +26,24 @@ def make_scratch(base: str, user: int | None) -> str:
     if user is not None:
         os.chown(scratch, user, user)
     return scratch
+
+
+def exceeds(folder: str, most: int) -> bool:
+    """Return whether files take more than a number of bytes, each at least a block."""
+    total, waiting = 0, [folder]
+    while waiting:
+        try:
+            with os.scandir(waiting.pop()) as entries:
+                for entry in entries:
+                    status = entry.stat(follow_symlinks=False)
+                    total += max(_BLOCK, status.st_blocks * 512)
+                    if total > most:
+                        return True
+                    if stat.S_ISDIR(status.st_mode):
+                        waiting.append(entry.path)
+        except OSError:  # it is just being removed, or closed by the worker
+            continue
+    return False
 
 
 def remove(folder: str) -> None:

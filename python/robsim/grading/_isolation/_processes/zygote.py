@@ -14,6 +14,7 @@ import selectors
 import signal
 import socket
 import sys
+import time
 import traceback
 from contextlib import suppress
 from dataclasses import dataclass
@@ -32,6 +33,7 @@ from robsim.grading._isolation._request import Request
 #: Longest request (bytes).
 LONGEST = 1 << 16
 _MOST_DESCRIPTORS = 16
+_LOOK = 0.25  # s between looks at what workers have written
 
 
 @dataclass
@@ -40,7 +42,9 @@ class _Child:
     life: socket.socket
     user: int | None
     folder: str
+    most_written: int  # bytes
     own_pids: bool
+    too_much_written: bool = False
 
 
 class Zygote:
@@ -57,6 +61,7 @@ class Zygote:
         self._alive = os.pipe()
         self._signals, self._signalled = socket.socketpair()
         self._open = True
+        self._next_look = 0.0  # s
 
     def serve(self) -> None:
         """Serve until the grader is gone; then end all workers."""
@@ -67,12 +72,23 @@ class Zygote:
         self._selector.register(self._control, selectors.EVENT_READ, self._hear)
         self._selector.register(self._signals, selectors.EVENT_READ, self._reap)
         while self._open:
-            for key, _ in self._selector.select():
+            for key, _ in self._selector.select(_LOOK if self._children else None):
                 key.data()
+            self._look()
         for child in list(self._children.values()):
             self._kill(child)
             os.waitpid(child.process, 0)
             self._clean(child)
+
+    def _look(self) -> None:
+        """End workers that have written too much; from time to time."""
+        if time.monotonic() < self._next_look:
+            return
+        self._next_look = time.monotonic() + _LOOK
+        for child in self._children.values():
+            if scratch.exceeds(child.folder, child.most_written):
+                child.too_much_written = True
+                self._kill(child)
 
     def _hear(self) -> None:
         """Take a request of the grader's, or notice that it is gone."""
@@ -86,6 +102,7 @@ class Zygote:
         content = json.loads(message)
         if "end user" in content:
             users.end_all_of(content["end user"])
+            self._control.send(b".")
         else:
             self._start(Request.from_message(content), descriptors)
 
@@ -105,7 +122,7 @@ class Zygote:
         finally:
             for descriptor in set(descriptors) - {number}:
                 os.close(descriptor)
-        child = _Child(process, life, user, folder, pids)
+        child = _Child(process, life, user, folder, request.limits.folder_size, pids)
         self._children[process] = child
         self._selector.register(life, selectors.EVENT_READ, partial(self._hear_of, child))
 
@@ -182,6 +199,7 @@ class Zygote:
 
     def _tell(self, child: _Child, status: int, cpu: float, rss: int, left: list[str]) -> None:
         ending = {"status": status, "cpu": cpu, "max_rss": rss * 1024, "left": left}
+        ending["too much written"] = child.too_much_written
         with suppress(OSError):  # the grader is not interested
             child.life.sendall(json.dumps(ending).encode() + b"\n")
         with suppress(KeyError, ValueError):

@@ -7,6 +7,7 @@ import json
 import os
 import socket
 import subprocess
+import sys
 import threading
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -85,7 +86,14 @@ class ZygoteProcess:
 
     def end_user(self, user: int) -> None:
         """End all that a user runs: what workers of a zygote that was killed may have left."""
+        self._control.settimeout(_END)
         self._control.send(json.dumps({"end user": user}).encode())
+        self._control.recv(1)
+        self._control.settimeout(None)
+
+    def kill(self) -> None:
+        """End it at once: it hangs. Its workers end with it."""
+        self._process.kill()
 
     def let_go(self) -> None:
         """Forget it, in a forked process."""
@@ -129,9 +137,19 @@ def zygote_for(setup: ZygoteSetup) -> ZygoteProcess:
             if zygote is not None:
                 zygote.close()
             zygote = _zygotes[setup] = ZygoteProcess(setup)
-            while _lost_users:
-                zygote.end_user(_lost_users.pop())
+            _end_lost_users(zygote)
         return zygote
+
+
+def _end_lost_users(zygote: ZygoteProcess) -> None:
+    if sys.platform != "linux":
+        return
+    from robsim.grading._isolation._layers import users
+
+    while _lost_users:
+        user = _lost_users.pop()
+        zygote.end_user(user)
+        users.give_back(user)
 
 
 def retire(setup: ZygoteSetup) -> None:
