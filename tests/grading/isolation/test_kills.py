@@ -45,12 +45,21 @@ def children_of(process):
     return [int(child) for child in children.split()]
 
 
+def split(process):
+    """The processes of a zygote, two where it is not root's, and its workers."""
+    below = [split(child) for child in children_of(process)]
+    if not below:
+        return [], [process]
+    own, workers = ([p for part in parts for p in part] for parts in zip(*below, strict=True))
+    return [process, *own], workers
+
+
 def test_a_killed_zygote_takes_its_workers_along_and_is_replaced(worker, ended):
     close_zygotes()
     with worker(WAITS) as (started, channel):
         channel.recv(1)
         (zygote,) = zygotes()
-        (process,) = children_of(zygote.process)
+        _, (process,) = split(zygote.process)
         os.kill(zygote.process, signal.SIGKILL)
         ending = started.wait(60)
         assert "the process that starts workers was killed" in ending.text
@@ -63,9 +72,11 @@ def test_a_killed_zygote_takes_its_workers_along_and_is_replaced(worker, ended):
 
 
 def test_a_killed_worker_is_said(worker):
+    close_zygotes()
     with worker(WAITS) as (started, channel):
         channel.recv(1)
-        (process,) = [c for zygote in zygotes() for c in children_of(zygote.process)]
+        (zygote,) = zygotes()
+        _, (process,) = split(zygote.process)
         os.kill(process, signal.SIGKILL)
         assert started.wait(60).text == "the worker was ended by signal SIGKILL"
 
@@ -75,7 +86,8 @@ def test_a_zygote_that_hangs_is_killed_and_replaced(worker, ended, monkeypatch):
     with worker(WAITS) as (started, channel):
         channel.recv(1)
         for zygote in zygotes():
-            os.kill(zygote.process, signal.SIGSTOP)
+            for process in split(zygote.process)[0]:
+                os.kill(process, signal.SIGSTOP)
         started.kill()
         assert "the process that starts workers was killed" in started.wait().text
     assert ended("print(1)")[1] == "1\n"
@@ -136,7 +148,7 @@ def test_kills_at_random_moments(worker, rng):
         while not stop.wait(float(rng.uniform(0.05, 0.5))):
             with suppress(OSError):  # it is gone by itself
                 targets = [zygote.process for zygote in zygotes()]
-                targets += [child for target in targets for child in children_of(target)]
+                targets = [p for target in targets for part in split(target) for p in part]
                 if targets:
                     os.kill(int(rng.choice(targets)), signal.SIGKILL)
 

@@ -45,9 +45,22 @@ def _strays(innocent: set[int]) -> list[int]:
                 with open(f"/proc/{name}/stat", "rb") as file:
                     parent = int(file.read().rpartition(b")")[2].split()[1])
                 children[parent].append(int(name))
-    found, waiting = [], [child for child in children[os.getpid()] if child not in innocent]
+    own = int(os.readlink("/proc/self"))
+    depth = len(_numbers(own)) - 1
+    found, waiting = [], list(children[own])
     while waiting:
         process = waiting.pop()
-        found.append(process)
-        waiting += children[process]
+        numbers = _numbers(process)
+        if len(numbers) > depth and numbers[depth] not in innocent:
+            found.append(numbers[depth])
+            waiting += children[process]
     return found
+
+
+def _numbers(process: int) -> list[int]:
+    """Return the numbers of a process, from the namespace that /proc shows down to its own."""
+    with suppress(OSError), open(f"/proc/{process}/status") as file:
+        for line in file:
+            if line.startswith("NSpid:"):
+                return [int(number) for number in line.split()[1:]]
+    return []
