@@ -43,12 +43,11 @@ class SourceLine:
 
     @property
     def place(self) -> str:
-        """File and number, such as ``control.py:3``; in a notebook ``line 3``."""
-        return (
-            f"line {self.number}"
-            if _is_cell(self.file)
-            else f"{Path(self.file).name}:{self.number}"
-        )
+        """File and number, such as ``control.py:3``; in a running notebook ``line 3``."""
+        if _is_cell(self.file):
+            return f"line {self.number}"
+        name = Path(self.file).name
+        return f"{name}, line {self.number}" if ".ipynb, cell " in name else f"{name}:{self.number}"
 
     @property
     def is_users(self) -> bool:

@@ -141,12 +141,20 @@ class CallbackFolder:
 
     @classmethod
     def of_sources(
-        cls, path: Path, absolute: Path, sources: Mapping[str, bytes], slots: Sequence[str]
+        cls,
+        path: Path,
+        absolute: Path,
+        sources: Mapping[str, bytes],
+        slots: Sequence[str],
+        builtins: dict[str, Any] | None = None,
     ) -> tuple[CallbackFolder, Callbacks]:
-        """Return a folder with files that were read before, and its callbacks."""
+        """Return a folder with files that were read before, and its callbacks.
+
+        Parameters are those of `FolderModules`.
+        """
         other = cls(path, slots)
         other._absolute = absolute
-        other._modules = FolderModules(path, absolute, sources)
+        other._modules = FolderModules(path, absolute, sources, builtins)
         return other, other._executed(other._modules)
 
     @property
@@ -162,7 +170,7 @@ class CallbackFolder:
 
     def _loaded(self, modules: FolderModules, slot: str) -> Callable[..., Any] | bool:
         try:
-            return _callback(modules.execute(slot), slot, self.path / f"{slot}.py")
+            return callback_of_module(modules.execute(slot), slot, self.path / f"{slot}.py")
         except Exception as error:
             note_failed_file(error, slot, str(self._absolute / f"{slot}.py"))
             raise
@@ -247,8 +255,23 @@ class CallbackFolder:
         return f"<CallbackFolder: {one_line(self.path)}>"
 
 
-def _callback(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] | bool:
-    """Return the callback that a file defines for its slot, checked."""
+def callback_of_module(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] | bool:
+    """Return the callback that a module defines for a slot, checked.
+
+    Parameters
+    ----------
+    module : module
+        The module.
+    slot : str
+        The slot.
+    file : Path
+        Its file, for messages.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it defines none, or what cannot fill the slot.
+    """
     enabled = getattr(module, "ENABLED", True)
     if not isinstance(enabled, bool):
         raise TypeError(f"{one_line(file)}: ENABLED must be True or False, got {quoted(enabled)}")

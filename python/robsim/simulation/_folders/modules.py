@@ -22,6 +22,8 @@ _RESERVED = sys.stdlib_module_names | {
     "__main__", "robsim", "numpy", "PIL", "matplotlib", "cv2", "pandas", "rich", "tqdm", "typer"
 }  # fmt: skip
 
+_PACKAGE = "robsim_callbacks."
+
 # sys.modules is shared by the process: one folder at a time.
 _LOCK = threading.RLock()
 
@@ -31,11 +33,29 @@ class FolderModules(MetaPathFinder, Loader):
 
     A finder and loader of the import system. It writes no ``__pycache__``: cached bytecode is
     checked against whole seconds, so that an edit within the same second would be missed.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder as its user gave it, for messages.
+    absolute : Path
+        Its absolute path.
+    sources : mapping of str to bytes
+        The files by name, without ``.py``.
+    builtins : dict, optional
+        The built-in names that they have; None = Python's.
     """
 
-    def __init__(self, folder: Path, absolute: Path, sources: Mapping[str, bytes]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        absolute: Path,
+        sources: Mapping[str, bytes],
+        builtins: dict[str, Any] | None = None,
+    ) -> None:
         self.sources = sources
-        self._folder = folder  # as given by the user, for messages
+        self._builtins = builtins
+        self._folder = folder
         self._absolute = absolute
         self.helpers = sources.keys() - SLOTS.keys() - reserved_names(sources)
         self._loaded: dict[str, ModuleType] = {}
@@ -43,7 +63,7 @@ class FolderModules(MetaPathFinder, Loader):
     @contextmanager
     def importable(self) -> Iterator[None]:
         """Let the modules be imported inside the context; restore other ones after it."""
-        names = {*self.helpers, *map(module_name, SLOTS)}
+        names = {*self.helpers, *map(module_name, (*SLOTS, *self.sources))}
         with _LOCK:
             others = {name: sys.modules.pop(name) for name in names & sys.modules.keys()}
             try:
@@ -57,10 +77,10 @@ class FolderModules(MetaPathFinder, Loader):
                     self._loaded[name] = sys.modules.pop(name)
                 sys.modules.update(others)
 
-    def execute(self, slot: str) -> ModuleType:
-        """Execute a callback file and return its module; only inside `importable`."""
-        module = ModuleType(module_name(slot))
-        module.__file__ = str(self._absolute / f"{slot}.py")
+    def execute(self, name: str) -> ModuleType:
+        """Execute a file that defines callbacks and return its module; only inside `importable`."""
+        module = ModuleType(module_name(name))
+        module.__file__ = str(self._absolute / f"{name}.py")
         module.__package__ = ""
         # Dataclasses, for example, look up their module there.
         sys.modules[module.__name__] = module
@@ -96,10 +116,12 @@ class FolderModules(MetaPathFinder, Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         """Compile and execute the file of a module."""
-        stem = module.__name__.rpartition(".")[2]
+        stem = module.__name__.removeprefix(_PACKAGE)
         file = str(self._absolute / f"{stem}.py")
         try:
             code = _compiled(self.sources[stem], file)
+            if self._builtins is not None:
+                module.__dict__["__builtins__"] = self._builtins
             exec(code, module.__dict__)
         except BaseException as error:
             error.add_note(f"while loading {self._folder / stem}.py")
@@ -108,7 +130,7 @@ class FolderModules(MetaPathFinder, Loader):
 
 def module_name(slot: str) -> str:
     """Return the module name of the file of a slot."""
-    return f"robsim_callbacks.{slot}"
+    return f"{_PACKAGE}{slot}"
 
 
 def _compiled(source: bytes, file: str) -> Any:

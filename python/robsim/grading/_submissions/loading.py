@@ -1,0 +1,149 @@
+"""The callbacks of a submission, from the sources that were read; this runs its code."""
+
+from __future__ import annotations
+
+import io
+import linecache
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from os import PathLike
+from pathlib import Path, PurePosixPath
+from types import ModuleType
+from typing import Any
+
+from robsim.grading._errors import SubmissionError
+from robsim.grading._submissions.files import FILE, FOLDER, SubmissionFiles
+from robsim.grading._submissions.imports import builtins_for, masked
+from robsim.grading._submissions.notebook.choosing import chosen
+from robsim.grading._submissions.rules import Rules
+from robsim.grading._texts import error_text
+from robsim.simulation._folders.callback_folder import CallbackFolder, callback_of_module
+from robsim.simulation._folders.modules import FolderModules, module_name
+from robsim.simulation._slots import SLOTS
+
+Callbacks = dict[str, Callable[..., Any] | bool]
+
+_NOTEBOOK = "notebook"
+
+_for_good: list[AbstractContextManager[Callbacks]] = []
+
+
+def load_slots(
+    files: SubmissionFiles, rules: Rules, folder: str | PathLike[str] | None = None
+) -> Callbacks:
+    """Load a submission for the rest of the process: what a worker does, once.
+
+    Parameters
+    ----------
+    files : SubmissionFiles
+        The submission.
+    rules : Rules
+        What it may fill and import.
+    folder : path, optional
+        Where its data files are, for its ``__file__``; None = nowhere.
+
+    Returns
+    -------
+    dict of str to callable or bool
+        The callbacks by slot. False = switched off, True = the default stage.
+
+    Raises
+    ------
+    SubmissionError
+        If its code fails, or does not define its callbacks, with slot and line.
+    """
+    context = loaded_slots(files, rules, folder)
+    callbacks = context.__enter__()
+    _for_good.append(context)  # which would end with it
+    return callbacks
+
+
+@contextmanager
+def loaded_slots(
+    files: SubmissionFiles, rules: Rules, folder: str | PathLike[str] | None = None
+) -> Iterator[Callbacks]:
+    """Load a submission; inside the context its callbacks import each other's modules.
+
+    Parameters, result and errors are those of `load_slots`.
+    """
+    where = Path() if folder is None else Path(folder).absolute()
+    own = builtins_for(rules, [*files.modules])
+    with masked(rules):
+        if files.kind == FOLDER:
+            with _folder(files, where, rules, own) as callbacks:
+                yield callbacks
+        else:
+            with _module(files, where, rules, own) as callbacks:
+                yield callbacks
+
+
+@contextmanager
+def _folder(
+    files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]
+) -> Iterator[Callbacks]:
+    with _failing(files.name, None):
+        folder, callbacks = CallbackFolder.of_sources(
+            Path(), where, files.modules, files.slots, own
+        )
+    with folder.importable():
+        yield callbacks
+
+
+@contextmanager
+def _module(
+    files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]
+) -> Iterator[Callbacks]:
+    """Load one file that defines the slots, with the modules beside it."""
+    main = PurePosixPath(files.main)
+    helpers = {name: source for name, source in files.modules.items() if name not in SLOTS}
+    modules = FolderModules(Path(), where, helpers, own)
+    with modules.importable(), _removed(module_name(_NOTEBOOK)):
+        with _failing(files.main, None):
+            if files.kind == FILE:
+                module = modules.execute(main.stem)
+            else:
+                module = _notebook(files, where, rules, own)
+        callbacks = {}
+        for slot in files.slots:
+            with _failing(files.main, slot):
+                callbacks[slot] = callback_of_module(module, slot, Path(files.main))
+        yield callbacks
+
+
+@contextmanager
+def _removed(name: str) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        sys.modules.pop(name, None)
+
+
+def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]) -> ModuleType:
+    """Run what counts of a notebook as one module."""
+    notebook = chosen(files.sources[files.main], files.main, rules.slots)
+    module = ModuleType(module_name(_NOTEBOOK))
+    module.__file__ = str(where / files.main)
+    vars(module)["__builtins__"] = own
+    sys.modules[module.__name__] = module  # where dataclasses look it up
+    for part in notebook.parts:
+        lines = [*io.StringIO(part.source)]
+        linecache.cache[part.place] = (len(part.source), None, lines, part.place)
+        exec(part.code, vars(module))
+    for slot, variable in notebook.variables.items():
+        setattr(module, slot, vars(module)[variable])
+    return module
+
+
+@contextmanager
+def _failing(name: str, slot: str | None) -> Iterator[None]:
+    """Say of an exception of the submission's code that it is the submission's."""
+    try:
+        yield
+    except (SubmissionError, KeyboardInterrupt):
+        raise
+    except BaseException as error:  # SystemExit, too
+        text = error_text(error, slot=slot)
+        raise SubmissionError(
+            f"{name} cannot be loaded: {text}", slot=text.slot, file=text.file, line=text.line
+        ) from None

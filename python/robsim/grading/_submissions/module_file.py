@@ -1,0 +1,42 @@
+"""The slots that a single Python file defines, told without running it."""
+
+from __future__ import annotations
+
+import symtable
+import warnings
+
+from robsim._base.text import one_line
+from robsim.grading._errors import SubmissionError
+from robsim.simulation._folders.spelling import misspelled
+from robsim.simulation._slots import SLOTS
+
+
+def slots_of_module(text: str, file: str, slots: tuple[str, ...]) -> tuple[str, ...]:
+    """Return those of some slots that a file defines at its top level.
+
+    Raises
+    ------
+    SubmissionError
+        If there is none, with what may be meant.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        table = symtable.symtable(text, file, "exec")
+    defined = {s.get_name() for s in table.get_symbols() if s.is_assigned() or s.is_imported()}
+    found = tuple(slot for slot in slots if slot in defined)
+    if not found:
+        raise no_slot(one_line(file), defined, slots)
+    return found
+
+
+def no_slot(place: str, defined: set[str], slots: tuple[str, ...]) -> SubmissionError:
+    """Return the error for a file or notebook that fills no slot."""
+    wanted = " or ".join(f"{slot}({SLOTS[slot].argument})" for slot in slots)
+    hints = [
+        f"; is {one_line(name)} meant to be {slot}?"
+        for name, slot in sorted(misspelled(defined).items())
+        if slot in slots
+    ]
+    return SubmissionError(
+        f"{place} fills no slot: define {wanted}" + "".join(hints[:3]), file=place
+    )

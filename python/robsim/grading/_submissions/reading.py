@@ -1,0 +1,173 @@
+"""Reading a submission: a folder, a Python file, a zip, a notebook; nothing of it is run."""
+
+from __future__ import annotations
+
+import os
+import stat
+from os import PathLike
+from pathlib import Path, PurePosixPath
+
+from robsim._base.files import as_path
+from robsim._base.text import listed, one_line, quoted
+from robsim.grading._errors import SubmissionError
+from robsim.grading._submissions.archive import most_of_archive, read_archive
+from robsim.grading._submissions.files import FILE, FOLDER, NOTEBOOK, SubmissionFiles
+from robsim.grading._submissions.folder import kind_of, read_file, read_folder
+from robsim.grading._submissions.intake import Intake, size_text
+from robsim.grading._submissions.module_file import slots_of_module
+from robsim.grading._submissions.notebook.cells import reduced
+from robsim.grading._submissions.notebook.choosing import chosen
+from robsim.grading._submissions.python_text import check_source, decoded, imports
+from robsim.grading._submissions.rules import Rules
+from robsim.simulation._folders.spelling import misspelled
+from robsim.simulation._slots import SLOTS
+
+_TAKEN = "hand in a folder, a Python file (.py), a notebook (.ipynb) or a zip of these"
+
+
+def read_submission(path: str | PathLike[str], rules: Rules) -> SubmissionFiles:
+    """Read a submission.
+
+    Parameters
+    ----------
+    path : path
+        A folder with a file for each slot, such as ``control.py``, and helper modules; one Python
+        file or a notebook that defines them; a zip of any of these.
+    rules : Rules
+        What it may fill and weigh.
+
+    Returns
+    -------
+    SubmissionFiles
+
+    Raises
+    ------
+    SubmissionError
+        If it cannot be read, has what it may not have, or fills no slot; the message says what to
+        do.
+    TypeError
+        If `path` is not a path.
+    """
+    given = Path(os.path.abspath(as_path(path)))
+    name = one_line(given.name)
+    intake = Intake(name, rules)
+    if kind_of(str(given), name) == stat.S_IFDIR:
+        read_folder(str(given), name, intake)
+        return _arranged(name, intake.files, rules)
+    suffix = given.suffix.lower()
+    if suffix == ".zip":
+        most = most_of_archive(rules)
+        read_archive(_all_of(given, name, most), name, rules, intake)
+        return _arranged(name, intake.files, rules)
+    if suffix not in (".py", ".ipynb"):
+        raise SubmissionError(f"{name} is none of what can be graded: {_TAKEN}", file=name)
+    intake.add(given.name, _all_of(given, name, intake.most_of(given.name)))
+    (main,) = intake.files or [""]
+    if not main:
+        raise SubmissionError(f"{name} is a hidden file: give it another name", file=name)
+    return _of_one_file(name, main, intake.files, rules)
+
+
+def _all_of(path: Path, name: str, most: int) -> bytes:
+    content = read_file(str(path), name, most + 1)
+    if len(content) > most:
+        remedy = "clear its outputs" if path.suffix == ".ipynb" else "hand in what counts"
+        raise SubmissionError(f"{name} has more than {size_text(most)}: {remedy}", file=name)
+    return content
+
+
+def _arranged(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:
+    """Return the submission of a folder: by files of slots, or by the one file that has them."""
+    files = _below_the_top(files)
+    top = [path for path in files if "/" not in path]
+    python = [path for path in top if path.endswith(".py")]
+    notebooks = [path for path in top if path.endswith(".ipynb")]
+    if any(_slot_of(path) in rules.slots for path in python):
+        return _of_folder(name, files, rules)
+    mains = notebooks or python
+    if len(mains) == 1 and _slot_of(mains[0]) is None:
+        return _of_one_file(name, mains[0], files, rules)
+    if len(mains) > 1 and notebooks:
+        raise SubmissionError(f"{name} has {len(mains)} notebooks, {listed(mains)}: hand in one")
+    raise _nothing(name, files, rules)
+
+
+def _below_the_top(files: dict[str, bytes]) -> dict[str, bytes]:
+    """Return the files without the one folder, or the folders, that all of them lie in."""
+    while (
+        files and len({path.partition("/")[0] for path in files}) == 1 and "/" in next(iter(files))
+    ):
+        files = {path.partition("/")[2]: content for path, content in files.items()}
+    return files
+
+
+def _slot_of(path: str) -> str | None:
+    """Return the slot that a file is named after."""
+    stem = PurePosixPath(path).stem
+    return stem if stem in SLOTS and path == f"{stem}.py" else None
+
+
+def _nothing(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionError:
+    wanted = " or ".join(f"{slot}.py" for slot in rules.slots)
+    stems = {PurePosixPath(path).stem: path for path in files if path.endswith((".py", ".ipynb"))}
+    hints = [
+        f"; is {one_line(stems[stem])} meant to be {slot}.py?"
+        for stem, slot in misspelled(stems).items()
+        if slot in rules.slots
+    ]
+    found = f"it has {listed(sorted(files))}" if files else "it is empty"
+    return SubmissionError(f"{name} has no {wanted}: {found}" + "".join(hints))
+
+
+def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:
+    of_slots = {slot: path for path in files if (slot := _slot_of(path))}
+    slots = tuple(slot for slot in rules.slots if slot in of_slots)
+    modules = {
+        path: content for path, content in files.items() if "/" not in path and path.endswith(".py")
+    }
+    used = {path for path in modules if _slot_of(path) in slots or _is_imported(path, modules)}
+    for path in sorted(used):
+        check_source(modules[path], one_line(path))
+    _check_spelling(name, modules, used, slots, rules)
+    notes = [
+        f"{path} is not used: the assignment has no such slot"
+        for slot, path in of_slots.items()
+        if slot not in rules.slots
+    ]
+    return SubmissionFiles(name, FOLDER, "", files, slots, tuple(notes))
+
+
+def _is_imported(path: str, modules: dict[str, bytes]) -> bool:
+    stem = PurePosixPath(path).stem
+    return _slot_of(path) is None and any(
+        imports(stem, content) for other, content in modules.items() if other != path
+    )
+
+
+def _check_spelling(
+    name: str, modules: dict[str, bytes], used: set[str], slots: tuple[str, ...], rules: Rules
+) -> None:
+    """Refuse a file whose name resembles that of a slot that would stay empty."""
+    stems = [PurePosixPath(path).stem for path in modules]
+    for stem, slot in misspelled(stems).items():
+        if slot in rules.slots and slot not in slots and f"{stem}.py" not in used:
+            raise SubmissionError(
+                f"{name}: {quoted(f'{stem}.py')} is named after no slot: rename it to {slot}.py, "
+                "or remove it",
+                file=f"{stem}.py",
+            )
+
+
+def _of_one_file(name: str, main: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:
+    if main.endswith(".ipynb"):
+        small = reduced(files[main], main, rules.file_size)
+        notebook = chosen(small, main, rules.slots)
+        sources = {**files, main: small}
+        return SubmissionFiles(name, NOTEBOOK, main, sources, notebook.slots, notebook.notes)
+    if (slot := _slot_of(main)) is not None and slot in rules.slots:
+        return _of_folder(name, files, rules)
+    if slot is not None:
+        raise _nothing(name, files, rules)
+    check_source(files[main], one_line(main))
+    slots = slots_of_module(decoded(files[main], main), main, rules.slots)
+    return SubmissionFiles(name, FILE, main, files, slots)
