@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
+import linecache
 import re
 import traceback
 from collections import deque
-from collections.abc import Iterator
-from dataclasses import dataclass
-from types import FunctionType
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import islice
+from types import FunctionType, WrapperDescriptorType
 from typing import Any
 
 from robsim._base.source_line import SourceLine
 from robsim._base.text import printable
-from robsim.grading._errors import GradingError, SubmissionError
-from robsim.simulation._callbacks.errors import callback_of
+from robsim.grading._errors import AssignmentError, GraderError, GradingError, SubmissionError
+from robsim.simulation._callbacks.errors import FailedCallback
 
 #: Characters of a text, of a line, of a name.
 MOST_TEXT, MOST_LINE, MOST_NAME = 4000, 200, 60
@@ -121,14 +123,12 @@ class ErrorText:
         return SubmissionError(str(self), **places, file=self.file, line=self.line)
 
     def to_json(self) -> bytes:
-        """Return it as JSON of at most 16 KiB."""
-        lines = self.lines
-        while True:
-            fields = vars(self) | {"lines": lines}
-            text = json.dumps(fields).encode("ascii")
-            if len(text) <= _MOST_JSON or not lines:
-                return text
-            lines = lines[1:]
+        """Return it as JSON of at most 16 KiB: rather without its lines than with half of them."""
+        short = self
+        while len(data := json.dumps(vars(short), ensure_ascii=False).encode()) > _MOST_JSON:
+            most = len(short.message) if short.lines else len(short.message) // 2
+            short = replace(short, lines=short.lines[1:], message=clean_text(short.message, most))
+        return data
 
     @classmethod
     def from_json(cls, data: bytes) -> ErrorText:
@@ -179,60 +179,56 @@ def error_text(
     slot, step
         Where it came, where the exception itself does not say.
     """
-    if isinstance(error, GradingError):
-        return ErrorText(
-            "", clean_text(str(error)), (), error.slot, error.step, error.file, error.line
-        )
-    found = callback_of(error) if _has_plain_attributes(error) else None
-    if found is not None:
-        slot, step = found.slot, found.k
+    try:
+        return _error_text(error, slot, step)
+    except BaseException:  # of an object that has been tampered with
+        return ErrorText(type_name(error), "", (), slot, step)
+
+
+def _error_text(error: BaseException, slot: str | None, step: int | None) -> ErrorText:
+    if type(error) in (SubmissionError, AssignmentError, GraderError):
+        assert isinstance(error, GradingError)
+        text = clean_text(str(error))
+        return ErrorText("", text, (), error.slot, error.step, error.file, error.line)
     lines = _lines(error)
-    last = found.source if found is not None and found.source is not None else None
-    last = lines[-1] if lines else last
-    if isinstance(error, SyntaxError) and (at := _line_of_syntax(error)) is not None:
-        last = at
+    last = lines[-1] if lines else None
+    noted = _noted(error)
+    if noted is not None:
+        slot, step = noted.slot, noted.k
+        last = noted.source if last is None and type(noted.source) is SourceLine else last
+    if issubclass(type(error), SyntaxError) and (at := _line_of_syntax(error)) is not None:
         lines.append(at)
-    file, number = (None, None) if last is None else (_file_of(last), last.number)
+        last = at
     return ErrorText(
         type=type_name(error),
         message=_message(error),
         lines=tuple(map(_told, lines)),
         slot=None if slot is None else clean_line(slot, MOST_NAME),
-        step=step,
-        file=file,
-        line=number,
+        step=_number(step),
+        file=None if last is None else _file_of(last),
+        line=None if last is None else _number(last.number),
     )
 
 
-def _has_plain_attributes(error: BaseException) -> bool:
-    """Return whether to look for an attribute runs nothing of the submission's."""
-    return not any(
-        isinstance(vars(kind).get(name), FunctionType)
-        for kind in type.__dict__["__mro__"].__get__(type(error))
-        for name in ("__getattribute__", "__getattr__", "callback")
-        if _is_users(vars(kind).get(name))
-    )
+def _noted(error: BaseException) -> FailedCallback | None:
+    """Return what the loop has noted on an exception; as `callback_of`, and nothing is called."""
+    attributes = BaseException.__dict__["__dict__"].__get__(error)
+    found = dict.get(attributes, "callback")
+    return found if type(found) is FailedCallback else None
 
 
 def _lines(error: BaseException) -> list[SourceLine]:
     """Return the submission's own lines in a traceback, the innermost last."""
     newest: deque[SourceLine] = deque(maxlen=_MOST_LINES)
-    for line in _walked(error):
+    trace = BaseException.__dict__["__traceback__"].__get__(error)
+    for frame, number in islice(traceback.walk_tb(trace), _MOST_DEPTH):
+        line = SourceLine(frame.f_code.co_filename, number or 0, frame.f_code.co_name)
         if line.is_users:
             newest.append(line)
     return list(newest)
 
 
-def _walked(error: BaseException) -> Iterator[SourceLine]:
-    trace = BaseException.__dict__["__traceback__"].__get__(error)
-    for count, (frame, number) in enumerate(traceback.walk_tb(trace)):
-        if count == _MOST_DEPTH:
-            return
-        code = frame.f_code
-        yield SourceLine(str(code.co_filename), number or 0, str(code.co_name))
-
-
-def _line_of_syntax(error: SyntaxError) -> SourceLine | None:
+def _line_of_syntax(error: BaseException) -> SourceLine | None:
     file, number = (SyntaxError.__dict__[name].__get__(error) for name in ("filename", "lineno"))
     if type(file) is not str or type(number) is not int:
         return None
@@ -240,33 +236,37 @@ def _line_of_syntax(error: SyntaxError) -> SourceLine | None:
     return line if line.is_users else None
 
 
+def _source(line: SourceLine) -> str:
+    """Return the text of a line that was loaded; no file is opened, whatever its name is."""
+    entry = linecache.cache.get(line.file)
+    lines = entry[2] if isinstance(entry, tuple) and len(entry) == 4 else []
+    return clean_line(lines[line.number - 1].strip()) if 0 < line.number <= len(lines) else ""
+
+
 def _file_of(line: SourceLine) -> str:
-    return clean_line(
-        line.place.rpartition(f", line {line.number}")[0] or line.place.rpartition(":")[0],
-        MOST_NAME,
-    )
+    place = line.place
+    for end in (f", line {line.number}", f":{line.number}"):
+        place = place.removesuffix(end)
+    return clean_line(place, MOST_NAME)
 
 
 def _told(line: SourceLine) -> str:
     function = "" if line.function == "<module>" else f" in {clean_line(line.function, MOST_NAME)}"
-    source = clean_line(line.text)
     place = f"{_file_of(line)}, line {line.number}{function}"
+    source = _source(line)
     return f"{place}: {source}" if source else place
 
 
 def _message(error: BaseException) -> str:
     """Return the text of an exception; of what may never end, or has any length, only its class."""
     args = BaseException.__dict__["args"].__get__(error)
-    if isinstance(error, SyntaxError):
-        return clean_text(args[0]) if args else ""
-    if len(args) == 1 and type(args[0]) is str:
-        return clean_text(args[0])
-    if all(_is_plain(value) for value in args) and not _is_users(_str_of(error)):
-        try:
+    kind = type(error)
+    if args and type(args[0]) is str and (len(args) == 1 or issubclass(kind, SyntaxError)):
+        return f"{args[0][:MOST_NAME]!r}" if issubclass(kind, KeyError) else clean_text(args[0])
+    if all(map(_is_plain, args)) and not _is_users(_method(kind, "__str__")):
+        with suppress(BaseException):
             return clean_text(str(error))
-        except BaseException:
-            return ""
-    return ", ".join(_shown(value) for value in args[:5])
+    return clean_text(", ".join(map(_shown, args[:5])))
 
 
 def _is_plain(value: Any) -> bool:
@@ -284,19 +284,17 @@ def _shown(value: Any) -> str:
     return clean_text(repr(value)) if _is_plain(value) else f"<{type_name(value)}>"
 
 
-def _str_of(error: BaseException) -> object:
-    """Return the method that makes the text of an exception."""
-    for kind in type.__dict__["__mro__"].__get__(type(error)):
-        if "__str__" in vars(kind):
-            return vars(kind)["__str__"]
+def _method(kind: type, name: str) -> object:
+    """Return what a class has of some name, by itself or by its bases."""
+    for each in type.__dict__["__mro__"].__get__(kind):
+        own = type.__dict__["__dict__"].__get__(each)
+        if name in own:
+            return own[name]
     return None
 
 
-def _is_users(function: object) -> bool:
+def _is_users(method: object) -> bool:
     """Return whether a method may be the submission's, and not of Python or of a package."""
-    if not isinstance(function, FunctionType):
-        return function is not None and type(function).__name__ not in _BUILT_IN
-    return SourceLine(str(function.__code__.co_filename), 0, "").is_users
-
-
-_BUILT_IN = ("wrapper_descriptor", "method_descriptor", "getset_descriptor", "member_descriptor")
+    if type(method) is FunctionType:
+        return SourceLine(method.__code__.co_filename, 0, "").is_users
+    return type(method) is not WrapperDescriptorType

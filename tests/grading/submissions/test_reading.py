@@ -1,50 +1,11 @@
 """Reading submissions of every kind, as students hand them in."""
 
-import json
-import zipfile
-
 import pytest
 
-from robsim.grading._errors import SubmissionError
-from robsim.grading._submissions import Rules, SubmissionFiles, loaded_slots, read_submission
+from robsim.grading._submissions import Rules, SubmissionFiles, read_submission
+from submissions import BOTH, CONTROL, PLAIN, answer, notebook, packed, refused, write
 
-CONTROL = Rules(slots=("control",))
-BOTH = Rules(slots=("control", "measure"))
 DRIVE = "from gains import GAIN\n\n\ndef control(step):\n    return GAIN, GAIN\n"
-PLAIN = "def control(step):\n    return 1.0, 2.0\n"
-
-
-def write(folder, **files):
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in files.items():
-        (folder / f"{name}.py").write_text(text)
-    return folder
-
-
-def packed(path, files):
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            archive.writestr(name, content)
-    return path
-
-
-def notebook(path, *cells):
-    cells = [{"cell_type": "code", "metadata": {}, "source": cell, "outputs": []} for cell in cells]
-    path.write_text(json.dumps({"nbformat": 4, "metadata": {}, "cells": cells}))
-    return path
-
-
-def refusal(path, rules=CONTROL):
-    with pytest.raises(SubmissionError) as caught:
-        read_submission(path, rules)
-    return str(caught.value)
-
-
-def answer(path, rules=CONTROL):
-    """What the control of a submission gives, read, sent and loaded."""
-    message = read_submission(path, rules).to_message()
-    with loaded_slots(SubmissionFiles.from_message(message), rules) as callbacks:
-        return callbacks["control"](None)
 
 
 def test_a_folder_a_zip_a_file_and_a_notebook_are_one_submission(tmp_path):
@@ -54,12 +15,15 @@ def test_a_folder_a_zip_a_file_and_a_notebook_are_one_submission(tmp_path):
     assert answer(packed(tmp_path / "s002.zip", files)) == (3, 3)
     in_folders = {f"s003/hw3/{name}": text for name, text in files.items()}
     assert answer(packed(tmp_path / "s003.zip", in_folders)) == (3, 3)
-    (tmp_path / "s004.py").write_text(PLAIN)
-    assert answer(tmp_path / "s004.py") == (1, 2)
+    (tmp_path / "s004.v2.py").write_text(PLAIN)
+    assert answer(tmp_path / "s004.v2.py") == (1, 2)
     (tmp_path / "control.py").write_text(PLAIN)
     assert answer(tmp_path / "control.py") == (1, 2)
     assert answer(notebook(tmp_path / "s005.ipynb", PLAIN)) == (1, 2)
     assert answer(packed(tmp_path / "s006.zip", {"mine.py": PLAIN})) == (1, 2)
+    beside = packed(tmp_path / "s007.zip", {"gains.py": "GAIN = 3.0"})
+    with_notebook = {"hw.ipynb": notebook(tmp_path / "hw.ipynb", DRIVE).read_text()}
+    assert answer(packed(beside, with_notebook | {"gains.py": "GAIN = 3.0"})) == (3, 3)
 
 
 def test_what_a_submission_is_stands_in_it(tmp_path):
@@ -75,10 +39,125 @@ def test_what_a_submission_is_stands_in_it(tmp_path):
     assert only.notes == ("measure.py is not used: the assignment has no such slot",)
 
 
+def test_files_reach_the_scratch_folder(tmp_path):
+    files = {"control.py": PLAIN, "data/table.csv": "1,2"}
+    found = read_submission(packed(tmp_path / "s001.zip", files), CONTROL)
+    found.write_to(tmp_path / "scratch")
+    assert (tmp_path / "scratch/data/table.csv").read_text() == "1,2"
+
+
 def test_a_misspelled_name_is_told(tmp_path):
-    folder = write(tmp_path / "s001", contrl=PLAIN)
-    assert "is contrl.py meant to be control.py?" in refusal(write(folder, other=""))
+    folder = write(tmp_path / "s001", contrl=PLAIN, other="")
+    assert "is contrl.py meant to be control.py?" in str(refused(folder))
     folder = write(tmp_path / "s002", control=PLAIN, measur="")
-    assert "'measur.py' is named after no slot: rename it to measure.py" in refusal(folder, BOTH)
+    error = refused(folder, BOTH)
+    assert "'measur.py' is named after no slot: rename it to measure.py" in str(error)
+    assert error.file == "measur.py"
     (tmp_path / "s003.py").write_text(PLAIN.replace("control", "contrl"))
-    assert "is contrl meant to be control?" in refusal(tmp_path / "s003.py")
+    assert "is contrl meant to be control?" in str(refused(tmp_path / "s003.py"))
+
+
+def test_a_helper_that_resembles_a_slot_is_a_helper(tmp_path):
+    control = "from measurement import GAIN\n\n\ndef control(step):\n    return GAIN, GAIN\n"
+    folder = write(tmp_path / "s001", control=control, measurement="GAIN = 2")
+    assert answer(folder, BOTH) == (2, 2)
+
+
+def test_what_tools_leave_does_not_count(tmp_path):
+    leftovers = ["__MACOSX/._control.py", ".DS_Store", "__pycache__/x.pyc", ".git/HEAD"]
+    leftovers += [".ipynb_checkpoints/old.ipynb", "Thumbs.db"]
+    files = dict.fromkeys(leftovers, b"\0\xff") | {"control.py": PLAIN}
+    found = read_submission(packed(tmp_path / "s001.zip", files), CONTROL)
+    assert [*found.sources] == ["control.py"]
+    for name, content in files.items():
+        (tmp_path / "s002" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "s002" / name).write_bytes(content if name in leftovers else PLAIN.encode())
+    assert [*read_submission(tmp_path / "s002", CONTROL).sources] == ["control.py"]
+
+
+@pytest.mark.parametrize(
+    ("files", "words"),
+    [
+        ({}, "s001.zip has no control.py: it is empty"),
+        ({"readme.txt": "hello"}, "s001.zip has no control.py: it has readme.txt"),
+        ({"measure.py": ""}, "s001.zip has no control.py: it has measure.py"),
+        ({"a.ipynb": "", "b.ipynb": ""}, "has 2 notebooks, a.ipynb, b.ipynb: hand in one"),
+        ({"mine.py": "x = 1"}, "mine.py fills no slot: define control(step), or write control ="),
+    ],
+)
+def test_a_submission_without_a_slot_is_told(tmp_path, files, words):
+    assert words in str(refused(packed(tmp_path / "s001.zip", files)))
+
+
+def test_what_cannot_be_a_submission(tmp_path):
+    (tmp_path / "s001.txt").write_text("hello")
+    assert "hand in a folder, a Python file (.py)" in str(refused(tmp_path / "s001.txt"))
+    assert str(refused(tmp_path / "s002")) == "s002 is not there"
+    with pytest.raises(TypeError, match="path must be a path, got 3"):
+        read_submission(3, CONTROL)
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (b"def control(step:\n    pass", "control.py, line 1: "),
+        (b"x = 1\n\ny = \xe9", "control.py, line 3: it is not UTF-8 text, it has the byte 0xe9"),
+        (b"x = 1\n\0", "control.py, line 2: it is not UTF-8 text, it has a null character"),
+        (b"# coding: latin-1\nx = 1", "line 1: it says that it is in 'latin-1': save it as UTF-8"),
+        (b"\n# coding=utf7\nx = 1", "line 2: it says that it is in 'utf7'"),
+        (b"x = " + b"-" * 100_000 + b"1", "control.py is nested too deeply for Python"),
+        (b"x" + b"()" * 50_000, "control.py is nested too deeply for Python"),
+        (b"import " + b"a." * 100_000 + b"a", "it has a name with more than 64 dots"),
+        (b"import " + b"a.\\\n" * 1_000 + b"a", "it has a name with more than 64 dots"),
+        (b"import " * 140_000, "control.py, line 1: "),
+        (b"a" * 1_000_000 + b"! b", "control.py, line 1: invalid syntax"),
+        (b"x\n" * 300_000, "has 300000 words and signs, and 250000 are allowed"),
+        (b"x = '\x1b[31m\xe2\x80\xae\n", "control.py, line 1: unterminated string"),
+        (b"x = " + b"9" * 10_000, "control.py, line 1: Exceeds the limit"),
+    ],
+)  # fmt: skip
+def test_what_is_no_python_is_told_with_its_line(tmp_path, source, words):
+    (tmp_path / "s001").mkdir()
+    (tmp_path / "s001/control.py").write_bytes(source)
+    error = refused(tmp_path / "s001")
+    assert words in str(error)
+    assert str(error).isprintable()
+    assert len(str(error)) < 500
+    assert error.file == "control.py"
+
+
+def test_a_table_of_many_numbers_is_python(tmp_path):
+    numbers = ", ".join(f"{i}.25" for i in range(30_000))
+    folder = write(tmp_path / "s001", control=f"TABLE = [{numbers}]\n{PLAIN}")
+    assert answer(folder) == (1, 2)
+
+
+def test_a_helper_that_nobody_imports_may_be_broken(tmp_path):
+    assert answer(write(tmp_path / "s001", control=PLAIN, old="def (")) == (1, 2)
+    folder = write(tmp_path / "s002", control="import old\n" + PLAIN, old="\ndef (")
+    assert str(refused(folder)).startswith("old.py, line 2: invalid syntax")
+
+
+def test_rules_are_plain_values():
+    rules = Rules(slots=["control"], imports=["numpy"], masked=["robsim.reference"], files=3)
+    assert rules == Rules.from_dict(rules.to_dict())
+    assert rules.slots == ("control",)
+    with pytest.raises(ValueError, match="did you mean 'control'"):
+        Rules(slots=["contrl"])
+    with pytest.raises(TypeError, match="imports must be names of modules"):
+        Rules(imports="numpy")
+    with pytest.raises(ValueError, match="masked must have names of modules, got 'robsim; x'"):
+        Rules(masked=["robsim; x"])
+    with pytest.raises(ValueError, match="ratio must lie within"):
+        Rules(ratio=0)
+
+
+@pytest.mark.parametrize("change", [lambda m: m[:-1], lambda m: m + b"x", lambda m: b"x" + m,
+                                    lambda m: b"", lambda m: m.replace(b'"slots"', b'"slits"'),
+                                    lambda m: m.replace(b'"folder"', b'"flower"'),
+                                    lambda m: m.replace(b'", 39', b'", 38')])  # fmt: skip
+def test_a_message_that_is_none_is_refused(tmp_path, change):
+    message = read_submission(write(tmp_path / "s001", control=PLAIN), CONTROL).to_message()
+    assert change(message) != message
+    with pytest.raises(ValueError, match="a submission's message"):
+        SubmissionFiles.from_message(change(message))

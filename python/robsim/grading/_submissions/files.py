@@ -6,8 +6,11 @@ import json
 import struct
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import PurePosixPath
+from os import PathLike
+from pathlib import Path, PurePosixPath
 from types import MappingProxyType
+
+from robsim.grading._submissions.names import checked_path
 
 #: What a submission is: files named after slots, one Python file, or a notebook.
 FOLDER, FILE, NOTEBOOK = "folder", "file", "notebook"
@@ -56,6 +59,20 @@ class SubmissionFiles:
             for path, content in self.sources.items()
             if "/" not in path and path.endswith(".py")
         }
+
+    def write_to(self, folder: str | PathLike[str]) -> None:
+        """Write the files into an empty folder, such as the scratch folder of a worker.
+
+        Raises
+        ------
+        SubmissionError
+            If a path leads out of it.
+        """
+        for path, content in self.sources.items():
+            if (counted := checked_path(path, self.name)) is not None:
+                file = Path(folder, counted)
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_bytes(content)
 
     def to_message(self) -> bytes:
         """Return it as bytes: a heading in JSON, and the contents of the files."""

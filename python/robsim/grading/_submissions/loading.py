@@ -67,7 +67,7 @@ def loaded_slots(
 
     Parameters, result and errors are those of `load_slots`.
     """
-    where = Path() if folder is None else Path(folder).absolute()
+    where = Path(files.name) if folder is None else Path(folder).absolute()
     own = builtins_for(rules, [*files.modules])
     with masked(rules):
         if files.kind == FOLDER:

@@ -37,6 +37,9 @@ def no_slot(place: str, defined: set[str], slots: tuple[str, ...]) -> Submission
         for name, slot in sorted(misspelled(defined).items())
         if slot in slots
     ]
+    first = next(iter(slots))
     return SubmissionError(
-        f"{place} fills no slot: define {wanted}" + "".join(hints[:3]), file=place
+        f"{place} fills no slot: define {wanted}, or write {first} = ... for an object that can be "
+        "called" + "".join(hints[:3]),
+        file=place,
     )

@@ -11,7 +11,7 @@ from robsim.grading._errors import SubmissionError
 # Memory and time of Python's own parser: 1 kB a word at worst, and the square of a dotted name.
 _MOST_WORDS = 250_000
 _WORD = re.compile(r"\d[\w.]*+|\w++|[^\w\s]")
-_LONG_CHAIN = re.compile(r"(?:\w++[\s\\]*+\.[\s\\]*+){64}")
+_LONG_CHAIN = re.compile(r"(?<!\w)(?:\w++[\s\\]*+\.[\s\\]*+){64}")
 _CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]+)")
 
 
@@ -107,10 +107,12 @@ def not_python(error: BaseException, text: str, place: str) -> SubmissionError:
     )
 
 
-def imports(name: str, content: bytes) -> bool:
-    """Return whether a file seems to import a module; never False where it does by a statement."""
-    word = re.escape(name.encode("utf-8", "replace"))
-    return (
-        re.search(rb"\bimport\b[^\n]*\b" + word + rb"\b|\bfrom[ \t]+" + word + rb"\b", content)
-        is not None
-    )
+def imported_words(content: bytes) -> set[str]:
+    """Return all words of the lines of a file that import: the names of modules among others."""
+    lines = content.decode("utf-8", "replace").replace("\\\n", " ").splitlines()
+    return {
+        word
+        for line in lines
+        if "import" in line or "from" in line
+        for word in re.findall(r"\w+", line)
+    }

@@ -17,7 +17,7 @@ from robsim.grading._submissions.intake import Intake, size_text
 from robsim.grading._submissions.module_file import slots_of_module
 from robsim.grading._submissions.notebook.cells import reduced
 from robsim.grading._submissions.notebook.choosing import chosen
-from robsim.grading._submissions.python_text import check_source, decoded, imports
+from robsim.grading._submissions.python_text import check_source, decoded, imported_words
 from robsim.grading._submissions.rules import Rules
 from robsim.simulation._folders.spelling import misspelled
 from robsim.simulation._slots import SLOTS
@@ -122,13 +122,10 @@ def _nothing(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionErro
 def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:
     of_slots = {slot: path for path in files if (slot := _slot_of(path))}
     slots = tuple(slot for slot in rules.slots if slot in of_slots)
-    modules = {
-        path: content for path, content in files.items() if "/" not in path and path.endswith(".py")
-    }
-    used = {path for path in modules if _slot_of(path) in slots or _is_imported(path, modules)}
+    used = {of_slots[slot] for slot in slots} | _imported_files(files)
     for path in sorted(used):
-        check_source(modules[path], one_line(path))
-    _check_spelling(name, modules, used, slots, rules)
+        check_source(files[path], one_line(path))
+    _check_spelling(name, files, used, slots, rules)
     notes = [
         f"{path} is not used: the assignment has no such slot"
         for slot, path in of_slots.items()
@@ -137,18 +134,27 @@ def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFi
     return SubmissionFiles(name, FOLDER, "", files, slots, tuple(notes))
 
 
-def _is_imported(path: str, modules: dict[str, bytes]) -> bool:
-    stem = PurePosixPath(path).stem
-    return _slot_of(path) is None and any(
-        imports(stem, content) for other, content in modules.items() if other != path
-    )
+def _modules(files: dict[str, bytes]) -> dict[str, bytes]:
+    """Return the Python files at the top."""
+    return {path: c for path, c in files.items() if "/" not in path and path.endswith(".py")}
+
+
+def _imported_files(files: dict[str, bytes]) -> set[str]:
+    """Return the Python files that others seem to import."""
+    words = {path: imported_words(content) for path, content in _modules(files).items()}
+    return {
+        path
+        for path in words
+        if _slot_of(path) is None
+        and any(PurePosixPath(path).stem in words[other] for other in words if other != path)
+    }
 
 
 def _check_spelling(
-    name: str, modules: dict[str, bytes], used: set[str], slots: tuple[str, ...], rules: Rules
+    name: str, files: dict[str, bytes], used: set[str], slots: tuple[str, ...], rules: Rules
 ) -> None:
     """Refuse a file whose name resembles that of a slot that would stay empty."""
-    stems = [PurePosixPath(path).stem for path in modules]
+    stems = [PurePosixPath(path).stem for path in _modules(files)]
     for stem, slot in misspelled(stems).items():
         if slot in rules.slots and slot not in slots and f"{stem}.py" not in used:
             raise SubmissionError(

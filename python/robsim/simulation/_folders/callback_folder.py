@@ -171,7 +171,7 @@ class CallbackFolder:
     def _loaded(self, modules: FolderModules, slot: str) -> Callable[..., Any] | bool:
         try:
             return callback_of_module(modules.execute(slot), slot, self.path / f"{slot}.py")
-        except Exception as error:
+        except BaseException as error:
             note_failed_file(error, slot, str(self._absolute / f"{slot}.py"))
             raise
 

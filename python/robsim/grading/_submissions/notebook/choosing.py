@@ -88,14 +88,14 @@ def chosen(content: bytes, file: str, slots: tuple[str, ...]) -> Notebook:
 
 def _chosen(cells: list[Cell], file: str, slots: tuple[str, ...]) -> Notebook:
     tagged = [cell for cell in cells if cell.tag == WHOLE]
-    statements, flags = _statements(tagged or cells)
+    statements, flags = _statements(tagged or cells, file)
     values, notes = _one_each(statements, file, slots)
     kept = statements if tagged else needed(statements, values, file)
     return _assembled(kept, values, flags, notes)
 
 
-def _statements(cells: Iterable[Cell]) -> tuple[list[Statement], int]:
-    nodes = [(cell, node) for cell in cells for node in parsed(cell)]
+def _statements(cells: list[Cell], file: str) -> tuple[list[Statement], int]:
+    nodes = parsed(cells, file)
     flags = flags_of(node for _, node in nodes)
     found = []
     for cell, node in nodes:

@@ -66,13 +66,14 @@ def _check_kept(
 
 def _names_that_run(statements: list[Statement]) -> frozenset[str]:
     """Return `RUNS` and the functions of the notebook that reach one of them."""
+    mentioning: dict[str, list[Statement]] = {}
+    for each in statements:
+        for name in each.mentions if each.is_definition else ():
+            mentioning.setdefault(name, []).append(each)
     runs = set(RUNS)
-    definitions = [each for each in statements if each.is_definition]
-    grown = True
-    while grown:
-        grown = False
-        for each in definitions:
-            if not each.binds <= runs and each.mentions & runs:
-                runs |= each.binds
-                grown = True
+    waiting = [*RUNS]
+    while waiting:
+        for each in mentioning.get(waiting.pop(), ()):
+            waiting += each.binds - runs
+            runs |= each.binds
     return frozenset(runs)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import warnings
+from collections.abc import Sequence
 
 from robsim.grading._errors import SubmissionError
 from robsim.grading._submissions.notebook.cells import Cell
@@ -13,41 +14,63 @@ from robsim.grading._submissions.python_text import check_extent, not_python
 # Cell commands that run the cell as it is; all others make something else of it.
 _TRANSPARENT = re.compile(r"%%(time|capture)\b")
 _COMMAND = re.compile(r"[%!?]|[\w.]+\s*(?:,\s*[\w.]+\s*)*=\s*[%!]|.*\?\s*$")
-_MOST_COMMANDS = 100  # in a cell: each is found by parsing it once more
+_MOST_PARSED = 2**23  # characters: each command is found by parsing its cell once more
+_MOST_STATEMENTS = 5000
 
 #: Flags for `compile`: a notebook may await outside of functions.
 AWAIT = ast.PyCF_ALLOW_TOP_LEVEL_AWAIT
 
 
-def parsed(cell: Cell) -> list[ast.stmt]:
-    """Return the statements of a cell without commands, such as ``%matplotlib`` and ``!ls``.
+def parsed(cells: Sequence[Cell], file: str) -> list[tuple[Cell, ast.stmt]]:
+    """Return the statements of cells without commands, such as ``%matplotlib`` and ``!ls``.
 
     Raises
     ------
     SubmissionError
-        If a cell is no Python.
+        If a cell is no Python, or all of them are too much.
     """
-    lines = cell.source.split("\n")
-    first = next((i for i, line in enumerate(lines) if line.strip()), None)
-    if first is not None and lines[first].lstrip().startswith("%%"):
-        if not _TRANSPARENT.match(lines[first].lstrip()):
-            return []
-        lines[first] = ""
-    check_extent(cell.source, cell.place)
-    for _ in range(_MOST_COMMANDS):
-        try:
-            return _statements("\n".join(lines), cell.place)
-        except SyntaxError as error:
-            line = _command_at(lines, error.lineno)
-            if line is None:
-                raise _told(error, cell) from None
-            indent = len(lines[line]) - len(lines[line].lstrip())
-            lines[line] = f"{' ' * indent}pass"
-        except (ValueError, OverflowError, RecursionError, MemoryError) as error:
+    check_extent("\n".join(cell.source for cell in cells), file)
+    statements: list[tuple[Cell, ast.stmt]] = []
+    spent = 0
+    for cell in cells:
+        lines = _without_cell_command(cell.source.split("\n"))
+        nodes = None
+        while nodes is None:
+            spent += len(cell.source)
+            if spent > _MOST_PARSED:
+                raise SubmissionError(f"{file} has too many commands: remove some", file=file)
+            nodes = _statements_or_fewer_commands(lines, cell)
+        statements += [(cell, node) for node in nodes]
+    if len(statements) > _MOST_STATEMENTS:
+        raise SubmissionError(
+            f"{file} has more than {_MOST_STATEMENTS} statements: hand in what counts", file=file
+        )
+    return statements
+
+
+def _without_cell_command(lines: list[str]) -> list[str]:
+    """Return the lines of a cell that Python gets, where the first one may be a cell's command."""
+    first = next((line for line in lines if line.strip()), "").lstrip()
+    if not first.startswith("%%"):
+        return lines
+    if not _TRANSPARENT.match(first):
+        return []
+    return ["" if line.lstrip() == first else line for line in lines]
+
+
+def _statements_or_fewer_commands(lines: list[str], cell: Cell) -> list[ast.stmt] | None:
+    """Return the statements of a cell; or take one command out of its lines, and return None."""
+    try:
+        return _statements("\n".join(lines), cell.place)
+    except SyntaxError as error:
+        line = _command_at(lines, error.lineno)
+        if line is None:
             raise _told(error, cell) from None
-    raise SubmissionError(
-        f"{cell.place} has more than {_MOST_COMMANDS} commands: tag it robsim-skip", file=cell.place
-    )
+        indent = len(lines[line]) - len(lines[line].lstrip())
+        lines[line] = f"{' ' * indent}pass"
+        return None
+    except (ValueError, OverflowError, RecursionError, MemoryError) as error:
+        raise _told(error, cell) from None
 
 
 def _statements(text: str, place: str) -> list[ast.stmt]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 from robsim.grading._submissions.notebook.statements import Statement, at_the_top, needs_of
 from robsim.simulation._slots import SLOTS
@@ -80,11 +80,15 @@ def with_variable(node: ast.stmt, slot: str, variable: str) -> ast.stmt:
 
 def values_of(statements: list[Statement], slot: str) -> tuple[list[Value], list[Value]]:
     """Return the values for a slot: those of statements of their own, those of arguments."""
+    binders: dict[str, list[Statement]] = {}
+    for each in statements:
+        for name in each.binds:
+            binders.setdefault(name, []).append(each)
     explicit = [value for each in statements for value in _explicit(each, slot)]
     given = [value for each in statements for value in _arguments(each, slot)]
     return (
-        [named for value in explicit for named in _by_definition(value, statements)],
-        [named for value in given for named in _by_definition(value, statements)],
+        [named for value in explicit for named in _by_definition(value, binders)],
+        [named for value in given for named in _by_definition(value, binders)],
     )
 
 
@@ -128,25 +132,17 @@ def _arguments(each: Statement, slot: str) -> Iterator[Value]:
                 yield Value(slot, each, value, way, ast.dump(value), is_last=True)
 
 
-def _by_definition(value: Value, statements: list[Statement]) -> Iterator[Value]:
-    """Yield a value once for each definition of the function or class that it names.
+def _by_definition(value: Value, binders: Mapping[str, list[Statement]]) -> Iterator[Value]:
+    """Yield a value once for each statement that defines the function or class that it names.
 
-    A name that is given two values in a notebook is two values, as far as anybody can tell.
+    A name that gets two values in a notebook is two values, as far as anybody can tell.
     """
+    is_call = isinstance(value.expression, ast.Call)
     named = value.expression.func if isinstance(value.expression, ast.Call) else value.expression
-    is_own = value.identity is value.statement
-    if is_own or not isinstance(named, ast.Name):
+    found = binders.get(named.id, []) if isinstance(named, ast.Name) else []
+    if value.identity is value.statement or len(found) < (2 if is_call else 1):
         yield value
         return
-    binders = [each for each in statements if named.id in each.binds]
-    if isinstance(value.expression, ast.Call) and len(binders) < 2:
-        yield value
-        return
-    for binder in binders:
-        yield Value(
-            value.slot, value.statement, value.expression,
-            f"{value.way} by {binder.place}" if len(binders) > 1 else value.way,
-            binder, value.replaces, value.is_last,
-        )  # fmt: skip
-    if not binders:
-        yield value
+    for binder in found:
+        way = f"{value.way}, of {binder.place}," if len(found) > 1 else value.way
+        yield replace(value, way=way, identity=binder)

@@ -1,0 +1,175 @@
+"""Folders with what is no file of theirs: never followed, never waited for."""
+
+import os
+import socket
+import sys
+
+import pytest
+
+from robsim.grading._submissions import Rules, read_submission
+from robsim.grading._submissions import folder as reader
+from submissions import CONTROL, PLAIN, refused, write
+
+pytestmark = pytest.mark.skipif(not reader._BY_DESCRIPTOR, reason="needs descriptors of folders")
+
+SECRET = "import secret; the teacher's own line\n"
+
+
+@pytest.fixture
+def mine(tmp_path):
+    (tmp_path / "secret.py").write_text(SECRET)
+    return write(tmp_path / "s001", control=PLAIN)
+
+
+def told(mine, words):
+    error = refused(mine)
+    assert words in str(error)
+    assert "teacher" not in str(error)
+    return error
+
+
+@pytest.mark.parametrize("target", ["../secret.py", "/etc/passwd", "nothing", "helper.py", "."])
+def test_links_are_not_followed(mine, target):
+    (mine / "helper.py").symlink_to(target)
+    error = told(mine, "s001: 'helper.py' is a link: put the file itself in its place")
+    assert error.file == "helper.py"
+
+
+def test_a_linked_folder_is_not_followed(mine, tmp_path):
+    write(tmp_path / "other", helper=SECRET)
+    (mine / "lib").symlink_to(tmp_path / "other", target_is_directory=True)
+    told(mine, "s001: 'lib' is a link")
+
+
+def test_a_submission_that_is_a_link_is_not_followed(mine, tmp_path):
+    (tmp_path / "s002").symlink_to(mine, target_is_directory=True)
+    (tmp_path / "s003.py").symlink_to(tmp_path / "secret.py")
+    told(tmp_path / "s002", "s002 is a link")
+    told(tmp_path / "s003.py", "s003.py is a link")
+
+
+def test_pipes_keep_nobody(mine, tmp_path):
+    os.mkfifo(mine / "helper.py")
+    told(mine, "s001: 'helper.py' is a pipe: remove it")
+    os.mkfifo(tmp_path / "s002.py")
+    told(tmp_path / "s002.py", "s002.py is a pipe")
+
+
+def test_sockets_are_refused(mine, monkeypatch):
+    monkeypatch.chdir(mine)  # its path may be too long for a socket
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind("helper.py")
+        told(mine, "s001: 'helper.py' is a socket: remove it")
+
+
+def test_devices_are_refused(mine):
+    try:
+        os.mknod(mine / "helper.py", 0o20666, os.makedev(1, 5))  # zeros without end
+    except OSError:
+        pytest.skip("may not make devices")
+    told(mine, "s001: 'helper.py' is a device: remove it")
+
+
+def test_what_changes_while_it_is_read_is_not_followed(mine, tmp_path, monkeypatch):
+    """Between the look and the opening each file becomes a link to another."""
+    real = os.stat
+
+    def swapped(path, **options):
+        status = real(path, **options)
+        if path == "control.py":
+            (mine / "control.py").unlink()
+            (mine / "control.py").symlink_to(tmp_path / "secret.py")
+        return status
+
+    monkeypatch.setattr(reader.os, "stat", swapped)
+    told(mine, "s001: 'control.py' cannot be read")
+
+
+def test_a_file_that_becomes_a_pipe_keeps_nobody(mine, monkeypatch):
+    real = os.stat
+
+    def swapped(path, **options):
+        status = real(path, **options)
+        if path == "control.py":
+            (mine / "control.py").unlink()
+            os.mkfifo(mine / "control.py")
+        return status
+
+    monkeypatch.setattr(reader.os, "stat", swapped)
+    told(mine, "s001: 'control.py' is a pipe")
+
+
+def test_a_folder_that_becomes_a_link_is_not_followed(mine, tmp_path, monkeypatch):
+    write(tmp_path / "other", helper=SECRET)
+    write(mine / "lib", helper="")
+    real = os.stat
+
+    def swapped(path, **options):
+        status = real(path, **options)
+        if path == "lib":
+            (mine / "lib").rename(tmp_path / "old")
+            (mine / "lib").symlink_to(tmp_path / "other", target_is_directory=True)
+        return status
+
+    monkeypatch.setattr(reader.os, "stat", swapped)
+    told(mine, "s001: 'lib' cannot be read")
+
+
+def test_files_of_any_size(mine):
+    with (mine / "hole.bin").open("wb") as file:
+        file.truncate(2**40)
+    told(mine, "s001: 'hole.bin' has more than 1 MiB: make it smaller")
+
+
+def test_a_file_that_grows_is_cut_off(mine, monkeypatch):
+    """It is small when it is looked at, and has no end when it is read."""
+    with (mine / "hole.bin").open("wb") as file:
+        file.truncate(2**40)
+    monkeypatch.setattr(reader.Intake, "check_size", lambda self, path, size: sizes.append(size))
+    sizes = []
+    read_submission(mine, CONTROL)
+    assert max(size for size in sizes if size < 2**40) == 2**20 + 1
+
+
+def test_too_many_files_and_too_deep_folders(mine):
+    few = Rules(slots=("control",), files=10)
+    for i in range(10):
+        (mine / f"{i}.txt").touch()
+    assert "s001 has more than 10 files: hand in what counts" in str(refused(mine, few))
+    for i in range(200):
+        (mine / f".{i}").touch()
+    assert "s001 has more than 200 files and folders" in str(refused(mine, few))
+    deep = write(mine.parent / "s002", control=PLAIN)
+    for _ in range(9):
+        deep /= "a"
+        deep.mkdir()
+    told(mine.parent / "s002", "has too long a path")
+
+
+def test_names_that_are_no_text(mine):
+    try:
+        os.mkdir(os.fsencode(mine) + b"/\xff")
+    except OSError:
+        pytest.skip("the file system refuses such a name")
+    told(mine, "'\\udcff' has characters in its name that cannot be seen")
+
+
+def test_a_file_that_may_not_be_read(mine, monkeypatch):
+    real = os.open
+
+    def denied(path, flags, *others, **options):
+        if path == "control.py":  # as for a user without privileges
+            raise PermissionError(13, "Permission denied")
+        return real(path, flags, *others, **options)
+
+    monkeypatch.setattr(reader.os, "open", denied)
+    told(mine, "'control.py' cannot be read: give the permission to read it (chmod -R u+rX)")
+
+
+def test_no_descriptor_is_left_open(mine):
+    before = len(os.listdir("/proc/self/fd")) if sys.platform == "linux" else 0
+    os.mkfifo(mine / "helper.py")
+    for _ in range(5):
+        refused(mine)
+    after = len(os.listdir("/proc/self/fd")) if sys.platform == "linux" else 0
+    assert after == before

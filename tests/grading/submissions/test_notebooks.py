@@ -1,0 +1,333 @@
+"""Callbacks out of notebooks: what counts, what is refused, what never runs."""
+
+import json
+import traceback
+from pathlib import Path
+
+import pytest
+
+import robsim
+from robsim.grading._submissions import Rules, loaded_slots, read_submission
+from submissions import BOTH, CONTROL, PLAIN, answer, notebook, refused, sent
+
+OURS = Path(robsim.__file__).parent / "notebooks"
+DRIVE = "class Drive:\n    def __call__(self, step):\n        return 1, 2"
+FORBIDDEN = 'raise SystemExit("this cell must not run")'
+
+
+def gives(path, *cells, rules=CONTROL, **options):
+    return answer(notebook(path / "s001.ipynb", *cells, **options), rules)
+
+
+def says(path, *cells, rules=CONTROL, **options):
+    error = refused(notebook(path / "s001.ipynb", *cells, **options), rules)
+    assert str(error).isprintable()
+    return str(error)
+
+
+@pytest.mark.parametrize(
+    "cells",
+    [
+        ("def control(step):\n    return 1, 2",),
+        ("@sim.control\ndef drive(step):\n    return 1, 2",),
+        ("@sim.control\ndef control(step):\n    return 1, 2", "sim.run(10)"),
+        ("def drive(step):\n    return 1, 2", "sim.control = drive\nsim.run(10)"),
+        ("def drive(step):\n    return 1, 2", "old = sim.control = drive"),
+        ("sim.control = lambda step: (1, 2)",),
+        ("control = lambda step: (1, 2)", "sim.control = control"),
+        ("def drive(step):\n    return 1, 2", "sim = robsim.Simulation(control=drive, seed=1)"),
+        ("def drive(step):\n    return 1, 2", "for s in range(3):\n    Simulation(control=drive)"),
+        (
+            "class Drive:\n    def __call__(self, step):\n        return 1, 2",
+            "sim.control = Drive()",
+        ),
+        ("class Drive:\n    def __call__(self, step):\n        return 1, 2", "control = Drive()"),
+        ("def make(u):\n    return lambda step: (u, 2)", "sim.control = make(1)"),
+        ("import robsim\nsim.control = robsim.Spin() and (lambda step: (1, 2))",),
+        ("async def other(): ...\ndef control(step):\n    return 1, 2", "await other()"),
+    ],
+)
+def test_a_slot_is_found_by_name(tmp_path, cells):
+    assert tuple(gives(tmp_path, *cells, FORBIDDEN)) == (1, 2)
+
+
+def test_what_a_slot_needs_comes_with_it_and_nothing_else(tmp_path):
+    assert gives(
+        tmp_path,
+        "import math, json\nimport not_there",
+        "from collections import deque\nGAINS = {'a': 1.0}\nLOG = []\nUNUSED = open('/etc/passwd')",
+        "def scaled(x):\n    return x * FACTOR[0]\n\n\ndef show(sim):\n    not_there.plot(sim)",
+        "FACTOR = [1, 1]\nFACTOR[0] = 2\nGAINS['b'] = GAINS['a'] * 2",
+        "GAINS.update(c=math.floor(3.5))",
+        "K = 5\nK += 1\nM, N = deque([7]), 8",
+        "if K > 3:\n    BIG = True\nelse:\n    BIG = False",
+        "table = []\nfor i in range(3):\n    table.append(i)",
+        "sim = robsim.Simulation()\ntrace = sim.run(100)\nplt.plot(trace.u)",
+        "for i in range(9):\n    sim.step()",
+        "def control(step):\n    return [scaled(GAINS['b']), GAINS['c'], K, M[0], N, BIG, table]",
+    ) == [4, 3, 6, 7, 8, True, [0, 1, 2]]
+
+
+def test_line_numbers_are_those_of_the_cell(tmp_path):
+    path = notebook(
+        tmp_path / "s003.ipynb",
+        "import math",
+        "%matplotlib inline\n!ls\n\ndef control(step):\n    return helper(step)",
+        "x = 1\n\ndef helper(step):\n    # a line\n    return 1 / 0",
+    )
+    with loaded_slots(sent(path), CONTROL) as callbacks, pytest.raises(ZeroDivisionError) as caught:
+        callbacks["control"](None)
+    told = traceback.extract_tb(caught.tb)[1:]
+    frames = [(frame.filename, frame.lineno, frame.line) for frame in told]
+    assert frames == [
+        ("s003.ipynb, cell 2", 5, "return helper(step)"),
+        ("s003.ipynb, cell 3", 5, "return 1 / 0"),
+    ]
+
+
+def test_markdown_cells_count_in_the_numbers(tmp_path):
+    path = notebook(tmp_path / "s001.ipynb", "x = 1", "def control(step):\n    return (")
+    content = json.loads(path.read_text())
+    content["cells"].insert(0, {"cell_type": "markdown", "metadata": {}, "source": "# Hello"})
+    path.write_text(json.dumps(content))
+    error = refused(path)
+    assert str(error).startswith("s001.ipynb, cell 3, line 2: '(' was never closed")
+    assert (error.file, error.line) == ("s001.ipynb, cell 3", 2)
+
+
+TWO = ("def control(step):\n    return 1, 1", "def control(step):\n    return 2, 2", FORBIDDEN)
+
+
+def test_tags_decide(tmp_path):
+    assert gives(tmp_path, *TWO, tags={1: "robsim"}) == (1, 1)
+    assert gives(tmp_path, *TWO, tags={2: "Robsim "}) == (2, 2)
+    assert gives(tmp_path, *TWO, tags={1: "robsim-skip"}) == (2, 2)
+    assert gives(tmp_path, "# robsim: mine\n" + TWO[0], *TWO[1:]) == (1, 1)
+    assert gives(tmp_path, TWO[0], "# robsim-skip\n" + TWO[1]) == (1, 1)
+    whole = "U = []\nwhile len(U) < 2:\n    U.append(4)\nsim.control = lambda step: U"
+    assert gives(tmp_path, whole, *TWO, tags={1: "robsim"}) == [4, 4]
+    assert "is more than one value" not in says(tmp_path, *TWO, tags={1: "robsim", 2: "robsim"})
+    assert "fills no slot" in says(tmp_path, *TWO, tags={3: "robsim"})
+
+
+@pytest.mark.parametrize(
+    ("cells", "words"),
+    [
+        (TWO, ["def control in cell 1 (def control(step):)", "def control in cell 2"]),
+        (("sim.control = lambda s: 1", "sim.control = lambda s: 2"), ["cell 1", "cell 2"]),
+        (
+            ("def f(s): ...", "def f(s): ...\nsim.control = f"),
+            ["sim.control = f, of cell 1, line 1, in cell 2", "of cell 2, line 1"],
+        ),
+        (
+            ("class F:\n    pass", "class F:\n    pass", "sim.control = F()"),
+            ["of cell 1, line 1, in cell 3", "of cell 2, line 1, in cell 3"],
+        ),
+        (("Simulation(control=f)", "Simulation(control=g)"), ["Simulation(control=f) in cell 1"]),
+        (("control = F(1)", "control = F(2)"), ["control = ... in cell 1", "in cell 2"]),
+    ],
+)  # fmt: skip
+def test_two_values_are_refused_with_their_cells(tmp_path, cells, words):
+    text = says(tmp_path, *cells)
+    assert text.startswith("s001.ipynb: control has more than one value: ")
+    assert all(each in text for each in words), text
+    assert text.endswith(
+        "tag the cell that counts, and those that it needs, with robsim (or begin it with the line "
+        "# robsim:), or the others with robsim-skip"
+    )
+
+
+def test_the_same_value_twice_is_one(tmp_path):
+    drive = "def drive(step):\n    return 1, 2"
+    assert gives(tmp_path, drive, "sim.control = drive", "sim.control = drive") == (1, 2)
+    assert gives(tmp_path, drive, "Simulation(control=drive)", "Simulation(control=drive)") == (
+        1,
+        2,
+    )
+
+
+def test_a_slot_of_its_own_counts_more_than_an_argument_and_that_is_noted(tmp_path):
+    path = notebook(tmp_path / "s001.ipynb", PLAIN, "Simulation(control=robsim.Spin())")
+    found = read_submission(path, CONTROL)
+    assert found.notes == (
+        "control is def control in cell 1 (def control(step):), and not "
+        "Simulation(control=robsim.Spin()) in cell 2 (Simulation(control=robsim.Spin()))",
+    )
+
+
+@pytest.mark.parametrize(
+    ("cells", "words"),
+    [
+        (
+            ("trace = sim.run(10)", "def control(step):\n    return trace.u[0]"),
+            "control needs trace, and trace exists only by running cell 1, line 1",
+        ),
+        (
+            ("sim = Simulation()", "t = sim.run(3)\nK = t.u[0]", "def control(s): return K"),
+            "control needs K, which needs t, and t exists only by running cell 2, line 1",
+        ),
+        (
+            ("K = [1]", "while True:\n    K[0] += 1", "def control(step): return K"),
+            "control needs K, and K has its value only by running cell 2, line 1",
+        ),
+        (
+            ("def tune():\n    return sim.run(9)", "K = tune()", "def control(s): return K"),
+            "control needs K, and K exists only by running cell 2, line 1",
+        ),
+        (
+            ("for f in (1, 2):\n    sim.run(f)\n    Simulation(control=lambda s: (f, f))",),
+            "control needs f, and f exists only by running cell 1, line 1",
+        ),
+        (
+            ("import x", "with open('t') as f:\n    T = f.read()", "def control(s): return T"),
+            "control needs T, and T exists only by running cell 2, line 1",
+        ),
+        (("K = input('gain?')", "def control(step): return K"), "running cell 1, line 1"),
+        (("K = await f()", "def control(step): return K"), "running cell 1, line 1"),
+    ],
+)  # fmt: skip
+def test_what_exists_only_by_running_a_cell_is_told(tmp_path, cells, words):
+    text = says(tmp_path, *cells)
+    assert words in text
+    assert "which the grader does not run" in text
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "%matplotlib inline",
+        "!pip install robsim",
+        "!echo it's (",
+        "robsim.Simulation?\n?robsim",
+        "files = !ls\nt = %timeit -o f()",
+        "if 1:\n    %time x = 1",
+        "%%bash\nrm -rf /",
+        "%%writefile control.py\ndef control(step:",
+        "x = '''\n%d of %d\n!\n'''\ny = (7\n % 3)",
+    ],
+)
+def test_commands_of_the_notebook_never_run(tmp_path, cell):
+    assert gives(tmp_path, cell, PLAIN, cell) == (1, 2)
+    assert gives(tmp_path, f"{cell}\n", f"%%time\n{PLAIN}") == (1, 2)
+
+
+def test_the_texts_of_a_cell_keep_their_percent_signs(tmp_path):
+    cell = (
+        "TEXT = '''\n%matplotlib\n!ls\n'''\nREST = (7\n    % 4)\ndef control(s): return TEXT, REST"
+    )
+    assert gives(tmp_path, cell) == ("\n%matplotlib\n!ls\n", 3)
+
+
+def test_a_real_mistake_beside_commands_is_told(tmp_path):
+    assert says(tmp_path, PLAIN, "%pylab\nx = (1").startswith(
+        "s001.ipynb, cell 2, line 2: '(' was never closed: 'x = (1'; mend the cell, or tag it"
+    )
+
+
+def test_what_is_imported_from_the_future_counts_in_all_cells(tmp_path):
+    cells = ("from __future__ import annotations", "def control(step: NotThere):\n    return 1, 2")
+    assert gives(tmp_path, *cells) == (1, 2)
+
+
+def test_each_slot_has_what_it_needs(tmp_path):
+    path = notebook(
+        tmp_path / "s001.ipynb",
+        "GAIN = 2\nSIGMA = sim.run(3).sd",
+        "@sim.control\ndef drive(step):\n    return GAIN, GAIN",
+        "@sim.measure\ndef see(step): ...",
+        "sim.estimate_state = Filter(SIGMA)",
+    )
+    assert read_submission(path, BOTH).slots == ("control", "measure")
+    assert answer(path, BOTH) == (2, 2)
+    text = str(refused(path, Rules(slots=("control", "estimate_state"))))
+    assert "estimate_state needs SIGMA, and SIGMA exists only by running cell 1, line 2" in text
+
+
+def ours(name, slot):
+    rules = Rules(slots=(slot,))
+    (path,) = OURS.glob(f"{name}_*.ipynb")
+    return path, rules
+
+
+def test_our_own_notebooks(tmp_path):
+    """As they ship: what has one value is taken, what has more is refused, and not guessed."""
+    path, rules = ours("00", "control")
+    with loaded_slots(sent(path, rules), rules) as callbacks:
+        assert callbacks["control"].__name__ == "control"
+    path, rules = ours("03", "evaluate_model")
+    with loaded_slots(sent(path, rules), rules) as callbacks:
+        assert callbacks["evaluate_model"].__name__ == "with_load"
+    text = str(refused(*ours("02", "control")))
+    assert "Simulation(control=drive_on) in cell 4" in text
+    assert "Simulation(control=slow_down) in cell 6" in text
+    text = str(refused(*ours("04", "estimate_state")))
+    assert "or write estimate_state = ... for an object that can be called" in text
+    assert "exists only by running cell 4" in str(refused(*ours("07", "estimate_state")))
+
+
+def test_our_own_controllers_by_tag(tmp_path):
+    (path,) = OURS.glob("02_*.ipynb")
+    content = json.loads(path.read_text())
+    content["cells"][3]["metadata"]["tags"] = ["robsim-skip"]
+    (tmp_path / "s001.ipynb").write_text(json.dumps(content))
+    with loaded_slots(sent(tmp_path / "s001.ipynb"), CONTROL) as callbacks:
+        sim = robsim.Simulation(robot="lab", measure=True, start=(500, 500, 0), **callbacks)
+        sim.run(3)
+    assert sim.trace.u.any()
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("", "is not a notebook: it is no JSON text"),
+        ("[" * 100_000, "is not a notebook: it is no JSON text"),
+        ("[" * 1_000_000, "is too involved: clear its outputs"),
+        ("[]", "is not a notebook: it does not say its format"),
+        ('{"nbformat": 3}', "is a notebook of format 3, and 4 is read: open it in Jupyter"),
+        ('{"nbformat": true}', "is a notebook of format True"),
+        ('{"nbformat": 4}', "it has no list of cells"),
+        ('{"nbformat": 4, "cells": [1]}', "it has no list of cells"),
+        ('{"nbformat": 4, "cells": [{"cell_type": "code", "source": 3}]}', "cell 1 has no text"),
+        ('{"nbformat": 4, "cells": [{"cell_type": "code", "source": "\\ud800"}]}', "is not UTF-8"),
+        ('{"nbformat": 4, "cells": [{"cell_type": "code", "source": "\\u0000"}]}', "is not UTF-8"),
+        ('{"nbformat": 4, "metadata": {"kernelspec": {"language": "R"}}, "cells": []}', "in 'R'"),
+        ('{"nbformat": 4, "cells": []}', "fills no slot"),
+        ('{"nbformat": 4, "cells": [' + "{}," * 1000 + "{}]}", "more than 1000 cells"),
+        ("9" * 100_000, "is not a notebook"),
+    ],
+)  # fmt: skip
+def test_what_is_no_notebook(tmp_path, content, words):
+    (tmp_path / "s001.ipynb").write_text(content)
+    assert words in str(refused(tmp_path / "s001.ipynb"))
+
+
+def test_outputs_do_not_count(tmp_path):
+    path = notebook(tmp_path / "s001.ipynb", PLAIN)
+    content = json.loads(path.read_text())
+    content["cells"][0]["outputs"] = [{"data": {"image/png": "A" * 4_000_000}}]
+    path.write_text(json.dumps(content))
+    found = read_submission(path, CONTROL)
+    assert sum(map(len, found.sources.values())) < 1000
+    content["cells"][0]["outputs"] *= 2
+    path.write_text(json.dumps(content))
+    assert "s001.ipynb has more than 5 MiB: clear its outputs" in str(refused(path))
+    assert "more than 1 MiB of code" in says(tmp_path, PLAIN, "#" + "x" * 1_100_000)
+
+
+@pytest.mark.parametrize(
+    "source",
+    ["x\n" * 6_000, "x = " + "-" * 50_000 + "1", "x" + "()" * 30_000, "a." * 1000 + "a",
+     "!x\n" * 20_000, "\n".join(f"def f{i}(): f{i + 1}()" for i in range(5_500)),
+     "x = " + "(" * 199 + ")" * 199 + "\n" * 9, "1 if 1 else " * 20_000 + "1"],
+)  # fmt: skip
+def test_notebooks_that_keep_parsers_busy_are_refused(tmp_path, source):
+    says(tmp_path, source, "y")
+
+
+@pytest.mark.parametrize("way", ["sim.control = {}", "Simulation(control={})", "control = {}"])
+def test_values_are_as_deep_as_python_takes_them(tmp_path, way):
+    deep = "(lambda s: (1, 2)) if 1 else (" * 20 + "0" + ")" * 20
+    assert gives(tmp_path, way.format(deep)) == (1, 2)
+    deeper = "a" + "+a" * 900
+    text = says(tmp_path, f"a = sim.run()\n{way.format(deeper)}")
+    assert "nested too deeply" in text or "running cell 1" in text
