@@ -115,8 +115,8 @@ raise Meta('\\x1b[31m' + 'x' * 10**6, (Exception,), {})('\\x1b')
 
 
 def test_a_message_of_any_length_is_short():
-    for code in ("raise ValueError('x' * 10**8)", "raise ValueError(b'x' * 10**8)",
-                 "raise ValueError(10**4000)", "raise KeyError('x' * 10**8)",
+    for code in ("raise ValueError('x' * 10**8)", "raise ValueError(b'x' * 10**7)",
+                 "raise ValueError(10**4000)", "raise KeyError('x' * 10**7)",
                  "raise ValueError(['x' * 10**8])", "raise ValueError(*range(10**6))",
                  "raise OSError(2, 'x' * 10**7, 'y' * 10**7)"):  # fmt: skip
         assert len(error_text(raised(code)).message) <= 4000, code
@@ -147,7 +147,7 @@ def test_slot_step_and_the_students_own_lines():
         "def control(step):\n    return helper(step.k)\n\n\ndef helper(k): return 1 / (k - 2), 1\n"
     )
     names = {}
-    exec(compile(code, "s001/control.py", "exec"), names)
+    exec(compile(code, "s999/control.py", "exec"), names)
     with pytest.raises(ZeroDivisionError) as caught:
         robsim.Simulation(control=names["control"]).run(5)
     text = error_text(caught.value)
@@ -192,7 +192,7 @@ ANYTHING = st.recursive(
 )
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.dictionaries(FIELDS, ANYTHING) | ANYTHING)
 def test_whatever_a_worker_tells_is_cleaned(value):
     data = json.dumps(value).encode()

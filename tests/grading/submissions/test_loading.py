@@ -197,6 +197,19 @@ def test_what_is_masked_cannot_be_had(tmp_path, line):
     assert importlib.import_module("robsim.reference") is robsim.reference
 
 
+@pytest.mark.parametrize("line", ["robsim.locate", "robsim.locate(None)", "robsim.locate.__doc__"])
+def test_a_masked_function_cannot_be_had(tmp_path, line):
+    rules = Rules(slots=("control",), masked=("robsim.locate",))
+    source = f"import robsim\n\n\ndef control(step):\n    {line}()\n"
+    with loaded_slots(sent(write(tmp_path / "s001", control=source), rules), rules) as callbacks:
+        with pytest.raises(ImportError, match=r"robsim\.locate is not there for this assignment"):
+            callbacks["control"](None)
+        robsim.Simulation(measure=True).run(2)  # robsim itself has it
+    error = failure(write(tmp_path / "s002", control=f"from robsim import locate\n{PLAIN}"), rules)
+    assert "robsim.locate is not there" in str(error)
+    assert robsim.locate.__name__ == "locate"
+
+
 def test_only_what_is_allowed_can_be_imported(tmp_path):
     rules = Rules(slots=("control",), imports=("math", "numpy"))
     source = "import math\nimport numpy.linalg\nfrom helper import A\n" + PLAIN

@@ -63,6 +63,17 @@ def test_a_helper_that_resembles_a_slot_is_a_helper(tmp_path):
     assert answer(folder, BOTH) == (2, 2)
 
 
+def test_helpers_that_would_not_be_found_are_told(tmp_path):
+    folder = write(tmp_path / "s001", control="import json\n" + PLAIN, json="")
+    words = "'json.py' has the name of a module that comes with Python or robsim: rename it"
+    assert words in str(refused(folder))
+    assert answer(write(tmp_path / "s002", control=PLAIN, json="")) == (1, 2)
+    folder = write(tmp_path / "s003", control="from lib import gains\n" + PLAIN)
+    write(folder / "lib", gains="GAIN = 1")
+    words = "'lib' is a folder of modules, which cannot be imported: put its files beside"
+    assert words in str(refused(folder))
+
+
 def test_what_tools_leave_does_not_count(tmp_path):
     leftovers = ["__MACOSX/._control.py", ".DS_Store", "__pycache__/x.pyc", ".git/HEAD"]
     leftovers += [".ipynb_checkpoints/old.ipynb", "Thumbs.db"]
@@ -148,6 +159,8 @@ def test_rules_are_plain_values():
         Rules(imports="numpy")
     with pytest.raises(ValueError, match="masked must have names of modules, got 'robsim; x'"):
         Rules(masked=["robsim; x"])
+    with pytest.raises(ValueError, match="imports must be top-level modules, got 'scipy"):
+        Rules(imports=["numpy", "scipy.linalg"])
     with pytest.raises(ValueError, match="ratio must lie within"):
         Rules(ratio=0)
 

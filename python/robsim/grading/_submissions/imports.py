@@ -5,11 +5,11 @@ from __future__ import annotations
 import builtins
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 from robsim.grading._submissions.rules import Rules
 
@@ -29,7 +29,7 @@ class _Masked(MetaPathFinder):
 
 
 def _above(name: str, masked: Sequence[str]) -> str | None:
-    """Return the masked module that a module is, or lies in."""
+    """Return the masked module or name that a module or name is, or lies in."""
     return next((mask for mask in masked if f"{name}.".startswith(f"{mask}.")), None)
 
 
@@ -37,31 +37,45 @@ def _not_here(mask: str) -> ImportError:
     return ImportError(f"{mask} is not there for this assignment: do without it", name=mask)
 
 
+class _Absent:
+    """What stands in the place of a masked function or class."""
+
+    def __init__(self, mask: str) -> None:
+        object.__setattr__(self, "_mask", mask)
+
+    def __call__(self, *args: object, **options: object) -> NoReturn:
+        raise _not_here(object.__getattribute__(self, "_mask"))
+
+    def __getattribute__(self, name: str) -> NoReturn:
+        raise _not_here(object.__getattribute__(self, "_mask"))
+
+
 @contextmanager
 def masked(rules: Rules) -> Iterator[None]:
-    """Take the masked modules away inside the context, also where they were imported before."""
-    taken = {name: sys.modules.pop(name) for name in [*sys.modules] if _above(name, rules.masked)}
-    attributes = [found for mask in rules.masked if (found := _taken_attribute(mask)) is not None]
+    """Take the masked modules and names away inside the context, also those imported before."""
     finder = _Masked(rules.masked)
-    sys.meta_path.insert(0, finder)
-    try:
+    with ExitStack() as restored:
+        for name in [name for name in sys.modules if _above(name, rules.masked)]:
+            restored.callback(sys.modules.__setitem__, name, sys.modules.pop(name))
+        for mask in rules.masked:
+            _take_attribute(mask, restored)
+        sys.meta_path.insert(0, finder)
+        restored.callback(sys.meta_path.remove, finder)
         yield
-    finally:
-        sys.meta_path.remove(finder)
-        sys.modules.update(taken)
-        for module, name, value in attributes:
-            setattr(module, name, value)
 
 
-def _taken_attribute(mask: str) -> tuple[ModuleType, str, Any] | None:
-    """Take a module away from the package that it lies in."""
+def _take_attribute(mask: str, restored: ExitStack) -> None:
+    """Take a name away from the module that it lies in: a module is imported anew, which fails."""
     package, _, name = mask.rpartition(".")
     module = sys.modules.get(package)
     if module is None or name not in vars(module):
-        return None
-    value = getattr(module, name)
-    delattr(module, name)
-    return module, name, value
+        return
+    value = vars(module)[name]
+    if isinstance(value, ModuleType):
+        delattr(module, name)
+    else:
+        setattr(module, name, _Absent(mask))
+    restored.callback(setattr, module, name, value)
 
 
 def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:

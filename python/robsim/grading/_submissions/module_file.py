@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import symtable
-import warnings
 
 from robsim._base.text import one_line
 from robsim.grading._errors import SubmissionError
+from robsim.grading._submissions.python_text import quiet
 from robsim.simulation._folders.spelling import misspelled
 from robsim.simulation._slots import SLOTS
 
@@ -19,8 +19,7 @@ def slots_of_module(text: str, file: str, slots: tuple[str, ...]) -> tuple[str, 
     SubmissionError
         If there is none, with what may be meant.
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with quiet():
         table = symtable.symtable(text, file, "exec")
     defined = {s.get_name() for s in table.get_symbols() if s.is_assigned() or s.is_imported()}
     found = tuple(slot for slot in slots if slot in defined)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import re
+import threading
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from robsim._base.text import quoted
 from robsim.grading._errors import SubmissionError
@@ -13,6 +16,17 @@ _MOST_WORDS = 250_000
 _WORD = re.compile(r"\d[\w.]*+|\w++|[^\w\s]")
 _LONG_CHAIN = re.compile(r"(?<!\w)(?:\w++[\s\\]*+\.[\s\\]*+){64}")
 _CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]+)")
+
+
+_LOCK = threading.Lock()  # filters of warnings belong to all threads
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Let nothing inside warn of a submission's code; Python warns again when it is run."""
+    with _LOCK, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
 
 
 def decoded(content: bytes, place: str) -> str:
@@ -83,8 +97,7 @@ def check_source(content: bytes, place: str) -> None:
     text = decoded(content, place)
     check_extent(text, place)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with quiet():
             compile(text, place, "exec", dont_inherit=True)
     except (SyntaxError, ValueError, OverflowError, RecursionError, MemoryError) as error:
         raise not_python(error, text, place) from None

@@ -19,6 +19,8 @@ from robsim.grading._submissions.notebook.cells import reduced
 from robsim.grading._submissions.notebook.choosing import chosen
 from robsim.grading._submissions.python_text import check_source, decoded, imported_words
 from robsim.grading._submissions.rules import Rules
+from robsim.simulation._folders.callback_folder import TAKEN, imported_names, taken_names
+from robsim.simulation._folders.modules import reserved_names
 from robsim.simulation._folders.spelling import misspelled
 from robsim.simulation._slots import SLOTS
 
@@ -126,6 +128,7 @@ def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFi
     for path in sorted(used):
         check_source(files[path], one_line(path))
     _check_spelling(name, files, used, slots, rules)
+    _check_helpers(name, files)
     notes = [
         f"{path} is not used: the assignment has no such slot"
         for slot, path in of_slots.items()
@@ -162,6 +165,22 @@ def _check_spelling(
                 "or remove it",
                 file=f"{stem}.py",
             )
+
+
+def _check_helpers(name: str, files: dict[str, bytes]) -> None:
+    """Refuse helper modules that would not be found, or would not be meant."""
+    sources = {PurePosixPath(path).stem: content for path, content in _modules(files).items()}
+    if reserved_names(sources):  # of files that have been compiled, or are not imported
+        for stem in taken_names(sources, imported_names(sources)):
+            raise SubmissionError(f"{name}: {quoted(f'{stem}.py')} {TAKEN}", file=f"{stem}.py")
+    words = set().union(*map(imported_words, sources.values()))
+    folders = {path.partition("/")[0] for path in files if "/" in path and path.endswith(".py")}
+    for folder in sorted(folders & words):
+        raise SubmissionError(
+            f"{name}: {quoted(folder)} is a folder of modules, which cannot be imported: put its "
+            "files beside the others",
+            file=folder,
+        )
 
 
 def _of_one_file(name: str, main: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:

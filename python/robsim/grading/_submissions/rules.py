@@ -25,7 +25,8 @@ class Rules:
     imports : sequence of str or None
         Top-level modules that it may import beside its own; None = all that the worker has.
     masked : sequence of str
-        Modules that it cannot have, such as ``"robsim.reference"``, with all that is in them.
+        Modules, with all that is in them, and names of modules that it cannot have, such as
+        ``"robsim.reference"`` and ``"robsim.locate"``.
     files : int
         Most files.
     size, file_size : int
@@ -52,6 +53,8 @@ class Rules:
         own(self, "slots", checked_slots(self.slots, tuple(SLOTS)))
         if self.imports is not None:
             own(self, "imports", _modules("imports", self.imports))
+            if dotted := [name for name in self.imports if "." in name]:
+                raise ValueError(f"imports must be top-level modules, got {quoted(dotted[0])}")
         own(self, "masked", _modules("masked", self.masked))
         check_int("files", self.files, minimum=1, maximum=10_000)
         check_int("size", self.size, minimum=1, maximum=2**27)

@@ -7,7 +7,7 @@ import difflib
 import os
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
@@ -104,12 +104,9 @@ class CallbackFolder:
             If the name of a file looks like a misspelled slot name.
         """
         sources = self._read()
-        imported = _imported_names(sources)
-        for name in sorted(reserved_names(sources) & imported):
-            raise ValueError(
-                f"{self.path / name}.py has the name of a module that comes with Python or "
-                "robsim: rename it"
-            )
+        imported = imported_names(sources)
+        for name in taken_names(sources, imported):
+            raise ValueError(f"{self.path / name}.py {TAKEN}")
         for name, slot in misspelled(sources).items():
             if name not in imported:
                 message = f"{self.path / name}.py is no callback: did you mean {slot}.py?"
@@ -310,7 +307,16 @@ def _similarity(name: str, slot: str) -> float:
     return difflib.SequenceMatcher(None, name.lower(), slot).ratio()
 
 
-def _imported_names(sources: Mapping[str, bytes]) -> set[str]:
+#: What is wrong with a file of `taken_names`.
+TAKEN = "has the name of a module that comes with Python or robsim: rename it"
+
+
+def taken_names(names: Iterable[str], imported: set[str]) -> list[str]:
+    """Return the names of files that are imported, and mean modules of Python or robsim."""
+    return sorted(reserved_names(names) & imported)
+
+
+def imported_names(sources: Mapping[str, bytes]) -> set[str]:
     """Return the top-level names of all modules that the files import."""
     names: set[str] = set()
     for name, source in sources.items():

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import ast
 import re
-import warnings
 from collections.abc import Sequence
 
 from robsim.grading._errors import SubmissionError
 from robsim.grading._submissions.notebook.cells import Cell
-from robsim.grading._submissions.python_text import check_extent, not_python
+from robsim.grading._submissions.python_text import check_extent, not_python, quiet
 
 # Cell commands that run the cell as it is; all others make something else of it.
 _TRANSPARENT = re.compile(r"%%(time|capture)\b")
@@ -74,8 +73,7 @@ def _statements_or_fewer_commands(lines: list[str], cell: Cell) -> list[ast.stmt
 
 
 def _statements(text: str, place: str) -> list[ast.stmt]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with quiet():
         tree = compile(text, place, "exec", ast.PyCF_ONLY_AST | AWAIT, dont_inherit=True)
     assert isinstance(tree, ast.Module)
     return tree.body

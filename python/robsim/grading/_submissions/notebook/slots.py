@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from robsim.grading._submissions.notebook.statements import Statement, at_the_top, needs_of
 from robsim.simulation._slots import SLOTS
 
+_MOST_TOLD = 4  # two are too many
 _FACES = ("Simulation", "Experiment")
 #: Where the slots of a function's decorators are kept once these are taken off.
 _TAKEN = "_robsim_slots"
@@ -143,6 +144,6 @@ def _by_definition(value: Value, binders: Mapping[str, list[Statement]]) -> Iter
     if value.identity is value.statement or len(found) < (2 if is_call else 1):
         yield value
         return
-    for binder in found:
+    for binder in found[:_MOST_TOLD]:
         way = f"{value.way}, of {binder.place}," if len(found) > 1 else value.way
         yield replace(value, way=way, identity=binder)

@@ -5,7 +5,6 @@ import __future__
 
 import ast
 import dis
-import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from types import CodeType
@@ -13,6 +12,7 @@ from typing import Any
 
 from robsim.grading._submissions.notebook.cells import Cell
 from robsim.grading._submissions.notebook.magics import AWAIT
+from robsim.grading._submissions.python_text import quiet
 
 #: What runs a simulation, waits for somebody, or draws: a value that calls it is not kept.
 RUNS = frozenset(
@@ -125,8 +125,7 @@ def statement(cell: Cell, node: ast.stmt, flags: int) -> Statement:
 def compiled(nodes: list[ast.stmt], place: str, flags: int) -> CodeType:
     """Return the code of statements of one cell."""
     module = ast.Module(body=nodes, type_ignores=[])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with quiet():
         code = compile(module, place, "exec", flags, dont_inherit=True)
     assert isinstance(code, CodeType)
     return code
