@@ -25,6 +25,7 @@ void bind_records(py::module_& module);
 void bind_steps(py::module_& module);
 void bind_worlds(py::module_& module);
 void bind_controllers(py::module_& module);
+void bind_remote(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_loop(py::module_& module);
 void bind_motors(py::module_& module);
@@ -79,6 +80,7 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   bind_motors(module);
   bind_worlds(module);
   bind_controllers(module);
+  bind_remote(module);
   bind_loop(module);
   bind_laboratory(module);
   pybind11::delattr(module, "__module__");  // the bindings set it

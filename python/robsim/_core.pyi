@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'expected_signal_to_noise', 'find_blobs', 'fitting_roles', 'force_cpu_path', 'frame_noise', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'marker_roles', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'trusted_width', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'BusServer', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'RemoteRobot', 'RemoteWorld', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SharedFrames', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'expected_signal_to_noise', 'find_blobs', 'fitting_roles', 'force_cpu_path', 'frame_noise', 'from_rgb', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'marker_roles', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'trusted_width', 'view_warp', 'wrap_angle']
 class Intrinsics:
     """
     A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
@@ -2106,10 +2106,18 @@ class SimulatedWorld(World):
         ...
     def set_evaluate_model(self, value: typing.Any) -> None:
         ...
+    def set_frame_memory(self, images: collections.abc.Sequence[typing.Any]) -> None:
+        """
+        Draw the newest frames on these arrays (H, W, 3), in turn, whoever holds them.
+        """
     def set_make_scene(self, make: typing.Any, makes_at_start: bool) -> None:
         ...
     def set_noise(self, noise: VisualNoise) -> None:
         ...
+    def set_noise_keys(self, keys: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64]) -> None:
+        """
+        Draw the noise of each frame from a key of its own, array (steps,) of uint64; empty: no longer.
+        """
     def set_robot_radius(self, radius: float) -> None:
         ...
     def set_seeds(self, *, noise: int, dropout: int, disturbance: int) -> None:
@@ -2325,6 +2333,24 @@ class Replay(Controller):
         """
         array (N, 2): the voltages (V), read-only.
         """
+class RemoteRobot:
+    """
+    A robot half in another process: a value for the slots that it fills. exchange(message, pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.
+    """
+    def __init__(self, exchange: typing.Any, refuse: typing.Any, *, slots: collections.abc.Sequence[str], memory: collections.abc.Sequence[typing.Any], sends_frames: bool, measures_first: bool, has_standard_errors: bool, largest_input: float) -> None:
+        ...
+class SharedFrames:
+    """
+    Frames in memory that another process writes, mapped read-only.
+    """
+    def __init__(self, descriptor: int, slots: int, slot_bytes: int, resolution: tuple[int, int]) -> None:
+        ...
+class RemoteWorld(World):
+    """
+    The world half in another process: exchange(answer) sends the answer, unless it is empty, and returns the next message, None at the end.
+    """
+    def __init__(self, exchange: typing.Any, *, slots: collections.abc.Sequence[str], frames: SharedFrames | None, resolution: tuple[int, int]) -> None:
+        ...
 class Loop:
     """
     The loop. Users take robsim.Simulation or robsim.Experiment.

@@ -3,6 +3,7 @@
 #include <functional>
 #include <unordered_map>
 
+#include "python/remote_halves.hpp"
 #include "robsim/simulation/robot/default_stages.hpp"
 
 namespace robsim::bindings {
@@ -88,6 +89,13 @@ void set_init_parameter_estimator(Stages& stages, const py::object& value) {
     stages.init_parameter_estimator = default_parameter_estimator;
     return;
   }
+  if (py::isinstance<PythonRemoteRobot>(value)) {
+    stages.init_parameter_estimator = [robot =
+                                           &value.cast<PythonRemoteRobot&>()](const RobotModel&) {
+      return std::make_shared<RemoteEstimator>(*robot);
+    };
+    return;
+  }
   stages.init_parameter_estimator =
       [callback = Callback("init_parameter_estimator", value)](const RobotModel& model) {
         const py::object result = callback(-1, py::cast(model));
@@ -95,17 +103,38 @@ void set_init_parameter_estimator(Stages& stages, const py::object& value) {
       };
 }
 
-// Fills a slot that is called at each step: off, a native stage if there is one for the value, or
-// a callable whose result `convert` takes.
+// A stage in another process, for the half that is here. SlotValues keep the value alive.
+template <typename Result>
+std::function<Result(const StepPointer&)> remote_stage(
+    const py::object& value, Result (RemoteRobot::*of_robot)(const StepPointer&),
+    Result (RemoteWorld::*of_world)(const StepPointer&)) {
+  if (py::isinstance<PythonRemoteRobot>(value)) {
+    return [of_robot, robot = &value.cast<PythonRemoteRobot&>()](const StepPointer& step) {
+      return (robot->*of_robot)(step);
+    };
+  }
+  if (of_world && py::isinstance<PythonRemoteWorld>(value)) {
+    return [of_world, world = &value.cast<PythonRemoteWorld&>()](const StepPointer& step) {
+      return (world->*of_world)(step);
+    };
+  }
+  return {};
+}
+
+// Fills a slot that is called at each step: off, a native stage if there is one for the value, one
+// in another process, or a callable whose result `convert` takes.
 template <typename Result>
 void set_step_slot(Slot<Result(const StepPointer&)>& slot, const char* name,
                    const py::object& value, StepObject& object,
                    std::function<Result(const StepPointer&)> native,
+                   std::function<Result(const StepPointer&)> remote,
                    Result (*convert)(const py::object&)) {
   if (is_off(value)) {
     slot = {};
   } else if (native) {
     slot = {std::move(native), false};
+  } else if (remote) {
+    slot = {std::move(remote), true};
   } else {
     slot = {[&object, convert, callback = Callback(name, value)](const StepPointer& step) {
               const py::object result = callback(step->k, object.of(step));
@@ -198,21 +227,28 @@ void SlottedLoop::set_slot(const std::string& slot, const py::object& value) {
       {"estimate_parameters",
        [&](Stages& s) {
          set_step_slot(s.estimate_parameters, "estimate_parameters", value, step_object,
-                       if_default(value, update_estimator), optional_parameters);
+                       if_default(value, update_estimator),
+                       remote_stage(value, &RemoteRobot::estimate_parameters,
+                                    &RemoteWorld::estimate_parameters),
+                       optional_parameters);
        }},
       {"measure",
        [&](Stages& s) {
          set_step_slot(s.measure, "measure", value, step_object, if_default(value, locate_markers),
+                       remote_stage(value, &RemoteRobot::measure, &RemoteWorld::measure),
                        optional_measurement);
        }},
       {"estimate_state",
        [&](Stages& s) {
-         set_step_slot(s.estimate_state, "estimate_state", value, step_object, {}, estimate_from);
+         set_step_slot(
+             s.estimate_state, "estimate_state", value, step_object, {},
+             remote_stage(value, &RemoteRobot::estimate_state, &RemoteWorld::estimate_state),
+             estimate_from);
        }},
       {"control",
        [&](Stages& s) {
          set_step_slot(s.control, "control", value, step_object, native_controller(value),
-                       voltages_from);
+                       remote_stage<Input>(value, &RemoteRobot::control, nullptr), voltages_from);
        }},
   };
   setters.at(slot)(stages());

@@ -218,17 +218,29 @@ ImageView image_view(py::handle value, const std::string& name) {
           static_cast<int>(array.shape(0)), array.strides(0)};
 }
 
+namespace {
+
+// The last image may go in a thread that has given the interpreter up.
+std::shared_ptr<PyObject> owner_of_image(py::object object) {
+  return {object.release().ptr(), [](PyObject* held) {
+            if (!Py_IsInitialized()) return;
+            const py::gil_scoped_acquire interpreter;
+            Py_DECREF(held);
+          }};
+}
+
+}  // namespace
+
 Image borrowed_image(py::handle value, const std::string& name) {
   auto array = py::reinterpret_borrow<py::object>(value);
   if (PyObject_CheckBuffer(value.ptr())) array = py::array(array);
   const ImageView view = image_view(array, name);
-  // The last image may go in a thread that has given the interpreter up.
-  const std::shared_ptr<PyObject> owner(array.release().ptr(), [](PyObject* object) {
-    if (!Py_IsInitialized()) return;
-    const py::gil_scoped_acquire interpreter;
-    Py_DECREF(object);
-  });
-  return {view, owner};
+  return {view, owner_of_image(std::move(array))};
+}
+
+Image writable_image(py::handle value, const std::string& name) {
+  const WritableView view = writable_view(value, name);
+  return {view, owner_of_image(py::reinterpret_borrow<py::object>(value))};
 }
 
 ImageView view_from(py::handle value, const std::string& name) {

@@ -73,6 +73,9 @@ ImageView image_view(py::handle value, const std::string& name);
 /// shape: read-only, and keeps it alive. Copies nothing.
 Image borrowed_image(py::handle value, const std::string& name);
 
+/// The same, but writable.
+Image writable_image(py::handle value, const std::string& name);
+
 /// The pixels of a Frame, or those of an array as `image_view` has them.
 ImageView view_from(py::handle value, const std::string& name);
 

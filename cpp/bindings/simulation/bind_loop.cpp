@@ -6,6 +6,7 @@
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
+#include "python/remote_halves.hpp"
 #include "robsim/simulation/loop.hpp"
 #include "robsim/simulation/seam/native_work.hpp"
 
@@ -46,6 +47,11 @@ std::unique_ptr<SlottedLoop> make_loop(const std::shared_ptr<World>& world,
 // Does not keep the callable alive, as Callback. What it raises is written, and ends no run.
 Loop::Observer observer_of(const py::object& observer) {
   if (observer.is_none()) return {};
+  if (py::isinstance<PythonRemoteWorld>(observer)) {
+    return [world = &observer.cast<PythonRemoteWorld&>()](const Loop::Outcome& outcome) {
+      world->end_step(*outcome.step);
+    };
+  }
   return [call = py::handle(observer)](const Loop::Outcome& outcome) {
     try {
       const Step& step = *outcome.step;

@@ -106,6 +106,12 @@ Frame drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture,
   return self.draw_into(capture, writable_view(pixels, "out"), borrowed_image(pixels, "out"));
 }
 
+void set_frame_memory(SlottedWorld& self, const std::vector<py::object>& arrays) {
+  std::vector<Image> images;
+  for (const py::object& array : arrays) images.push_back(writable_image(array, "images"));
+  self.set_frame_memory(images);
+}
+
 WorldState make_world_state(const ArrayLike& pose_1, const ArrayLike& pose_2,
                             const ArrayLike& last_u, const std::optional<RobotModel>& given_model,
                             std::int64_t k, std::optional<double> t, std::optional<double> dt) {
@@ -228,6 +234,16 @@ void bind_simulated_world(py::module_& module) {
           py::arg("pose_factor"), py::arg("input_sigma"))
       .def("set_seeds", &SlottedWorld::set_seeds, py::kw_only(), py::arg("noise"),
            py::arg("dropout"), py::arg("disturbance"))
+      .def(
+          "set_noise_keys",
+          [](SlottedWorld& self, const py::array_t<std::uint64_t>& keys) {
+            self.set_noise_keys({keys.data(), keys.data() + keys.size()});
+          },
+          py::arg("keys"),
+          "Draw the noise of each frame from a key of its own, array (steps,) of uint64; empty: no "
+          "longer.")
+      .def("set_frame_memory", &set_frame_memory, py::arg("images"),
+           "Draw the newest frames on these arrays (H, W, 3), in turn, whoever holds them.")
       .def_property_readonly(
           "model", [](const SlottedWorld& self) { return self.model(); },
           "RobotModel or None: the one that the robot follows; None before the start.")

@@ -42,6 +42,11 @@ Image::Image(const ImageView& pixels, const std::shared_ptr<const void>& owner)
       height_(pixels.height),
       stride_(pixels.stride) {}
 
+Image::Image(const WritableView& pixels, const std::shared_ptr<const void>& owner)
+    : Image(ImageView{pixels.data, pixels.width, pixels.height, pixels.stride}, owner) {
+  writable_ = pixels.data;
+}
+
 WritableView Image::writable_view() {
   if (!writable_ && !empty()) throw std::logic_error("the pixels of this image are borrowed");
   return {writable_, width_, height_, stride_};

@@ -53,6 +53,9 @@ class Image {
   /// at the time, and never writes to them.
   Image(const ImageView& pixels, const std::shared_ptr<const void>& owner);
 
+  /// The same, but writes to them, too.
+  Image(const WritableView& pixels, const std::shared_ptr<const void>& owner);
+
   int width() const { return width_; }
   int height() const { return height_; }
   bool empty() const { return !pixels_; }

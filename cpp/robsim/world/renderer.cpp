@@ -9,7 +9,10 @@ constexpr std::size_t maximum_canvases = 3;
 }
 
 Image Renderer::render(const std::optional<Pose>& pose, const Pan& pan) {
-  Canvas& canvas = free_canvas();
+  return render(pose, pan, free_canvas());
+}
+
+Image Renderer::render(const std::optional<Pose>& pose, const Pan& pan, Canvas& canvas) const {
   const WritableView view = canvas.image.writable_view();
   if (!(canvas.pan == pan)) canvas.dirty = view.box();
   canvas.pan = pan;

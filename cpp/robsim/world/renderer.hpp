@@ -30,13 +30,17 @@ class Renderer {
   /// Without a pose the floor alone.
   Image render(const std::optional<Pose>& pose, const Pan& pan = {});
 
- private:
+  /// What it draws on.
   struct Canvas {
     Image image;
-    PixelBox dirty;  // what the robot covers
+    PixelBox dirty;  // what is to be restored: what the robot covers
     Pan pan;
   };
 
+  /// The same on this canvas, of the size of the scene, whoever holds its image.
+  Image render(const std::optional<Pose>& pose, const Pan& pan, Canvas& canvas) const;
+
+ private:
   Canvas& free_canvas();
 
   std::shared_ptr<const Scene> scene_;

@@ -18,6 +18,11 @@ auto& at_step(Ring& ring, std::int64_t k) {
   return ring[ring.size() == 1 ? 0 : static_cast<std::size_t>(k) % ring.size()];  // % is slow
 }
 
+// The pose that a capture shows; nothing if something hides the robot.
+std::optional<Pose> seen(const SimulatedWorld::Capture& capture) {
+  return capture.hidden ? std::nullopt : std::optional(capture.pose);
+}
+
 }  // namespace
 
 bool Dropout::hides(std::int64_t k) const {
@@ -71,6 +76,28 @@ void SimulatedWorld::set_seeds(std::uint64_t noise, std::uint64_t dropout,
   options_.disturbance.seed = disturbance;
 }
 
+void SimulatedWorld::set_noise_keys(std::vector<std::uint64_t> keys) {
+  const RunGuard::Look look(guard());
+  noise_keys_ = std::move(keys);
+}
+
+void SimulatedWorld::set_frame_memory(const std::vector<Image>& images) {
+  const RunGuard::Look look(guard());
+  memory_.clear();
+  next_in_memory_ = 0;
+  for (const Image& image : images) {
+    if (image.width() != options_.width || image.height() != options_.height) {
+      throw std::invalid_argument("the memory must have the size of the frames");
+    }
+    memory_.push_back({image, image.box(), {}});
+  }
+}
+
+void SimulatedWorld::forget_scene() {
+  renderer_.reset();
+  for (Renderer::Canvas& canvas : memory_) canvas.dirty = canvas.image.box();
+}
+
 void SimulatedWorld::start(const RobotModel& model) {
   model_ = slots_.true_model ? slots_.true_model(model) : model;
   if (slots_.makes_scene_at_start) renderer();
@@ -84,7 +111,7 @@ void SimulatedWorld::start(const RobotModel& model) {
 
 void SimulatedWorld::reset() {
   model_.reset();
-  renderer_.reset();
+  forget_scene();
 }
 
 Arrival SimulatedWorld::next(std::int64_t k, Observation& observation) {
@@ -180,19 +207,54 @@ Renderer& SimulatedWorld::renderer() {
 }
 
 Frame SimulatedWorld::frame() {
-  if (const Capture* capture = newest_capture()) return draw(*capture);
+  const Capture* capture = newest_capture();
+  if (capture) return memory_.empty() ? draw(*capture) : draw_on_memory(*capture);
   throw std::runtime_error("there is no frame yet: run a step");
 }
 
-Frame SimulatedWorld::without_noise(const Capture& capture) {
+// All of a frame but its image.
+Frame SimulatedWorld::unpainted(const Capture& capture) {
   Frame frame;
   frame.t = static_cast<double>(capture.k) * model_->dt();
   frame.index = capture.k;
   frame.plane_map = renderer().plane_map(capture.pan);
   frame.headings = renderer().scene()->headings();
+  return frame;
+}
+
+Frame SimulatedWorld::without_noise(const Capture& capture) {
+  Frame frame = unpainted(capture);
   const NativeWork native(pixel_count());
-  frame.image =
-      renderer().render(capture.hidden ? std::nullopt : std::optional(capture.pose), capture.pan);
+  frame.image = renderer().render(seen(capture), capture.pan);
+  return frame;
+}
+
+void SimulatedWorld::add_noise(const Capture& capture, const ImageView& clean,
+                               const WritableView& noisy) const {
+  const auto k = static_cast<std::uint64_t>(capture.k);
+  if (noise_keys_.empty()) {
+    capture.noise->add(clean, options_.noise_seed, k, noisy);
+  } else if (k < noise_keys_.size()) {
+    capture.noise->add(clean, noise_keys_[k], 0, noisy);
+  } else {
+    throw std::out_of_range("there is no key for the noise of step " + std::to_string(k));
+  }
+}
+
+Frame SimulatedWorld::draw_on_memory(const Capture& capture) {
+  Renderer::Canvas& canvas = memory_[next_in_memory_];
+  next_in_memory_ = (next_in_memory_ + 1) % memory_.size();
+  if (capture.noise->is_off()) {
+    Frame frame = unpainted(capture);
+    const NativeWork native(pixel_count());
+    frame.image = renderer().render(seen(capture), capture.pan, canvas);
+    return frame;
+  }
+  Frame frame = without_noise(capture);
+  const NativeWork native(pixel_count());
+  canvas.dirty = canvas.image.box();
+  add_noise(capture, frame.image.view(), canvas.image.writable_view());
+  frame.image = canvas.image;
   return frame;
 }
 
@@ -201,8 +263,7 @@ Frame SimulatedWorld::draw(const Capture& capture) {
   if (capture.noise->is_off()) return frame;
   const NativeWork native(pixel_count());
   Image noisy = noisy_images_.take(frame.image.width(), frame.image.height());
-  capture.noise->add(frame.image.view(), options_.noise_seed, static_cast<std::uint64_t>(capture.k),
-                     noisy.writable_view());
+  add_noise(capture, frame.image.view(), noisy.writable_view());
   frame.image = noisy;
   return frame;
 }
@@ -217,8 +278,7 @@ Frame SimulatedWorld::draw_into(const Capture& capture, const WritableView& pixe
         std::to_string(pixels.height));
   }
   const NativeWork native(pixel_count());
-  capture.noise->add(frame.image.view(), options_.noise_seed, static_cast<std::uint64_t>(capture.k),
-                     pixels);
+  add_noise(capture, frame.image.view(), pixels);
   frame.image = borrowed;
   return frame;
 }

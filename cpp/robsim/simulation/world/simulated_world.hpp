@@ -90,8 +90,17 @@ class SimulatedWorld : public World {
   void set_disturbance(const Eigen::Matrix3d& pose_factor, std::array<double, 2> input_sigma);
   void set_seeds(std::uint64_t noise, std::uint64_t dropout, std::uint64_t disturbance);
 
+  /// Has the noise of the frame captured at step k drawn from the k-th of these keys, each a seed
+  /// of its own, in place of the seed of all and the step; empty: no longer. There must be one for
+  /// each step.
+  void set_noise_keys(std::vector<std::uint64_t> keys);
+
+  /// Has the newest frames drawn on these images of their size, in turn, whoever holds them: memory
+  /// that another process sees. Without noise it never shows a frame that has noise.
+  void set_frame_memory(const std::vector<Image>& images);
+
   /// Lets the scene be made anew for the next frame; earlier ones are drawn with it, too.
-  void forget_scene() { renderer_.reset(); }
+  void forget_scene();
 
   /// What the camera looks at; null if nobody has looked yet.
   std::shared_ptr<const Scene> scene() const { return renderer_ ? renderer_->scene() : nullptr; }
@@ -125,7 +134,10 @@ class SimulatedWorld : public World {
   Pan followed_view() const;
   Renderer& renderer();
   std::int64_t pixel_count() const { return std::int64_t{options_.width} * options_.height; }
+  Frame unpainted(const Capture& capture);
   Frame without_noise(const Capture& capture);
+  Frame draw_on_memory(const Capture& capture);
+  void add_noise(const Capture& capture, const ImageView& clean, const WritableView& noisy) const;
 
   WorldOptions options_;
   WorldSlots slots_;
@@ -133,6 +145,9 @@ class SimulatedWorld : public World {
   std::optional<RobotModel> model_;
   std::optional<Renderer> renderer_;
   ImagePool noisy_images_;
+  std::vector<std::uint64_t> noise_keys_;
+  std::vector<Renderer::Canvas> memory_;  // for the newest frames; empty: none is given
+  std::size_t next_in_memory_ = 0;
 
   // The last two poses: bounces mirror them together.
   Pose last_pose_;

@@ -1,0 +1,81 @@
+#include "python/numpy.hpp"
+#include "python/public_names.hpp"
+#include "python/remote_halves.hpp"
+
+namespace py = pybind11;
+using namespace robsim;
+using namespace robsim::bindings;
+
+namespace {
+
+// The bits of the stages of these slots.
+std::uint32_t bits_of(const std::vector<std::string>& slots) {
+  std::uint32_t bits = 0;
+  for (const std::string& slot : slots) {
+    bits |= choice_from<StageBit>("slots", slot,
+                                  {{"estimate_parameters", parameters_bit},
+                                   {"measure", measure_bit},
+                                   {"estimate_state", estimate_bit},
+                                   {"control", control_bit}});
+  }
+  return bits;
+}
+
+std::shared_ptr<PythonRemoteRobot> make_robot(const py::object& exchange, const py::object& refuse,
+                                              const std::vector<std::string>& slots,
+                                              const std::vector<py::object>& memory,
+                                              bool sends_frames, bool measures_first,
+                                              bool has_standard_errors, double largest_input) {
+  RemoteRobot::Options options;
+  options.stages = bits_of(slots);
+  options.sends_frames = sends_frames;
+  options.measures_first = measures_first;
+  options.has_standard_errors = has_standard_errors;
+  options.largest_input = largest_input;
+  for (const py::object& image : memory) {
+    options.memory.push_back(image_view(image, "memory").data);
+  }
+  return std::make_shared<PythonRemoteRobot>(std::move(options), exchange, refuse);
+}
+
+std::shared_ptr<PythonRemoteWorld> make_remote_world(
+    const py::object& exchange, const std::vector<std::string>& slots,
+    const std::optional<std::shared_ptr<SharedFrames>>& frames, std::pair<int, int> resolution) {
+  RemoteWorld::Options options;
+  options.stages = bits_of(slots);
+  options.frames = frames.value_or(nullptr);
+  options.width = resolution.first;
+  options.height = resolution.second;
+  return std::make_shared<PythonRemoteWorld>(options, exchange);
+}
+
+}  // namespace
+
+void bind_remote(py::module_& module) {
+  Class<PythonRemoteRobot, std::shared_ptr<PythonRemoteRobot>>(
+      public_in(module, "robsim._core"), "RemoteRobot",
+      "A robot half in another process: a value for the slots that it fills. exchange(message, "
+      "pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.",
+      py::custom_type_setup(&collect_garbage<PythonRemoteRobot>))
+      .def(py::init(&make_robot), py::arg("exchange"), py::arg("refuse"), py::kw_only(),
+           py::arg("slots"), py::arg("memory"), py::arg("sends_frames"), py::arg("measures_first"),
+           py::arg("has_standard_errors"), py::arg("largest_input"));
+
+  Class<SharedFrames, std::shared_ptr<SharedFrames>>(
+      public_in(module, "robsim._core"), "SharedFrames",
+      "Frames in memory that another process writes, mapped read-only.")
+      .def(py::init([](int descriptor, int slots, std::size_t slot_bytes,
+                       std::pair<int, int> resolution) {
+             return std::make_shared<SharedFrames>(descriptor, slots, slot_bytes, resolution.first,
+                                                   resolution.second);
+           }),
+           py::arg("descriptor"), py::arg("slots"), py::arg("slot_bytes"), py::arg("resolution"));
+
+  Class<PythonRemoteWorld, World, std::shared_ptr<PythonRemoteWorld>>(
+      public_in(module, "robsim._core"), "RemoteWorld",
+      "The world half in another process: exchange(answer) sends the answer, unless it is empty, "
+      "and returns the next message, None at the end.",
+      py::custom_type_setup(&collect_garbage<PythonRemoteWorld>))
+      .def(py::init(&make_remote_world), py::arg("exchange"), py::kw_only(), py::arg("slots"),
+           py::arg("frames"), py::arg("resolution"));
+}

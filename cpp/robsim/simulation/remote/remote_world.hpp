@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "robsim/simulation/remote/shared_frames.hpp"
+#include "robsim/simulation/remote/step_message.hpp"
+#include "robsim/simulation/seam/world.hpp"
+
+namespace robsim {
+
+/// The world half in another process, which is asked for each step, and the stages there that come
+/// between those here.
+class RemoteWorld : public World {
+ public:
+  struct Options {
+    std::uint32_t stages = 0;              // that are filled here, as bits
+    std::shared_ptr<SharedFrames> frames;  // null: pixels follow the messages, if they are sent
+    int width = 0, height = 0;             // of the frames, px
+  };
+
+  /// Sends a message, unless it is empty, and returns the next one; nothing at the end.
+  using Exchange = std::function<std::optional<std::string>(const std::string& message)>;
+
+  RemoteWorld(Options options, Exchange exchange)
+      : options_(std::move(options)), exchange_(std::move(exchange)) {}
+
+  void start(const RobotModel& model) override { dt_ = model.dt(); }
+  void reset() override {}
+  Arrival next(std::int64_t k, Observation& observation) override;
+  Sent send(std::int64_t, const Input& u) override { return {u, std::nullopt}; }
+  bool is_interpreted() const override { return true; }
+
+  /// Throws std::runtime_error if frames are not sent.
+  Frame frame() override;
+
+  // The stages of the other process, whose results this one is told.
+  std::optional<AxisMatrix> estimate_parameters(const StepPointer& step);
+  std::optional<Measurement> measure(const StepPointer& step);
+  Estimate estimate_state(const StepPointer& step);
+
+  /// Notes what the stages here gave, which goes out at once when the loop asks for the next step.
+  void end_step(const Step& step);
+
+ private:
+  const StepMessage& told(const StepPointer& step, StageBit stage);
+  bool take_step(std::int64_t k);
+  bool ask(const std::string& answer);
+  StepMessage answer(const Step& step, std::uint32_t done) const;
+
+  Options options_;
+  Exchange exchange_;
+  double dt_ = 0;       // s
+  std::string answer_;  // to be sent; empty: none
+  StepMessage message_{-1};
+  std::string pixels_;  // that followed it
+  std::optional<Frame> frame_;
+};
+
+}  // namespace robsim

@@ -1,0 +1,37 @@
+"""The seeds of a graded run: world and robot half apart."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._base.seeds import Seed, seed_record, seed_sequence
+
+
+@dataclass(frozen=True)
+class RunSeeds:
+    """What is random in a graded run.
+
+    Attributes
+    ----------
+    world : SeedSequence
+        Of the scenario.
+    robot : SeedSequence
+        Of the robot half, from which nobody finds that of the world.
+    noise_keys : array (steps,) of uint64, or None
+        Of the camera noise of each frame; None = from the seed of the world.
+    """
+
+    world: np.random.SeedSequence
+    robot: np.random.SeedSequence
+    noise_keys: NDArray[np.uint64] | None = None
+
+    @classmethod
+    def of(cls, seed: Seed) -> RunSeeds:
+        """Return those of a run that a simulation with this seed gives again, byte for byte."""
+        world = seed_sequence(seed)
+        digest = hashlib.sha256(f"robot half|{seed_record(world)}".encode()).digest()
+        return cls(world, np.random.SeedSequence(int.from_bytes(digest[:16], "little")))

@@ -1,0 +1,244 @@
+"""Messages between the grader and a worker: heads, lengths, deadlines; no code, no pickle back.
+
+A message is a head of 8 bytes, ``<HHI``: kind, 0, length of the body; and the body, which for steps
+and answers is the fixed struct of ``cpp/robsim/simulation/remote/step_message.cpp``.
+"""
+
+from __future__ import annotations
+
+import socket
+import struct
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from robsim._core import RobotModel
+
+_HEAD = struct.Struct("<HHI")
+_BUFFER = 1 << 16
+
+
+class Kind(IntEnum):
+    """What a message is."""
+
+    HELLO = 1  # to the worker: the submission, and what the robot half may know
+    READY = 2  # from it: `Ready`
+    STEP = 3  # to it: a step as far as it is known
+    ANSWER = 4  # from it: the same, filled in
+    END = 5  # to it: there are no more steps
+    ERROR = 6  # from it: `Failure`
+
+
+#: Most bytes of a body that comes from a worker.
+LIMITS = {Kind.READY: 1 << 10, Kind.ANSWER: 1 << 14, Kind.ERROR: 1 << 14}
+
+
+class WireError(Exception):
+    """What came is no message that was due."""
+
+
+class Channel:
+    """One end of the connection. Each side speaks in turn: there is one message at a time.
+
+    Parameters
+    ----------
+    connection : socket
+        A stream socket.
+    limits : dict of Kind to int, optional
+        The kinds that may come, and the most bytes of each; the others are refused. Default: all,
+        of any length: of a side that is trusted.
+    """
+
+    def __init__(self, connection: socket.socket, limits: dict[Kind, int] | None = None) -> None:
+        self._socket = connection
+        self._limits = limits
+        self._buffer = bytearray(_BUFFER)
+
+    def send(self, kind: Kind, *parts: bytes | memoryview, patience: float | None = None) -> None:
+        """Send a message, in one call where it goes out at once.
+
+        Raises
+        ------
+        TimeoutError
+            If nobody reads it, for so long (s).
+        OSError
+            If it cannot be sent.
+        """
+        self._socket.settimeout(patience)
+        views = [memoryview(part).cast("B") for part in parts]
+        length = sum(map(len, views))
+        message = [memoryview(_HEAD.pack(kind, 0, length)), *views]
+        if not hasattr(self._socket, "sendmsg"):  # Windows
+            self._socket.sendall(b"".join(message))
+            return
+        sent = self._socket.sendmsg(message)
+        for view in message:
+            if sent < len(view):
+                self._socket.sendall(view[sent:])
+            sent = max(0, sent - len(view))
+
+    def receive(self, patience: float | None = None) -> tuple[Kind, bytes]:
+        """Wait for the next message.
+
+        Parameters
+        ----------
+        patience : float, optional
+            How long (s), for the whole message, and for the next one to be sent.
+
+        Raises
+        ------
+        TimeoutError
+            If it does not come.
+        OSError, EOFError
+            If the other side has closed the connection.
+        WireError
+            If it is of a kind that is not due, too long, or more than one.
+        """
+        deadline = None if patience is None else time.monotonic() + patience
+        self._socket.settimeout(patience)
+        have = self._socket.recv_into(self._buffer)
+        while have < _HEAD.size:
+            have += self._more(memoryview(self._buffer)[have:], deadline, have)
+        kind, length = self._head()
+        end = _HEAD.size + length
+        if have > end:
+            raise WireError("more than one message at a time")
+        body = bytearray(length)
+        body[: have - _HEAD.size] = self._buffer[_HEAD.size : have]
+        view = memoryview(body)[have - _HEAD.size :]
+        while len(view):
+            view = view[self._more(view, deadline, have) :]
+        return kind, bytes(body)
+
+    def _head(self) -> tuple[Kind, int]:
+        number, zero, length = _HEAD.unpack_from(self._buffer)
+        try:
+            kind = Kind(number)
+        except ValueError:
+            kind = None
+        if kind is None or zero or (self._limits is not None and kind not in self._limits):
+            raise WireError("a message of a kind that there is not")
+        if self._limits is not None and length > self._limits[kind]:
+            raise WireError(f"a message of {length} bytes, more than {self._limits[kind]}")
+        return kind, length
+
+    def _more(self, view: memoryview, deadline: float | None, have: int) -> int:
+        """Receive some bytes more, at least one."""
+        if have == 0:
+            raise EOFError("the other side has closed the connection")
+        if deadline is not None:
+            left = deadline - time.monotonic()
+            if left <= 0:
+                raise TimeoutError("no whole message in time")
+            self._socket.settimeout(left)
+        count = self._socket.recv_into(view)
+        if count == 0:
+            raise EOFError("the other side has closed the connection in the middle of a message")
+        return count
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._socket.close()
+
+
+@dataclass(frozen=True)
+class Ready:
+    """What a worker says when the submission is loaded.
+
+    Attributes
+    ----------
+    filled : tuple of str
+        The slots that it fills with code.
+    switched_on : tuple of str
+        Those that it switches to the default stage.
+    has_standard_errors : bool
+        Whether its parameter estimator knows the standard errors of its estimates.
+    model : RobotModel
+        What it believes in.
+    """
+
+    filled: tuple[str, ...]
+    switched_on: tuple[str, ...]
+    has_standard_errors: bool
+    model: RobotModel
+
+    _STRUCT = struct.Struct("<III16d")
+
+    def to_bytes(self, slots: tuple[str, ...]) -> bytes:
+        """Return it as a body; a bit for each of these slots."""
+        theta = self.model.theta.ravel().tolist()
+        masks = (_mask(self.filled, slots), _mask(self.switched_on, slots))
+        return self._STRUCT.pack(*masks, self.has_standard_errors, self.model.dt, *theta)
+
+    @classmethod
+    def from_bytes(cls, body: bytes, slots: tuple[str, ...]) -> Ready:
+        """Return what a body says; raise WireError, or ValueError for a model that cannot be."""
+        if len(body) != cls._STRUCT.size:
+            raise WireError("a message of another length than it must have")
+        filled, switched_on, errors, dt, *theta = cls._STRUCT.unpack(body)
+        if max(filled, switched_on) >= 1 << len(slots) or errors > 1:
+            raise WireError("a message with slots that there are not")
+        if not (np.isfinite(dt) and dt > 0):
+            raise ValueError("the model must have a dt above 0 s")
+        model = RobotModel.from_theta(np.reshape(theta, (3, 5)), dt=dt)
+        return cls(_names(filled, slots), _names(switched_on, slots), bool(errors), model)
+
+
+def _mask(names: tuple[str, ...], slots: tuple[str, ...]) -> int:
+    return sum(1 << slots.index(name) for name in names)
+
+
+def _names(mask: int, slots: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(slot for bit, slot in enumerate(slots) if mask >> bit & 1)
+
+
+@dataclass(frozen=True)
+class Failure:
+    """What went wrong in a worker: texts of a submission, to be cleaned before anybody reads them.
+
+    Attributes
+    ----------
+    text : str
+        Class and message of the exception.
+    slot, file : str
+        Where; empty = nowhere in particular.
+    step, line : int
+        Step of the run, and line of the file; -1 = none.
+    """
+
+    text: str
+    slot: str = ""
+    file: str = ""
+    step: int = -1
+    line: int = -1
+
+    _STRUCT = struct.Struct("<qiHHH")
+    _MOST = 4000  # bytes of a text
+
+    def to_bytes(self) -> bytes:
+        """Return it as a body, its texts cut."""
+        texts = [
+            text[: self._MOST].encode("utf-8", "replace")[: self._MOST]
+            for text in (self.text, self.slot, self.file)
+        ]
+        line = self.line if -1 <= self.line < 1 << 31 else -1
+        return self._STRUCT.pack(self.step, line, *map(len, texts)) + b"".join(texts)
+
+    @classmethod
+    def from_bytes(cls, body: bytes, clean: Callable[[str], str]) -> Failure:
+        """Return what a body says, its texts cleaned; raise WireError."""
+        if len(body) < cls._STRUCT.size:
+            raise WireError("a message that is too short")
+        step, line, *lengths = cls._STRUCT.unpack_from(body)
+        if len(body) != cls._STRUCT.size + sum(lengths):
+            raise WireError("a message of another length than it says")
+        texts: list[str] = []
+        rest = body[cls._STRUCT.size :]
+        for length in lengths:
+            texts.append(clean(rest[:length].decode("utf-8", "replace")))
+            rest = rest[length:]
+        text, slot, file = texts
+        return cls(text, slot, file, step=max(step, -1), line=max(line, -1))

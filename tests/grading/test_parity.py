@@ -1,0 +1,86 @@
+"""An honest submission gives the same trace in a worker as without one, byte for byte."""
+
+import numpy as np
+import pytest
+
+import robsim
+from graded import HONEST, assert_same_trace, folder_of, honest, ran, random_scenario
+
+SLOTS = tuple(HONEST)
+NOISY = robsim.Scenario(
+    resolution=(300, 300),
+    noise=robsim.GaussianNoise(8),
+    dropout=robsim.Dropout(0.2, 3),
+    measure=True,
+    start="random",
+    control=robsim.DriveAround(),
+)
+
+
+def assert_parity(folder, slots, scenario, **options):
+    here = ran(folder, slots, scenario, isolation="none", **options)
+    there = ran(folder, slots, scenario, **options)
+    assert_same_trace(here, there)
+    return there
+
+
+def test_a_submission_that_fills_all_slots_gives_the_same_trace(tmp_path):
+    trace = assert_parity(honest(tmp_path / "s", SLOTS), SLOTS, NOISY, steps=40)
+    assert trace.info.callbacks == SLOTS
+    assert 0 < np.isnan(trace.pose_measured).any(axis=1).sum() < 40
+    assert np.isfinite(trace.parameters[-1]).all()
+    assert np.isfinite(trace.standard_errors_unscaled[-1]).all()
+    assert np.isfinite(trace.blobs["red"]).any()
+    assert trace.state.shape == (40, 2)
+
+
+def test_a_run_with_a_seed_is_that_of_a_simulation_with_it(tmp_path):
+    folder = honest(tmp_path / "s", ["estimate_state"])
+    trace = ran(folder, ["estimate_state"], NOISY, seed=3)
+    sim = robsim.Simulation.from_folder(
+        folder, scenario=NOISY.replace(model=robsim.RobotModel(), seed=3)
+    )
+    assert_same_trace(sim.run(20), trace)
+
+
+def test_stages_of_the_teacher_between_those_of_a_submission_are_told(tmp_path):
+    slots = ["estimate_parameters", "measure", "control"]
+    folder = honest(tmp_path / "s", slots)
+
+    def estimate_state(step):
+        seen = step.measurement is not None
+        return robsim.Estimate(
+            [step.k, *step.measurement.pose[:2]] if seen else [0, 0, 0], np.eye(3)
+        )
+
+    trace = assert_parity(folder, slots, NOISY, estimate_state=estimate_state)
+    assert (trace.pose_estimated[:, 0] > 0).any()
+
+
+def test_a_teachers_controller_drives_by_a_submissions_estimate(tmp_path):
+    slots = ["estimate_state"]
+    folder = honest(tmp_path / "s", slots)
+    trace = assert_parity(folder, slots, NOISY, steps=30, control=robsim.GoToPoint(300, 800))
+    assert np.ptp(trace.u) > 0.1
+
+
+def test_a_submission_may_see_frames_that_it_does_not_measure(tmp_path):
+    looks = """
+        def control(step):
+            return step.frame.image[::7].mean() / 300, len(step.blobs["red"]) / 5
+        """
+    folder = folder_of(tmp_path / "s", control=looks)
+    trace = assert_parity(folder, ["control"], NOISY, frames=True)
+    assert len(np.unique(trace.u[:, 0])) > 10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40))
+def test_random_slots_in_random_scenarios_give_the_same_trace(tmp_path, seed):
+    rng = np.random.default_rng(seed)
+    slots = [slot for slot in SLOTS if rng.random() < 0.5] or ["control"]
+    scenario = random_scenario(rng)
+    if "estimate_state" in slots and rng.random() < 0.3:
+        scenario = scenario.replace(identify_from="estimate")
+    frames = [None, True][rng.integers(2)]
+    assert_parity(honest(tmp_path / "s", slots), slots, scenario, seed=seed, frames=frames)
