@@ -2108,7 +2108,7 @@ class SimulatedWorld(World):
         ...
     def set_frame_memory(self, images: collections.abc.Sequence[typing.Any]) -> None:
         """
-        Draw the newest frames on these arrays (H, W, 3), in turn, whoever holds them.
+        Draw the newest frames on one of these arrays (H, W, 3), whoever holds it.
         """
     def set_make_scene(self, make: typing.Any, makes_at_start: bool) -> None:
         ...
@@ -2337,7 +2337,7 @@ class RemoteRobot:
     """
     A robot half in another process: a value for the slots that it fills. exchange(message, pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.
     """
-    def __init__(self, exchange: typing.Any, refuse: typing.Any, *, slots: collections.abc.Sequence[str], memory: collections.abc.Sequence[typing.Any], sends_frames: bool, measures_first: bool, has_standard_errors: bool, largest_input: float) -> None:
+    def __init__(self, exchange: typing.Any, refuse: typing.Any, *, slots: collections.abc.Sequence[str], world: World, sends_frames: bool, measures_first: bool, has_standard_errors: bool, largest_input: float) -> None:
         ...
 class SharedFrames:
     """

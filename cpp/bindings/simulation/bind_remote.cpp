@@ -1,6 +1,7 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/remote_halves.hpp"
+#include "robsim/simulation/world/simulated_world.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -23,7 +24,7 @@ std::uint32_t bits_of(const std::vector<std::string>& slots) {
 
 std::shared_ptr<PythonRemoteRobot> make_robot(const py::object& exchange, const py::object& refuse,
                                               const std::vector<std::string>& slots,
-                                              const std::vector<py::object>& memory,
+                                              const std::shared_ptr<World>& any_world,
                                               bool sends_frames, bool measures_first,
                                               bool has_standard_errors, double largest_input) {
   RemoteRobot::Options options;
@@ -32,9 +33,10 @@ std::shared_ptr<PythonRemoteRobot> make_robot(const py::object& exchange, const 
   options.measures_first = measures_first;
   options.has_standard_errors = has_standard_errors;
   options.largest_input = largest_input;
-  for (const py::object& image : memory) {
-    options.memory.push_back(image_view(image, "memory").data);
-  }
+  const auto world = std::dynamic_pointer_cast<SimulatedWorld>(any_world);
+  if (!world) throw py::type_error("world must be a SimulatedWorld");
+  for (const Image& image : world->frame_memory()) options.memory.push_back(image.row(0));
+  options.choose_memory = [world](std::size_t slot) { world->choose_frame_memory(slot); };
   return std::make_shared<PythonRemoteRobot>(std::move(options), exchange, refuse);
 }
 
@@ -58,7 +60,7 @@ void bind_remote(py::module_& module) {
       "pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.",
       py::custom_type_setup(&collect_garbage<PythonRemoteRobot>))
       .def(py::init(&make_robot), py::arg("exchange"), py::arg("refuse"), py::kw_only(),
-           py::arg("slots"), py::arg("memory"), py::arg("sends_frames"), py::arg("measures_first"),
+           py::arg("slots"), py::arg("world"), py::arg("sends_frames"), py::arg("measures_first"),
            py::arg("has_standard_errors"), py::arg("largest_input"));
 
   Class<SharedFrames, std::shared_ptr<SharedFrames>>(

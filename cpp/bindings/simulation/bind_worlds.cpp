@@ -243,7 +243,7 @@ void bind_simulated_world(py::module_& module) {
           "Draw the noise of each frame from a key of its own, array (steps,) of uint64; empty: no "
           "longer.")
       .def("set_frame_memory", &set_frame_memory, py::arg("images"),
-           "Draw the newest frames on these arrays (H, W, 3), in turn, whoever holds them.")
+           "Draw the newest frames on one of these arrays (H, W, 3), whoever holds it.")
       .def_property_readonly(
           "model", [](const SlottedWorld& self) { return self.model(); },
           "RobotModel or None: the one that the robot follows; None before the start.")

@@ -11,8 +11,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-#: Frames that there is room for: while one is looked at, the next one is drawn.
-SLOTS = 2
+#: Frames that there is room for: while one is looked at, the next one is drawn; the others are for
+#: callbacks that keep some, and are not touched otherwise.
+SLOTS = 8
 
 _PAGE = 1 << 16  # bytes; the pages of all systems go into it
 

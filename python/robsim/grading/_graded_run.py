@@ -83,7 +83,7 @@ class GradedSimulation(Simulation):
             worker.exchange,
             worker.refuse,
             slots=filled,
-            memory=images,
+            world=self._world,
             sends_frames=self._sends_frames,
             measures_first=self._callbacks["measure"] is True and "measure" not in filled,
             has_standard_errors=ready.has_standard_errors,

@@ -106,6 +106,8 @@ class Channel:
         end = _HEAD.size + length
         if have > end:
             raise WireError("more than one message at a time")
+        if have == end:
+            return kind, bytes(memoryview(self._buffer)[_HEAD.size : end])
         body = bytearray(length)
         body[: have - _HEAD.size] = self._buffer[_HEAD.size : have]
         view = memoryview(body)[have - _HEAD.size :]

@@ -79,6 +79,7 @@ const StepMessage& RemoteRobot::answer(const StepPointer& pointer, StageBit stag
     refuse(error.stage().value_or(stage), step.k, error.what());
   }
   check(answer_, step, stage);
+  if (!options_.memory.empty()) options_.choose_memory(answer_.next_slot);
   return answer_;
 }
 
@@ -113,6 +114,9 @@ void RemoteRobot::check(const StepMessage& answer, const Step& step, StageBit st
   }
   if (!(answer.done & stage)) refuse(stage, step.k, "there must be an answer, got none");
   if (answer.frame) refuse(stage, step.k, "an answer must have no frame");
+  if (!options_.memory.empty() && answer.next_slot >= options_.memory.size()) {
+    refuse(stage, step.k, "the memory of the next frame must be one that there is");
+  }
   if (!answer.u) return;
   const double most = std::max(std::abs(answer.u->u1), std::abs(answer.u->u2));
   if (most > options_.largest_input) {

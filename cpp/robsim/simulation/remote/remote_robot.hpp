@@ -24,6 +24,7 @@ class RemoteRobot {
     bool has_standard_errors = false;         // of its parameters
     double largest_input = 0;                 // V
     std::vector<const std::uint8_t*> memory;  // of the frames in its slots, as the process sees it
+    std::function<void(std::size_t)> choose_memory;  // the slot of the next frame
   };
 
   /// Sends a message for the stage of a slot at step k, with the pixels that follow it, if it has

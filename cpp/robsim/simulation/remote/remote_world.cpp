@@ -41,10 +41,6 @@ Arrival RemoteWorld::next(std::int64_t k, Observation& observation) {
 
 // The next message: that of step k, or of a later one. False at the end.
 bool RemoteWorld::take_step(std::int64_t k) {
-  // What is shown two steps on is written where somebody may hold the frame of the last step.
-  if (options_.frames && message_.frame && message_.frame->slot >= 0) {
-    options_.frames->let_go(options_.frames->after(message_.frame->slot));
-  }
   if (!ask(std::exchange(answer_, {}))) return false;
   if (message_.k < k) throw std::runtime_error("the grader has told of an earlier step");
   frame_.reset();
@@ -110,12 +106,16 @@ const StepMessage& RemoteWorld::told(const StepPointer& step, StageBit stage) {
 
 void RemoteWorld::end_step(const Step& step) {
   if (message_.k != step.k) return;
+  if (options_.frames && message_.frame && message_.frame->slot >= 0) {
+    next_slot_ = static_cast<std::uint32_t>(options_.frames->free_beside(message_.frame->slot));
+  }
   answer_ = to_bytes(answer(step, parameters_bit | measure_bit | estimate_bit | control_bit));
 }
 
 StepMessage RemoteWorld::answer(const Step& step, std::uint32_t done) const {
   StepMessage answer;
   answer.k = step.k;
+  answer.next_slot = next_slot_;
   answer.t = step.t;
   answer.done = done & options_.stages;
   if (options_.stages & parameters_bit) {

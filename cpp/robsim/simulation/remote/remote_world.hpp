@@ -58,6 +58,7 @@ class RemoteWorld : public World {
   StepMessage message_{-1};
   std::string pixels_;  // that followed it
   std::optional<Frame> frame_;
+  std::uint32_t next_slot_ = 0;  // for the next frame
 };
 
 }  // namespace robsim

@@ -30,11 +30,19 @@ SharedFrames::SharedFrames(int descriptor, int slots, std::size_t slot_bytes, in
 
 Image SharedFrames::image(int) { throw std::runtime_error("this system has no shared frames"); }
 
-void SharedFrames::let_go(int) {}
+int SharedFrames::free_beside(int slot) { return slot; }
+
+void SharedFrames::let_go(Image&) {}
 
 #else
 
 namespace {
+
+#ifdef MAP_POPULATE
+constexpr int at_once = MAP_POPULATE;  // all pages: one by one they take longer than the copy
+#else
+constexpr int at_once = 0;
+#endif
 
 void* mapped(void* at, std::size_t size, int protection, int flags, int descriptor, off_t offset) {
   void* const memory = ::mmap(at, size, protection, flags, descriptor, offset);
@@ -44,7 +52,7 @@ void* mapped(void* at, std::size_t size, int protection, int flags, int descript
 
 // Puts memory of this process in the place of shared one, with the same content.
 void make_private(void* memory, std::size_t size) {
-  constexpr int own = MAP_PRIVATE | MAP_ANONYMOUS;
+  constexpr int own = MAP_PRIVATE | MAP_ANONYMOUS | at_once;
   void* const copy = mapped(nullptr, size, PROT_READ | PROT_WRITE, own, -1, 0);
   std::memcpy(copy, memory, size);
 #ifdef __linux__
@@ -67,7 +75,7 @@ Image SharedFrames::image(int slot) {
   Image& known = images_.at(static_cast<std::size_t>(slot));
   if (known.empty()) {
     const std::size_t size = slot_bytes_;
-    void* const memory = mapped(nullptr, size, PROT_READ, MAP_SHARED, descriptor_,
+    void* const memory = mapped(nullptr, size, PROT_READ, MAP_SHARED | at_once, descriptor_,
                                 static_cast<off_t>(static_cast<std::size_t>(slot) * size));
     const std::shared_ptr<void> owner(memory, [size](void* p) { ::munmap(p, size); });
     const ImageView view{static_cast<const std::uint8_t*>(memory), width_, height_,
@@ -77,11 +85,20 @@ Image SharedFrames::image(int slot) {
   return known;
 }
 
-void SharedFrames::let_go(int slot) {
-  Image& known = images_.at(static_cast<std::size_t>(slot));
-  if (known.empty() || !known.is_shared()) return;
-  make_private(const_cast<std::uint8_t*>(known.row(0)), slot_bytes_);
-  known = Image();
+int SharedFrames::free_beside(int slot) {
+  const int count = static_cast<int>(images_.size());
+  for (int other = 0; other < count; ++other) {
+    if (other != slot && !images_[static_cast<std::size_t>(other)].is_shared()) return other;
+  }
+  const int next = (slot + 1) % count;
+  let_go(images_[static_cast<std::size_t>(next)]);
+  return next;
+}
+
+void SharedFrames::let_go(Image& image) {
+  if (image.empty() || !image.is_shared()) return;
+  make_private(const_cast<std::uint8_t*>(image.row(0)), slot_bytes_);
+  image = Image();
 }
 
 #endif

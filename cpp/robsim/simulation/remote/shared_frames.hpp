@@ -18,14 +18,14 @@ class SharedFrames {
   /// The image in a slot: what the other process has written there. Throws std::out_of_range.
   Image image(int slot);
 
-  /// Before the other process may write to a slot again: whoever still holds its image keeps what
-  /// it shows now, at the same address.
-  void let_go(int slot);
-
-  /// The slot that is written after this one.
-  int after(int slot) const { return (slot + 1) % static_cast<int>(images_.size()); }
+  /// A slot that the other process may write to while this one is looked at: one whose image
+  /// nobody holds. If there is none, whoever holds that of the next slot keeps what it shows now,
+  /// at the same address.
+  int free_beside(int slot);
 
  private:
+  void let_go(Image& image);
+
   int descriptor_;
   std::size_t slot_bytes_;
   int width_, height_;

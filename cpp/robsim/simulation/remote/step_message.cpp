@@ -239,7 +239,7 @@ std::string to_bytes(const StepMessage& m) {
   to << m.k << m.t << m.last_u << m.done << parts_of(m);
   to << static_cast<std::uint32_t>(m.missed.value_or(DetectionResult::detected));
   to << static_cast<std::uint32_t>(m.blobs.size());
-  to << static_cast<std::uint32_t>(estimate.state.size()) << std::uint32_t{0};
+  to << static_cast<std::uint32_t>(estimate.state.size()) << m.next_slot;
   write_frame(to, m.frame.value_or(FrameMessage{}));
   to << sample.k << sample.regression.phi;
   to.doubles(sample.regression.y.data(), 3);
@@ -263,7 +263,7 @@ StepMessage message_from(const char* bytes, std::size_t size, std::size_t pixel_
   const auto missed = from.get<std::uint32_t>();
   const auto n_blobs = from.get<std::uint32_t>();
   const auto n_states = from.get<std::uint32_t>();
-  from.get<std::uint32_t>();
+  m.next_slot = from.get<std::uint32_t>();
   if (m.done > all_stages || parts > all_parts || n_blobs > most_blobs ||
       missed > static_cast<std::uint32_t>(DetectionResult::small_markers)) {
     throw MessageError("a message with choices or counts that there are not");

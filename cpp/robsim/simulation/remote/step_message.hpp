@@ -51,6 +51,7 @@ struct StepMessage {
   std::vector<Point> blobs;  // centroids (px of the frame), two of each colour, NaN = none
   std::optional<Estimate> estimate;
   std::optional<Input> u;
+  std::uint32_t next_slot = 0;  // for the next frame: whose memory nobody looks at any more
 };
 
 /// Bytes that are no message, or say what cannot be.

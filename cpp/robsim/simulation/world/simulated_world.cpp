@@ -93,6 +93,17 @@ void SimulatedWorld::set_frame_memory(const std::vector<Image>& images) {
   }
 }
 
+std::vector<Image> SimulatedWorld::frame_memory() const {
+  std::vector<Image> images;
+  for (const Renderer::Canvas& canvas : memory_) images.push_back(canvas.image);
+  return images;
+}
+
+void SimulatedWorld::choose_frame_memory(std::size_t index) {
+  if (index >= memory_.size()) throw std::out_of_range("there is no such memory for a frame");
+  next_in_memory_ = index;
+}
+
 void SimulatedWorld::forget_scene() {
   renderer_.reset();
   for (Renderer::Canvas& canvas : memory_) canvas.dirty = canvas.image.box();
@@ -243,7 +254,6 @@ void SimulatedWorld::add_noise(const Capture& capture, const ImageView& clean,
 
 Frame SimulatedWorld::draw_on_memory(const Capture& capture) {
   Renderer::Canvas& canvas = memory_[next_in_memory_];
-  next_in_memory_ = (next_in_memory_ + 1) % memory_.size();
   if (capture.noise->is_off()) {
     Frame frame = unpainted(capture);
     const NativeWork native(pixel_count());

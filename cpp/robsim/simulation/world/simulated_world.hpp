@@ -95,9 +95,13 @@ class SimulatedWorld : public World {
   /// each step.
   void set_noise_keys(std::vector<std::uint64_t> keys);
 
-  /// Has the newest frames drawn on these images of their size, in turn, whoever holds them: memory
-  /// that another process sees. Without noise it never shows a frame that has noise.
+  /// Has the newest frames drawn on one of these images of their size, whoever holds it: memory
+  /// that another process sees, where a frame with noise is never shown without it.
   void set_frame_memory(const std::vector<Image>& images);
+  std::vector<Image> frame_memory() const;
+
+  /// Says on which of them the next frame is drawn. Throws std::out_of_range.
+  void choose_frame_memory(std::size_t index);
 
   /// Lets the scene be made anew for the next frame; earlier ones are drawn with it, too.
   void forget_scene();
