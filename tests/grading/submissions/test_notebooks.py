@@ -160,27 +160,27 @@ def test_a_slot_of_its_own_counts_more_than_an_argument_and_that_is_noted(tmp_pa
     [
         (
             ("trace = sim.run(10)", "def control(step):\n    return trace.u[0]"),
-            "control needs trace, and trace exists only by running cell 1, line 1",
+            "control needs trace; trace exists only by running cell 1, line 1 (trace",
         ),
         (
             ("sim = Simulation()", "t = sim.run(3)\nK = t.u[0]", "def control(s): return K"),
-            "control needs K, which needs t, and t exists only by running cell 2, line 1",
+            "control needs K, which needs t; t exists only by running cell 2, line 1",
         ),
         (
             ("K = [1]", "while True:\n    K[0] += 1", "def control(step): return K"),
-            "control needs K, and K has its value only by running cell 2, line 1",
+            "control needs K; K has its value only by running cell 2, line 1",
         ),
         (
             ("def tune():\n    return sim.run(9)", "K = tune()", "def control(s): return K"),
-            "control needs K, and K exists only by running cell 2, line 1",
+            "control needs K; K exists only by running cell 2, line 1",
         ),
         (
             ("for f in (1, 2):\n    sim.run(f)\n    Simulation(control=lambda s: (f, f))",),
-            "control needs f, and f exists only by running cell 1, line 1",
+            "control needs f; f exists only by running cell 1, line 1",
         ),
         (
             ("import x", "with open('t') as f:\n    T = f.read()", "def control(s): return T"),
-            "control needs T, and T exists only by running cell 2, line 1",
+            "control needs T; T exists only by running cell 2, line 1",
         ),
         (("K = input('gain?')", "def control(step): return K"), "running cell 1, line 1"),
         (("K = await f()", "def control(step): return K"), "running cell 1, line 1"),
@@ -189,7 +189,7 @@ def test_a_slot_of_its_own_counts_more_than_an_argument_and_that_is_noted(tmp_pa
 def test_what_exists_only_by_running_a_cell_is_told(tmp_path, cells, words):
     text = says(tmp_path, *cells)
     assert words in text
-    assert "which the grader does not run" in text
+    assert "which the grader does not run: give " in text
 
 
 @pytest.mark.parametrize(
@@ -229,6 +229,29 @@ def test_what_is_imported_from_the_future_counts_in_all_cells(tmp_path):
     assert gives(tmp_path, *cells) == (1, 2)
 
 
+def test_the_value_that_can_be_written_down_is_named(tmp_path):
+    text = says(
+        tmp_path,
+        "trace = sim.run(9)\nmeasured = errors(trace)\nR = measured.sd ** 2",
+        "class Filter:\n    def __call__(self, step):\n        return update(step)",
+        "def update(step):\n    return R",
+        "control = Filter()",
+    )
+    assert text == (
+        "s001.ipynb: control needs Filter, which needs update, which needs R, which needs "
+        "measured, which needs trace; trace exists only by running cell 1, line 1 "
+        "(trace = sim.run(9)), which the grader does not run: give R a value that needs no run, "
+        "or tag the cells that count with robsim"
+    )
+
+
+def test_a_cell_that_is_a_command_is_told(tmp_path):
+    text = says(tmp_path, f"%%writefile control.py\n{PLAIN}")
+    assert text.endswith(
+        "; cell 1 (%%writefile control.py) is a command of the notebook, and does not count"
+    )
+
+
 def test_each_slot_has_what_it_needs(tmp_path):
     path = notebook(
         tmp_path / "s001.ipynb",
@@ -240,7 +263,7 @@ def test_each_slot_has_what_it_needs(tmp_path):
     assert read_submission(path, BOTH).slots == ("control", "measure")
     assert answer(path, BOTH) == (2, 2)
     text = str(refused(path, Rules(slots=("control", "estimate_state"))))
-    assert "estimate_state needs SIGMA, and SIGMA exists only by running cell 1, line 2" in text
+    assert "estimate_state needs SIGMA; SIGMA exists only by running cell 1, line 2" in text
 
 
 def ours(name, slot):

@@ -144,6 +144,9 @@ def _failing(name: str, slot: str | None) -> Iterator[None]:
         raise
     except BaseException as error:  # SystemExit, too
         text = error_text(error, slot=slot)
-        raise SubmissionError(
-            f"{name} cannot be loaded: {text}", slot=text.slot, file=text.file, line=text.line
-        ) from None
+        told = f"{text.file or name}, line {text.line}: {text.type}: {text.message}"
+        if not text.lines:  # what robsim says of a callback names its file
+            told = text.message
+        elif text.slot is not None:
+            told += f" (when {text.slot} was loaded)"
+        raise SubmissionError(told, slot=text.slot, file=text.file, line=text.line) from None

@@ -11,7 +11,7 @@ from robsim.grading._errors import SubmissionError
 from robsim.grading._submissions.module_file import no_slot
 from robsim.grading._submissions.notebook.cells import SKIP, WHOLE, Cell, cells_of
 from robsim.grading._submissions.notebook.closure import needed
-from robsim.grading._submissions.notebook.magics import parsed
+from robsim.grading._submissions.notebook.magics import is_command, parsed
 from robsim.grading._submissions.notebook.slots import Value, freed, values_of, with_variable
 from robsim.grading._submissions.notebook.statements import (
     Statement,
@@ -90,6 +90,8 @@ def _chosen(cells: list[Cell], file: str, slots: tuple[str, ...]) -> Notebook:
     tagged = [cell for cell in cells if cell.tag == WHOLE]
     statements, flags = _statements(tagged or cells, file)
     values, notes = _one_each(statements, file, slots)
+    if not values:
+        raise _no_slot(cells, statements, file, slots)
     kept = statements if tagged else needed(statements, values, file)
     return _assembled(kept, values, flags, notes)
 
@@ -111,7 +113,7 @@ def _statements(cells: list[Cell], file: str) -> tuple[list[Statement], int]:
 def _one_each(
     statements: list[Statement], file: str, slots: tuple[str, ...]
 ) -> tuple[list[Value], tuple[str, ...]]:
-    """Return the one value of each slot; raise SubmissionError where there are two, or none."""
+    """Return the one value of each slot that has one; raise SubmissionError where there are two."""
     values, notes = [], []
     for slot in slots:
         explicit, given = values_of(statements, slot)
@@ -127,10 +129,17 @@ def _one_each(
             values.append(candidates[-1])
         if explicit and (others := [v for v in given if v.identity != explicit[0].identity]):
             notes.append(f"{slot} is {explicit[-1].told}, and not {others[0].told}")
-    if not values:
-        defined = {name for each in statements if each.is_definition for name in each.binds}
-        raise no_slot(file, defined, slots)
     return values, tuple(notes)
+
+
+def _no_slot(
+    cells: list[Cell], statements: list[Statement], file: str, slots: tuple[str, ...]
+) -> SubmissionError:
+    """Return the error for a notebook that fills no slot, with what may be meant."""
+    defined = {name for each in statements if each.is_definition for name in each.binds}
+    unread = [cell.title for cell in cells if is_command(cell)]
+    hint = f"; {unread[0]} is a command of the notebook, and does not count" if unread else ""
+    return SubmissionError(f"{no_slot(file, defined, slots)}{hint}", file=file)
 
 
 def _first_of_each(values: Iterable[Value]) -> list[Value]:

@@ -32,7 +32,7 @@ def parsed(cells: Sequence[Cell], file: str) -> list[tuple[Cell, ast.stmt]]:
     statements: list[tuple[Cell, ast.stmt]] = []
     spent = 0
     for cell in cells:
-        lines = _without_cell_command(cell.source.split("\n"))
+        lines = _without_cell_command(cell)
         nodes = None
         while nodes is None:
             spent += len(cell.source)
@@ -47,13 +47,24 @@ def parsed(cells: Sequence[Cell], file: str) -> list[tuple[Cell, ast.stmt]]:
     return statements
 
 
-def _without_cell_command(lines: list[str]) -> list[str]:
+def is_command(cell: Cell) -> bool:
+    """Return whether a whole cell is a command, such as ``%%bash``."""
+    first = _first_line(cell.source.split("\n"))
+    return first.startswith("%%") and not _TRANSPARENT.match(first)
+
+
+def _first_line(lines: list[str]) -> str:
+    return next((line for line in lines if line.strip()), "").lstrip()
+
+
+def _without_cell_command(cell: Cell) -> list[str]:
     """Return the lines of a cell that Python gets, where the first one may be a cell's command."""
-    first = next((line for line in lines if line.strip()), "").lstrip()
+    if is_command(cell):
+        return []
+    lines = cell.source.split("\n")
+    first = _first_line(lines)
     if not first.startswith("%%"):
         return lines
-    if not _TRANSPARENT.match(first):
-        return []
     return ["" if line.lstrip() == first else line for line in lines]
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from types import CodeType
 from typing import Any
 
+from robsim._base.text import one_line
 from robsim.grading._submissions.notebook.cells import Cell
 from robsim.grading._submissions.notebook.magics import AWAIT
 from robsim.grading._submissions.python_text import quiet
@@ -38,6 +39,7 @@ _MUTATORS = frozenset(
         *("fill", "add", "discard", "setdefault", "popitem", "put", "resize", "setflags"),
     }
 )
+_LONGEST_LINE = 50  # characters
 _LOADS = frozenset({"LOAD_NAME", "LOAD_GLOBAL", "LOAD_FROM_DICT_OR_GLOBALS"})
 _STORES = frozenset({"STORE_NAME", "STORE_GLOBAL"})
 _CALLED_WITH_CLASS = frozenset({"__init__", "__new__", "__post_init__"})
@@ -91,6 +93,12 @@ class Statement:
     def place(self) -> str:
         """Cell and line, for messages."""
         return f"cell {self.cell.number}, line {self.node.lineno}"
+
+    @property
+    def text(self) -> str:
+        """Its first line, cut, for messages."""
+        line = self.cell.source.split("\n")[self.node.lineno - 1].strip()
+        return one_line(line if len(line) <= _LONGEST_LINE else f"{line[:_LONGEST_LINE]}...")
 
 
 def flags_of(nodes: Iterable[ast.stmt]) -> int:
