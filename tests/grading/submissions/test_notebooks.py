@@ -1,6 +1,7 @@
 """Callbacks out of notebooks: what counts, what is refused, what never runs."""
 
 import json
+import sys
 import traceback
 from pathlib import Path
 
@@ -66,6 +67,13 @@ def test_what_a_slot_needs_comes_with_it_and_nothing_else(tmp_path):
         "for i in range(9):\n    sim.step()",
         "def control(step):\n    return [scaled(GAINS['b']), GAINS['c'], K, M[0], N, BIG, table]",
     ) == [4, 3, 6, 7, 8, True, [0, 1, 2]]
+
+
+@pytest.mark.skipif(sys.version_info < (3, 12), reason="a statement of Python 3.12")
+def test_types_are_definitions(tmp_path):
+    cells = ("type Voltages = tuple[float, float]", "def same[T](x: T) -> T:\n    return x")
+    drive = "def control(step) -> Voltages:\n    return same((1, 2))"
+    assert gives(tmp_path, *cells, drive) == (1, 2)
 
 
 def test_line_numbers_are_those_of_the_cell(tmp_path):

@@ -42,6 +42,10 @@ _MUTATORS = frozenset(
 _LONGEST_LINE = 50  # characters
 _LOADS = frozenset({"LOAD_NAME", "LOAD_GLOBAL", "LOAD_FROM_DICT_OR_GLOBALS"})
 _STORES = frozenset({"STORE_NAME", "STORE_GLOBAL"})
+_DEFINITIONS: tuple[type, ...] = (
+    *(ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom, ast.Pass),
+    *filter(None, [getattr(ast, "TypeAlias", None)]),  # from Python 3.12 on
+)
 _CALLED_WITH_CLASS = frozenset({"__init__", "__new__", "__post_init__"})
 _FUTURES = {name: getattr(__future__, name).compiler_flag for name in __future__.all_feature_names}
 
@@ -210,9 +214,7 @@ def _changed(node: ast.stmt) -> Iterator[str]:
 
 
 def _defines(node: ast.stmt) -> bool:
-    if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Pass)):
-        return True
-    if isinstance(node, (ast.Import, ast.ImportFrom)):
+    if isinstance(node, _DEFINITIONS):
         return True
     if isinstance(node, (ast.Assign, ast.AugAssign)):
         return not _awaits(node)
